@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from ..common.arguments import number, numbers
 from ..common.errors import PinpressError, caution
 from ..common.quantities import Array
-from ..linkage.configurations import refuse_far
+from ..linkage.assembly import refuse_far
 from .sampled_column import FEWEST, SampledColumn
 
 KEPT = 1e6  # roundings of time that a step must have, for its length to be known

@@ -20,7 +20,7 @@ from ..common.results import Tabular
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure
 from ..engines.joints import Slot, configuration
-from ..linkage.configurations import closed, followed_from, refuse_far
+from ..linkage.assembly import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage
 
 POINTS = 360  # states of a turn, by default

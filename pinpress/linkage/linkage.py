@@ -21,11 +21,9 @@ from ..engines.engine import Closure, Engine
 from ..engines.joints import Axis, Coupling, LoopJoint, Slot, configuration
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
-from ..engines.spatial.anchors import constraint_models
 from ..engines.spatial.kinematics import rank
-from ..engines.spatial.model import Rows, SpatialModel, build_spatial_model
-from .assembly import Assembly, as_drawn, assembled, followed, through_change_points
-from .configurations import closed, followed_from, refuse_far
+from ..engines.spatial.model import Rows, SpatialModel, build_spatial_model, constraint_models
+from .assembly import Assembly, as_drawn, assembled, closed, followed, followed_from, refuse_far, through_change_points
 from .memo import Model, keep_geometry, per_linkage
 from .urdf.document import Document
 

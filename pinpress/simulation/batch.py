@@ -26,7 +26,7 @@ from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..kinematics.motion import motion_through_change_points
-from ..linkage.configurations import refuse_far
+from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError

@@ -33,7 +33,7 @@ from ..common.parameters import refuse_scenarios
 from ..common.quantities import Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
-from ..linkage.configurations import refuse_far
+from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Load

@@ -19,7 +19,7 @@ from ..common.parameters import refuse_scenarios
 from ..common.quantities import Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel
-from ..linkage.configurations import refuse_far
+from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError

@@ -12,7 +12,7 @@ from support.oracles import cassie
 
 import pinpress as pp
 from pinpress.common.errors import PinpressWarning, UrdfError
-from pinpress.linkage.formats.spanning_tree import Edge, spanning_tree
+from pinpress.linkage.formats.mechanism import Edge, spanning_tree
 from pinpress.linkage.loading import assembled, document_of
 
 MODEL = """<sdf version="{version}">

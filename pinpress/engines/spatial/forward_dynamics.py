@@ -1,6 +1,6 @@
 """Forward dynamics of any linkage, one state at a time: accelerations under given joint efforts, and states kept on the loops.
 
-Loops are held at points (see `anchors`), a fixed one at three, so that every gap is a length. There are three rows for every point and
+Loops are held at points (see `held_points`), a fixed one at three, so that every gap is a length. There are three rows for every point and
 one for every coupling.
 
 In general, the transposed Jacobian of these rows is factorised in every state by QR with column pivoting, its rows scaled so that all
@@ -35,8 +35,7 @@ from ...common.quantities import Array
 from ..branch import SMALLEST_MARGIN
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS
 from ..joints import Axis, data_of
-from .anchors import PointPair, held_points
-from .model import SpatialModel
+from .model import PointPair, SpatialModel, held_points
 
 MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
 CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which a pivot of the quick way is clearly not zero

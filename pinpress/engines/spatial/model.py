@@ -1,4 +1,4 @@
-"""Constants of any linkage, and the equations of its loops and couplings at one configuration, by Pinocchio's constraint models.
+"""Constants of any linkage, the equations of its loops and couplings at one configuration, and Pinocchio's constraint models of the loops.
 
 This engine computes loops in space, any number of drivers and redundant equations, and by its results those of the planar engine are
 tested. The rank of the equations is found from their singular values.
@@ -7,11 +7,14 @@ The equations are, in this order: for every loop the distance of its ends, three
 rotations that its bearing prevents, of body 2 against body 1 about axes of end 1; one row for every coupling. Rotations [rad] are
 multiplied by the length of the linkage, so that all rows are lengths and can be compared. The multiplier of such a row is a torque divided
 by that length.
+
+`constraint_models` are for users of Pinocchio: a spherical loop is held at its point; a revolute one at two points of its axis, because
+Pinocchio has no constraint of a pin in space; a fixed one as a frame. `ForwardDynamics` holds a fixed loop at three points.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,6 +26,8 @@ from ...common.quantities import Array
 from ..joints import Axis, Coupling, LoopJoint, Slot, axes, configuration, data_of, drawn_placements, joints_between, slots
 
 PARALLEL_TO_ROUNDING = 1e-14  # sine of an angle that rounding leaves between parallel axes: an entry as small is zero
+PointPair = tuple[int, pin.SE3, int, pin.SE3]
+"""Two points that a loop holds together: joint and place in its frame, of either side."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -210,6 +215,50 @@ class Equations:
         """Angular velocity and acceleration (3,) of a joint's body in world axes [rad/s, rad/s2]."""
         rotation = self.placements[joint].rotation
         return rotation @ self.data.v[joint].angular, rotation @ self.data.a[joint].angular
+
+
+def constraint_models(spatial: SpatialModel, closed: Array) -> tuple[pin.PointAnchorConstraintModel | pin.FrameAnchorConstraintModel, ...]:
+    """See `Linkage.constraint_models`; ``closed``: (nv,) joint coordinates of the closed drawn pose."""
+    model = spatial.model
+    rotations: Sequence[Array] = ()
+    if any(loop.held_rotations for loop in spatial.loops):
+        data = data_of(model)
+        pin.forwardKinematics(model, data, configuration(spatial.slots, closed))
+        rotations = [placement.rotation for placement in data.oMi]
+    found = []
+    for loop in spatial.loops:
+        if loop.type == "fixed":
+            ends = pin.SE3(loop.rotation1, loop.point1), pin.SE3(loop.rotation2, loop.point2)
+            anchors = [pin.FrameAnchorConstraintModel(model, loop.joint1, ends[0], loop.joint2, ends[1])]
+        else:
+            anchors = [
+                pin.PointAnchorConstraintModel(
+                    model, joint1, pin.SE3(loop.rotation1, place1.translation), joint2, pin.SE3(loop.rotation2, place2.translation)
+                )
+                for joint1, place1, joint2, place2 in held_points(loop, rotations, spatial.size)
+            ]
+        for anchor in anchors:
+            anchor.name = loop.name
+        found += anchors
+    return tuple(found)
+
+
+def held_points(loop: LoopJoint, rotations: Sequence[Array], size: float) -> list[PointPair]:
+    """The points at which a loop is held: one of a spherical loop, two of a revolute and three of a fixed one.
+
+    Args:
+        loop: the loop.
+        rotations: rotations of Pinocchio's joints in the closed pose; empty where no loop prevents rotations.
+        size: length of the linkage, by which further points are away from the loop's own [m].
+    """
+    result = [(loop.joint1, pin.SE3(np.eye(3), loop.point1), loop.joint2, pin.SE3(np.eye(3), loop.point2))]
+    for axis in range({0: 0, 2: 1, 3: 2}[loop.held_rotations]):
+        along1, along2 = loop.rotation1[:, axis], loop.rotation2[:, axis]
+        worlds = rotations[loop.joint1] @ along1, rotations[loop.joint2] @ along2
+        turned = float(np.sign(worlds[0] @ worlds[1]))  # the axes of a revolute loop may point against each other
+        places = (pin.SE3(np.eye(3), point) for point in (loop.point1 + size * along1, loop.point2 + turned * size * along2))
+        result.append((loop.joint1, next(places), loop.joint2, next(places)))
+    return result
 
 
 def cross(one: Array, other: Array) -> Array:

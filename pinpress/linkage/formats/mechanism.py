@@ -1,12 +1,14 @@
-"""Links, joints and loops that a reader has found in another format, and the URDF that says the same.
+"""Links, joints and loops that a reader has found in another format, the tree that is chosen among them, and the URDF that says the same.
 
 The frame of a link is that of the joint which carries it, as URDF has it; the drawn pose is that of the file, and joints are at zero there.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -58,7 +60,14 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A body."""
+    """A body.
+
+    Attributes:
+        name: of the link.
+        inertia: its mass and inertia, None where it has none.
+        shapes: what is drawn of it.
+        origin: where it was read.
+    """
 
     name: str
     inertia: Inertia | None
@@ -68,7 +77,14 @@ class Link:
 
 @dataclass(frozen=True)
 class Follow:
-    """The joint's coordinate is ``multiplier`` times that of the joint named ``leader``, plus ``offset`` [rad or m]."""
+    """A gear pair: the joint's coordinate is multiplier x coordinate of the leader + offset.
+
+    Attributes:
+        leader: name of the joint that is followed.
+        multiplier: ratio of the coordinates.
+        offset: [rad or m].
+        origin: where it was read.
+    """
 
     leader: str
     multiplier: float
@@ -151,6 +167,62 @@ class Mechanism:
     drivers: tuple[tuple[str, Origin], ...]
     remarks: tuple[Finding, ...]
     origin: Origin
+
+
+class Edge(NamedTuple):
+    """A joint that the tree may take.
+
+    Attributes:
+        parent: name of its parent link.
+        child: name of its child link.
+        rank: the tree takes joints of low rank before others.
+    """
+
+    parent: str
+    child: str
+    rank: int
+
+
+class SpanningTree(NamedTuple):
+    """A tree of links.
+
+    Attributes:
+        tree: by the index of each joint in it, the name of the link that it carries, from the root outwards.
+        lost: names of links that no joints connect to the root.
+    """
+
+    tree: Mapping[int, str]
+    lost: tuple[str, ...]
+
+
+def spanning_tree(root: str, links: Sequence[str], edges: Sequence[Edge]) -> SpanningTree:
+    """A tree with as many joints of the lowest ranks as there can be, in which joints carry their children.
+
+    Where a joint is the only one of its rank that could carry a link, and has it for its parent, it carries its parent.
+    """
+    groups = {link: {link} for link in links}
+    taken: list[int] = []
+    carried: set[str] = {root}
+    for rank, as_written in itertools.product(sorted({edge.rank for edge in edges}), (True, False)):
+        for k, (parent, child, own) in enumerate(edges):
+            if own != rank or groups[parent] is groups[child] or (as_written and child in carried):
+                continue
+            carried.add(child)
+            taken.append(k)
+            joined = groups[parent] | groups[child]
+            groups.update(dict.fromkeys(joined, joined))
+    around: dict[str, list[tuple[int, str]]] = {}
+    for k in sorted(taken):
+        around.setdefault(edges[k].parent, []).append((k, edges[k].child))
+        around.setdefault(edges[k].child, []).append((k, edges[k].parent))
+    tree: dict[int, str] = {}
+    reached = [root]
+    for link in reached:  # grows as it goes
+        for k, other in around.get(link, ()):
+            if k not in tree:
+                tree[k] = other
+                reached.append(other)
+    return SpanningTree(tree, tuple(link for link in links if link not in reached))
 
 
 def as_document(file: str, mechanism: Mechanism, source: str) -> Document:

@@ -23,8 +23,7 @@ from ..urdf.element_checks import DEEPEST_JOINTS, MOST
 from ..urdf.findings import Finding
 from . import drake
 from .elements import ALONE, direction, needed, numbers, optional, origin_of, pose_and_rounding, refuse, refuse_unknown, remark, unused
-from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule
-from .spanning_tree import Edge, spanning_tree
+from .mechanism import Edge, Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule, spanning_tree
 
 WORLD = "world"
 _MODEL = "__model__"
