@@ -20,8 +20,7 @@ from ..linkage.assembly_checks import short
 from ..linkage.linkage import Linkage
 from ..linkage.loading import assembled, document_of, located
 from ..linkage.urdf import element_checks, reader
-from ..linkage.urdf.document import Document
-from ..linkage.urdf.findings import SEVERITIES, Finding
+from ..linkage.urdf.document import SEVERITIES, Document, Finding
 
 WIDTH = 120  # of a line of text
 WHOLE = ("<robot", "<model", "<mujoco")  # what is said of the file as a whole is said of none of its elements

@@ -20,8 +20,7 @@ from ..engines.spatial.model import Rows
 from . import mobility
 from .linkage import Linkage
 from .urdf import element_checks
-from .urdf.document import Element
-from .urdf.findings import Finding
+from .urdf.document import Element, Finding
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]

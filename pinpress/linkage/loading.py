@@ -17,8 +17,8 @@ from ..engines.joints import Coupling, LoopJoint
 from . import assembly_checks
 from .formats import dialects
 from .linkage import Linkage
-from .urdf import findings, reader
-from .urdf.document import Document, read
+from .urdf import reader
+from .urdf.document import Document, check_command, read, refuse_errors
 
 
 def presses() -> tuple[str, ...]:
@@ -64,9 +64,9 @@ def load_text(text: bytes, file: str, slide: str | None = None, gravity: Sequenc
 
 
 def _loaded(document: Document, driver: str | Sequence[str] | None, slide: str | None, gravity: Sequence[float]) -> Linkage:
-    findings.refuse(reader.errors(document), findings.command(document.file))
+    refuse_errors(reader.errors(document), check_command(document.file))
     press = assembled(document, driver, slide, gravity)
-    check_drawn_pose(press, findings.command(press.file, () if driver is None else press.drivers, slide))
+    check_drawn_pose(press, check_command(press.file, () if driver is None else press.drivers, slide))
     severe = (finding for finding in document.remarks if finding.severity == "warning")
     for finding in (*severe, *assembly_checks.severe(press, document.robot)):
         caution(finding.message(press.file))
@@ -75,7 +75,7 @@ def _loaded(document: Document, driver: str | Sequence[str] | None, slide: str |
 
 def check_drawn_pose(press: Linkage, command: str | None = None) -> None:
     """Raise the first of the errors that `assembly_checks` finds in a linkage; ``command`` lists all of them."""
-    findings.refuse(assembly_checks.errors(press), command or findings.command(press.file))
+    refuse_errors(assembly_checks.errors(press), command or check_command(press.file))
 
 
 def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:

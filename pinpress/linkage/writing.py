@@ -24,8 +24,7 @@ from ..engines.joints import Axis, LoopJoint, Slot, axes, slots
 from . import assembly_checks, loading
 from .linkage import Linkage
 from .urdf import reader
-from .urdf.document import Document, Element
-from .urdf.findings import Finding
+from .urdf.document import Document, Element, Finding
 from .urdf.text import Text, tag
 
 MOST_TEXTS = 4  # tried to meet the numbers to the last bit; the second mostly does, or none

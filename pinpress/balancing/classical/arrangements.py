@@ -21,8 +21,8 @@ from ...common.quantities import Array
 from ...kinematics.motion import poses
 from ...linkage import loading
 from ...linkage.linkage import Linkage
-from ...linkage.urdf import findings, reader
-from ...linkage.urdf.document import Document
+from ...linkage.urdf import reader
+from ...linkage.urdf.document import Document, check_command, refuse_errors
 from ...linkage.urdf.text import tag
 from ..counterweights import combined, rigid_body
 from .crank_slider import CENTRED, CrankSlider, as_crank_slider
@@ -243,7 +243,7 @@ def press_of(plan: PressPlan, comment: str) -> Linkage:
     text = f'<?xml version="1.0"?>\n<!--\n  {comment}\n-->\n{robot}\n'.encode()
     file = f"{plan.name}.urdf (not written)"  # the file's name in errors
     document = Document(file, text)
-    findings.refuse(reader.errors(document), findings.command(file))
+    refuse_errors(reader.errors(document), check_command(file))
     press = loading.assembled(document, None, plan.slide, plan.gravity)
     loading.check_drawn_pose(press)
     return press

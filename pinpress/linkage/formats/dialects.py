@@ -1,27 +1,31 @@
 """Loops as other programs write them into a URDF, turned into ``<loop_joint>`` in its text; everything else stays to the byte.
 
 Read are
-- Drake's ``<drake:ball_constraint>`` and ``<drake:linear_bushing_rpy>`` (see `drake`),
+- Drake's ``<drake:ball_constraint>`` and ``<drake:linear_bushing_rpy>`` (Drake's multibody/parsing/parsing_doxygen.h, "Drake Extensions"),
+  which `sdf` reads by the same functions: URDF has their values in attributes, SDF as texts,
 - ``<loop>`` of URDF+ and ``<constraint>``, as its parser writes it (Chignoli, Slotine, Wensing, Kim: URDF+, arXiv 2411.19753),
 - ``<gazebo><joint>``: a joint of SDF, which Gazebo adds to the tree.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 import pinocchio as pin
 
-from ..urdf.document import Document, Element, Origin, tree
+from ...common.quantities import Array
+from ..urdf.document import Document, Element, Finding, Origin, tree
 from ..urdf.element_checks import LOOP_TYPES, MOST, names
-from ..urdf.findings import Finding
 from ..urdf.text import Text
-from . import drake
 from .elements import ALONE, direction, needed, numbers, optional, origin_of, pose_of, refuse, remark, unused
 from .mechanism import Loop, loop_element
 
-_LOOPS = (drake.BALL, drake.BUSHING, "loop", "constraint")
+BALL, BUSHING, SPRING = "drake:ball_constraint", "drake:linear_bushing_rpy", "drake:linear_spring_damper"
+Said = Callable[[Element], str]
+"""What an element says: a name, or numbers."""
+
+_LOOPS = (BALL, BUSHING, "loop", "constraint")
 _REFUSED = {
     "drake:joint": "write revolute, continuous, prismatic or fixed joints, or a loop: Pinocchio does not read this element",
     "drake:tendon_constraint": "write a gear pair, <mimic>, where two joints move together",
@@ -51,19 +55,19 @@ def plain(document: Document) -> Document:
             loop = _gazebo_joint(file, robot, worded[element.start], taken)
             text.replace(element, f"</gazebo>{loop_element(loop)}<gazebo>")
         else:
-            reader = _ball if element.tag == drake.BALL else _bushing if element.tag == drake.BUSHING else _urdf_plus_loop
+            reader = _ball if element.tag == BALL else _bushing if element.tag == BUSHING else _urdf_plus_loop
             loop = reader(file, robot, element, taken)
             text.replace(element, loop_element(loop))
-        if element.tag == drake.BUSHING:
-            remarks_of_loops.append(drake.bushing_remark(loop.origin))
+        if element.tag == BUSHING:
+            remarks_of_loops.append(bushing_remark(loop.origin))
         taken.add(loop.name)
         origins[element.line, "loop_joint"] = loop.origin
     return Document(file, text.edited(), origins, (*remarks, *remarks_of_loops))
 
 
 def _remarks(robot: Element) -> Iterator[Finding]:
-    for element in robot.all(drake.SPRING):
-        yield drake.spring_remark(element)
+    for element in robot.all(SPRING):
+        yield spring_remark(element)
     for transmission in robot.all("transmission"):
         for actuator in transmission.all("actuator"):
             for element in actuator.all("drake:rotor_inertia"):
@@ -76,16 +80,16 @@ def _remarks(robot: Element) -> Iterator[Finding]:
 
 
 def _ball(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
-    ends = [(body.get("name"), pin.SE3(np.eye(3), point)) for body, point in drake.ball_ends(file, element, _value)]
+    ends = [(body.get("name"), pin.SE3(np.eye(3), point)) for body, point in ball_ends(file, element, _value)]
     name = element.get("name") or unused(f"ball_{ends[0][0]}_{ends[1][0]}", taken)
     return Loop(name, "spherical", (ends[0], ends[1]), None, _called(element, name))
 
 
 def _bushing(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
     frames = {frame.get("name"): _frame(file, frame) for frame in robot.all("frame")}
-    named = [end.get("name") for end in drake.bushing_ends(file, element)]
+    named = [end.get("name") for end in bushing_ends(file, element)]
     ends = [frames.get(name) or (name, pin.SE3.Identity()) for name in named]  # a link's own frame has its name
-    axis = drake.bushing_axis(file, element, _value)
+    axis = bushing_axis(file, element, _value)
     name = element.get("name") or unused(f"bushing_{ends[0][0]}_{ends[1][0]}", taken)
     return Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, _called(element, name))
 
@@ -98,6 +102,51 @@ def _frame(file: str, frame: Element) -> tuple[str, pin.SE3]:
     """Drake's ``<frame name="..." link="..." xyz="..." rpy="..."/>``."""
     xyz, rpy = (numbers(file, frame, frame.attributes.get(name, "0 0 0"), 3) for name in ("xyz", "rpy"))
     return frame.get("link"), pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
+
+
+def ball_ends(file: str, element: Element, said: Said) -> list[tuple[Element, Array]]:
+    """The elements that name bodies A and B of a ball constraint, each with its point: P in A coincides with Q in B [m]."""
+    values = [needed(file, element, f"{BALL}_{name}") for name in ("body_A", "p_AP", "body_B", "p_BQ")]
+    return [(body, numbers(file, point, said(point), 3)) for body, point in (values[:2], values[2:])]
+
+
+def bushing_ends(file: str, element: Element) -> list[Element]:
+    """The elements that name frames A and C of a bushing."""
+    return [needed(file, element, f"drake:bushing_frame{side}") for side in ("A", "C")]
+
+
+def bushing_axis(file: str, element: Element, said: Said) -> Array | None:
+    """(3,) the axis of the pin that a bushing stands for, in its frames; None of a ball joint. Bushings elastic in other ways are refused.
+
+    Torques are about x, y, z (roll, pitch, yaw), forces along them. A pin holds all three directions and two or none of the rotations; what
+    holds nothing has neither stiffness nor damping.
+    """
+    values: Mapping[tuple[str, str], Array] = {
+        (kind, word): numbers(file, found, said(found), 3)
+        for kind in ("torque", "force")
+        for word in ("stiffness", "damping")
+        for found in (needed(file, element, f"drake:bushing_{kind}_{word}"),)
+    }
+    torque, force = values["torque", "stiffness"], values["force", "stiffness"]
+    held = [axis for axis in range(3) if torque[axis] or values["torque", "damping"][axis]]
+    if force.min() > 0 and not held:
+        return None
+    if force.min() > 0 and len(held) == 2 and torque[held].min() > 0:
+        return np.asarray(np.eye(3)[next(axis for axis in range(3) if axis not in held)])
+    problem = "a bushing is elastic, and this one is neither a pin (held but for the turn about one axis) nor a ball joint (no torques)"
+    remedy = "write a <loop_joint> for a rigid bearing; for elastic ones give pp.elasticity.Stiffness"
+    refuse(file, element, problem, remedy)
+
+
+def bushing_remark(origin: Origin) -> Finding:
+    """What is lost of a bushing."""
+    problem = "it is read as a rigid bearing: its stiffness and damping are not"
+    return remark("warning", origin, problem, "write a ball constraint or <loop_joint>, if that is meant")
+
+
+def spring_remark(element: Element) -> Finding:
+    """A spring between bodies."""
+    return remark("warning", element, "a spring between bodies is not read", "give it as a load: loads=[SpringDamper(...)]")
 
 
 # ------------------------------------------------------------------------------------------------------------------------------------ URDF+

@@ -13,8 +13,7 @@ import pinocchio as pin
 
 from ...common.errors import UrdfError, shown, suggestion
 from ...common.quantities import Array
-from ..urdf.document import Element, Origin
-from ..urdf.findings import Finding
+from ..urdf.document import Element, Finding, Origin
 
 ALONE = "write the linkage of the press alone"
 LARGEST = 1e12  # that is computed with

@@ -14,8 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array
-from ..urdf.document import Document, Origin
-from ..urdf.findings import Finding
+from ..urdf.document import Document, Finding, Origin
 from ..urdf.text import tag
 
 # What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.

@@ -17,8 +17,7 @@ import pinocchio as pin
 
 from ...common.errors import PinpressError, UrdfError
 from ...common.quantities import Array
-from ..urdf.document import Document, Element, Origin
-from ..urdf.findings import Finding
+from ..urdf.document import Document, Element, Finding, Origin
 from .elements import refuse, remark, unused
 from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule
 

@@ -18,10 +18,9 @@ import pinocchio as pin
 
 from ...common.errors import suggestion
 from ...common.quantities import Array
-from ..urdf.document import Document, Element, Origin, tree
+from ..urdf.document import Document, Element, Finding, Origin, tree
 from ..urdf.element_checks import DEEPEST_JOINTS, MOST
-from ..urdf.findings import Finding
-from . import drake
+from .dialects import BALL, BUSHING, SPRING, ball_ends, bushing_axis, bushing_ends, bushing_remark, spring_remark
 from .elements import ALONE, direction, needed, numbers, optional, origin_of, pose_and_rounding, refuse, refuse_unknown, remark, unused
 from .mechanism import Edge, Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule, spanning_tree
 
@@ -496,25 +495,25 @@ class _Reader:
         refused = ("drake:joint", "drake:tendon_constraint")
         for element in self.model.all(*refused):
             refuse(self.file, element, "cannot be read", "write joints of SDF")
-        self.remarks += [drake.spring_remark(element) for element in self.model.all(drake.SPRING)]
-        for element in self.model.all(drake.BALL):
+        self.remarks += [spring_remark(element) for element in self.model.all(SPRING)]
+        for element in self.model.all(BALL):
             ends = []
-            for body, point in drake.ball_ends(self.file, element, _text):
+            for body, point in ball_ends(self.file, element, _text):
                 link = self._link_of(_text(body), body)
                 inside = frames[link].inverse() * self.place(link, body)
                 ends.append((link, pin.SE3(np.eye(3), inside.act(point))))
             name = element.get("name") or unused(f"ball_{ends[0][0]}_{ends[1][0]}", taken)
             taken.add(name)
             yield Loop(name, "spherical", (ends[0], ends[1]), None, origin_of(element))
-        for element in self.model.all(drake.BUSHING):
+        for element in self.model.all(BUSHING):
             ends = []
-            for frame in drake.bushing_ends(self.file, element):
+            for frame in bushing_ends(self.file, element):
                 link = self._link_of(_text(frame), frame)
                 ends.append((link, frames[link].inverse() * self.place(_text(frame), frame)))
-            axis = drake.bushing_axis(self.file, element, _text)
+            axis = bushing_axis(self.file, element, _text)
             name = element.get("name") or unused(f"bushing_{ends[0][0]}_{ends[1][0]}", taken)
             taken.add(name)
-            self.remarks.append(drake.bushing_remark(origin_of(element)))
+            self.remarks.append(bushing_remark(origin_of(element)))
             yield Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, origin_of(element))
 
     def _drivers(self, joints: set[str]) -> Iterator[tuple[str, Origin]]:

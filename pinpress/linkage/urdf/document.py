@@ -1,19 +1,23 @@
-"""The text of a URDF as XML elements, each with its line: what reading, checking, showing and rewriting a linkage start from."""
+"""The text of a URDF as XML elements, each with its line, and findings about them: what reading, checking, showing and rewriting a linkage
+start from.
+"""
 
 from __future__ import annotations
 
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 from xml.parsers import expat
 
 from ...common import files
-from ...common.errors import UrdfError, shown
-from .findings import Finding
+from ...common.errors import PinpressError, UrdfError, shown
+from ...common.results import Record
+
+SEVERITIES = ("error", "warning", "note")
 
 # The largest URDF that comes with pinpress has 30 kB and 200 elements. These limits are far beyond any press, and small enough for a file
 # that is none to be refused at once.
@@ -101,6 +105,36 @@ class Origin(NamedTuple):
     line: int
 
 
+@dataclass(frozen=True, repr=False)
+class Finding(Record):
+    """One thing found in a URDF, or in its linkage: `load` raises the first error, `check` lists all findings.
+
+    Attributes:
+        severity: "error" (the linkage is not loaded), "warning" (it is loaded, but hardly what was meant) or "note" (worth knowing).
+        element: the XML element, e.g. ``<joint name="A">``; None where the finding is about the file as a whole.
+        line: line of this element in the file; None where there is none.
+        problem: what was found.
+        remedy: what to write or to do; empty where nothing need be done.
+        error: the exception that `load` raises if this is the first error; None for warnings and notes.
+    """
+
+    severity: str
+    element: str | None
+    line: int | None
+    problem: str
+    remedy: str
+    error: PinpressError | None = field(default=None, compare=False, repr=False)
+
+    def message(self, file: str) -> str:
+        """All of it, as the message of a UrdfError puts it."""
+        place = file if self.line is None else f"{file}:{self.line}"
+        return f"{place}: {self.element}: {self.problem}; {self.remedy}"
+
+    @staticmethod
+    def of(error: UrdfError) -> Finding:
+        return Finding("error", error.element, error.line, error.problem, error.remedy, error)
+
+
 @dataclass(frozen=True, eq=False)
 class Document:
     """A URDF's text. Its elements are read when they are first asked for, and not pickled.
@@ -136,15 +170,6 @@ class Document:
 
     def __getstate__(self) -> dict[str, Any]:
         return {"file": self.file, "text": self.text, "origins": self.origins, "remarks": self.remarks}
-
-
-def _name_origins(element: Element, origins: Mapping[tuple[int, str], Origin], tag: str) -> None:
-    """Give an element and all that is in it the lines and names of what they were written from; ``tag``: see `Document.origins`."""
-    origin = origins.get((element.line, tag))
-    if origin is not None:
-        element.origin, element.line = origin
-    for child in element.children:
-        _name_origins(child, origins, child.tag if element.parent is None else tag)
 
 
 def parse(path: str | os.PathLike[str]) -> Document:
@@ -223,6 +248,32 @@ def tree(file: str, document: bytes, with_text: bool = False) -> Element:
         reason = expat.ErrorString(error.code)
         raise UrdfError(file, None, error.lineno, f"is not well-formed XML: {reason}", "correct the XML at this line") from error
     return roots[0]
+
+
+def refuse_errors(findings: Iterable[Finding], command: str) -> None:
+    """Raise the first error, if there is one; its message says how many more there are, and that ``command`` lists them."""
+    errors = [finding.error for finding in findings if finding.error is not None]
+    if len(errors) > 1:
+        errors[0].args = (f"{errors[0]} ({len(errors) - 1} more: {command} lists them)",)
+    if errors:
+        raise errors[0]
+
+
+def check_command(file: str, drivers: Iterable[str] = (), slide: str | None = None) -> str:
+    """The command that lists what is found in a file."""
+    import shlex  # only on the way to an error
+
+    options = [word for driver in drivers for word in ("--driver", driver)] + ([] if slide is None else ["--slide", slide])
+    return shlex.join(["pinpress", "check", file, *options])
+
+
+def _name_origins(element: Element, origins: Mapping[tuple[int, str], Origin], tag: str) -> None:
+    """Give an element and all that is in it the lines and names of what they were written from; ``tag``: see `Document.origins`."""
+    origin = origins.get((element.line, tag))
+    if origin is not None:
+        element.origin, element.line = origin
+    for child in element.children:
+        _name_origins(child, origins, child.tag if element.parent is None else tag)
 
 
 def _broken(document: bytes, start: int) -> dict[str, str]:

@@ -12,8 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from ...common.errors import shown, suggestion
-from .document import Element
-from .findings import Finding
+from .document import Element, Finding
 
 LOOP_TYPES = ("spherical", "revolute", "fixed")
 _JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")

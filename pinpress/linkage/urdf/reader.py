@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 from ...common.errors import UrdfError
 from . import element_checks
-from .document import Document, Element, parse
-from .findings import Finding, command, refuse
+from .document import Document, Element, Finding, check_command, parse, refuse_errors
 
 MOST_ERRORS = 100  # that are listed: each may compare a name with all others, which takes time
 
@@ -123,7 +122,7 @@ def read(path: str | os.PathLike[str]) -> Urdf:
 def checked(path: str | os.PathLike[str]) -> Document:
     """The elements of a URDF without errors; raises UrdfError for the first error in it."""
     document = parse(path)
-    refuse(errors(document), command(document.file))
+    refuse_errors(errors(document), check_command(document.file))
     return document
 
 
