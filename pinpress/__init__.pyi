@@ -38,8 +38,8 @@ from .simulation.batch import simulate_batch as simulate_batch
 from .simulation.run import Run as Run
 from .simulation.simulate import simulate as simulate
 from .simulation.steady_state import steady_state as steady_state
-from .visual.geometry_model import visual_model as visual_model
 from .visual.recording import record as record
 from .visual.report import report as report
+from .visual.shapes.appearance import visual_model as visual_model
 
 __version__: str

@@ -1,4 +1,4 @@
-from .diagram import plot as plot
 from .measurements import Measurement as Measurement
 from .measurements import WorkPrecision as WorkPrecision
+from .measurements import plot as plot
 from .work_precision import compare as compare

@@ -4,9 +4,10 @@ import argparse
 import importlib.util
 from pathlib import Path
 
-from ..accuracy.measurements import SCENES, WorkPrecision
+from ..accuracy.measurements import SCENES, WorkPrecision, plot
 from ..common.files import make_folder
 from ..common.quantities import RPM
+from ..plots import style
 from . import part_specs
 from .options import add_out_option, add_press_options, load_press, progress, say_written
 from .units import quantity
@@ -83,13 +84,10 @@ def run(options: argparse.Namespace) -> int:
 
 def _write(measured: WorkPrecision, folder: Path) -> None:
     """Write the files and say so. The CSV file comes first, so that no measurement is lost where Matplotlib is missing."""
-    from ..accuracy import diagram  # slow to import
-    from ..plots import style
-
-    table, plot = folder / "accuracy.csv", folder / "accuracy.png"
+    table, picture = folder / "accuracy.csv", folder / "accuracy.png"
     measured.to_csv(table)
     if importlib.util.find_spec("matplotlib") is None:
-        print(f"\nwrote {table}; {plot} is left out: {style.NOT_INSTALLED}")
+        print(f"\nwrote {table}; {picture} is left out: {style.NOT_INSTALLED}")
         return
-    style.save(diagram.plot(measured), plot)
-    say_written(folder, [table.name, plot.name])
+    style.save(plot(measured), picture)
+    say_written(folder, [table.name, picture.name])

@@ -12,7 +12,7 @@ from ..dynamics.summary import summary
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
-from ..visual.overlays import traced
+from ..visual.recording import traced
 from .options import (
     SIGNS,
     add_out_option,

@@ -12,7 +12,7 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..simulation.run import Run, simulation_summary, stroke_duties
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
-from ..visual.overlays import traced
+from ..visual.recording import traced
 from . import part_specs
 from .options import (
     SIGNS,

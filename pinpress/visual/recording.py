@@ -9,22 +9,34 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..common import files
-from ..common.arguments import typed
+from ..common.arguments import expect, typed
+from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
+from ..dynamics import applied_loads
 from ..dynamics.inverse_dynamics import Reactions
-from ..kinematics.motion import Motion, poses
+from ..engines.branch import predict
+from ..engines.joints import configuration
+from ..kinematics.motion import Motion, Poses, bearing_points, poses
 from ..linkage.linkage import Linkage
-from . import overlays, pages
-from .key_frames import Keys, keys
+from .pages import meshcat, packed, page
 from .shapes import meshcat_commands
 from .shapes.appearance import Body, bodies
+from .shapes.bearing_layout import TOWARDS
+
+PER_TURN = 360  # between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
+FEWEST_PER_TURN = 36  # 0.4 %
+FARTHEST = np.pi / 2  # between states, which are joined by straight lines
+MOST = 20_000  # keeps the page of a long run below 20 MB
+BEHIND = 0.01  # of the linkage's size: by how much links are behind the frame to be looked at from there
+TOGETHER = 1e-6  # of the linkage's size: bearings that stay this close share a label
 
 
 @typed
@@ -56,34 +68,158 @@ def record(
             the reactions are of another motion or press, a shape cannot be drawn, Meshcat is not installed, or the file cannot be written.
         UnknownNameError: A trace is on a link that the linkage does not have.
     """
-    shown = scene(press, motion, keys(press, motion), reactions, traces)
-    return files.write(path, pages.page("recording.html", press.name, shown, pages.meshcat()))
+    content = scene(press, motion, key_frames(press, motion), reactions, traces)
+    return files.write(path, page("recording.html", press.name, content, meshcat()))
 
 
 def scene(
-    press: Linkage, motion: Motion, frames: Keys, reactions: Reactions | None, traces: Sequence[tuple[str, ArrayLike]]
+    press: Linkage, motion: Motion, frames: KeyFrames, reactions: Reactions | None, traces: Sequence[tuple[str, ArrayLike]]
 ) -> dict[str, Any]:
     """What the page's player (`templates/playback.js`) shows, as JSON. Args and Raises as of `record`; ``frames`` are the motion's."""
     if reactions is not None:
-        overlays.belonging(press, motion, reactions)
+        _refuse_other_reactions(press, motion, reactions)
     position = motion.joint_position[frames.states]
     at, drawn = poses(press, position), bodies(press, position)
     of_body = {body.name: meshcat_commands.body_poses(press, at, body.frame) for body in drawn}
     return {
         **_series(frames),
         "legend": _legend(drawn, of_body),
-        "front": overlays.front(press, at, drawn),
+        "front": _front(press, at, drawn),
         "turn": frames.turn,
         "period": None if motion.period_turns is None else 360 * motion.period_turns,  # deg
         "size": press.size,
-        **overlays.bearings(press, at, frames, reactions),
-        **overlays.shaking(reactions, frames),
-        **overlays.traces(press, at, frames, traces),
+        **_bearings(press, at, frames, reactions),
+        **_shaking(reactions, frames),
+        **_traces(press, at, frames, traces),
         "scene": meshcat_commands.pack(meshcat_commands.commands(drawn, of_body, frames.time)),
     }
 
 
-def _series(frames: Keys) -> dict[str, Any]:
+def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trace]:
+    """The points whose paths are drawn.
+
+    Raises:
+        PinpressError: an unknown link, or a point that is none.
+    """
+    found = []
+    if press.slide is not None:
+        joint, origin = applied_loads.point_on_body(press, press.slide, (0, 0, 0), "slide", "origin")
+        found.append(Trace(press.slide, press.slide, joint, origin))
+    for link, point in _listed(chosen):
+        joint, local = applied_loads.point_on_body(press, link, point, f"trace of {shown(link)}", "point")
+        words = ", ".join(f"{value:g}" for value in np.asarray(point, dtype=float))
+        found.append(Trace(f"{link} ({words})", link, joint, local))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class KeyFrames:
+    """Key frames, k of them.
+
+    Attributes:
+        states: (k,) indices of states of the motion.
+        time: (k,) times from the first one [s].
+        crank: (k,) angles of the (first) driver [rad].
+        slide: (k,) slide positions [m]; None where there is no slide.
+        turn: Number of keys of one period, after which the linkage repeats its path; all of them where it does not.
+    """
+
+    states: NDArray[np.intp]
+    time: Array
+    crank: Array
+    slide: Array | None
+    turn: int
+
+
+def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
+    """Choose key frames: a motion of one period is closed to a loop, a long one is thinned to `PER_TURN` a turn of the crank.
+
+    Raises:
+        PinpressError: The motion is of a linkage with other joints, has no times, states too far apart or more turns than a page holds, or
+            a value is not finite.
+    """
+    expect("press", press, Linkage, "load")
+    expect("motion", motion, Motion, "cycle or simulate")
+    if motion.joints != press.joints or motion.drivers != press.drivers:
+        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+    _refuse_broken(motion, press.slide is not None)
+    time = motion.time - motion.time[0]
+    crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
+    period = _period(press, motion)
+    last = None if period is None else _closing_time(time, crank, period)
+    order = np.arange(len(time))
+    if period is not None and last is not None:  # the first state once more, so that the loop has no jump
+        order, time = np.append(order, 0), np.append(time, last)
+        crank = np.append(crank, crank[0] + np.sign(crank[-1] - crank[0]) * period)
+    turns = float(np.abs(np.diff(crank)).sum() / (2 * np.pi))
+    if turns * FEWEST_PER_TURN > MOST:
+        raise PinpressError(
+            f"{turns:.0f} turns are more than a recording holds ({MOST // FEWEST_PER_TURN}): record a shorter part of the motion"
+        )
+    widest = float(np.abs(np.diff(crank)).max(initial=0.0))
+    if widest > FARTHEST:
+        raise PinpressError(
+            f"the crank turns {np.degrees(widest):.0f} deg from one state to the next, too far to show what is between:"
+            f" give a state every {np.degrees(FARTHEST):.0f} deg at least"
+        )
+    most = min(PER_TURN * max(1, np.ceil(turns - 1e-6)), MOST) + 1
+    kept = np.rint(np.linspace(0, len(order) - 1, int(min(len(order), most)))).astype(int)  # the first and the last among them
+    order, crank = order[kept], crank[kept]
+    slide = np.asarray(motion.slide_position)[order] if press.slide is not None else None
+    beyond = np.flatnonzero(np.abs(crank - crank[0]) >= (period or np.inf) * (1 - 1e-9))
+    turn = int(beyond[0]) + 1 if len(beyond) else len(order)
+    return KeyFrames(order, time[kept], crank, slide, turn)
+
+
+def _refuse_broken(motion: Motion, has_slide: bool) -> None:
+    series = {"time": motion.time, "crank_angle": motion.crank_angle, "joint_position": motion.joint_position}
+    if has_slide:
+        series["slide_position"] = motion.slide_position
+    for name, values in series.items():
+        bad = ~np.isfinite(values)
+        if np.size(values) == 0 or bad.any():
+            where = f"is not finite at index {int(np.argwhere(bad)[0][0])}" if bad.any() else "is empty"
+            raise PinpressError(f"motion.{name} {where}; record a motion that cycle or simulate returned")
+    if np.any(np.diff(motion.time) <= 0):
+        raise PinpressError("motion.time does not increase from point to point; order the points of the motion by time")
+
+
+def _period(press: Linkage, motion: Motion) -> float | None:
+    """Crank angle after which all is where it was, balanced shafts too [rad]; None where it is not after a period of the motion."""
+    if motion.period_turns is None:
+        return None
+    period = 2 * np.pi * motion.period_turns
+    before, after = configuration(press.slots, predict(press.branch_through_change_points, np.array([0.0, period]))).T
+    return period if np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.size)) else None
+
+
+def _closing_time(time: Array, crank: Array, period: float) -> float | None:
+    """When the first point comes round again [s], if the motion is one period [rad] without its end point; else None."""
+    turned = abs(crank[-1] - crank[0])
+    gap, step = period - turned, np.max(np.abs(np.diff(crank)), initial=0.0)
+    return float(time[-1] * (1 + gap / turned)) if len(time) > 2 and 1e-6 * step < gap <= 1.001 * step else None
+
+
+def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions) -> None:
+    """Refuse reactions that are not those to the motion of the press.
+
+    Raises:
+        PinpressError: they are of another press or motion.
+    """
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
+    other, its = reactions.motion, reactions._press
+    same = other is motion or (
+        other.joints == motion.joints and np.array_equal(other.joint_position, motion.joint_position) and np.array_equal(other.v, motion.v)
+    )
+    if not same:
+        raise PinpressError(
+            f"the reactions are of another motion of {other.linkage}: give those that inverse_dynamics(press, motion) returns for this one"
+        )
+    if its is not press and not (its.name == press.name and its.bearings == press.bearings and its.model == press.model):
+        raise PinpressError(f"the reactions are of {its.name}, another press than {press.name}: give those of the same one")
+
+
+def _series(frames: KeyFrames) -> dict[str, Any]:
     return {
         "time": _short(frames.time),  # s
         "crank": _short(np.degrees(frames.crank)),  # deg
@@ -101,3 +237,100 @@ def _legend(drawn: Sequence[Body], of_body: dict[str, Array]) -> list[dict[str, 
     moving = [body for body in drawn if meshcat_commands.moves(of_body[body.name])]
     colours = (Counter(meshcat_commands.hexadecimal(part.rgba) for part in body.parts).most_common(1)[0][0] for body in moving)
     return [{"name": body.name, "colour": f"#{colour}"} for body, colour in zip(moving, colours, strict=True)]
+
+
+def _front(press: Linkage, at: Poses, drawn: Sequence[Body]) -> list[float]:
+    """Direction (3,) from which a press is looked at: the normal of its plane, on the side on which its moving links stand before the
+    frame, or on that of -y, but not from below; [] in space."""
+    turning = [at.rotation[j, 0] @ axis.direction for j, axis in enumerate(press.axes, 1) if axis.turns]
+    if not turning or any(np.linalg.norm(np.cross(turning[0], axis)) > 1e-6 for axis in turning):
+        return []
+    normal = turning[0] * (1.0 if turning[0] @ TOWARDS > 0 else -1.0)
+    heights: dict[bool, list[float]] = {True: [], False: []}  # of parts along the normal: of the frame's, of the moving links'
+    for body in drawn:
+        frame = press.model.frames[body.frame]
+        places = [at.points(frame.parentJoint, frame.placement.act(part.placement[:3, 3]))[0] for part in body.parts]
+        heights[frame.parentJoint == 0] += [float(place @ normal) for place in places]
+    if all(heights.values()) and np.mean(heights[True]) > np.mean(heights[False]) + BEHIND * press.size and normal[2] < 0.5:
+        normal = -normal
+    return [float(value) for value in normal]
+
+
+def _bearings(press: Linkage, at: Poses, frames: KeyFrames, reactions: Reactions | None) -> dict[str, Any]:
+    """Places (k, 3) at which bearings are, each once, and the bearings' names with their places and forces (k, 3)."""
+    points = bearing_points(press, at)
+    where, places = _merged(points, TOGETHER * press.size)
+    return {
+        "places": [_packed_path(points[first], "the place of a bearing") for first in places],
+        "bearings": [
+            {
+                "name": name,
+                "place": place,
+                "force": None
+                if reactions is None
+                else packed(reactions.bearing_force[name][frames.states], f"bearing_force[{shown(name)}]"),
+            }
+            for name, place in zip(press.bearings, where, strict=True)
+        ],
+    }
+
+
+def _merged(points: Array, near: float) -> tuple[list[int], list[int]]:
+    """For every bearing its place, and for every place its first bearing; points (bearings, k, 3)."""
+    where: list[int] = []
+    places: list[int] = []
+    for number, path in enumerate(points):
+        found = next((i for i, first in enumerate(places) if np.abs(points[first] - path).max() <= near), None)
+        if found is None:
+            places.append(number)
+        where.append(len(places) - 1 if found is None else found)
+    return where, places
+
+
+def _packed_path(path: Array, what: str) -> str:
+    return packed(path[:1] if np.ptp(path, axis=0).max() == 0.0 else path, what)  # one point where it rests
+
+
+def _shaking(reactions: Reactions | None, frames: KeyFrames) -> dict[str, Any]:
+    """The shaking force (k, 3), None without reactions, and the largest force of all that are shown [N]."""
+    if reactions is None:
+        return {"shaking": None, "peak": 0.0}
+    force = reactions.shaking_force[frames.states]
+    all_forces = [force, *(values[frames.states] for values in reactions.bearing_force.values())]
+    peak = max(float(np.linalg.norm(values, axis=1).max()) for values in all_forces)
+    return {"shaking": packed(force, "shaking_force"), "peak": peak}
+
+
+def _traces(press: Linkage, at: Poses, frames: KeyFrames, chosen: Sequence[tuple[str, ArrayLike]]) -> dict[str, Any]:
+    """Paths (k, 3): of the slide's origin, if there is a slide, and of the chosen points, each a link and x, y, z in its frame [m].
+
+    Raises:
+        PinpressError: an unknown link, or a point that is none.
+    """
+    paths = []
+    for trace in traced(press, chosen):
+        path = packed(at.points(trace.joint, trace.point), f"the path of {trace.name}")
+        paths.append({"name": trace.name, "link": trace.link, "path": path, "keys": frames.turn})
+    return {"traces": paths}
+
+
+class Trace(NamedTuple):
+    """A point whose path is drawn.
+
+    Attributes:
+        name: of the path.
+        link: on which the point is.
+        joint: in whose frame the point is fixed.
+        point: (3,) place in that frame [m].
+    """
+
+    name: str
+    link: str
+    joint: int
+    point: Array
+
+
+def _listed(chosen: object) -> list[tuple[str, ArrayLike]]:
+    if not isinstance(chosen, list | tuple) or not all(isinstance(trace, list | tuple) and len(trace) == 2 for trace in chosen):
+        raise PinpressError(f"traces is {shown(chosen)}: give a list of a link and a point in its frame, e.g. [('coupler', (0.6, 0, 0))]")
+    return list(chosen)

@@ -23,9 +23,8 @@ from ..linkage.linkage import Linkage
 from ..simulation.run import Run
 from . import charts, pages
 from .charts import Chart
-from .key_frames import Keys, keys
 from .pages import packed
-from .recording import scene
+from .recording import KeyFrames, key_frames, scene
 
 
 @typed
@@ -59,7 +58,7 @@ def report(
             (time or crank angle) than the motion, or turns the other way.
         UnknownNameError: As `record`.
     """
-    frames = keys(press, motion)
+    frames = key_frames(press, motion)
     if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.problem.driven.forces):
         raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
     if reactions is None:
@@ -71,7 +70,7 @@ def report(
     return files.write(path, content)
 
 
-def _report(press: Linkage, reactions: Reactions, frames: Keys, before: Reactions | None) -> dict[str, Any]:
+def _report(press: Linkage, reactions: Reactions, frames: KeyFrames, before: Reactions | None) -> dict[str, Any]:
     over = charts.abscissa(reactions.motion).quantity
     other = None if before is None else _other(before, reactions.motion, over)
     values = extremes(reactions)
@@ -106,7 +105,7 @@ def _other(before: Reactions, motion: Motion, over: str) -> dict[str, Any]:
     its = charts.abscissa(before.motion).quantity
     if its != over:
         raise PinpressError(f"before is over {its}, the motion over {over}: compare a cycle with a cycle, or a run with a run")
-    frames = keys(before._press, before.motion)
+    frames = key_frames(before._press, before.motion)
     if over == "crank angle" and (motion.crank_angle[-1] > motion.crank_angle[0]) != (frames.crank[-1] > frames.crank[0]):
         raise PinpressError("before turns the other way than the motion: compare two that turn the same way")
     x = np.degrees(frames.crank) if over == "crank angle" else frames.time
@@ -114,13 +113,13 @@ def _other(before: Reactions, motion: Motion, over: str) -> dict[str, Any]:
     return {"words": words, "frames": frames, "x": packed(x, "before"), "sections": dict(_sections(before))}
 
 
-def _paired(some: list[Chart], other: dict[str, Any] | None, title: str) -> list[tuple[Chart, tuple[Chart, Keys] | None]]:
+def _paired(some: list[Chart], other: dict[str, Any] | None, title: str) -> list[tuple[Chart, tuple[Chart, KeyFrames] | None]]:
     """Charts, each with its counterpart of the reactions before, if there is one."""
     beside = {} if other is None else {chart.title: (chart, other["frames"]) for chart in other["sections"].get(title, ())}
     return [(chart, beside.get(chart.title)) for chart in some]
 
 
-def _chart(chart: Chart, frames: Keys, beside: tuple[Chart, Keys] | None = None) -> dict[str, Any]:
+def _chart(chart: Chart, frames: KeyFrames, beside: tuple[Chart, KeyFrames] | None = None) -> dict[str, Any]:
     before: dict[str, str] = {}
     if beside is not None:
         other, its = beside
@@ -133,7 +132,7 @@ def _chart(chart: Chart, frames: Keys, beside: tuple[Chart, Keys] | None = None)
     return {"title": chart.title, "unit": chart.unit, "curves": curves}
 
 
-def _bearing(reactions: Reactions, name: str, frames: Keys, before: Reactions | None, other: dict[str, Any] | None) -> dict[str, Any]:
+def _bearing(reactions: Reactions, name: str, frames: KeyFrames, before: Reactions | None, other: dict[str, Any] | None) -> dict[str, Any]:
     locus, beside = charts.locus(reactions, name), None
     bearing: dict[str, Any] = {"name": name, "link": locus.link, "axes": locus.axes, "unit": locus.unit, "before": None}
     bearing |= {key: packed(getattr(locus, key)[frames.states], name) for key in ("frame", "own")}

@@ -213,7 +213,7 @@ def test_a_balanced_shaft_does_not_count_but_is_seen(folder, tmp_path):
 
 
 def test_plots_over_the_period(press, name):
-    from pinpress.plots.loci import _quarters
+    from pinpress.plots.reactions import _quarters
     from pinpress.plots.style import Over
 
     turns = TURNS[name]

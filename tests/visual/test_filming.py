@@ -25,10 +25,9 @@ import numpy as np
 import pytest
 
 import pinpress as pp
+import pinpress.visual.film as filming
 from pinpress.cli import record as command_record
-from pinpress.visual import browser
-from pinpress.visual.browser import Screen
-from pinpress.visual.film import film, image, slow_enough
+from pinpress.visual.film import Screen, film, image, slow_enough
 
 SPEED = 70 * pp.RPM
 DURATION = 2 * np.pi / SPEED
@@ -90,7 +89,7 @@ def chromium_in_a_thread() -> Iterator[tuple[ThreadPoolExecutor, Any]]:
 
     with ThreadPoolExecutor(1) as thread:
         playwright = thread.submit(lambda: sync_playwright().start()).result()
-        options = {"executable_path": CHROMIUM, "args": list(browser.FLAGS), "chromium_sandbox": os.geteuid() != 0}
+        options = {"executable_path": CHROMIUM, "args": list(filming.FLAGS), "chromium_sandbox": os.geteuid() != 0}
         chromium = thread.submit(lambda: playwright.chromium.launch(**options)).result()
         yield thread, chromium
         thread.submit(chromium.close).result()
@@ -103,8 +102,8 @@ def running(chromium_in_a_thread: tuple[ThreadPoolExecutor, Any], monkeypatch: p
     thread, chromium = chromium_in_a_thread
     playwright = SimpleNamespace(chromium=SimpleNamespace(launch=lambda **_: chromium))
     monkeypatch.setattr("playwright.sync_api.sync_playwright", lambda: contextlib.nullcontext(playwright))
-    monkeypatch.setattr(browser, "ThreadPoolExecutor", lambda _: contextlib.nullcontext(thread))
-    monkeypatch.setattr(browser, "_close", lambda chromium: [context.close() for context in chromium.contexts])
+    monkeypatch.setattr(filming, "ThreadPoolExecutor", lambda _: contextlib.nullcontext(thread))
+    monkeypatch.setattr(filming, "_close", lambda chromium: [context.close() for context in chromium.contexts])
 
 
 def values(png: bytes) -> Any:
@@ -404,7 +403,7 @@ def test_without_chromium(page: Path, tmp_path: Path, monkeypatch: pytest.Monkey
         image(page, tmp_path / "out.png")
     program = tmp_path / "google-chrome"
     program.symlink_to(shutil.which(CHROMIUM or "", path=os.defpath) or CHROMIUM or "")
-    assert browser._program() == str(program)
+    assert filming._program() == str(program)
 
 
 @pytest.mark.parametrize("package", ["playwright", "imageio_ffmpeg"])
@@ -444,10 +443,10 @@ def short_path() -> Iterator[Path]:
 def test_interrupted(when: str, tmp_path: Path, short_path: Path) -> None:
     """Ctrl-C, which a terminal sends to all processes at once."""
     code = f"""if True:
-        import sys, pinpress.visual.film, pinpress.visual.browser
+        import sys, pinpress.visual.film
         if {when!r} == 'opening':
-            load = pinpress.visual.browser._Tab.load
-            pinpress.visual.browser._Tab.load = lambda *given: (print('now', flush=True), load(*given))
+            load = pinpress.visual.film._Tab.load
+            pinpress.visual.film._Tab.load = lambda *given: (print('now', flush=True), load(*given))
         pinpress.visual.film.film(sys.argv[1], 'out.mp4', size=(64, 64), progress=lambda done: print('now', flush=True))"""
     mark = uuid.uuid4().hex
     folder = tmp_path / "folder"

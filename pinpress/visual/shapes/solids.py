@@ -1,12 +1,40 @@
-"""The solids that links are drawn with."""
+"""The solids that links are drawn with: boxes, cylinders, spheres, and triangles read from the mesh files that a URDF names.
 
+The library that reads mesh files, Assimp within Coal, is not safe with what a file may say: it follows references between files and
+between the parts of a file without end, ends the process where they go too deep, makes room for as many vertices as the largest index says,
+and takes quadratic time over many groups or the corners of one polygon. So a file is reduced to its triangles before, and only if it is
+sound. Materials, controllers and animations are not shown, so that Assimp need not see them.
+"""
+
+import os
+import re
+import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common import files
+from ...common.errors import PinpressError, UrdfError
 from ...common.frozen import read_only
 from ...common.quantities import Array
+from ...linkage.urdf.document import Element, tree
+
+KINDS = "STL (.stl), Wavefront (.obj) or COLLADA (.dae)"
+# A page with as much would hardly open in a browser, and one mesh takes half a gigabyte while it is read.
+MOST_BYTES = 100_000_000
+MOST_TRIANGLES = 500_000
+MOST_CORNERS = 1000  # of one polygon
+MOST_NODES = 10_000  # of a COLLADA scene, every instance counted
+DEEPEST_NODES = 200
+
+_LINE = re.compile(rb"^[ \t]*(v|vt|vn|f)[ \t]([^\r\n]*)", re.MULTILINE)  # of a Wavefront file, what makes triangles
+_INDICES = re.compile(rb"<(?:p|v|vcount)\b[^>]*>([^<]*)<|(?:count|offset|stride)\s*=\s*[\"']([^\"']*)")
+_SHOWN = ("asset", "library_geometries", "library_nodes", "library_visual_scenes", "scene")  # libraries of a COLLADA file that are read
+_FACES = ("triangles", "tristrips", "trifans", "polylist", "polygons")
 
 
 @dataclass(frozen=True)
@@ -96,3 +124,219 @@ class Solid:
     shape: Shape
     placement: Array
     steel: bool = False
+
+
+def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh:
+    """Read a mesh.
+
+    A package is looked for in ROS_PACKAGE_PATH, among the folders that the URDF is in, and beside them.
+
+    Args:
+        file: the URDF.
+        link: whose visual the mesh is.
+        name: that the URDF gives the mesh: a path, which may be relative to the URDF, ``file://...`` or ``package://...``.
+        scale: along x, y, z.
+
+    Raises:
+        PinpressError: the mesh is not found, no mesh, without triangles, or flat or not finite after scaling.
+    """
+    place = f"link {link!r}: mesh {name!r}"
+    factors = np.array(scale)
+    if not factors.all():
+        raise PinpressError(f"{place} has the scale {' '.join(map(str, scale))}, which makes it flat; give numbers other than 0")
+    path = _located(file, name)
+    if path is None:
+        raise PinpressError(
+            f"{place} is in no package that is known; put the folder of the package, or the one it is in, into ROS_PACKAGE_PATH, or give"
+            " the mesh's path relative to the URDF"
+        )
+    if not os.path.exists(path) or os.path.isdir(path):
+        raise PinpressError(f"{place}: there is no file {os.fspath(path)!r}; correct the path, or put the mesh there")
+    try:
+        content = files.read(path, MOST_BYTES)
+    except (OSError, ValueError) as error:
+        said = files.reason(error)
+        raise PinpressError(f"{place} cannot be read: {said}; put a mesh file at {os.fspath(path)!r} that is readable") from error
+    kind = path.suffix.lower()
+    try:
+        found = _loaded(kind, triangles_only(kind, content))
+    except UnfitError as error:
+        raise PinpressError(f"{place} {error}; give an intact file, {KINDS}") from error
+    faces = np.array([[side[0], side[1], side[2]] for side in map(found.tri_indices, range(found.num_tris))], dtype=np.int64)
+    with np.errstate(all="ignore"):  # what is not finite is refused below
+        vertices = np.array(found.vertices(), dtype=float) * factors
+    if len(faces) == 0 or faces.max() >= len(vertices):
+        raise PinpressError(f"{place} has no triangles, or some without corners; give an intact file, {KINDS}")
+    if not np.isfinite(vertices).all():
+        raise PinpressError(f"{place} has a vertex that is not finite; repair the mesh, or give a smaller scale")
+    if np.prod(np.sign(factors)) < 0:
+        faces = faces[:, ::-1].copy()  # mirrored: the outside would be the inside
+    return Mesh(read_only(vertices), read_only(faces))
+
+
+def _loaded(kind: str, content: bytes) -> Any:
+    """The mesh in such a content, unscaled; raises UnfitError where there is none."""
+    import coal  # part of Pinocchio, but seldom needed
+
+    with tempfile.TemporaryDirectory(prefix="pinpress-") as folder:
+        file = Path(folder, f"mesh{kind}")
+        file.write_bytes(content)
+        try:
+            return coal.MeshLoader().load(os.fspath(file), np.ones(3))  # unscaled: here a scale of any size is safe
+        except Exception as error:
+            raise UnfitError("cannot be read as triangles") from error
+
+
+def _located(file: str, name: str) -> Path | None:
+    """Where a mesh is; None where its package is nowhere."""
+    folder = Path(file).resolve().parent
+    if not name.startswith("package://"):
+        return folder / re.sub("^file://", "", name)
+    package, _, rest = name.removeprefix("package://").partition("/")
+    for root in filter(None, os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)):
+        if Path(root).name == package and os.path.exists(Path(root) / rest):
+            return Path(root) / rest
+        if os.path.isdir(Path(root) / package):
+            return Path(root) / package / rest
+    for parent in (folder, *folder.parents):
+        if parent.name == package:
+            return parent / rest
+        if os.path.isdir(parent / package):
+            return parent / package / rest
+    return None
+
+
+class UnfitError(Exception):
+    """Why a file is not what its name says, or too large."""
+
+
+def triangles_only(suffix: str, content: bytes) -> bytes:
+    """The content of a mesh file, ``suffix`` ".stl", ".obj" or ".dae", without all that makes no triangles.
+
+    Raises:
+        UnfitError: no such file, or one that is broken or too large.
+    """
+    if suffix == ".stl":
+        return _stl(content)
+    if suffix == ".obj":
+        return _wavefront(content)
+    if suffix == ".dae":
+        return _collada(content)
+    raise UnfitError(f"is of an unknown kind, {suffix!r}")
+
+
+def _stl(content: bytes) -> bytes:
+    triangles = int.from_bytes(content[80:84], "little")
+    if not 0 < triangles <= (len(content) - 84) // 50:
+        if content.lstrip()[:5].lower() != b"solid":
+            raise UnfitError("is not an STL file, or one that ends early")
+        triangles = content.count(b"facet") // 2  # "facet" and "endfacet"
+    _check_number(triangles)
+    return content
+
+
+def _wavefront(content: bytes) -> bytes:
+    if b"\0" in content:
+        raise UnfitError("is not a Wavefront file")
+    lines, triangles = [], 0
+    for line in _LINE.finditer(re.sub(rb"\\\r?\n", b" ", content)):  # a backslash continues a line
+        if line[1] == b"f":
+            corners = len(line[2].split())
+            _check_corners(corners)
+            triangles += max(0, corners - 2)
+        lines.append(line[0])
+    _check_number(triangles)
+    if not any(line.split(None, 1)[0] == b"v" for line in lines):
+        raise UnfitError("is not a Wavefront file")
+    return b"\n".join(lines) + b"\n"
+
+
+def _collada(content: bytes) -> bytes:
+    try:
+        root = tree("", content)
+    except UrdfError as error:
+        raise UnfitError(f"is not a COLLADA file: {error.problem}") from error
+    except ValueError as error:  # an attribute that is not text
+        raise UnfitError("is not a COLLADA file") from error
+    numbers = (number for match in _INDICES.finditer(content) for number in (match[1] or match[2] or b"").split())
+    sound = all(re.fullmatch(rb"\d{1,12}", number) and int(number) <= len(content) for number in numbers)
+    if root.tag != "COLLADA" or not root.children or not sound:
+        raise UnfitError("is not a COLLADA file, or one with a broken index")
+    _check_scene(root, content)
+    ends = [child.start for child in root.children[1:]] + [root.end]
+    libraries = b"".join(content[child.start : end] for child, end in zip(root.children, ends, strict=True) if child.tag in _SHOWN)
+    return content[: root.children[0].start] + libraries + content[root.end :]
+
+
+def _check_scene(root: Element, content: bytes) -> None:
+    """The number of nodes, of triangles and of levels below the scenes, every instance of a node or geometry counted."""
+    nodes = [element for element in _elements(root) if element.tag in ("node", "visual_scene")]
+    geometries = {element.get("id"): _triangles(element, content) for element in _elements(root) if element.tag == "geometry"}
+    libraries = set(root.all("library_nodes"))
+    by_id: dict[str, list[Element]] = {}
+    by_name: dict[str, list[Element]] = {}
+    for node in nodes:
+        if node.parent in libraries:
+            by_id.setdefault(node.get("id"), []).append(node)
+        for name in {node.get("id"), node.get("name"), node.get("sid")}:
+            by_name.setdefault(name, []).append(node)
+
+    def below(node: Element) -> list[Element]:
+        names = [instance.get("url").removeprefix("#") for instance in node.all("instance_node")]
+        return node.all("node") + [other for name in names for other in by_id.get(name) or by_name.get(name, [])]
+
+    totals: dict[Element, tuple[int, int, int]] = {}  # nodes, triangles and levels from a node down
+    for first in nodes:
+        waiting: list[tuple[Element, Iterator[Element]]] = [(first, iter(below(first)))] if first not in totals else []
+        while waiting:
+            node, rest = waiting[-1]
+            child = next((other for other in rest if other not in totals), None)
+            if child is not None:
+                waiting.append((child, iter(below(child))))
+                if len(waiting) > DEEPEST_NODES:
+                    raise UnfitError(f"has nodes that refer to each other in a ring, or more than {DEEPEST_NODES} levels of them")
+                continue
+            waiting.pop()
+            parts = [totals[other] for other in below(node)]
+            own = sum(geometries.get(instance.get("url").removeprefix("#"), 0) for instance in node.all("instance_geometry"))
+            totals[node] = (
+                1 + len(node.all("instance_geometry")) + sum(part[0] for part in parts),
+                own + sum(part[1] for part in parts),
+                1 + max((part[2] for part in parts), default=0),
+            )
+            if totals[node][0] > MOST_NODES:
+                raise UnfitError(f"has more than {MOST_NODES} nodes, every instance counted")
+            if totals[node][2] > DEEPEST_NODES:
+                raise UnfitError(f"has more than {DEEPEST_NODES} levels of nodes")
+            _check_number(totals[node][1])
+
+
+def _triangles(geometry: Element, content: bytes) -> int:
+    """The most triangles that a geometry can have."""
+    total = 0
+    for faces in (element for element in _elements(geometry) if element.tag in _FACES):
+        stride = 1 + max((int(offset) for given in faces.all("input") if (offset := given.get("offset")).isdecimal()), default=0)
+        corners = [len(content[p.start : p.end].split(b">", 1)[-1].split()) // stride for p in faces.all("p")]
+        if faces.tag == "polygons":
+            _check_corners(max(corners, default=0))
+        for counts in faces.all("vcount"):
+            _check_corners(max(map(int, content[counts.start : counts.end].split(b">", 1)[-1].split()), default=0))
+        total += sum(corners) // (3 if faces.tag == "triangles" else 1)
+    return total
+
+
+def _elements(root: Element) -> Iterator[Element]:
+    waiting = [root]
+    while waiting:
+        yield (element := waiting.pop())
+        waiting.extend(reversed(element.children))
+
+
+def _check_number(triangles: int) -> None:
+    if triangles > MOST_TRIANGLES:
+        raise UnfitError(f"has more than {MOST_TRIANGLES} triangles")
+
+
+def _check_corners(corners: int) -> None:
+    if corners > MOST_CORNERS:
+        raise UnfitError(f"has a polygon with more than {MOST_CORNERS} corners")
