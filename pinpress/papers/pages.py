@@ -224,6 +224,11 @@ def _small(figure: "Figure") -> bytes:
     return content.getvalue()
 
 
+def figures(chapter: int, first: int, last: int) -> tuple[str, ...]:
+    """The numbers of consecutive figures of a chapter, as a document prints them."""
+    return tuple(f"Fig. {chapter}-{k}" for k in range(first, last + 1))
+
+
 def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
     """A table in Markdown."""
     lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]

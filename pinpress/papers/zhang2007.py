@@ -1,7 +1,8 @@
 """Zhang X. 2007, master thesis, Southeast University: the high-speed press JF75G-125, 1250 kN, and how to balance it, by ADAMS.
 
 The thesis prints masses and moments of inertia but no lengths: those of the shipped presses are inferred, each with its reason in the file.
-Chapters 2 and 3 are here, 4 in `zhang2007_motion`, the balancing of chapter 5 in `zhang2007_balancing`, its loads in `zhang2007_loads`.
+Chapter 3 is here, chapter 2 in `zhang2007_vibration`, the balancing of chapter 5 in `zhang2007_balancing`, and the runs of chapter 4 and of
+5.7 in `zhang2007_runs`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,9 +14,9 @@ from ..balancing import classical
 from ..balancing.counterweights import Counterweight, with_counterweights
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
-from . import zhang2007_balancing, zhang2007_loads, zhang2007_motion, zhang2007_vibration
-from .pages import FINDINGS, FORMULAS, NO_RESULT, NOT, Entry, Erratum, Page, Panel, Row, draw
-from .zhang2007_presses import GRAVITY, POINTS, SPEED, clean, figures, presses, turning
+from . import zhang2007_balancing, zhang2007_runs, zhang2007_vibration
+from .pages import FINDINGS, FORMULAS, NO_RESULT, NOT, Entry, Erratum, Page, Panel, Row, draw, figures
+from .zhang2007_balancing import GRAVITY, POINTS, SPEED, clean, presses, turning
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,10 +43,10 @@ def page() -> Page:
             _vibration(),
             Entry(("Fig. 2-16",), "photograph of the tool for piling", NO_RESULT),
             *_balancing(given),
-            *zhang2007_motion.entries(given),
+            *zhang2007_runs.motion_entries(given),
             Entry(figures(5, 1, 7), "flow chart, ADAMS models, schemes and screenshot", NO_RESULT),
             *zhang2007_balancing.entries(given),
-            *zhang2007_loads.entries(given["jf75g_125_symmetric"]),
+            *zhang2007_runs.load_entries(given["jf75g_125_symmetric"]),
         ),
         ERRATA,
     )

@@ -1,22 +1,31 @@
-"""Zhang 2007, chapter 5: the objective (5-14), the search of table 5-1, and the press before and after it, figure 5-11 and table 5-2."""
+"""Zhang 2007, chapter 5: its presses at constant speed, and how it balances them.
+
+The objective (5-14), the search of table 5-1, and the press before and after it, figure 5-11 and table 5-2.
+"""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..balancing.counterweights import Counterweight, with_counterweights
 from ..balancing.optimum import balance
 from ..balancing.problem import Measure, Range, Rms
 from ..balancing.regions import CounterweightRegion
 from ..common.quantities import RPM, Array
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
+from ..linkage.loading import load
 from .pages import CURVES, NOT, Entry, Panel, Row, draw
-from .zhang2007_presses import FLYWHEEL_MASS, GRAVITY, POINTS, SPEED, clean, turning, weight, with_masses
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+SPEED = 300 * RPM
+GRAVITY = 9.80665
+POINTS = 720
+FLYWHEEL_MASS = 940.0  # [kg]
 # Table 5-1: masses of auxiliary rod and counterweight [kg], and the range of the vertical force that ADAMS found [N]
 SEARCH = (
     (100, 1000, "2887.80"),
@@ -48,7 +57,28 @@ AFTER = {
     350: ("486.687", "-2847.461", "3334.148", "49.131", "-49.324", "98.455"),
     400: ("509.916", "-3258.413", "3768.329", "53.710", "-53.729", "107.439"),
 }
+JOINTS = {"auxiliary_rod": "P3", "counterweight": "counterweight_guide"}
 SOLVER = "independent solver"
+
+
+def presses() -> dict[str, Linkage]:
+    """The plain, the opposed and the symmetric press under this gravity (the thesis prints none), by the names that are shipped."""
+    return {f"jf75g_125{kind}": load(f"jf75g_125{kind}", gravity=(0, 0, -GRAVITY)) for kind in ("_plain", "", "_symmetric")}
+
+
+def turning(press: Linkage, speed: float = SPEED) -> Reactions:
+    """A turn at constant speed [rad/s]."""
+    return inverse_dynamics(press, cycle(press, speed, points=POINTS))
+
+
+def weight(press: Linkage) -> float:
+    """Of all that moves [N]."""
+    return GRAVITY * float(sum(inertia.mass for inertia in press.model.inertias))
+
+
+def clean(value: float, peak: float) -> float:
+    """Zero for what is rounding beside a peak."""
+    return value if abs(value) > 1e-9 * abs(peak) else 0.0
 
 
 def entries(given: Mapping[str, Linkage]) -> tuple[Entry, ...]:
@@ -64,6 +94,21 @@ def ranges(press: Linkage, masses: Array) -> Array:
     force, with_rod, with_counterweight = (turning(with_masses(press, *each)).shaking_force[:, 2] for each in corners)
     rod, counterweight = (with_rod - force) / 20.0, (with_counterweight - force) / 100.0
     return np.asarray(np.ptp(force + np.outer(masses[:, 0] - 100.0, rod) + np.outer(masses[:, 1] - 1000.0, counterweight), axis=1))
+
+
+def with_masses(press: Linkage, rod: float, counterweight: float) -> Linkage:
+    """The opposed press with other masses [kg] of auxiliary rod (of the same shape) and counterweight."""
+    old = {link: press.model.inertias[press.model.getJointId(joint)] for link, joint in JOINTS.items()}
+    change, lever = rod - old["auxiliary_rod"].mass, old["auxiliary_rod"].lever
+    shape = old["auxiliary_rod"].inertia[1, 1] / old["auxiliary_rod"].mass
+    x, y, z = (float(place) for place in lever)
+    return with_counterweights(
+        press,
+        [
+            Counterweight("auxiliary_rod", change, (x, y, z), float(shape * change)),
+            Counterweight("counterweight", counterweight - old["counterweight"].mass),
+        ],
+    )
 
 
 def _objective(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:

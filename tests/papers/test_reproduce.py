@@ -16,7 +16,7 @@ from support.sampling import rest_exhaustive
 
 import pinpress as pp
 from pinpress.accuracy.peers import six_bar_script
-from pinpress.papers import DOCUMENTS, __main__, kong2025, pages, reproduced, zhang2007_balancing, zhang2007_loads, zhang2007_presses
+from pinpress.papers import DOCUMENTS, __main__, kong2025, pages, reproduced, zhang2007_balancing, zhang2007_runs
 from pinpress.papers.pages import BEYOND, CURVES, DATA, FINDINGS, FORMULAS, KINDS, NO_RESULT, NOT, PARTLY, REPRODUCED, Entry, Page, Row
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -412,11 +412,11 @@ def test_zhang_search_in_closed_form(made):
 
 def test_zhang_masses_change_a_press_as_they_should():
     """`ranges` from three presses against a press with these masses, and against the shipped one."""
-    opposed = zhang2007_presses.presses()["jf75g_125"]
+    opposed = zhang2007_balancing.presses()["jf75g_125"]
     masses = np.array([[130.0, 1100.0], [113.31, 1045.0]])
     found = zhang2007_balancing.ranges(opposed, masses)
-    changed = zhang2007_presses.turning(zhang2007_presses.with_masses(opposed, 130.0, 1100.0)).shaking_force[:, 2]
-    shipped = zhang2007_presses.turning(opposed).shaking_force[:, 2]
+    changed = zhang2007_balancing.turning(zhang2007_balancing.with_masses(opposed, 130.0, 1100.0)).shaking_force[:, 2]
+    shipped = zhang2007_balancing.turning(opposed).shaking_force[:, 2]
     assert found == pytest.approx([np.ptp(changed), np.ptp(shipped)], rel=1e-9)
 
 
@@ -509,14 +509,14 @@ def test_zhang_window_of_blanking_has_two_readings(made):
 
 def test_zhang_forces_on_the_frame_balance():
     """Mechanism and die together put the shaking force on the frame."""
-    press = zhang2007_presses.presses()["jf75g_125_symmetric"]
-    load = zhang2007_loads.laws(1250e3)["drawing"]
-    time, force = zhang2007_loads._forces(press, load)
-    stroke = zhang2007_loads.run(press, load, 0.205, 2001)
+    press = zhang2007_balancing.presses()["jf75g_125_symmetric"]
+    load = zhang2007_runs.laws(1250e3)["drawing"]
+    time, force = zhang2007_runs._forces(press, load)
+    stroke = zhang2007_runs.run(press, load, 0.205, 2001)
     np.testing.assert_array_equal(time, stroke.time)
     down = stroke.slide_velocity < 0
-    on_slide = np.where(down, zhang2007_loads.on_slide(load, stroke.slide_position - pp.dead_centres(press).bottom_position), 0.0)
-    shaking = pp.inverse_dynamics(press, stroke, loads=[load]).shaking_force[:, 2] + zhang2007_presses.weight(press)
+    on_slide = np.where(down, zhang2007_runs.on_slide(load, stroke.slide_position - pp.dead_centres(press).bottom_position), 0.0)
+    shaking = pp.inverse_dynamics(press, stroke, loads=[load]).shaking_force[:, 2] + zhang2007_balancing.weight(press)
     np.testing.assert_allclose(force, shaking + on_slide, atol=1e-6 * 1250e3)
     assert np.abs(force).max() == pytest.approx(1250e3, rel=1e-3)
 
