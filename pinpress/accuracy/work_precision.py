@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import platform
 from collections.abc import Callable, Sequence
+from importlib import import_module
 
 import numpy as np
 import pinocchio as pin
@@ -22,12 +23,19 @@ from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import reduced_model_of
 from .contests import inverse_dynamics_contest, measured, proximal_contest
 from .measurements import SCENES, Measurement, WorkPrecision
-from .peers.installed import find_peers, find_solvers
+from .peers.peer import Peer, Solver
 from .scenes import Scene, build_scene
 from .simulation import simulation_contest, table_contest
 
 TURNS = 2.0  # of the runs
 HEAVY = 4.0  # times the linkage's largest reduced inertia: a flywheel that carries it on
+PEERS = {  # package that must be installed, our module and class
+    "hand script": ("numpy", "six_bar_press", "HandScript"),
+    "MuJoCo": ("mujoco", "mujoco_press", "Mujoco"),
+    "MuJoCo's mj_step": ("mujoco", "mujoco_press", "MujocoSteps"),
+    "Exudyn": ("exudyn", "exudyn_press", "Exudyn"),
+}
+INSTALL = "not installed; pip install 'pinpress[peers]'"
 
 
 @typed
@@ -108,6 +116,33 @@ def _checked(press: Linkage, speed: object, points: object, repeats: object, sce
     if isinstance(scenes, str) or not all(isinstance(scene, str) and scene in SCENES for scene in scenes):
         raise PinpressError(f"scenes are {shown(scenes)}: give some of {', '.join(map(repr, SCENES))}")
     return turning
+
+
+def find_peers(press: Linkage) -> tuple[tuple[Peer, ...], tuple[str, ...]]:
+    """The peers that can treat a press, and a line for each that is skipped, with the reason."""
+    peers: list[Peer] = []
+    skipped: list[str] = []
+    for name, (package, module, kind) in PEERS.items():
+        try:
+            import_module(package)  # its absence is known even where our module has been imported before
+            peers.append(getattr(import_module(f".peers.{module}", __package__), kind)(press))
+        except ModuleNotFoundError:
+            skipped.append(f"{name} is skipped: {INSTALL}")
+        except PinpressError as error:
+            skipped.append(f"{name} is skipped: {error}")
+    return tuple(peers), tuple(skipped)
+
+
+def find_solvers(press: Linkage) -> tuple[tuple[Solver, ...], tuple[str, ...]]:
+    """The solvers that can treat a press, or a line that says why there are none."""
+    from .peers.six_bar_press import INTEGRATORS, HandScript, SixBarEquation  # slow to import: SciPy
+
+    try:
+        HandScript(press)
+    except PinpressError as error:
+        return (), (f"SciPy on the closed form is skipped: {error}",)
+    balanced = press.name.endswith("_balanced")
+    return tuple(SixBarEquation(integrator, balanced) for integrator in INTEGRATORS), ()
 
 
 def _inertia(press: Linkage, flywheel: Flywheel | None) -> float:

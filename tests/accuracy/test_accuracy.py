@@ -20,7 +20,7 @@ from pinpress.accuracy import contests, measurements, simulation, work_precision
 from pinpress.accuracy.contests import Contestant, Errors
 from pinpress.accuracy.contests import measured as measured_of
 from pinpress.accuracy.measurements import CLUTCH, DIE, FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SPEED_LAW, TABLE
-from pinpress.accuracy.peers.six_bar_equation import INTEGRATORS, SixBarEquation
+from pinpress.accuracy.peers.six_bar_press import INTEGRATORS, SixBarEquation
 from pinpress.accuracy.scenes import build_scene
 from pinpress.accuracy.simulation import simulation_contest
 from pinpress.cli.main import main

@@ -12,9 +12,9 @@ import pytest
 
 import pinpress as pp
 from pinpress.accuracy.measurements import DIE, SPEED_LAW
-from pinpress.accuracy.peers.installed import HandScript, find_peers
-from pinpress.accuracy.peers.six_bar_equation import reduced
+from pinpress.accuracy.peers.six_bar_press import HandScript, reduced
 from pinpress.accuracy.scenes import build_scene
+from pinpress.accuracy.work_precision import find_peers
 from pinpress.simulation.reduced_model import reduced_model_of
 
 SPEED = 70 * pp.RPM  # [rad/s]
@@ -297,5 +297,5 @@ def test_what_exudyn_is_not_compared_on(presses):
 
 
 def test_nothing_is_imported_before():
-    code = "import sys, pinpress.accuracy.peers.installed; sys.exit(any(name in sys.modules for name in ('mujoco', 'exudyn')))"
+    code = "import sys, pinpress.accuracy.work_precision; sys.exit(any(name in sys.modules for name in ('mujoco', 'exudyn')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
