@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import typed
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
@@ -176,7 +176,7 @@ def _table(rows: Sequence[Measurement]) -> list[str]:
     kept = [k for k in range(len(heads)) if k < 3 or any(_cells(row)[k] for row in rows)]
     width = max(len(_cells(row)[0]) for row in rows) + 2
     table = ([cells[k] for k in kept] for cells in (heads, *map(_cells, rows)))
-    return [line.rstrip() for line in text.table(table, [width, 14])]
+    return [line.rstrip() for line in tables.table(table, [width, 14])]
 
 
 def _cells(row: Measurement) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..common import text
+from ..common import tables
 from ..common.quantities import RPM
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
@@ -182,7 +182,7 @@ def _text(balanced: BalancedPress) -> str:
             *_measure_lines("The rest of the press", balanced, rest, width),
             "",
             "Checks",
-            text.entry("proof of the optimum", f"{balanced.residual:.3g}", proof),
+            tables.entry("proof of the optimum", f"{balanced.residual:.3g}", proof),
         ]
     )
 
@@ -199,8 +199,8 @@ def _counterweight_lines(balanced: BalancedPress) -> list[str]:
     width = max(26, *(len(weight.link) + 2 for weight in weights)) if weights else 26
     heads = ("mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]")
     limited = "" if most is None else f", at most {most:g} kg"
-    rows = [[weight.link, *(text.number(value) for value in (weight.mass, *weight.position, weight.inertia))] for weight in weights]
-    *lines, added = text.table([["", *heads], *rows, ["added mass", text.number(balanced.added_mass)]], [width, 16])
+    rows = [[weight.link, *(tables.cell(value) for value in (weight.mass, *weight.position, weight.inertia))] for weight in weights]
+    *lines, added = tables.table([["", *heads], *rows, ["added mass", tables.cell(balanced.added_mass)]], [width, 16])
     return [
         "",
         "Counterweights (centre of mass in the link's own frame; where one replaces the link's own mass, it is all of that mass)",
@@ -223,17 +223,17 @@ def _objective_lines(balanced: BalancedPress) -> list[str]:
     return [
         "",
         f"Objective: {what}",
-        text.entry("before", f"{before:.6g}", unit),
-        text.entry("reached", f"{balanced.value:.6g}", unit),
-        text.entry("proven bound", f"{balanced.bound:.6g}", unit, "no counterweights in these regions have less"),
-        text.entry("gap", f"{balanced.value - balanced.bound:.3g}", unit),
+        tables.entry("before", f"{before:.6g}", unit),
+        tables.entry("reached", f"{balanced.value:.6g}", unit),
+        tables.entry("proven bound", f"{balanced.bound:.6g}", unit, "no counterweights in these regions have less"),
+        tables.entry("gap", f"{balanced.value - balanced.bound:.3g}", unit),
     ]
 
 
 def _active_lines(balanced: BalancedPress) -> list[str]:
     if not balanced.active:
         return []
-    return ["", "Held back by", *text.words([[each.constraint, _price_words(balanced, each)] for each in balanced.active])]
+    return ["", "Held back by", *tables.fitted_words([[each.constraint, _price_words(balanced, each)] for each in balanced.active])]
 
 
 def _price_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
@@ -266,7 +266,7 @@ def _measure_lines(title: str, balanced: BalancedPress, rows: list[list[str]], w
     kept = [k for k in range(len(heads)) if heads[k]]
     widths = [11 if k == 1 else 14 for k in kept[1:]]
     head, *lines = (
-        text.table([[cells[k] for k in kept]], [width + 4 - len(indent), *widths], indent)[0].rstrip()
+        tables.table([[cells[k] for k in kept]], [width + 4 - len(indent), *widths], indent)[0].rstrip()
         for indent, cells in [("", heads), *(("  ", row) for row in rows)]
     )
     return ["", head, *lines] if rows else []

@@ -3,7 +3,7 @@
 import argparse
 import time
 
-from ..common import text
+from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     print(summary(press, motion, reactions))
     took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
     further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
-    print(text.entry("time taken", f"{took[0]:.1f}", further))
+    print(tables.entry("time taken", f"{took[0]:.1f}", further))
     if options.out is not None:
         before = None if options.before is None else _before(options)
         make_folder(options.out)

@@ -12,7 +12,7 @@ from ..balancing.optimum import balance
 from ..balancing.problem import AXES, QUANTITIES, AddedMass, Peak, Range, Rms, Target
 from ..balancing.regions import CounterweightRegion, Vector
 from ..balancing.result import BalancedPress
-from ..common import text
+from ..common import tables
 from ..common.errors import PinpressError, suggestion
 from ..common.files import make_folder
 from ..common.quantities import RPM
@@ -37,7 +37,7 @@ measures: {MEASURE}
   quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
   Range and rms leave the constant part out, peaks count it.
 loads; heights are slide positions above bottom dead centre, or above the slide position datum=:
-{chr(10).join(text.table(([f"{name}:", keys(kind)] for name, kind in LOADS.items()), [13, 0]))}
+{chr(10).join(tables.table(([f"{name}:", keys(kind)] for name, kind in LOADS.items()), [13, 0]))}
 e.g. pinpress balance zxn2_3000b --speed 70 --region crank:radius=0.3 --region rod:radius=0.3,most=200 --minimise range:shaking_force:z
      --limit range:shaking_force:x=1000 --limit added_mass=661 --out out --report
 """

@@ -4,7 +4,7 @@ import argparse
 import math
 import time
 
-from ..common import text
+from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
@@ -77,7 +77,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 
 def _scene_help() -> str:
-    kinds = text.table(([f"{name}:", keys(kind)] for name, kind in (*DRIVES.items(), *LOADS.items())), [16, 0])
+    kinds = tables.table(([f"{name}:", keys(kind)] for name, kind in (*DRIVES.items(), *LOADS.items())), [16, 0])
     split = len(DRIVES)
     return "\n".join(
         [
@@ -142,7 +142,7 @@ def run(options: argparse.Namespace) -> int:
     reactions = inverse_dynamics(press, done, loads=loads)
     took = time.perf_counter() - began
     print(simulation_summary(press, done, reactions, _scene(options, done), options.steady))
-    print(text.entry("time taken", f"{1e3 * done.stats.wall_time:.1f}", f"ms simulation, {1e3 * took:.1f} ms torque and forces"))
+    print(tables.entry("time taken", f"{1e3 * done.stats.wall_time:.1f}", f"ms simulation, {1e3 * took:.1f} ms torque and forces"))
     if options.out is not None:
         reactions.to_csv(options.out / "simulation.csv")
         stroke_duties(done).to_csv(options.out / "strokes.csv")

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any, ClassVar, TypeVar
 
-from . import tables, text
+from . import tables
 from .frozen import Frozen, FrozenMapping
 from .tables import Column, Columns
 
@@ -64,7 +64,7 @@ class Tabular(Frozen):
     def __str__(self) -> str:
         columns = self.columns()
         width = 4 + max(map(len, columns), default=0)
-        return "\n".join([self.title, *text.table([["", "smallest", "largest"]], [width, 14]), *tables.ranges(columns, width)])
+        return "\n".join([self.title, *tables.table([["", "smallest", "largest"]], [width, 14]), *tables.ranges(columns, width)])
 
     def _repr_html_(self) -> str:
         return tables.html(self.title, self.columns())
@@ -116,13 +116,13 @@ class Record(Tabular):
         return Records(type(self), [self]).columns()
 
     def __str__(self) -> str:
-        lines = text.table(([name.replace("_", " "), value, f" {unit}"] for name, value, unit in self._cells()), [26, 14, 0])
+        lines = tables.table(([name.replace("_", " "), value, f" {unit}"] for name, value, unit in self._cells()), [26, 14, 0])
         return "\n".join([type(self).__name__, *(line.rstrip() for line in lines)])
 
     def _cells(self) -> list[tuple[str, str, str]]:
         """Name, value and unit of every field that has a value."""
         split = ((*head.removesuffix("]").partition(" [")[::2], value) for head, value in self.row().items())
-        return [(name, text.number(value), "" if unit == "-" else unit) for name, unit, value in split if value is not None]
+        return [(name, tables.cell(value), "" if unit == "-" else unit) for name, unit, value in split if value is not None]
 
 
 def _shown(kind: type[Record]) -> list[str]:
@@ -174,4 +174,4 @@ class Records(Tabular, tuple[R, ...]):
     def __str__(self) -> str:
         columns = self.columns()
         rows = zip(*columns.values(), strict=True)
-        return "\n".join([self.title, *text.fitted([list(columns), *([text.number(value) for value in row] for row in rows)])])
+        return "\n".join([self.title, *tables.fitted([list(columns), *([tables.cell(value) for value in row] for row in rows)])])

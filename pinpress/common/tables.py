@@ -1,4 +1,4 @@
-"""Columns of numbers and words, written to files and handed to programs that others have made.
+"""Tables: columns of numbers and words in files, in other programs and in notebooks, and rows as lines of text.
 
 A column is an array (n,), or a sequence with None, or a masked array, where there is no value. Its name carries the unit: "force [N]".
 """
@@ -10,12 +10,12 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import files, text
+from . import files
 from .errors import PinpressError
 from .quantities import Array
 
@@ -28,6 +28,10 @@ Column: TypeAlias = NDArray[Any] | Sequence[object]
 Columns: TypeAlias = Mapping[str, Column]
 
 MOST_ROWS, MOST_COLUMNS = 20, 20  # shown of a table in a notebook
+GAP = "..."  # stands for what is left out of a long table
+_NAME, _NUMBER, _UNIT = 26, 12, 7  # letters of an `entry`
+
+T = TypeVar("T")
 
 
 def by_driver(name: str, unit: str, values: Array, drivers: Sequence[str]) -> dict[str, Array]:
@@ -54,11 +58,11 @@ def write_csv(path: str | os.PathLike[str], columns: Columns) -> None:
 
 
 def csv_lines(rows: Iterable[Iterable[object]]) -> list[str]:
-    """Rows as lines of a CSV, without their ends. One has line feeds in it where a text has."""
-    import csv  # takes a millisecond, and who writes no table needs none
+    """Rows as lines of a CSV file, without line ends; a text with line feeds keeps them."""
+    import csv  # to save start-up time: a millisecond
 
     written: list[str] = []
-    # with the end that it writes here the writer puts both characters that can end a line into quotes
+    # with this line end the writer quotes texts with either of the characters that can end a line
     csv.writer(SimpleNamespace(write=written.append), lineterminator="\r\n").writerows(rows)
     return [line[:-2] for line in written]
 
@@ -73,7 +77,7 @@ def write_mat(path: str | os.PathLike[str], columns: Columns) -> None:
         PinpressError: a number that is not finite, or the file cannot be written.
     """
     _refuse_not_finite(columns)
-    from scipy.io import savemat  # its import takes longer than all else here
+    from scipy.io import savemat  # to save start-up time
 
     taken: dict[str, NDArray[Any]] = {}
     for name, values in columns.items():
@@ -92,7 +96,7 @@ def write_parquet(path: str | os.PathLike[str], columns: Columns) -> None:
         PinpressError: the file cannot be written, or pyarrow is not installed.
     """
     try:
-        import pyarrow  # takes long, and is there only where it was asked for
+        import pyarrow  # optional, and slow to import
         import pyarrow.parquet
     except ImportError:
         raise PinpressError("pyarrow is not installed: pip install 'pinpress[sweeps]'") from None
@@ -109,7 +113,7 @@ def frame(columns: Columns) -> "DataFrame":
         PinpressError: pandas is not installed.
     """
     try:
-        import pandas  # takes long, and is there only where it was asked for
+        import pandas  # optional, and slow to import
     except ImportError:
         raise PinpressError("pandas is not installed: pip install 'pinpress[tables]'") from None
     return pandas.DataFrame({name: column if _is_of_floats(column) else _values(column) for name, column in columns.items()})
@@ -117,29 +121,30 @@ def frame(columns: Columns) -> "DataFrame":
 
 def html(title: str, columns: Columns) -> str:
     """A table for a notebook; long ones are shortened in the middle."""
-    across, rows = text.shortened(list(columns), MOST_COLUMNS), []
-    for row in text.shortened(range(max(map(len, columns.values()), default=0)), MOST_ROWS):
-        rows.append([text.GAP if row is None or name is None else text.number(_value(columns[name][row])) for name in across])
+    across, rows = shortened(list(columns), MOST_COLUMNS), []
+    for row in shortened(range(max(map(len, columns.values()), default=0)), MOST_ROWS):
+        rows.append([GAP if row is None or name is None else cell(_value(columns[name][row])) for name in across])
 
     def line(tag: str, cells: Iterable[str]) -> str:
         return f"<tr>{''.join(f'<{tag}>{markup.escape(cell)}</{tag}>' for cell in cells)}</tr>"
 
-    head = line("th", (text.GAP if name is None else name for name in across))
+    head = line("th", (GAP if name is None else name for name in across))
     body = "".join(line("td", row) for row in rows)
     return f"<table><caption>{markup.escape(title)}</caption><thead>{head}</thead><tbody>{body}</tbody></table>"
 
 
 def ranges(columns: Columns, width: int) -> list[str]:
-    """Lines that say how far each column goes: its smallest and its largest number, or how many different words there are.
+    """Lines of text with the smallest and the largest number of each column, or how many different words it has.
 
     Args:
-        columns: as of all functions here.
+        columns: names with units -> columns.
         width: letters for the names.
     """
-    return text.table(([name, *_ends(column)] for name, column in columns.items()), [width, 14])
+    return table(([name, *_ends(column)] for name, column in columns.items()), [width, 14])
 
 
 def _ends(column: Column) -> list[str]:
+    """Smallest and largest number of a column as cells, or how many different words it has."""
     if isinstance(column, np.ndarray) and column.dtype.kind == "f":
         column = np.ma.compressed(column)
         return [f"{column.min():.6g}", f"{column.max():.6g}"] if len(column) else []
@@ -177,6 +182,7 @@ def _refuse_not_finite(columns: Columns) -> None:
 
 
 def _for_matlab(column: Column) -> NDArray[Any]:
+    """A column as MATLAB's files hold it: an array of numbers, or a cell array of texts."""
     if _is_of_floats(column):
         return np.asarray(column)
     values = _values(column)
@@ -197,3 +203,51 @@ def _of_one_type(column: Column) -> Column:
         return values
     to = float if types == {int, float} else str
     return [None if value is None else to(value) for value in values]  # type: ignore[arg-type]  # numbers are what becomes a float
+
+
+# ---------------------------------------------------------------------------------------------------------------------------- lines of text
+
+
+def table(rows: Iterable[Sequence[str]], widths: Sequence[int], indent: str = "  ") -> list[str]:
+    """Lines of a table, its first column flush left and all others flush right.
+
+    Args:
+        rows: cells of each line.
+        widths: letters of every column; a longer cell moves those after it. The last one counts for all columns that follow.
+        indent: what each line begins with.
+    """
+    return [indent + "".join(_padded(k, cell, widths[min(k, len(widths) - 1)]) for k, cell in enumerate(row)) for row in rows]
+
+
+def fitted(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
+    """Lines of a table whose columns are as wide as their longest cell, two letters apart."""
+    longest = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return table(rows, [longest[0], *(2 + width for width in longest[1:])] if longest else [0], indent)
+
+
+def fitted_words(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
+    """Lines of a table of words: all columns flush left and as wide as their longest cell, three letters apart."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [(indent + "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))).rstrip() for row in rows]
+
+
+def entry(name: str, number: str, unit: str = "", remark: str = "") -> str:
+    """A line with one number, its unit and a remark. All such lines have the same columns."""
+    return f"  {name:{_NAME}}{number:>{_NUMBER}} {unit:{_UNIT}}{remark}".rstrip()
+
+
+def shortened(items: Sequence[T], most: int) -> list[T | None]:
+    """What is shown of rows or columns: all up to ``most``, else the first and last ones with None for those between."""
+    half = most // 2
+    return [*items] if len(items) <= most else [*items[:half], None, *items[-half:]]
+
+
+def cell(value: object) -> str:
+    """A value as a cell: six digits of a number, words in one line, nothing for None."""
+    if value is None:
+        return ""
+    return f"{value:.6g}" if isinstance(value, float) else " ".join(str(value).splitlines())
+
+
+def _padded(column: int, cell: str, width: int) -> str:
+    return cell.rjust(width) if column else cell.ljust(width)

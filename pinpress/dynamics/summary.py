@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..common import text
+from ..common import tables
 from ..common.quantities import RPM, Array
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import dead_centres
@@ -29,8 +29,8 @@ def summary(press: Linkage, motion: Motion, reactions: Reactions) -> str:
         *_shaking(reactions),
         "",
         "Checks",
-        text.entry("largest loop gap", f"{motion.closure_error.max():.3g}", "m"),
-        text.entry("largest power residual", f"{np.abs(reactions.power_residual).max():.3g}", "of the peak power"),
+        tables.entry("largest loop gap", f"{motion.closure_error.max():.3g}", "m"),
+        tables.entry("largest power residual", f"{np.abs(reactions.power_residual).max():.3g}", "of the peak power"),
     ]
     return "\n".join(lines)
 
@@ -46,15 +46,15 @@ def _slide(press: Linkage, motion: Motion) -> list[str]:
     return [
         "",
         f"Slide ({press.slide})",
-        text.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
+        tables.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
         *(
-            text.entry(name, f"{1e3 * place:.3f}", "mm", f"at {np.degrees(angle):8.3f} deg, {time(angle):.6f} s")
+            tables.entry(name, f"{1e3 * place:.3f}", "mm", f"at {np.degrees(angle):8.3f} deg, {time(angle):.6f} s")
             for name, place, angle in (
                 ("top dead centre", ends.top_position, ends.top_angle),
                 ("bottom dead centre", ends.bottom_position, ends.bottom_angle),
             )
         ),
-        text.entry("position at crank angle 0", f"{1e3 * position[0]:.3f}", "mm"),
+        tables.entry("position at crank angle 0", f"{1e3 * position[0]:.3f}", "mm"),
         _extreme("fastest along the axis", velocity, motion, "m/s", np.argmax),
         _extreme("fastest against it", velocity, motion, "m/s", np.argmin),
         _extreme("largest acceleration", acceleration, motion, "m/s2", np.argmax),
@@ -69,7 +69,7 @@ def _torque(motion: Motion, reactions: Reactions) -> list[str]:
         "Driving torque (on the driver, along its axis)",
         _extreme("largest", torque, motion, "N m", np.argmax),
         _extreme("smallest", torque, motion, "N m", np.argmin),
-        text.entry("rms", f"{np.sqrt(np.mean(torque**2)):.6g}", "N m"),
+        tables.entry("rms", f"{np.sqrt(np.mean(torque**2)):.6g}", "N m"),
         _extreme("largest power", 1e-3 * torque * motion.crank_speed, motion, "kW", np.argmax),
     ]
 
@@ -94,7 +94,7 @@ def bearing_table(reactions: Reactions) -> list[str]:
         moment = np.linalg.norm(reactions.bearing_moment[name], axis=1).max()
         ranges = [f"{np.ptp(force[:, i]):.0f}" for i in axes]
         rows.append([name, f"{size[at]:.0f}", f"{_degrees(reactions.motion, at):.2f}", *ranges, f"{moment:.0f}"])
-    return ["", "Bearings (action of parent on child, of link1 on link2)", *text.table(rows, [width, 18])]
+    return ["", "Bearings (action of parent on child, of link1 on link2)", *tables.table(rows, [width, 18])]
 
 
 def _shaking(reactions: Reactions) -> list[str]:
@@ -103,13 +103,13 @@ def _shaking(reactions: Reactions) -> list[str]:
         force = reactions.shaking_force[:, i]
         if force.any():
             low, high = force.min().round() + 0.0, force.max().round() + 0.0  # not "-0"
-            lines.append(text.entry(axis, f"{low:.0f}", f"N   to {high:12.0f} N,  range {np.ptp(force):10.0f} N"))
+            lines.append(tables.entry(axis, f"{low:.0f}", f"N   to {high:12.0f} N,  range {np.ptp(force):10.0f} N"))
     return lines
 
 
 def _extreme(name: str, values: Array, motion: Motion, unit: str, choose: Callable[[Array], np.intp]) -> str:
     at = int(choose(values))
-    return text.entry(name, f"{values[at]:.6g}", unit, f"at {_degrees(motion, at):8.3f} deg")
+    return tables.entry(name, f"{values[at]:.6g}", unit, f"at {_degrees(motion, at):8.3f} deg")
 
 
 def _degrees(motion: Motion, at: int) -> float:

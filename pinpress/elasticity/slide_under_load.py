@@ -17,7 +17,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM, Array
@@ -113,7 +113,7 @@ class ElasticDeadCentre(Tabular):
     def __str__(self) -> str:
         standing = 1e3 * (self.standstill_position - self.rigid_position)
         rows = [f"{self.press_name}: bottom dead centre {standing:+.5g} mm off the rigid one at standstill"]
-        rows += text.fitted([[f"{w / RPM:8.4g} strokes/min", f"{1e3 * s:+.5f} mm"] for w, s in zip(self.speed, self.shift, strict=True)])
+        rows += tables.fitted([[f"{w / RPM:8.4g} strokes/min", f"{1e3 * s:+.5f} mm"] for w, s in zip(self.speed, self.shift, strict=True)])
         return "\n".join(rows)
 
     def columns(self) -> dict[str, Array]:

@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
@@ -71,7 +71,7 @@ class SlideCompliance(Tabular):
     def __str__(self) -> str:
         heading = f"{self.press_name}: stiffness at bottom dead centre {1e-6 * self.bottom_stiffness:.5g} kN/mm; shares of the deflection"
         most_first = sorted(self.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
-        return "\n".join([heading, *text.fitted([[name, f"{100 * share:6.2f} %"] for name, share in most_first])])
+        return "\n".join([heading, *tables.fitted([[name, f"{100 * share:6.2f} %"] for name, share in most_first])])
 
     @cached_property
     def effective_mass(self) -> Array:

@@ -26,7 +26,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import expect, finite_numbers, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
@@ -109,7 +109,7 @@ class MountedPress(Tabular):
             last = [] if pressure is None else [f"{pressure / 1e6:.4g} MPa"]
             rows.append([place, f"{load:.5g} N", f"{100 * share:.2f} %", f"{-1e3 * sag:.4g} mm", *last])
         title = f"{self.press.name} on its mounts at rest: {self.total_mass:.6g} kg, centre of mass {x:.4g}, {y:.4g}, {z:.4g} m"
-        return "\n".join([title, *text.table(rows, [28, 14, 10, 14])])
+        return "\n".join([title, *tables.table(rows, [28, 14, 10, 14])])
 
     def columns(self) -> dict[str, Column]:
         """A row for each mount: place, load, share of the weight, sag (downwards positive) and pressure."""
@@ -250,7 +250,7 @@ class VibrationModes(Tabular):
         rows = [["motion", "frequency", "speed", "damping ratio"]]
         for motion, frequency, ratio in zip(self.motion, self.natural_frequency / (2 * np.pi), self.damping_ratio, strict=True):
             rows.append([motion, f"{frequency:.3f} Hz", f"{60 * frequency:.1f} per min", f"{ratio:.4f}"])
-        return "\n".join([f"{self.press_name} on its mounts: modes", *text.table(rows, [18, 12, 18, 15])])
+        return "\n".join([f"{self.press_name} on its mounts: modes", *tables.table(rows, [18, 12, 18, 15])])
 
     def resonance_speeds(self, orders: int = 4) -> Array:
         """(orders, n) speeds of the crank at which its first, second, ... harmonic meets each natural frequency [rad/s].

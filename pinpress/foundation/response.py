@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import expect, finite_numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping
@@ -155,18 +155,18 @@ class FrameMotion(Tabular):
             rows.append([point, *(f"{value:.4g}" for value in (*self.rms(point), *self.peak(point)))])
         lines = [
             f"{self.system.press.name} on {len(self.system.mounts)} mounts: {over}",
-            *text.table(rows, [26, 12]),
-            text.entry("shaking force, rms", f"{rms_about_mean(self.shaking_force):.4g}", "N"),
-            text.entry("force on the floor, rms", f"{rms_about_mean(self.floor_force):.4g}", "N"),
+            *tables.table(rows, [26, 12]),
+            tables.entry("shaking force, rms", f"{rms_about_mean(self.shaking_force):.4g}", "N"),
+            tables.entry("force on the floor, rms", f"{rms_about_mean(self.floor_force):.4g}", "N"),
         ]
         least = self.least_load
         number = int(least.argmin())
         lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
-        lines.append(text.entry("least load on a mount", f"{least[number]:.4g}", f"N on mount {number}{lifts}"))
+        lines.append(tables.entry("least load on a mount", f"{least[number]:.4g}", f"N on mount {number}{lifts}"))
         pressures = [pressure for pressure in self.system.pressure if pressure is not None]
         if pressures:
-            lines.append(text.entry("mean pressure at rest", f"{max(pressures) / 1e6:.4g}", "MPa at most"))
-        lines.append(text.entry("sag at rest", f"{1e3 * np.abs(self.system.sag[:, 2]).max():.4g}", "mm at most"))
+            lines.append(tables.entry("mean pressure at rest", f"{max(pressures) / 1e6:.4g}", "MPa at most"))
+        lines.append(tables.entry("sag at rest", f"{1e3 * np.abs(self.system.sag[:, 2]).max():.4g}", "mm at most"))
         return "\n".join(lines)
 
     @classmethod

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import FrozenMapping, read_only
@@ -69,7 +69,7 @@ class SpeedResponse(Tabular):
             sizes = [f"{np.linalg.norm(values[k]):.4g}" for values in self.rms.values()]
             rows.append([f"{speed / RPM:6.4g} per min", *sizes, f"{self.shaking_force[k]:.4g} N", f"{self.floor_force[k]:.4g} N"])
         title = f"{self.press_name} idle on its mounts: root mean square of the acceleration, all directions"
-        return "\n".join([title, *text.table(rows, [14, *(20 for _ in self.rms), 14])])
+        return "\n".join([title, *tables.table(rows, [14, *(20 for _ in self.rms), 14])])
 
     @property
     def transmitted(self) -> Array:
@@ -189,10 +189,10 @@ class Isolation(Tabular):
         return "\n".join(
             [
                 f"{self.system.press.name}: the stiffest mounts that isolate, {self.factor:.4g} times as stiff as those given",
-                text.entry("all together", f"{x:.4g}", f"{y:12.4g} {z:12.4g} N/m along x, y, z"),
-                text.entry("natural frequencies", f"{frequencies} Hz"),
-                text.entry("sag at rest", f"{1e3 * self.sag:.4g}", "mm"),
-                text.entry("transmitted", f"{self.transmitted.max():.4g}", f"at most, at {worst / RPM:.4g} per min"),
+                tables.entry("all together", f"{x:.4g}", f"{y:12.4g} {z:12.4g} N/m along x, y, z"),
+                tables.entry("natural frequencies", f"{frequencies} Hz"),
+                tables.entry("sag at rest", f"{1e3 * self.sag:.4g}", "mm"),
+                tables.entry("transmitted", f"{self.transmitted.max():.4g}", f"at most, at {worst / RPM:.4g} per min"),
             ]
         )
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..common import text
+from ..common import tables
 from ..common.errors import UrdfError
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
@@ -194,7 +194,7 @@ def _described(facts: Facts) -> list[str]:
         ("mobility", f"{facts.mobility}: {len(facts.joints)} joints, {independent} equations are independent"),
         *([("engine", facts.engine)] if facts.engine else []),
     ]
-    lines = text.table(named, [12, 0])
+    lines = tables.table(named, [12, 0])
     if not facts.closings:
         return lines
     rows = [("", "", "", "gap as drawn", "determines" if facts.engine == "plane" else "joints")]
@@ -205,7 +205,7 @@ def _described(facts: Facts) -> list[str]:
         together = before.setdefault(each.joints, each.name)
         joints = ", ".join(each.joints) if together == each.name else f"(with {together})"
         rows.append((each.name, each.type, " - ".join(each.between), ", ".join(gaps), joints or "nothing new"))
-    return [*lines, "", *text.words(rows)]
+    return [*lines, "", *tables.fitted_words(rows)]
 
 
 def _said(file: str, finding: Finding) -> list[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import positive, suitable_numbers, truth_value, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
@@ -106,10 +106,10 @@ class PressRatings(Tabular):
         return "\n".join(
             [
                 f"{self.press_name}, ratings at {rpm:g} strokes/min{'' if self.speed > 0 else ', backwards'}; forces: {what}",
-                *text.table(_data(self), [38, 0]),
+                *tables.table(_data(self), [38, 0]),
                 "",
                 "Permissible force",
-                *text.table([heads, *(_row(self, k) for k in _shown(self))], [14, 20, 24, 14, 13, 0]),
+                *tables.table([heads, *(_row(self, k) for k in _shown(self))], [14, 20, 24, 14, 13, 0]),
             ]
         )
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import is_number, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM, Array
@@ -422,7 +422,7 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, scene: Se
     lines = [
         f"{press.name}: {'a period of its steady state, ' if steady else ''}{run.time[-1]:.6g} s, {len(run.crank_angle)} states,"
         f" method {run.stats.method!r}",
-        *text.table(scene, [26, 0]),
+        *tables.table(scene, [26, 0]),
         *_end(run, steady),
         *_speeds(whole, steady),
         *_work(whole),
@@ -432,10 +432,10 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, scene: Se
         *bearing_table(reactions),
         "",
         "Checks",
-        text.entry("largest loop gap", f"{run.stats.closure_error:.3g}", "m"),
-        text.entry("energy error", f"{run.stats.energy_error:.3g}", "of the largest energy"),
-        text.entry("largest power residual", f"{np.abs(reactions.power_residual).max():.3g}", "of the peak power"),
-        text.entry("steps", f"{run.stats.steps}", "", f"{run.stats.evaluations} evaluations"),
+        tables.entry("largest loop gap", f"{run.stats.closure_error:.3g}", "m"),
+        tables.entry("energy error", f"{run.stats.energy_error:.3g}", "of the largest energy"),
+        tables.entry("largest power residual", f"{np.abs(reactions.power_residual).max():.3g}", "of the peak power"),
+        tables.entry("steps", f"{run.stats.steps}", "", f"{run.stats.evaluations} evaluations"),
     ]
     return "\n".join(lines)
 
@@ -446,20 +446,20 @@ def _end(run: Run, steady: bool) -> list[str]:
     return [
         "",
         "At the end, as at the start" if steady else "At the end",
-        text.entry("crank angle", f"{angle[-1]:.3f}", "deg", turns),
-        text.entry("crank speed", f"{run.crank_speed[-1] / RPM:.6g}", "r/min"),
+        tables.entry("crank angle", f"{angle[-1]:.3f}", "deg", turns),
+        tables.entry("crank speed", f"{run.crank_speed[-1] / RPM:.6g}", "r/min"),
     ]
 
 
 def _speeds(whole: MotorDuty, steady: bool) -> list[str]:
-    recovery = [text.entry("from lowest to highest", f"{whole.recovery_time:.6g}", "s")] if steady else []
+    recovery = [tables.entry("from lowest to highest", f"{whole.recovery_time:.6g}", "s")] if steady else []
     return [
         "",
         "Crank speed",
-        text.entry("mean", f"{whole.mean_speed / RPM:.6g}", "r/min"),
-        text.entry("highest", f"{whole.highest_speed / RPM:.6g}", "r/min"),
-        text.entry("lowest", f"{whole.lowest_speed / RPM:.6g}", "r/min"),
-        text.entry("speed drop", f"{100 * whole.speed_drop:.6g}", "%", "of the mean"),
+        tables.entry("mean", f"{whole.mean_speed / RPM:.6g}", "r/min"),
+        tables.entry("highest", f"{whole.highest_speed / RPM:.6g}", "r/min"),
+        tables.entry("lowest", f"{whole.lowest_speed / RPM:.6g}", "r/min"),
+        tables.entry("speed drop", f"{100 * whole.speed_drop:.6g}", "%", "of the mean"),
         *recovery,
     ]
 
@@ -468,22 +468,22 @@ def _work(whole: MotorDuty) -> list[str]:
     return [
         "",
         "Work",
-        text.entry("drive", f"{whole.drive_work:.6g}", "J", "on the crank's shaft"),
-        text.entry("loads", f"{whole.load_work:.6g}", "J", "taken"),
-        text.entry("flywheel", f"{whole.flywheel_work:.6g}", "J", "given off, with the drive's inertia, from highest to lowest speed"),
-        text.entry("lost", f"{whole.lost:.6g}", "J", "in clutch and brake"),
+        tables.entry("drive", f"{whole.drive_work:.6g}", "J", "on the crank's shaft"),
+        tables.entry("loads", f"{whole.load_work:.6g}", "J", "taken"),
+        tables.entry("flywheel", f"{whole.flywheel_work:.6g}", "J", "given off, with the drive's inertia, from highest to lowest speed"),
+        tables.entry("lost", f"{whole.lost:.6g}", "J", "in clutch and brake"),
     ]
 
 
 def _motor(run: Run, whole: MotorDuty) -> list[str]:
     if run.problem.driven.drive is None and run.problem.driven.prescribed is None:
         return []
-    use = [] if whole.utilisation is None else [text.entry("utilisation", f"{100 * whole.utilisation:.6g}", "%", "rms by rated torque")]
+    use = [] if whole.utilisation is None else [tables.entry("utilisation", f"{100 * whole.utilisation:.6g}", "%", "rms by rated torque")]
     return [
         "",
         "Motor (torque at its own shaft)",
-        text.entry("rms", f"{whole.motor_rms:.6g}", "N m"),
-        text.entry("peak", f"{whole.motor_peak:.6g}", "N m"),
+        tables.entry("rms", f"{whole.motor_rms:.6g}", "N m"),
+        tables.entry("peak", f"{whole.motor_peak:.6g}", "N m"),
         *use,
     ]
 
@@ -492,7 +492,7 @@ def _torque(reactions: Reactions) -> list[str]:
     lines = ["", "Torque at the crank (flywheel, drive, clutch and brake together)"]
     torque, motion = reactions.driving_torque, reactions.motion
     for name, at in (("largest", int(torque.argmax())), ("smallest", int(torque.argmin()))):
-        lines.append(text.entry(name, f"{torque[at]:.6g}", "N m", f"at {motion.crank_degrees[at]:8.3f} deg, {motion.time[at]:.6f} s"))
+        lines.append(tables.entry(name, f"{torque[at]:.6g}", "N m", f"at {motion.crank_degrees[at]:8.3f} deg, {motion.time[at]:.6f} s"))
     return lines
 
 
@@ -506,7 +506,7 @@ def _strokes(found: Sequence[MotorDuty], turns: int | None) -> list[str]:
     for k in range(len(found)) if few else [*range(FIRST_STROKES), len(found) - 1]:
         stroke = found[k]
         if not few and k == len(found) - 1:
-            rows.append([f"{text.GAP:>6}"])
+            rows.append([f"{tables.GAP:>6}"])
         values = (stroke.start, stroke.duration, stroke.mean_speed / RPM, stroke.lowest_speed / RPM, stroke.drive_work, stroke.load_work)
         rows.append([f"{k + 1:6d}", *(f"{value:.6g}" for value in values)])
-    return ["", f"Strokes ({what}, from the start)", *text.table(rows, [6, 16])]
+    return ["", f"Strokes ({what}, from the start)", *tables.table(rows, [6, 16])]

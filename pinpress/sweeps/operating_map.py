@@ -30,13 +30,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import numbers, truth_value, typed
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import read_only
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
-from ..common.tables import ranges
 from ..dynamics.applied_loads import asked
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, cycle
@@ -84,8 +83,8 @@ class OperatingMap(Tabular):
         lines = [
             f"{self.press_name} at {len(speeds)} speeds, {speeds.min():g} to {speeds.max():g} r/min, and {len(forces)} forces,"
             f" {forces.min():g} to {forces.max():g} N",
-            *text.table([["over a turn", "smallest", "largest"]], [32, 14]),
-            *ranges({f"{name} [{_unit(name)}]": values for name, values in self.results.items()}, 32),
+            *tables.table([["over a turn", "smallest", "largest"]], [32, 14]),
+            *tables.ranges({f"{name} [{_unit(name)}]": values for name, values in self.results.items()}, 32),
         ]
         return "\n".join(lines)
 

@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import is_whole_number, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.files import path_of
 from ..common.frozen import read_only
 from ..common.results import Record, Records, Tabular
-from ..common.tables import ranges
 from .execution import Function, Outcome, TaskError, in_parallel, serially
 from .grid import Grid, Scalar, gridded
 from .store import Results, opened, results
@@ -127,9 +126,9 @@ class SweepTable(Tabular):
     def __str__(self) -> str:
         over = " side by side" if self.paired else ""
         lines = [f"{self.function} at {self._size} points, {self._not_there}; axes{over}"]
-        lines += text.table(([name, f"{len(labels):6} values, {_ends(labels)}"] for name, labels in self.axes.items()), [26, 0])
-        lines += ["", *text.table([["Results", "smallest", "largest"]], [28, 14], indent="")]
-        lines += ranges({name: self.values[name] for name in self._results}, 26)
+        lines += tables.table(([name, f"{len(labels):6} values, {_ends(labels)}"] for name, labels in self.axes.items()), [26, 0])
+        lines += ["", *tables.table([["Results", "smallest", "largest"]], [28, 14], indent="")]
+        lines += tables.ranges({name: self.values[name] for name in self._results}, 26)
         lines += ["", "Failed"] if self.failed else []
         lines += [f"  {', '.join(f'{k}={v}' for k, v in bad.point.items())}: {bad.error.splitlines()[0]}" for bad in self.failed[:5]]
         lines += [f"  and {len(self.failed) - 5} more"] if len(self.failed) > 5 else []

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common import text
+from ..common import tables
 from ..common.arguments import any_numbers, suitable_numbers, typed
 from ..common.errors import AssemblyError, PinpressError, SingularityError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, read_only
@@ -292,13 +292,13 @@ def _text(found: SynthesisResult) -> str:
     lines = [
         f"{found.press.name}: {found.evaluations} designs judged, {found.infeasible} that could not be assembled",
         "",
-        *text.table([["objective", "", f"{found.start_value:.6g}", f"{found.value:.6g}"]], [width, WIDE]),
+        *tables.table([["objective", "", f"{found.start_value:.6g}", f"{found.value:.6g}"]], [width, WIDE]),
     ]
     for kind in ("variable", "constraint"):
         some = [row for row in rows if row.kind == kind]
         if some:
             heads = [f"{kind.capitalize()}s", "lower", "start", "found", "upper"]
-            lines += ["", *text.table([heads], [width + 2, WIDE], indent=""), *text.table(map(_cells, some), [width, WIDE])]
+            lines += ["", *tables.table([heads], [width + 2, WIDE], indent=""), *tables.table(map(_cells, some), [width, WIDE])]
     lines += ["", "Held by" if found.active else "Held by no bound"]
     lines += [
         f"  {bound.name}, {'value' if bound.side == 'equal' else f'{bound.side} bound'} {bound.bound:.6g}:"
@@ -307,7 +307,7 @@ def _text(found: SynthesisResult) -> str:
     ]
     if found.idle:
         lines += [f"Without influence: {', '.join(found.idle)}"]
-    checks = text.table([["conditions of the optimum", f"{found.kkt:.2g} of the objective"]], [width + WIDE, 0])
+    checks = tables.table([["conditions of the optimum", f"{found.kkt:.2g} of the objective"]], [width + WIDE, 0])
     return "\n".join([*lines, "", "Checks", *checks])
 
 
