@@ -64,12 +64,29 @@ def add(
         wanted: indices of the wanted bearings.
         result: wrenches of these bearings.
     """
+    kept = slice(None) if len(wanted) == len(axial) else list(wanted)
+    tilting = bodies.moment_sharing.shared(_tilting_moments(bodies, states, open_tree, pins, loads, axial), kept)
+    axial = axial[kept]
+    for i, (along, first, second) in enumerate(zip(bodies.plane.normal, *bodies.plane.axes, strict=True)):
+        # most presses stand in a coordinate plane: axes without a component there cost nothing
+        if along:
+            result.force[..., i] += along * axial
+        if first:
+            result.moment[..., i] += first * tilting.real
+        if second:
+            result.moment[..., i] += second * tilting.imag
+
+
+def _tilting_moments(
+    bodies: Bodies, states: ClosedStates, open_tree: OpenTree, pins: ComplexArray, loads: Sequence[AppliedForce], axial: Array
+) -> ComplexArray:
+    """Tilting moments (nv, n) that the joints would have to carry if no loop carried any [N m]. Arguments as of `add`."""
     plane, basis = bodies.plane, known_basis(states)
     count = len(plane.parents)
     spin, acceleration = plane.spin @ states.v, plane.spin @ states.a
     rotors = basis[list(plane.rotors)]
     weight = -bodies.axial_weight[:, None]
-    tilt = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors
+    tilt: ComplexArray = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors
     tilt += 1j * (plane.center_heights - plane.heights)[:, None] * open_tree.own - 1j * open_tree.centers * weight
     for load in loads:
         if load.joint:
@@ -91,16 +108,7 @@ def add(
         for k, sign in plane.loops_of_joint[j].items():
             arm = points[k] - origins[j]
             tilt[j] -= sign * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * axial[count + k])
-    kept = slice(None) if len(wanted) == len(axial) else list(wanted)
-    tilting, axial = bodies.moment_sharing.shared(tilt, kept), axial[kept]
-    for i, (along, first, second) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
-        # most presses stand in a coordinate plane: axes without a component there cost nothing
-        if along:
-            result.force[..., i] += along * axial
-        if first:
-            result.moment[..., i] += first * tilting.real
-        if second:
-            result.moment[..., i] += second * tilting.imag
+    return tilt
 
 
 def indeterminate(plane: Plane, position: Array, axes: Array) -> NDArray[np.bool_]:

@@ -39,12 +39,10 @@ from .model import PointPair, SpatialModel, held_points
 
 MASSLESS = 1e-13  # share of the largest inertia below which what resists a motion is rounding
 CLEAR = 1e-6  # share of the largest pivot (of an inertia's own size) above which a pivot of the quick way is clearly not zero
-PROXIMAL = (
-    1e-10  # damping of the quick way, as a share of the largest pivot: an iteration leaves at most 1e-4 of the error (PROXIMAL / CLEAR)
-)
-SETTLED = (
-    1e-13  # change of the multipliers at which the quick way stops [N], as a share of the weight where the linkage weighs less than 1 N
-)
+# Damping of the quick way, as a share of the largest pivot: an iteration leaves at most 1e-4 of the error (PROXIMAL / CLEAR).
+PROXIMAL = 1e-10
+# Change of the multipliers at which the quick way stops [N], as a share of the weight where the linkage weighs less than 1 N.
+SETTLED = 1e-13
 ITERATIONS = 6  # most iterations of the quick way: redundant multipliers never settle, though the accelerations have
 MOST_GEAR_PAIRS = 2  # with more the general way is the faster one
 CANCELLED = 1e-2  # share of the accelerations without gear pairs, and of what these answer to a torque, below which digits are lost
@@ -73,28 +71,37 @@ class ForwardDynamics:
         Raises:
             PinpressError: an armature of another shape, or not finite.
         """
-        # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
-        from scipy.linalg import lapack
-
         self._made_of = spatial, closed, rank, armature, name
-        self.geqp3, self.orgqr, self.trtrs, self.posv = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv
+        self.name, self.joints, self.driver, self.rank = name, tuple(spatial.model.names)[1:], spatial.drivers[0], rank
+        self.size, self.tolerance, self.still = spatial.size, spatial.tolerance, np.zeros(spatial.model.nv)
+        self._make_tree(spatial, armature)
+        by_loop = self._held_points(spatial, closed)
+        ends = [end for held in by_loop for end in held]
+        self._make_anchors(ends)
+        self._make_rows(spatial, [len(held) for held in by_loop])
+        mass = pin.crba(self.model, self.data, closed)
+        self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
+        self.quick = self._quick(closed, ends, mass)
 
-        model, loops, self.name, self.joints = spatial.model, spatial.loops, name, tuple(spatial.model.names)[1:]
-        count = int(model.nv)
+    def _make_tree(self, spatial: SpatialModel, armature: Array) -> None:
+        """Pinocchio's model of the tree with the armature, and its data."""
+        count = spatial.model.nv
         armature = suitable_numbers("armature", armature, f"{count} finite inertias [kg m2]", (count,))
-        self.driver, self.rank = spatial.drivers[0], rank
-        self.size, self.tolerance = spatial.size, spatial.tolerance
-        self.model = _bounded(model, spatial.axes)
-        self.model.armature = self.armature = np.array(model.armature) + armature
+        self.model = _bounded(spatial.model, spatial.axes)
+        self.model.armature = self.armature = np.array(spatial.model.armature) + armature
         self.weightless = self.model.copy()
         self.weightless.gravity.setZero()
         self.data = data_of(self.model)
         self.placements = self.data.oMi  # live: fetching it costs more than the algorithm that fills it
 
+    def _held_points(self, spatial: SpatialModel, closed: Array) -> list[list[PointPair]]:
+        """The points at which each loop is held; see `held_points`."""
         pin.forwardKinematics(self.model, self.data, closed)
         rotations = [placement.rotation for placement in self.placements]
-        by_loop = [held_points(loop, rotations, self.size) for loop in loops]
-        ends = [end for point_rows in by_loop for end in point_rows]
+        return [held_points(loop, rotations, self.size) for loop in spatial.loops]
+
+    def _make_anchors(self, ends: list[PointPair]) -> None:
+        """Pinocchio's constraint models and data of the points, and their gaps and accelerations, which stay live."""
         self.points, self.data_of_points = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
         for end in ends:
             anchor = pin.PointAnchorConstraintModel(self.model, *end)
@@ -106,22 +113,25 @@ class ForwardDynamics:
         self.gaps = [datum.constraint_position_error for datum in inner]
         self.drifts = [datum.constraint_acceleration_error for datum in inner]
 
+    def _make_rows(self, spatial: SpatialModel, points_by_loop: list[int]) -> None:
+        """The rows of points and couplings, scaled so that all joints move in lengths, and the LAPACK routines that factorise them."""
+        # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
+        from scipy.linalg import lapack
+
+        self.geqp3, self.orgqr, self.trtrs, self.posv = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv
         self.units = np.array([self.size if axis.turns else 1.0 for axis in spatial.axes])
         self.per_unit, self.back_per_unit, self.column = 1 / self.units, -1 / self.units, (1 / self.units)[:, None]
-        self.point_rows = 3 * len(ends)
         # a joint that carries both ends moves them by rounding, and by an open gap
-        moving = np.repeat(spatial.incidence.T != 0, [3 * len(held) for held in by_loop], axis=0)
+        moving = np.repeat(spatial.incidence.T != 0, [3 * count for count in points_by_loop], axis=0)
         self.weights = moving * self.per_unit
-        equations, couplings = spatial.equations(), len(spatial.couplings)
+        equations = spatial.equations()
         self.coupled, self.offsets = equations.coupled, equations.offsets
+        self.point_rows, couplings, joints = 3 * sum(points_by_loop), len(self.offsets), len(self.units)
         # zero rows at the end, so that there are as many as joints at least and the orthogonal factor comes whole
-        self.rows = np.zeros((max(self.point_rows + couplings, count), count))
+        self.rows = np.zeros((max(self.point_rows + couplings, joints), joints))
         self.rows[self.point_rows : self.point_rows + couplings] = self.coupled * self.per_unit
         # LAPACK counts pivots from 1: one number stands before those of the rows
-        self.none, self.uncoupled, self.still = np.zeros(1), np.zeros(couplings), np.zeros(count)
-        mass = pin.crba(self.model, self.data, closed)
-        self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
-        self.quick = self._quick(closed, ends, mass)
+        self.none, self.uncoupled = np.zeros(1), np.zeros(couplings)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return ForwardDynamics, self._made_of
