@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,10 @@ Columns: TypeAlias = Mapping[str, Column]
 MOST_ROWS, MOST_COLUMNS = 20, 20  # shown of a table in a notebook
 GAP = "..."  # stands for what is left out of a long table
 _NAME, _NUMBER, _UNIT = 26, 12, 7  # letters of an `entry`
+
+_DIGITS = 5  # of the largest number of a `Scale`
+_ROUNDING = 1e-9  # share of the largest number below which a number is rounding
+_PREFIXED = ("N", "N m", "W", "J", "Pa")
 
 T = TypeVar("T")
 
@@ -234,6 +238,54 @@ def fitted_words(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]
 def entry(name: str, number: str, unit: str = "", remark: str = "") -> str:
     """A line with one number, its unit and a remark. All such lines have the same columns."""
     return f"  {name:{_NAME}}{number:>{_NUMBER}} {unit:{_UNIT}}{remark}".rstrip()
+
+
+class Scale(NamedTuple):
+    """How the numbers of one quantity are written under each other: in one unit, with as many decimals, rounding as 0.
+
+    Attributes:
+        unit: With its prefix.
+        factor: Of these units in one SI unit.
+        decimals: Digits after the point.
+        least: Values up to this size are rounding [SI unit].
+    """
+
+    unit: str
+    factor: float
+    decimals: int
+    least: float
+
+    def shown(self, value: float) -> str:
+        """A value in SI units as a number in this unit; thousands stand apart where there are more than four digits before the point."""
+        rounded = round(value * self.factor, self.decimals)
+        if abs(value) <= self.least or not rounded:
+            return "0"
+        number = f"{rounded:,.{self.decimals}f}"
+        whole = number.partition(".")[0]
+        return number.replace(",", " " if len(whole.strip("-")) > len("1,000") else "")
+
+
+def scale(unit: str, values: Iterable[float], least: float = 0.0) -> Scale:
+    """The scale for values of which the largest is to have five digits.
+
+    Args:
+        unit: SI unit of the values. N, N m, J and Pa take the prefix k from 10 000 and M from 10 000 000 on, W from a tenth of that, kg
+            become t from 10 000 on, lengths are in mm with three decimals, and speeds below 10 mm/s in mm/s.
+        values: All that are shown under each other, or their extremes.
+        least: Size up to which values are rounding; at least 1e-9 of the largest.
+    """
+    largest = max(map(abs, values), default=0.0)
+    prefixed, factor = unit, 1.0
+    if unit in _PREFIXED:
+        kilo = 1e3 if unit == "W" else 1e4
+        prefixed, factor = (f"M{unit}", 1e-6) if largest >= 1e3 * kilo else (f"k{unit}", 1e-3) if largest >= kilo else (unit, 1.0)
+    elif unit == "kg" and largest >= 1e4:
+        prefixed, factor = "t", 1e-3
+    elif unit == "m" or (unit == "m/s" and largest < 0.01):
+        prefixed, factor = f"m{unit}", 1e3
+    before_point = math.floor(math.log10(largest * factor)) if largest > least else 0
+    decimals = 3 if unit == "m" else min(max(_DIGITS - 1 - before_point, 0), 9)
+    return Scale(prefixed, factor, decimals, max(least, _ROUNDING * largest))
 
 
 def shortened(items: Sequence[T], most: int) -> list[T | None]:

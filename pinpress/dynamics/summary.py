@@ -5,72 +5,96 @@ from collections.abc import Callable
 import numpy as np
 
 from ..common import tables
+from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
+from ..kinematics.main_data import directions, forward_share, sense_of_rotation
 from ..kinematics.motion import Motion
-from ..kinematics.slide_path import dead_centres
+from ..kinematics.slide_path import DeadCentres, dead_centres
 from ..linkage.linkage import Linkage
+from .extremes import ROUNDING
 from .inverse_dynamics import Reactions
 
 AXES = "xyz"
+CLOSED = 1e-12  # gap [lengths of the linkage] or residual that is rounding
 
 
 def summary(press: Linkage, motion: Motion, reactions: Reactions) -> str:
-    """Stroke, peaks and ranges over the period, with units and crank angles, and how well the equations are fulfilled.
+    """Stroke, peaks and ranges over the period, with units, crank angles and heights, and how well the equations are fulfilled.
 
-    Peaks are the largest values among the motion's states; dead centres are exact. Signs are those of `inverse_dynamics`.
+    Peaks are the largest values among the motion's states; dead centres are exact. Heights of the slide are above bottom dead centre. Signs
+    are those of `inverse_dynamics`.
     """
     lines = [
-        f"{press.name}: {abs(motion.crank_speed[0]) / RPM:g} r/min of joint {press.driver}, {len(motion.crank_angle)} crank angles,"
-        f" engine {reactions.engine!r}",
-        *(_slide(press, motion) if press.slide else []),
+        f"{press.name}: {_speed(press, motion)}",
+        f"  {len(motion.crank_angle)} crank angles, engine {reactions.engine!r}",
+        *_slide(press, motion),
         *_torque(motion, reactions),
         *_gear_pairs(motion, reactions),
         *bearing_table(reactions),
         *_shaking(reactions),
         "",
         "Checks",
-        tables.entry("largest loop gap", f"{motion.closure_error.max():.3g}", "m"),
-        tables.entry("largest power residual", f"{np.abs(reactions.power_residual).max():.3g}", "of the peak power"),
+        *checks(press, float(motion.closure_error.max()), reactions),
     ]
     return "\n".join(lines)
 
 
+def _speed(press: Linkage, motion: Motion) -> str:
+    """Speed and sense of rotation in words, and strokes per minute where the slide makes one in some turns."""
+    speed = float(motion.crank_speed[0])
+    turning = f"{press.driver} turns {sense_of_rotation(press, speed)} at {abs(speed) / RPM:g} r/min"
+    ends = _dead_centres(press)
+    return turning if ends is None else f"{abs(speed) / RPM / ends.turns:g} strokes/min, {turning}"
+
+
 def _slide(press: Linkage, motion: Motion) -> list[str]:
-    ends = dead_centres(press)
-    speed = motion.crank_speed[0]
-    position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
+    if press.slide is None:
+        return []
+    try:
+        ends = dead_centres(press)
+    except PinpressError as error:
+        return ["", f"Slide ({press.slide}): {error}"]
+    speed = float(motion.crank_speed[0])
+    period = 2 * np.pi * ends.turns / abs(speed)
+    velocity, acceleration = motion.slide_velocity, motion.slide_acceleration
+    forward = forward_share(ends, speed)
+    down, up = directions(press)
 
     def time(angle: float) -> float:
         return float((angle if speed > 0 else 2 * np.pi * ends.turns - angle) / abs(speed))
 
+    def extreme(name: str, values: Array, unit: str) -> str:
+        return _extreme(name, values, motion, unit, np.argmax, ends)
+
     return [
         "",
-        f"Slide ({press.slide})",
+        f"Slide ({press.slide}), heights above bottom dead centre",
         tables.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
         *(
-            tables.entry(name, f"{1e3 * place:.3f}", "mm", f"at {np.degrees(angle):8.3f} deg, {time(angle):.6f} s")
-            for name, place, angle in (
-                ("top dead centre", ends.top_position, ends.top_angle),
-                ("bottom dead centre", ends.bottom_position, ends.bottom_angle),
-            )
+            tables.entry(name, f"{np.degrees(angle):.3f}", "deg", f"at {time(angle):.6f} s")
+            for name, angle in (("top dead centre", ends.top_angle), ("bottom dead centre", ends.bottom_angle))
         ),
-        tables.entry("position at crank angle 0", f"{1e3 * position[0]:.3f}", "mm"),
-        _extreme("fastest along the axis", velocity, motion, "m/s", np.argmax),
-        _extreme("fastest against it", velocity, motion, "m/s", np.argmin),
-        _extreme("largest acceleration", acceleration, motion, "m/s2", np.argmax),
-        _extreme("smallest acceleration", acceleration, motion, "m/s2", np.argmin),
+        tables.entry("as drawn (0 deg)", f"{1e3 * (motion.slide_position[0] - ends.bottom_position):.3f}", "mm"),
+        tables.entry("working stroke", f"{100 * forward:.3f}", "%", f"of the time, {forward * period:.6f} s, {down}"),
+        tables.entry("return stroke", f"{100 * (1 - forward):.3f}", "%", f"of the time, {(1 - forward) * period:.6f} s, {up}"),
+        extreme("fastest, working stroke", -velocity, "m/s"),
+        extreme("fastest, return stroke", velocity, "m/s"),
+        extreme("largest acceleration up" if up == "up" else "acceleration towards top", acceleration, "m/s2"),
+        extreme("largest acceleration down" if down == "down" else "... towards bottom", -acceleration, "m/s2"),
     ]
 
 
 def _torque(motion: Motion, reactions: Reactions) -> list[str]:
     torque = reactions.driving_torque
+    rms = float(np.sqrt(np.mean(torque**2)))
+    scale = tables.scale("N m", [float(np.abs(torque).max())])
     return [
         "",
         "Driving torque (on the driver, along its axis)",
         _extreme("largest", torque, motion, "N m", np.argmax),
         _extreme("smallest", torque, motion, "N m", np.argmin),
-        tables.entry("rms", f"{np.sqrt(np.mean(torque**2)):.6g}", "N m"),
-        _extreme("largest power", 1e-3 * torque * motion.crank_speed, motion, "kW", np.argmax),
+        tables.entry("rms", scale.shown(rms), scale.unit),
+        _extreme("largest power", torque * motion.crank_speed, motion, "W", np.argmax),
     ]
 
 
@@ -83,33 +107,67 @@ def _gear_pairs(motion: Motion, reactions: Reactions) -> list[str]:
 
 
 def bearing_table(reactions: Reactions) -> list[str]:
-    """Lines with the largest force and moment of every bearing over a motion's states, and the range of its force along each axis."""
-    axes = [i for i in range(3) if any(force[:, i].any() for force in reactions.bearing_force.values())]
-    width = max(14, *(len(name) for name in reactions.bearing_force))
-    heads = ["peak force [N]", "at crank [deg]", *(f"range {AXES[i]} [N]" for i in axes), "peak moment [N m]"]
+    """Lines with the largest force and moment of every bearing over a motion's states, in the order of the drawing, where the crank and the
+    slide are then, and the range of the force along each axis."""
+    motion, press = reactions.motion, reactions._press
+    names = [name for name in press.bearings_as_drawn if name in reactions.bearing_force]
+    sizes = {name: np.linalg.norm(reactions.bearing_force[name], axis=1) for name in names}
+    moments = [float(np.linalg.norm(reactions.bearing_moment[name], axis=1).max(initial=0.0)) for name in names]
+    largest = max((float(size.max()) for size in sizes.values()), default=0.0)
+    forces = tables.scale("N", [largest], ROUNDING * largest)
+    turning = tables.scale("N m", moments, ROUNDING * largest * press.size)
+    axes = [i for i in range(3) if any(np.abs(reactions.bearing_force[name][:, i]).max() > forces.least for name in names)]
+    ends = _dead_centres(press)
+    heads = [f"peak force [{forces.unit}]", "at crank [deg]", *(["height [mm]"] if ends else [])]
+    heads += [*(f"range {AXES[i]} [{forces.unit}]" for i in axes), f"peak moment [{turning.unit}]"]
     rows = [["", *heads]]
-    for name, force in reactions.bearing_force.items():
-        size = np.linalg.norm(force, axis=1)
-        at = int(size.argmax())
-        moment = np.linalg.norm(reactions.bearing_moment[name], axis=1).max()
-        ranges = [f"{np.ptp(force[:, i]):.0f}" for i in axes]
-        rows.append([name, f"{size[at]:.0f}", f"{_degrees(reactions.motion, at):.2f}", *ranges, f"{moment:.0f}"])
-    return ["", "Bearings (action of parent on child, of link1 on link2)", *tables.table(rows, [width, 18])]
+    for name, moment in zip(names, moments, strict=True):
+        at = int(sizes[name].argmax())
+        place = [f"{_degrees(motion, at):.2f}", *([f"{1e3 * (motion.slide_position[at] - ends.bottom_position):.3f}"] if ends else [])]
+        if sizes[name][at] <= forces.least:
+            place = ["-"] * len(place)
+        ranges = [forces.shown(float(np.ptp(reactions.bearing_force[name][:, i]))) for i in axes]
+        rows.append([name, forces.shown(float(sizes[name][at])), *place, *ranges, turning.shown(moment)])
+    return ["", "Bearings (action of parent on child, of link1 on link2), each at its peak", *tables.fitted(rows)]
 
 
 def _shaking(reactions: Reactions) -> list[str]:
+    force = reactions.shaking_force
+    largest = max((float(np.abs(each).max(initial=0.0)) for each in reactions.bearing_force.values()), default=0.0)
+    scale = tables.scale("N", [float(np.abs(force).max(initial=0.0))], ROUNDING * largest)
     lines = ["", "Shaking force on the foundation, weight included"]
     for i, axis in enumerate(AXES):
-        force = reactions.shaking_force[:, i]
-        if force.any():
-            low, high = force.min().round() + 0.0, force.max().round() + 0.0  # not "-0"
-            lines.append(tables.entry(axis, f"{low:.0f}", f"N   to {high:12.0f} N,  range {np.ptp(force):10.0f} N"))
+        if np.abs(force[:, i]).max(initial=0.0) > scale.least:
+            low, high, width = (scale.shown(float(value)) for value in (force[:, i].min(), force[:, i].max(), np.ptp(force[:, i])))
+            lines.append(tables.entry(axis, low, scale.unit, f"to {high:>10} {scale.unit},  range {width:>10} {scale.unit}"))
     return lines
 
 
-def _extreme(name: str, values: Array, motion: Motion, unit: str, choose: Callable[[Array], np.intp]) -> str:
-    at = int(choose(values))
-    return tables.entry(name, f"{values[at]:.6g}", unit, f"at {_degrees(motion, at):8.3f} deg")
+def checks(press: Linkage, gap: float, reactions: Reactions) -> list[str]:
+    """Lines that say how well loops and the balance of power are fulfilled; ``gap``: the largest of a loop [m]."""
+    residual = float(np.abs(reactions.power_residual).max())
+    closed = "closed to rounding" if gap <= CLOSED * max(press.size, 1.0) else f"{gap:.3g}"
+    balanced = "0 to rounding" if residual <= CLOSED else f"{residual:.3g}"
+    return [
+        tables.entry("largest loop gap", closed, "" if closed.startswith("closed") else "m"),
+        tables.entry("largest power residual", balanced, "", "of the peak power: what drive, loads and energies leave over"),
+    ]
+
+
+def _dead_centres(press: Linkage) -> DeadCentres | None:
+    try:
+        return dead_centres(press) if press.slide is not None else None
+    except PinpressError:
+        return None
+
+
+def _extreme(
+    name: str, values: Array, motion: Motion, unit: str, choose: Callable[[Array], np.intp], ends: DeadCentres | None = None
+) -> str:
+    """A line with an extreme of a quantity [SI unit] and the crank angle where it is reached, with dead centres the slide's height too."""
+    at, scale = int(choose(values)), tables.scale(unit, [float(np.abs(values).max())])
+    height = "" if ends is None else f", {1e3 * (motion.slide_position[at] - ends.bottom_position):9.3f} mm"
+    return tables.entry(name, scale.shown(float(values[at])), scale.unit, f"at {_degrees(motion, at):8.3f} deg{height}")
 
 
 def _degrees(motion: Motion, at: int) -> float:

@@ -111,6 +111,20 @@ class Linkage(Frozen):
         """Names of all joints and loops that transmit forces: joints in Pinocchio's order, then loops."""
         return self.joints + tuple(loop.name for loop in self.loops)
 
+    @cached_property
+    def bearings_as_drawn(self) -> tuple[str, ...]:
+        """Names of all bearings in the order of the drawing: joints as the file lists them, each loop where it closes, which is behind the
+        joints that carry its two links."""
+        found, carried, left = [], {0}, list(self.loops)
+        listed = (joint.get("name") for joint in self.document.robot.all("joint"))
+        for name in (name for name in listed if name in self.joints):
+            found.append(name)
+            carried.add(self.joints.index(name) + 1)
+            closing = [loop for loop in left if {loop.joint1, loop.joint2} <= carried]
+            found += [loop.name for loop in closing]
+            left = [loop for loop in left if loop not in closing]
+        return tuple(found)
+
     @property
     def mobility(self) -> int:
         """Degrees of freedom of the closed linkage: joints less the rank of the equations. `load` accepts as many as there are drivers."""

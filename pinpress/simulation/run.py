@@ -18,7 +18,7 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..drives.protocol import Drive
 from ..dynamics.inverse_dynamics import Reactions
-from ..dynamics.summary import bearing_table
+from ..dynamics.summary import bearing_table, checks
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
 from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
@@ -432,9 +432,8 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, scene: Se
         *bearing_table(reactions),
         "",
         "Checks",
-        tables.entry("largest loop gap", f"{run.stats.closure_error:.3g}", "m"),
-        tables.entry("energy error", f"{run.stats.energy_error:.3g}", "of the largest energy"),
-        tables.entry("largest power residual", f"{np.abs(reactions.power_residual).max():.3g}", "of the peak power"),
+        *checks(press, run.stats.closure_error, reactions),
+        tables.entry("energy error", f"{run.stats.energy_error:.2g}", "", "of the largest energy, over the whole run"),
         tables.entry("steps", f"{run.stats.steps}", "", f"{run.stats.evaluations} evaluations"),
     ]
     return "\n".join(lines)
@@ -459,31 +458,32 @@ def _speeds(whole: MotorDuty, steady: bool) -> list[str]:
         tables.entry("mean", f"{whole.mean_speed / RPM:.6g}", "r/min"),
         tables.entry("highest", f"{whole.highest_speed / RPM:.6g}", "r/min"),
         tables.entry("lowest", f"{whole.lowest_speed / RPM:.6g}", "r/min"),
-        tables.entry("speed drop", f"{100 * whole.speed_drop:.6g}", "%", "of the mean"),
+        tables.entry("speed drop", f"{100 * whole.speed_drop + 0.0:.4f}", "%", "of the mean"),
         *recovery,
     ]
 
 
 def _work(whole: MotorDuty) -> list[str]:
-    return [
-        "",
-        "Work",
-        tables.entry("drive", f"{whole.drive_work:.6g}", "J", "on the crank's shaft"),
-        tables.entry("loads", f"{whole.load_work:.6g}", "J", "taken"),
-        tables.entry("flywheel", f"{whole.flywheel_work:.6g}", "J", "given off, with the drive's inertia, from highest to lowest speed"),
-        tables.entry("lost", f"{whole.lost:.6g}", "J", "in clutch and brake"),
-    ]
+    works = (
+        ("drive", whole.drive_work, "on the crank's shaft"),
+        ("loads", whole.load_work, "taken"),
+        ("flywheel", whole.flywheel_work, "given off, with the drive's inertia, from highest to lowest speed"),
+        ("lost", whole.lost, "in clutch and brake"),
+    )
+    scale = tables.scale("J", [work for _, work, _ in works])
+    return ["", "Work", *(tables.entry(name, scale.shown(work), scale.unit, remark) for name, work, remark in works)]
 
 
 def _motor(run: Run, whole: MotorDuty) -> list[str]:
     if run.problem.driven.drive is None and run.problem.driven.prescribed is None:
         return []
-    use = [] if whole.utilisation is None else [tables.entry("utilisation", f"{100 * whole.utilisation:.6g}", "%", "rms by rated torque")]
+    use = [] if whole.utilisation is None else [tables.entry("utilisation", f"{100 * whole.utilisation:.4g}", "%", "rms by rated torque")]
+    scale = tables.scale("N m", [whole.motor_rms, whole.motor_peak])
     return [
         "",
         "Motor (torque at its own shaft)",
-        tables.entry("rms", f"{whole.motor_rms:.6g}", "N m"),
-        tables.entry("peak", f"{whole.motor_peak:.6g}", "N m"),
+        tables.entry("rms", scale.shown(whole.motor_rms), scale.unit),
+        tables.entry("peak", scale.shown(whole.motor_peak), scale.unit),
         *use,
     ]
 
@@ -491,15 +491,21 @@ def _motor(run: Run, whole: MotorDuty) -> list[str]:
 def _torque(reactions: Reactions) -> list[str]:
     lines = ["", "Torque at the crank (flywheel, drive, clutch and brake together)"]
     torque, motion = reactions.driving_torque, reactions.motion
+    scale = tables.scale("N m", [float(np.abs(torque).max())])
     for name, at in (("largest", int(torque.argmax())), ("smallest", int(torque.argmin()))):
-        lines.append(tables.entry(name, f"{torque[at]:.6g}", "N m", f"at {motion.crank_degrees[at]:8.3f} deg, {motion.time[at]:.6f} s"))
+        lines.append(
+            tables.entry(
+                name, scale.shown(float(torque[at])), scale.unit, f"at {motion.crank_degrees[at]:8.3f} deg, {motion.time[at]:.6f} s"
+            )
+        )
     return lines
 
 
 def _strokes(found: Sequence[MotorDuty], turns: int | None) -> list[str]:
     if not found:
         return ["", "Strokes: none, the crank does not get through a period"]
-    heads = ["start [s]", "duration [s]", "mean [r/min]", "lowest [r/min]", "drive [J]", "loads [J]"]
+    scale = tables.scale("J", [work for stroke in found for work in (stroke.drive_work, stroke.load_work)])
+    heads = ["start [s]", "duration [s]", "mean [r/min]", "lowest [r/min]", f"drive [{scale.unit}]", f"loads [{scale.unit}]"]
     what = "turns of the crank" if turns in (None, 1) else f"each {turns} turns of the crank"
     rows = [["", *heads]]
     few = len(found) <= MOST_STROKES
@@ -507,6 +513,7 @@ def _strokes(found: Sequence[MotorDuty], turns: int | None) -> list[str]:
         stroke = found[k]
         if not few and k == len(found) - 1:
             rows.append([f"{tables.GAP:>6}"])
-        values = (stroke.start, stroke.duration, stroke.mean_speed / RPM, stroke.lowest_speed / RPM, stroke.drive_work, stroke.load_work)
-        rows.append([f"{k + 1:6d}", *(f"{value:.6g}" for value in values)])
+        values = (stroke.start, stroke.duration, stroke.mean_speed / RPM, stroke.lowest_speed / RPM)
+        works = (scale.shown(stroke.drive_work), scale.shown(stroke.load_work))
+        rows.append([f"{k + 1:6d}", *(f"{value:.6g}" for value in values), *works])
     return ["", f"Strokes ({what}, from the start)", *tables.table(rows, [6, 16])]

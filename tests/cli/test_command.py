@@ -26,8 +26,13 @@ def test_analyse_prints_a_summary_and_writes_both_files(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     for line in (
         "  stroke                         301.261 mm",
-        "  top dead centre               -658.292 mm     at  155.497 deg, 0.370231 s",
-        "  bottom dead centre            -959.553 mm     at  334.525 deg, 0.796488 s",
+        "zxn2_3000b: 70 strokes/min, A turns counter-clockwise at 70 r/min",
+        "  top dead centre                155.497 deg    at 0.370231 s",
+        "  bottom dead centre             334.525 deg    at 0.796488 s",
+        "  as drawn (0 deg)                 1.612 mm",
+        "  working stroke                  49.730 %      of the time, 0.426257 s, down",
+        "  fastest, working stroke         1.4697 m/s    at  210.000 deg,   178.678 mm",
+        "  largest power                   140.24 kW     at   73.500 deg",
     ):
         assert line in done.stdout
     for word in ("Driving torque", "rms", "Shaking force", "largest loop gap", "largest power residual", "time taken", "slide_guide"):
@@ -73,16 +78,32 @@ def test_summary_peaks(capsys: pytest.CaptureFixture[str]) -> None:
     assert "engine 'pinocchio'" in text
     assert f"{'  stroke':28}{200:12.3f} mm" in text
     torque = result.driving_torque
-    assert f"{'  largest':28}{torque.max():12.6g} N m    at {int(torque.argmax()):8.3f} deg" in text
+    assert f"{'  largest':28}{torque.max():12.2f} N m    at {int(torque.argmax()):8.3f} deg" in text
+    fastest, at = -result.motion.slide_velocity.min(), int(result.motion.slide_velocity.argmin())
+    height = 1e3 * (result.motion.slide_position[at] - pp.dead_centres(press).bottom_position)
+    assert f"{'  fastest, working stroke':28}{fastest:12.5f} m/s    at {at:8.3f} deg, {height:9.3f} mm" in text
     for name, force in result.bearing_force.items():
         size = np.linalg.norm(force, axis=1)
         row = next(line for line in text.splitlines() if line.startswith(f"  {name} "))
-        assert row.split()[1:3] == [f"{size.max():.0f}", f"{int(size.argmax()):.2f}"]
+        assert row.split()[1:3] == [f"{size.max():.1f}", f"{int(size.argmax()):.2f}"]
+    body = text[text.index("\nBearings") :].split("\n\n")[0]
+    assert [line.split()[0] for line in body.split("\n")[3:]] == ["O", "P", "slide_guide", "W"]  # as drawn, the loop where it closes
+    assert "to rounding" in text
+
+
+def test_rounding_is_no_number(capsys: pytest.CaptureFixture[str]) -> None:
+    """The guide of a symmetric press carries nothing: neither a force nor a crank angle is printed."""
+    assert main(["analyse", "jf75g_125_symmetric", "--speed", "70"]) == 0
+    row = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("  slide_guide "))
+    assert row.split() == ["slide_guide", "0", "-", "-", "0", "0", "0"]
 
 
 def test_backwards_and_without_slide(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["analyse", "zxn2_3000b", "--speed", "-70"]) == 0
-    assert "bottom dead centre            -959.553 mm     at  334.525 deg, 0.060655 s" in capsys.readouterr().out
+    text = capsys.readouterr().out
+    assert "A turns clockwise at 70 r/min" in text
+    assert "  bottom dead centre             334.525 deg    at 0.060655 s\n" in text
+    assert "  working stroke                  50.270 %      of the time, 0.430886 s, down" in text
     assert not list(tmp_path.iterdir())
 
 

@@ -140,3 +140,23 @@ def test_states_without_time_or_slide_have_no_such_columns():
     states = pp.servo_cycle(press, speed=1.0, angle=[1.0, 0.5])
     assert list(states.columns()) == MOTION[1:]
     assert list(states.to_frame().columns) == MOTION[1:]
+
+
+@pytest.mark.parametrize(
+    ("unit", "values", "printed", "shown"),
+    [
+        ("N", [154242.0, 300.0, 1e-5, -1e-5], "kN", ["154.24", "0.30", "0", "0"]),  # rounding is no number, and no "-0"
+        ("N", [9999.94, -0.04], "N", ["9999.9", "0"]),
+        ("N m", [2.3e7], "MN m", ["23.000"]),
+        ("W", [1611.86], "kW", ["1.6119"]),
+        ("kg", [12345.6, 0.6], "t", ["12.346", "0.001"]),
+        ("m", [0.301261, 1e-6], "mm", ["301.261", "0.001"]),
+        ("m/s", [0.0093], "mm/s", ["9.3000"]),
+        ("m/s2", [-1234567.0, 9999.0], "m/s2", ["-1 234 567", "9999"]),
+        ("N", [0.0], "N", ["0"]),
+        ("J", [], "J", []),
+    ],
+)
+def test_numbers_of_a_scale(unit, values, printed, shown):
+    scale = tables.scale(unit, values)
+    assert (scale.unit, [scale.shown(value) for value in values]) == (printed, shown)

@@ -245,3 +245,12 @@ def test_damaged_file_reads_or_raises_urdf_error(tmp_path, mutations, cut):
             reader.read(file)
     else:
         pinocchio.buildModelFromXML(reader.read(file).text.decode())
+
+
+def test_bearings_in_the_order_of_the_drawing():
+    """As the file lists joints, each loop behind the joints that carry its links; all bearings, once."""
+    assert pp.load("zxn2_3000b").bearings_as_drawn == ("A", "B", "D", "C", "E", "slide_guide", "F")
+    assert pp.load("thin_wall").bearings_as_drawn == ("A", "C", "slot", "B", "D", "slide_guide", "E")
+    for name in ("jf75g_125_symmetric", "jf75g_125_two_point"):
+        press = pp.load(name)
+        assert sorted(press.bearings_as_drawn) == sorted(press.bearings)

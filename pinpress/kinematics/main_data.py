@@ -1,0 +1,147 @@
+"""What is asked first of a press: stroke and dead centres, sense of rotation, size and masses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..common import tables
+from ..common.errors import PinpressError
+from ..common.results import Record
+from ..engines.joints import drawn_placements
+from ..linkage.linkage import Linkage
+from .motion import motion_through_change_points
+from .slide_path import DeadCentres, dead_centres
+
+UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which it is said to move up and down
+ALONG = 0.999  # cosine between two directions that are taken for one in words
+POINTS = 721  # crank angles at which the travel of a slide without dead centres is looked for
+
+
+@dataclass(frozen=True, repr=False)
+class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "kg", "stroke": "m", "drawn_height": "m"}):
+    """What is asked first of a press. What it does not have is None.
+
+    Attributes:
+        size: Largest extent of its bearings in the drawn pose [m].
+        moving_mass: Mass of all links but the frame [kg].
+        slide_mass: Mass of the slide, with what is welded to it [kg].
+        rotation: Sense in which the driver turns at a positive speed, see `sense_of_rotation`.
+        stroke: Distance between the dead centres; of a crank that does not turn fully, the way of the slide as far as it turns [m].
+        forward_share: Share of a period in which the slide goes from top to bottom dead centre at a constant positive speed [-].
+        drawn_height: Height of the slide above bottom dead centre in the drawn pose [m].
+        dead_centres: Where the slide turns back.
+        turns_between: Crank angles between which the linkage locks [rad].
+        no_stroke: Why the slide has no dead centres.
+    """
+
+    size: float
+    moving_mass: float
+    slide_mass: float | None
+    rotation: str
+    stroke: float | None
+    forward_share: float | None
+    drawn_height: float | None
+    dead_centres: DeadCentres | None = field(default=None, repr=False)
+    turns_between: tuple[float, float] | None = field(default=None, repr=False)
+    no_stroke: str | None = field(default=None, repr=False)
+
+
+def main_data(press: Linkage, moves: bool = True) -> MainData:
+    """The main data of a press.
+
+    Args:
+        press: The press.
+        moves: Whether its motion can be looked at; it cannot where its loops do not close.
+    """
+    masses = [float(inertia.mass) for inertia in press.model.inertias]
+    known = {
+        "size": press.size,
+        "moving_mass": sum(masses[1:]),
+        "slide_mass": None if press.slide is None else masses[press.slide_guide[0] + 1],
+        "rotation": sense_of_rotation(press),
+    }
+    if press.slide is None or not moves:
+        return MainData(**known, stroke=None, forward_share=None, drawn_height=None)
+    try:
+        ends = dead_centres(press)
+    except PinpressError as error:
+        return MainData(**known, forward_share=None, drawn_height=None, **_as_far_as_it_turns(press), no_stroke=str(error))
+    return MainData(
+        **known,
+        stroke=ends.stroke,
+        forward_share=forward_share(ends),
+        drawn_height=float(motion_through_change_points(press, np.zeros(1), 0.0).slide_position[0]) - ends.bottom_position,
+        dead_centres=ends,
+    )
+
+
+def _as_far_as_it_turns(press: Linkage) -> dict[str, object]:
+    """The way of the slide and the crank angles between which the linkage locks, where it does."""
+    try:
+        branch = press.branch_through_change_points
+    except PinpressError:
+        return {"stroke": None}
+    if branch.period is not None or not all(branch.locks):
+        return {"stroke": None}
+    low, high = float(branch.angles[0]), float(branch.angles[-1])
+    way = motion_through_change_points(press, np.linspace(low, high, POINTS), 0.0).slide_position
+    return {"stroke": float(np.ptp(way)), "turns_between": (low, high)}
+
+
+def sense_of_rotation(press: Linkage, speed: float = 1.0) -> str:
+    """How the driver turns, seen with x to the right and z up: "counter-clockwise", "clockwise", or the axis that it turns about.
+
+    Args:
+        press: The press; of several drivers the first counts.
+        speed: Its sign is that of the driver's speed.
+    """
+    driver = press.driver_indices[0]
+    axis = drawn_placements(press.model)[driver + 1].rotation @ press.axes[driver].direction
+    across = -float(axis[1]) * (1.0 if speed > 0 else -1.0)  # towards the reader
+    if abs(across) > ALONG:
+        return "counter-clockwise" if across > 0 else "clockwise"
+    directed = ", ".join(f"{part:.3g}" for part in np.round(axis, 6) * (1.0 if speed > 0 else -1.0) + 0.0)
+    return f"about the axis ({directed})"
+
+
+def forward_share(ends: DeadCentres, speed: float = 1.0) -> float:
+    """Share of a period in which the slide goes from top to bottom dead centre at a constant speed of this sign [-]."""
+    period = 2 * np.pi * ends.turns
+    forward = float((ends.bottom_angle - ends.top_angle) % period / period)
+    return forward if speed > 0 else 1.0 - forward
+
+
+def directions(press: Linkage) -> tuple[str, str]:
+    """Words for the slide's ways to bottom and to top dead centre: "down" and "up" where it moves so."""
+    guide, _ = press.slide_guide
+    axis = press.model.jointPlacements[guide + 1].rotation @ press.axes[guide].direction
+    return ("down", "up") if axis[2] > UPRIGHT else ("to bottom dead centre", "to top dead centre")
+
+
+def main_lines(data: MainData, driver: str) -> list[str]:
+    """The main data in words, a line each."""
+    lines = []
+    if data.dead_centres is not None and data.forward_share is not None:
+        ends, forward = data.dead_centres, data.forward_share
+        lines += [
+            tables.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
+            tables.entry("top dead centre", f"{np.degrees(ends.top_angle):.3f}", "deg", f"of {driver}; at 0 deg it stands as drawn"),
+            tables.entry("bottom dead centre", f"{np.degrees(ends.bottom_angle):.3f}", "deg"),
+            tables.entry("as drawn", f"{1e3 * (data.drawn_height or 0.0) + 0.0:.3f}", "mm", "above bottom dead centre"),
+            tables.entry(
+                "from top to bottom", f"{100 * forward:.2f}", "%", f"of the time, {360 * ends.turns * forward:.2f} deg of the crank"
+            ),
+        ]
+    elif data.no_stroke is not None:
+        lines += [] if data.stroke is None else [tables.entry("way of the slide", f"{1e3 * data.stroke:.3f}", "mm", "as far as it turns")]
+        lines += [tables.entry("stroke", "none", "", data.no_stroke)]
+    mass = tables.scale("kg", [data.moving_mass])
+    slide = "" if data.slide_mass is None else f", slide {mass.shown(data.slide_mass)} {mass.unit}"
+    return [
+        *lines,
+        tables.entry("positive speed turns", data.rotation, "", "" if data.rotation.startswith("about") else "  (x to the right, z up)"),
+        tables.entry("largest extent", f"{1e3 * data.size:.1f}", "mm", "of the bearings as drawn"),
+        tables.entry("moving mass", mass.shown(data.moving_mass), mass.unit, f"all links but the frame{slide}"),
+    ]
