@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -40,9 +40,9 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
     moving_mass: float
     slide_mass: float | None
     rotation: str
-    stroke: float | None
-    forward_share: float | None
-    drawn_height: float | None
+    stroke: float | None = None
+    forward_share: float | None = None
+    drawn_height: float | None = None
     dead_centres: DeadCentres | None = field(default=None, repr=False)
     turns_between: tuple[float, float] | None = field(default=None, repr=False)
     no_stroke: str | None = field(default=None, repr=False)
@@ -56,38 +56,29 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
         moves: Whether its motion can be looked at; it cannot where its loops do not close.
     """
     masses = [float(inertia.mass) for inertia in press.model.inertias]
-    known = {
-        "size": press.size,
-        "moving_mass": sum(masses[1:]),
-        "slide_mass": None if press.slide is None else masses[press.slide_guide[0] + 1],
-        "rotation": sense_of_rotation(press),
-    }
+    slide = None if press.slide is None else masses[press.slide_guide[0] + 1]
+    data = MainData(press.size, sum(masses[1:]), slide, sense_of_rotation(press))
     if press.slide is None or not moves:
-        return MainData(**known, stroke=None, forward_share=None, drawn_height=None)
+        return data
     try:
         ends = dead_centres(press)
     except PinpressError as error:
-        return MainData(**known, forward_share=None, drawn_height=None, **_as_far_as_it_turns(press), no_stroke=str(error))
-    return MainData(
-        **known,
-        stroke=ends.stroke,
-        forward_share=forward_share(ends),
-        drawn_height=float(motion_through_change_points(press, np.zeros(1), 0.0).slide_position[0]) - ends.bottom_position,
-        dead_centres=ends,
-    )
+        return _as_far_as_it_turns(press, replace(data, no_stroke=str(error)))
+    drawn = float(motion_through_change_points(press, np.zeros(1), 0.0).slide_position[0]) - ends.bottom_position
+    return replace(data, stroke=ends.stroke, forward_share=forward_share(ends), drawn_height=drawn, dead_centres=ends)
 
 
-def _as_far_as_it_turns(press: Linkage) -> dict[str, object]:
-    """The way of the slide and the crank angles between which the linkage locks, where it does."""
+def _as_far_as_it_turns(press: Linkage, data: MainData) -> MainData:
+    """The main data with the way of the slide and the crank angles between which the linkage locks, where it does."""
     try:
         branch = press.branch_through_change_points
     except PinpressError:
-        return {"stroke": None}
-    if branch.period is not None or not all(branch.locks):
-        return {"stroke": None}
+        return data
+    if branch.period is not None or not all(branch.locks.values()):
+        return data
     low, high = float(branch.angles[0]), float(branch.angles[-1])
     way = motion_through_change_points(press, np.linspace(low, high, POINTS), 0.0).slide_position
-    return {"stroke": float(np.ptp(way)), "turns_between": (low, high)}
+    return replace(data, stroke=float(np.ptp(way)), turns_between=(low, high))
 
 
 def sense_of_rotation(press: Linkage, speed: float = 1.0) -> str:
