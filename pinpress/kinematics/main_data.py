@@ -74,7 +74,7 @@ def _as_far_as_it_turns(press: Linkage, data: MainData) -> MainData:
         branch = press.branch_through_change_points
     except PinpressError:
         return data
-    if branch.period is not None or not all(branch.locks.values()):
+    if branch.period is not None or not all(branch.locks):
         return data
     low, high = float(branch.angles[0]), float(branch.angles[-1])
     way = motion_through_change_points(press, np.linspace(low, high, POINTS), 0.0).slide_position
