@@ -116,7 +116,7 @@ def zxn2_table() -> str:
     before = pp.inverse_dynamics(press, motion)
     for what, (changed, added) in balanced.items():
         after = pp.inverse_dynamics(changed, motion)
-        changes = [100 * (measure.value(after) / measure.value(before) - 1) for measure in quantities.values()]
+        changes = [100 * (criterion.value(after) / criterion.value(before) - 1) for criterion in quantities.values()]
         cells = [f"{round(change, 1) + 0.0:+.1f} %" for change in changes]
         lines.append(f"| {what} | {added:.0f} kg | {' | '.join(cells)} |")
     return "\n".join(lines)

@@ -12,4 +12,4 @@ from .problem import Rms as Rms
 from .regions import CounterweightRegion as CounterweightRegion
 from .result import ActiveConstraint as ActiveConstraint
 from .result import BalancedPress as BalancedPress
-from .result import MeasureChange as MeasureChange
+from .result import CriterionChange as CriterionChange

@@ -1,5 +1,5 @@
 """Balancing: the counterweights that make shaking forces, torques or bearing forces least, with the proof, and trade-offs between two
-measures.
+criteria.
 
 At a given motion all forces are linear in the mass, mass moment and moment of inertia of every link, and range, rms and peak are convex.
 So the best counterweights are the optimum of a convex program, which needs no starting values and whose dual proves the optimum. (Zhang
@@ -26,19 +26,19 @@ from ..kinematics.motion import Motion, as_prescribed
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .counterweights import Counterweight, OperatingCondition, combined, refuse_unphysical
-from .problem import ROUNDING, AddedMass, BalancingProblem, Measure, Target, build_problem
+from .problem import ROUNDING, AddedMass, BalancingProblem, Criterion, Target, build_problem
 from .program import LARGEST, ProvenOptimum, infeasible_limits, objective_value, solve
 from .regions import CounterweightRegion, RegionVariables
-from .result import ActiveConstraint, BalancedPress, MeasureChange
+from .result import ActiveConstraint, BalancedPress, CriterionChange
 
 NEGLIGIBLE = 1e-5  # of the press's moving mass: a counterweight that is lighter is left out,
-TRACE = 1e-9  # where without it no measure is worse by more than this of its value before balancing
+TRACE = 1e-9  # where without it no criterion is worse by more than this of its value before balancing
 SUFFIX = "_balanced"  # of a balanced press's name
 PRICELESS = 1e-7  # of the objective before balancing, for as much again of what is limited: a constraint of that price does not count
 INERTIA_ROUNDING = 1e-11  # of a counterweight's mass times the square of its distance: a moment of inertia this small is rounding
 ENDLESS = 0.999  # of the most that the program allows: a mass this large grows without end
 CONFIRMED = 1e-8  # of the forces before balancing: inverse dynamics of the balanced press agrees with the program this well
-GIVEN = 1e-7  # of a measure before balancing: an end of a trade-off may be this much worse than the best, to improve the other measure
+GIVEN = 1e-7  # of a criterion before balancing: an end of a trade-off may be this much worse than the best, to improve the other criterion
 MOST_POINTS = 10_000  # of a trade-off, each an optimisation
 
 
@@ -60,18 +60,18 @@ def balance(
 
     Args:
         press: The press.
-        motion: Its motion, or several operating conditions. Limits hold in all of them, and each measure counts in its worst one.
+        motion: Its motion, or several operating conditions. Limits hold in all of them, and each criterion counts in its worst one.
         regions: Where counterweights may be.
-        minimise: A measure (`Range`, `Rms`, `Peak`) or `AddedMass`, or several of them with weights. With weights each counts relative to
+        minimise: A criterion (`Range`, `Rms`, `Peak`) or `AddedMass`, or several of them with weights. With weights each counts relative to
             its value before balancing (added mass: to the moving mass). The objective of Zhang 2007, (5-14), is
             ``{Rms("shaking_force", "z"): w1, Range("shaking_force", "z"): w2, Rms("shaking_moment", "y"): w3, ...}``.
-        limits: The most of measures and of added mass, in their units. A limit of 0 is met exactly.
+        limits: The most of criteria and of added mass, in their units. A limit of 0 is met exactly.
         loads: Loads on the one motion, as `inverse_dynamics` takes them; operating conditions have their own.
 
     Raises:
         UnknownNameError: The press has no such link or bearing.
         PinpressError: The limits cannot be met together (the message names them, and says by how much), a counterweight would grow without
-            end, a minimised measure is zero before balancing, or an argument is not as described.
+            end, a minimised criterion is zero before balancing, or an argument is not as described.
     """
     conditions = _conditions(motion, loads)
     objective, held = checked_objective(minimise), checked_limits(limits)
@@ -81,13 +81,13 @@ def balance(
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TradeOffCurve(Tabular):
-    """Balanced presses on the Pareto curve of two measures: one that is better in one measure is worse in the other.
+    """Balanced presses on the Pareto curve of two criteria: one that is better in one criterion is worse in the other.
 
     Attributes:
-        first: The first measure.
-        second: The second measure.
-        designs: Balanced presses, from the best in the first measure to the best in the second.
-        values: (designs, 2) values of both measures, in their units.
+        first: The first criterion.
+        second: The second criterion.
+        designs: Balanced presses, from the best in the first criterion to the best in the second.
+        values: (designs, 2) values of both criteria, in their units.
     """
 
     first: Target
@@ -102,7 +102,7 @@ class TradeOffCurve(Tabular):
         return f"TradeOffCurve of the {self.first.words} and the {self.second.words}: {len(self.designs)} designs, {ends}"
 
     def columns(self) -> dict[str, Array]:
-        """A row for each design: both measures, and the added mass."""
+        """A row for each design: both criteria, and the added mass."""
         columns = {f"{target.words} [{target.unit}]": self.values[:, k] for k, target in enumerate((self.first, self.second))}
         return columns | {"added mass [kg]": np.array([design.added_mass for design in self.designs])}
 
@@ -119,25 +119,25 @@ def trade_off(
     loads: Sequence[Load] = (),
     points: int = 13,
 ) -> TradeOffCurve:
-    """Find the trade-off between two measures (their Pareto curve), from the least of one to the least of the other.
+    """Find the trade-off between two criteria (their Pareto curve), from the least of one to the least of the other.
 
-    Each point is a proved optimum. Between the ends the first measure is minimised under equally spaced limits of the second.
+    Each point is a proved optimum. Between the ends the first criterion is minimised under equally spaced limits of the second.
 
     Args:
         press: The press.
         motion: Its motion.
         regions: Where counterweights may be.
-        first: The first measure, or `AddedMass`.
-        second: The second measure, or `AddedMass`.
-        limits: The most of measures and of added mass along the whole curve, as for `balance`.
+        first: The first criterion, or `AddedMass`.
+        second: The second criterion, or `AddedMass`.
+        limits: The most of criteria and of added mass along the whole curve, as for `balance`.
         loads: Loads on the press in this motion.
         points: Number of designs, 2 to 10 000.
 
     Raises:
         UnknownNameError: The press has no such link or bearing.
-        PinpressError: As `balance`, or both measures are equal, or ``points`` is out of its range.
+        PinpressError: As `balance`, or both criteria are equal, or ``points`` is out of its range.
     """
-    _refuse_wrong_measures(first, second)
+    _refuse_wrong_criteria(first, second)
     points = whole_number("points", points, 2, MOST_POINTS)
     held = checked_limits(limits)
     problem = build_problem(press, (OperatingCondition(motion, tuple(loads)),), regions, [first, second, *held])
@@ -162,10 +162,10 @@ def checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target,
     """The objective as targets with weights above zero.
 
     Raises:
-        PinpressError: It is no measure, a weight is no finite number from 0, or no weight is above zero.
+        PinpressError: It is no criterion, a weight is no finite number from 0, or no weight is above zero.
     """
-    if not isinstance(minimise, Mapping | Measure | AddedMass):
-        raise PinpressError(f"minimise: {shown(minimise)} is no measure: give Range, Rms, Peak or AddedMass()")
+    if not isinstance(minimise, Mapping | Criterion | AddedMass):
+        raise PinpressError(f"minimise: {shown(minimise)} is no criterion: give Range, Rms, Peak or AddedMass()")
     objective = dict(minimise) if isinstance(minimise, Mapping) else {minimise: 1.0}
     _refuse_wrong_numbers("minimise", "weight", objective)
     if not any(objective.values()):
@@ -177,7 +177,7 @@ def checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]
     """The limits as a dictionary, empty where there are none.
 
     Raises:
-        PinpressError: A key is no measure, or a limit is no finite number from 0.
+        PinpressError: A key is no criterion, or a limit is no finite number from 0.
     """
     _refuse_wrong_numbers("limits", "limit", limits or {})
     return dict(limits or {})
@@ -185,18 +185,18 @@ def checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]
 
 def _refuse_wrong_numbers(argument: str, what: str, targets: Mapping[Target, float]) -> None:
     for target, number in targets.items():
-        if not isinstance(target, Measure | AddedMass):
-            raise PinpressError(f"{argument}: {shown(target)} is no measure: give Range, Rms, Peak or AddedMass()")
+        if not isinstance(target, Criterion | AddedMass):
+            raise PinpressError(f"{argument}: {shown(target)} is no criterion: give Range, Rms, Peak or AddedMass()")
         name = f"{argument}: the {what} of the {target.words}"
         suitable_numbers(name, number, "a finite number that is not negative", suits=lambda value: value >= 0)
 
 
-def _refuse_wrong_measures(first: Target, second: Target) -> None:
+def _refuse_wrong_criteria(first: Target, second: Target) -> None:
     for name, target in (("first", first), ("second", second)):
-        if not isinstance(target, Measure | AddedMass):
-            raise PinpressError(f"{name}: {shown(target)} is no measure: give Range, Rms, Peak or AddedMass()")
+        if not isinstance(target, Criterion | AddedMass):
+            raise PinpressError(f"{name}: {shown(target)} is no criterion: give Range, Rms, Peak or AddedMass()")
     if first == second:
-        raise PinpressError(f"both measures are the {first.words}: give two")
+        raise PinpressError(f"both criteria are the {first.words}: give two")
 
 
 def optimal_press(
@@ -205,10 +205,10 @@ def optimal_press(
     """Solve a problem, build the balanced press, and confirm it by inverse dynamics.
 
     Args:
-        problem: The problem, with the signals of all measures.
+        problem: The problem, with the signals of all criteria.
         objective: Targets with their weights.
         limits: As for `balance`.
-        absolute: Whether to give the value in the unit of the objective's one measure.
+        absolute: Whether to give the value in the unit of the objective's one criterion.
 
     Raises:
         PinpressError: As `balance`.
@@ -236,7 +236,7 @@ def optimal_press(
         unit=next(iter(objective)).unit if absolute else "",
         bound=scale * design.bound,
         residual=design.residual,
-        changes=Records(MeasureChange, _changes(problem, [*objective, *limits], reactions)),
+        changes=Records(CriterionChange, _changes(problem, [*objective, *limits], reactions)),
         active=Records(ActiveConstraint, _active(design, scale, [each.region for each, filling in filled if not filling.mass])),
         reactions_before=problem.reactions,
         reactions_after=reactions,
@@ -244,12 +244,12 @@ def optimal_press(
 
 
 def _refuse_nothing(problem: BalancingProblem, objective: Mapping[Target, float]) -> None:
-    """Raise where a measure of the objective is zero before balancing, so that nothing can be said relative to it."""
+    """Raise where a criterion of the objective is zero before balancing, so that nothing can be said relative to it."""
     for signal in problem.signals:
         before = problem.reactions[signal.condition]
-        if signal.measure in objective and not signal.measure.value(before) >= (1 - ROUNDING) * signal.size:
+        if signal.criterion in objective and not signal.criterion.value(before) >= (1 - ROUNDING) * signal.size:
             raise PinpressError(
-                f"the {signal.measure.words} of {problem.press.name} is zero before balancing: take it out of minimise, or limit it"
+                f"the {signal.criterion.words} of {problem.press.name} is zero before balancing: take it out of minimise, or limit it"
             )
 
 
@@ -268,10 +268,10 @@ def _without_traces(problem: BalancingProblem, objective: Mapping[Target, float]
 
 
 def _no_worse(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], u: Array, best: Array) -> bool:
-    """Whether variables are as good as the best, up to a trace, in the objective and in all limited measures."""
-    limited = [signal for signal in problem.signals if signal.measure in limits]
+    """Whether variables are as good as the best, up to a trace, in the objective and in all limited criteria."""
+    limited = [signal for signal in problem.signals if signal.criterion in limits]
     return objective_value(problem, objective, u) <= objective_value(problem, objective, best) + TRACE * sum(objective.values()) and all(
-        signal.measure.of(signal.at(u)) <= max(limits[signal.measure] / signal.size, signal.measure.of(signal.at(best))) + TRACE
+        signal.criterion.of(signal.at(u)) <= max(limits[signal.criterion] / signal.size, signal.criterion.of(signal.at(best))) + TRACE
         for signal in limited
     )
 
@@ -328,12 +328,12 @@ def _confirmed_reactions(problem: BalancingProblem, u: Array, press: Linkage) ->
         for each, before in zip(problem.conditions, problem.reactions, strict=True)
     )
     for signal in problem.signals:
-        series = signal.measure.series(reactions[signal.condition])
-        promised, found = signal.at(u), signal.measure.varying(series) / signal.size
+        series = signal.criterion.series(reactions[signal.condition])
+        promised, found = signal.at(u), signal.criterion.varying(series) / signal.size
         missed = float(np.abs(found - promised).max())
         if not missed <= CONFIRMED * max(1.0, float(np.abs(signal.fixed).max())):
             raise PinpressError(
-                f"the {signal.measure.words} of the balanced press differs from the optimiser's by {missed:.1e} of its value before:"
+                f"the {signal.criterion.words} of the balanced press differs from the optimiser's by {missed:.1e} of its value before:"
                 " the masses are out of proportion; bring those of the regions nearer to those of the links"
             )
     return reactions
@@ -351,17 +351,17 @@ def _refuse_longer_period(conditions: Sequence[OperatingCondition], press: Linka
 
 
 def _size_of_one(problem: BalancingProblem, objective: Mapping[Target, float]) -> float:
-    """What an objective of one means, in the unit of its only measure."""
+    """What an objective of one means, in the unit of its only criterion."""
     (target,) = objective
-    return problem.moving_mass if isinstance(target, AddedMass) else next(s.size for s in problem.signals if s.measure == target)
+    return problem.moving_mass if isinstance(target, AddedMass) else next(s.size for s in problem.signals if s.criterion == target)
 
 
-def _changes(problem: BalancingProblem, targets: Sequence[Target], after: Sequence[Reactions]) -> Iterator[MeasureChange]:
-    """Changes of the measures among targets, then of the measures of all other signals."""
-    measures = [target for target in [*targets, *(signal.measure for signal in problem.signals)] if isinstance(target, Measure)]
-    for measure in dict.fromkeys(measures):
+def _changes(problem: BalancingProblem, targets: Sequence[Target], after: Sequence[Reactions]) -> Iterator[CriterionChange]:
+    """Changes of the criteria among targets, then of the criteria of all other signals."""
+    criteria = [target for target in [*targets, *(signal.criterion for signal in problem.signals)] if isinstance(target, Criterion)]
+    for criterion in dict.fromkeys(criteria):
         for number, (then, now) in enumerate(zip(problem.reactions, after, strict=True)):
-            yield MeasureChange(measure, number, measure.value(then), measure.value(now))
+            yield CriterionChange(criterion, number, criterion.value(then), criterion.value(now))
 
 
 def _counterweight(press: Linkage, variables: RegionVariables, filling: pin.Inertia) -> Counterweight:
@@ -385,7 +385,7 @@ def _active(design: ProvenOptimum, scale: float, empty: Sequence[CounterweightRe
 
 
 def _end(problem: BalancingProblem, least: Target, other: Target, limits: Mapping[Target, float]) -> BalancedPress:
-    """The best press in one measure, and among such presses the best in the other. Only one press has no added mass."""
+    """The best press in one criterion, and among such presses the best in the other. Only one press has no added mass."""
     design = _best(problem, least, other, math.inf, limits)
     if isinstance(least, AddedMass):
         return design
@@ -393,7 +393,7 @@ def _end(problem: BalancingProblem, least: Target, other: Target, limits: Mappin
 
 
 def _best(problem: BalancingProblem, target: Target, other: Target, most: float, limits: Mapping[Target, float]) -> BalancedPress:
-    """The best press in one measure with at most ``most`` of the other."""
+    """The best press in one criterion with at most ``most`` of the other."""
     tighter = {**limits, other: min(most, limits.get(other, math.inf))} if most < math.inf else limits
     return optimal_press(problem, {target: 1.0}, tighter, absolute=True)
 
@@ -402,4 +402,4 @@ def _value(design: BalancedPress, target: Target) -> float:
     """The value of a target after balancing, in its unit."""
     if isinstance(target, AddedMass):
         return design.added_mass
-    return next(change.after for change in design.changes if change.measure == target)
+    return next(change.after for change in design.changes if change.criterion == target)

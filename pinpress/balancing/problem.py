@@ -1,7 +1,7 @@
-"""Balancing as a problem: measures that are minimised or limited, and the series of forces behind them, linear in the variables.
+"""Balancing as a problem: criteria that are minimised or limited, and the series of forces behind them, linear in the variables.
 
-A measure is the range, rms or peak of a force, moment or torque over a motion; the added mass can be minimised or limited too. All of them
-are convex functions of the added masses, because every force is linear in the masses. The constant part of a force, which includes the
+A criterion is the range, rms or peak of a force, moment or torque over a motion; the added mass can be minimised or limited too. All are
+convex functions of the added masses, because every force is linear in the masses. The constant part of a force, which includes the
 weight, shakes nothing: range and rms leave it out, and the peak counts it. The variables are those of the regions for counterweights,
 scaled so that all numbers are about one in size.
 """
@@ -24,8 +24,8 @@ from ..linkage.linkage import Linkage
 from .counterweights import MassResponse, OperatingCondition, mass_response, moving_mass
 from .regions import CounterweightRegion, RegionVariables, points_of, region_variables
 
-ROUNDING = 1e-11  # of the most that the regions can change of a measure: a measure this small is zero
-NOISE = 1e-12  # of the vectors of which a measure takes a component: a measure this small is rounding
+ROUNDING = 1e-11  # of the most that the regions can change of a criterion: a criterion this small is zero
+NOISE = 1e-12  # of the vectors of which a criterion takes a component: a criterion this small is rounding
 QUANTITIES = {"shaking_force": "N", "shaking_moment": "N m", "driving_torque": "N m", "bearing_force": "N", "bearing_moment": "N m"}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -46,7 +46,7 @@ class Forces(Protocol):
 
 
 @dataclass(frozen=True)
-class Measure:
+class Criterion:
     """Base of `Range`, `Rms` and `Peak`: one number for a quantity of `Reactions` over a motion.
 
     Attributes:
@@ -67,8 +67,8 @@ class Measure:
     about: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        if type(self) is Measure:
-            raise PinpressError("Measure is what Range, Rms and Peak have in common: write one of these")
+        if type(self) is Criterion:
+            raise PinpressError("Criterion is what Range, Rms and Peak have in common: write one of these")
         if not isinstance(self.quantity, str) or self.quantity not in QUANTITIES:
             raise UnknownNameError("quantity", self.quantity, tuple(QUANTITIES))
         self._refuse_wrong_combination()
@@ -121,29 +121,29 @@ class Measure:
         return np.asarray(series - series.mean(axis=0))
 
     def value(self, forces: Forces) -> float:
-        """The measure of `Reactions`, in its unit."""
+        """The criterion of `Reactions`, in its unit."""
         return self.of(self.series(forces))
 
     def of(self, series: Array) -> float:
-        """The measure of a series (n, components)."""
+        """The criterion of a series (n, components)."""
         raise NotImplementedError
 
 
-class Range(Measure):
+class Range(Criterion):
     """Largest value less smallest value over the motion's states."""
 
     def of(self, series: Array) -> float:
         return float(np.ptp(series))
 
 
-class Rms(Measure):
+class Rms(Criterion):
     """Root mean square of the difference from the mean, over the motion's states."""
 
     def of(self, series: Array) -> float:
         return math.sqrt(float(np.mean(np.sum((series - series.mean(axis=0)) ** 2, axis=1))))
 
 
-class Peak(Measure):
+class Peak(Criterion):
     """Largest magnitude over the motion's states, constant part included."""
 
     def varying(self, series: Array) -> Array:
@@ -164,7 +164,7 @@ class AddedMass:
     words = "added mass"
 
 
-Target = Measure | AddedMass
+Target = Criterion | AddedMass
 
 
 def limit_words(target: Target, limit: float) -> str:
@@ -174,17 +174,17 @@ def limit_words(target: Target, limit: float) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Signal:
-    """The series of a measure in one operating condition, ``size * (fixed + effects @ u)`` for variables u.
+    """The series of a criterion in one operating condition, ``size * (fixed + effects @ u)`` for variables u.
 
     Attributes:
-        measure: The measure.
+        criterion: The criterion.
         condition: Number of the operating condition.
-        size: Value of the measure before balancing, in its unit; where that is zero, the most that the regions can change of it.
-        fixed: (n, components) series without counterweights, with what `Measure.varying` keeps of it [-].
+        size: Value of the criterion before balancing, in its unit; where that is zero, the most that the regions can change of it.
+        fixed: (n, components) series without counterweights, with what `Criterion.varying` keeps of it [-].
         effects: (n, components, variables) its change by one of each variable [-].
     """
 
-    measure: Measure
+    criterion: Criterion
     condition: int
     size: float
     fixed: Array
@@ -205,7 +205,7 @@ class BalancingProblem:
         reactions: Reactions of the press in every condition, with the bearings that are measured.
         regions: Regions, whose variables stand one after the other.
         rows: Constraints of the regions on all variables.
-        signals: Signals of all measures in all conditions.
+        signals: Signals of all criteria in all conditions.
         mass: (variables,) mass that one of each variable means [kg].
         replaced_mass: Mass of the links' own that regions replace [kg].
         moving_mass: Mass of all links but the frame, before balancing [kg].
@@ -234,32 +234,32 @@ class BalancingProblem:
 def build_problem(
     press: Linkage, conditions: Sequence[OperatingCondition], regions: Sequence[CounterweightRegion], targets: Sequence[Target]
 ) -> BalancingProblem:
-    """Set up a problem: reactions before balancing, the regions' variables, and the signals of all measures.
+    """Set up a problem: reactions before balancing, the regions' variables, and the signals of all criteria.
 
     Args:
         press: The press before balancing.
         conditions: Its operating conditions.
         regions: Where counterweights may be.
-        targets: All measures that will be minimised or limited.
+        targets: All criteria that will be minimised or limited.
 
     Raises:
         UnknownNameError: The press has no such link or bearing.
         PinpressError: There are no regions, a region does not fit the press, or a motion is not one of the press.
     """
     _refuse_no_regions(regions)
-    measures = list(dict.fromkeys(target for target in targets if isinstance(target, Measure)))
-    for measure in measures:
-        _refuse_unknown(measure, press)
-    bearings = tuple(dict.fromkeys(measure.bearing for measure in measures if measure.bearing is not None))
+    criteria = list(dict.fromkeys(target for target in targets if isinstance(target, Criterion)))
+    for criterion in criteria:
+        _refuse_unknown(criterion, press)
+    bearings = tuple(dict.fromkeys(criterion.bearing for criterion in criteria if criterion.bearing is not None))
     reactions = tuple(inverse_dynamics(press, each.motion, each.loads, bearings=bearings) for each in conditions)
-    inertia_counts, moving = any(measure.quantity != "shaking_force" for measure in measures), moving_mass(press)
+    inertia_counts, moving = any(criterion.quantity != "shaking_force" for criterion in criteria), moving_mass(press)
     variables = _variables(press, regions, inertia_counts, [moving] * len(regions))
     signals = [
         signal
         for number, (condition, before) in enumerate(zip(conditions, reactions, strict=True))
-        for signal in _signals(press, condition, number, before, variables, measures)
+        for signal in _signals(press, condition, number, before, variables, criteria)
     ]
-    # The unit of a region's variables becomes the mass that changes the measures by about as much as they are.
+    # The unit of a region's variables becomes the mass that changes the criteria by about as much as they are.
     shares = _shares(variables, signals)
     variables = _variables(press, regions, inertia_counts, [moving * share for share in shares])
     factors = np.concatenate([np.full(len(each.mass), share) for each, share in zip(variables, shares, strict=True)])
@@ -284,16 +284,16 @@ def _refuse_no_regions(regions: Sequence[CounterweightRegion]) -> None:
         )
 
 
-def _refuse_unknown(measure: Measure, press: Linkage) -> None:
+def _refuse_unknown(criterion: Criterion, press: Linkage) -> None:
     """Raise where a press does not have what is measured.
 
     Raises:
         UnknownNameError: The press has no such bearing.
         PinpressError: The range of the driving torque is asked for, and the press has several drivers.
     """
-    if measure.bearing is not None and measure.bearing not in press.bearings:
-        raise UnknownNameError("bearing", measure.bearing, press.bearings)
-    if isinstance(measure, Range) and measure.quantity == "driving_torque" and len(press.drivers) > 1:
+    if criterion.bearing is not None and criterion.bearing not in press.bearings:
+        raise UnknownNameError("bearing", criterion.bearing, press.bearings)
+    if isinstance(criterion, Range) and criterion.quantity == "driving_torque" and len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} driving torques, which have no range as a whole: take Rms or Peak")
 
 
@@ -315,34 +315,36 @@ def _signals(
     number: int,
     reactions: Reactions,
     variables: Sequence[RegionVariables],
-    measures: Sequence[Measure],
+    criteria: Sequence[Criterion],
 ) -> list[Signal]:
     """The signals of one operating condition."""
-    inner_forces = any(not measure.quantity.startswith("shaking") for measure in measures)
+    inner_forces = any(not criterion.quantity.startswith("shaking") for criterion in criteria)
     responses = [mass_response(press, condition, reactions, part, inner_forces) for each in variables for part in each.parts]
     replaced = [points_of(press, each.region.link, each.replaced) for each in variables if each.replaced is not None]
     own = [mass_response(press, condition, reactions, masses, inner_forces) for masses in replaced]
-    return [_signal(measure, number, reactions, responses, own) for measure in measures]
+    return [_signal(criterion, number, reactions, responses, own) for criterion in criteria]
 
 
-def _signal(measure: Measure, number: int, reactions: Reactions, responses: Sequence[MassResponse], own: Sequence[MassResponse]) -> Signal:
-    """A measure's signal.
+def _signal(
+    criterion: Criterion, number: int, reactions: Reactions, responses: Sequence[MassResponse], own: Sequence[MassResponse]
+) -> Signal:
+    """A criterion's signal.
 
     Args:
-        measure: The measure.
+        criterion: The criterion.
         number: Number of the operating condition.
         reactions: Reactions without counterweights.
         responses: Response to one of each variable.
         own: Response to the masses that regions replace.
     """
     forces: list[Forces] = [reactions, *responses, *own]
-    fixed, *others = (measure.varying(measure.series(each)) for each in forces)
+    fixed, *others = (criterion.varying(criterion.series(each)) for each in forces)
     effects, replaced = np.stack(others[: len(responses)], axis=2), others[len(responses) :]
-    # Where the measure is zero before, the effect of the regions gives the size; where they have none either, all is rounding.
-    influence = max(measure.of(effect) for effect in others[: len(responses)])
-    noise = NOISE * max(float(np.abs(measure.vector(each)).max()) for each in forces)
-    size = next((size for size in (measure.of(fixed), influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
-    return Signal(measure, number, size, (fixed - sum(replaced)) / size, effects / size)
+    # Where the criterion is zero before, the effect of the regions gives the size; where they have none either, all is rounding.
+    influence = max(criterion.of(effect) for effect in others[: len(responses)])
+    noise = NOISE * max(float(np.abs(criterion.vector(each)).max()) for each in forces)
+    size = next((size for size in (criterion.of(fixed), influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
+    return Signal(criterion, number, size, (fixed - sum(replaced)) / size, effects / size)
 
 
 def _shares(variables: Sequence[RegionVariables], signals: Sequence[Signal]) -> list[float]:

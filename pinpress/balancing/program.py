@@ -1,6 +1,6 @@
 """Balancing as a convex program: the best counterweights within limits, or the limits that contradict one another.
 
-All measures are convex functions of variables in which the forces are linear. Only the few states in which a range or a peak is reached
+All criteria are convex functions of variables in which the forces are linear. Only the few states in which a range or a peak is reached
 decide its size. So the program begins with some states and takes in those that its solution violates, until there are none: then its
 optimum is that of all states, and its dual cost is a bound for all of them.
 """
@@ -20,11 +20,11 @@ from .problem import AddedMass, BalancingProblem, Range, Rms, Signal, Target, li
 
 Program = tuple[Array, tuple[Rows, ...]]  # cost and constraints
 FIRST_STATES = 24  # of a motion, with which a program begins, besides the extremes of each signal's parts
-VIOLATED = 1e-10  # of a measure before balancing: a state that exceeds the program's extreme by less does not violate it
+VIOLATED = 1e-10  # of a criterion before balancing: a state that exceeds the program's extreme by less does not violate it
 MOST_ROUNDS = 60  # of taking in states; ten are many
 LARGEST = 10.0  # times the moving mass: counterweights without limits that would weigh more grow without end
 LIGHTER = 1e-6  # of the objective before balancing: the worth of saving the press's whole moving mass, so that the lightest of equals wins
-ZERO = 1e-10  # of a measure before balancing, and of the largest effect on it: less is rounding
+ZERO = 1e-10  # of a criterion before balancing, and of the largest effect on it: less is rounding
 INVOLVED = 1e-6  # of all parts in a contradiction, which sum to one: a limit with a smaller part is not named
 
 
@@ -51,7 +51,7 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
     """Find the variables with the least objective within limits, and the lightest of equal ones (`LIGHTER`).
 
     Args:
-        problem: The problem, with the signals of all measures.
+        problem: The problem, with the signals of all criteria.
         objective: Targets with their weights; each counts relative to its value before balancing, in its worst operating condition.
         limits: The most of each target in all operating conditions, in its unit.
 
@@ -72,14 +72,14 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
 def infeasible_limits(problem: BalancingProblem, limits: Mapping[Target, float]) -> str:
     """Say in words which limits cannot be met together, and by how much they must be relaxed.
 
-    All limits are relaxed by one share of their measures before balancing (limits of masses: of themselves or the moving mass), the least
+    All limits are relaxed by one share of their criteria before balancing (limits of masses: of themselves or the moving mass), the least
     share that makes them possible. The limits whose dual variables are then not zero are those that contradict one another.
     """
     share, parts = _least_relaxation(problem, limits)
     names = list(dict.fromkeys(name for name, part in parts if part > INVOLVED)) or [name for name, _ in parts]
     return (
         f"no counterweights in these regions fulfil {' and '.join(f'the {name}' for name in names)}: they would if each were relaxed by"
-        f" {100 * share:.3g} % (of its measure before balancing; a mass limit: of itself or of the moving mass); allow more, or larger"
+        f" {100 * share:.3g} % (of its criterion before balancing; a mass limit: of itself or of the moving mass); allow more, or larger"
         " regions"
     )
 
@@ -91,7 +91,7 @@ def objective_value(problem: BalancingProblem, objective: Mapping[Target, float]
         if isinstance(target, AddedMass):
             total += weight * problem.added_mass(u) / problem.moving_mass
         else:
-            total += weight * max(target.of(signal.at(u)) for signal in problem.signals if signal.measure == target)
+            total += weight * max(target.of(signal.at(u)) for signal in problem.signals if signal.criterion == target)
     return total
 
 
@@ -106,7 +106,7 @@ def _least_relaxation(problem: BalancingProblem, limits: Mapping[Target, float])
 
 def _restricted(problem: BalancingProblem, targets: Collection[Target]) -> BalancingProblem:
     """The problem with the signals of these targets alone."""
-    return replace(problem, signals=tuple(signal for signal in problem.signals if signal.measure in targets))
+    return replace(problem, signals=tuple(signal for signal in problem.signals if signal.criterion in targets))
 
 
 # ---------------------------------------------------------------------------------------------------------------- over all states
@@ -136,9 +136,9 @@ def _first_states(signal: Signal) -> Array:
 def _violated(signal: Signal, u: Array, states: Array) -> Array:
     """Indices of states beyond the extremes of the states taken in: the local maxima of a signal there, and for a range its minima."""
     series = signal.at(u)
-    if isinstance(signal.measure, Rms):
+    if isinstance(signal.criterion, Rms):
         return np.empty(0, int)
-    sides = [series[:, 0], -series[:, 0]] if isinstance(signal.measure, Range) else [np.linalg.norm(series, axis=1)]
+    sides = [series[:, 0], -series[:, 0]] if isinstance(signal.criterion, Range) else [np.linalg.norm(series, axis=1)]
     found = []
     for side in sides:
         around = np.concatenate([[-np.inf], side, [-np.inf]])
@@ -215,7 +215,7 @@ def _program(
 
 def _columns(problem: BalancingProblem, objective: Mapping[Target, float]) -> _Columns:
     count = len(problem.mass)
-    ranges = [signal for signal in problem.signals if isinstance(signal.measure, Range)]
+    ranges = [signal for signal in problem.signals if isinstance(signal.criterion, Range)]
     return _Columns(
         regions=count,
         bounds={target: count + i for i, target in enumerate(objective)},
@@ -253,12 +253,12 @@ def _ceilings(target: Target, size: float, columns: _Columns, limits: Mapping[Ta
 def _signal_rows(
     signal: Signal, columns: _Columns, states: Array, limits: Mapping[Target, float], zero_as_equations: bool
 ) -> Iterator[Rows]:
-    """The constraints that hold a signal's measure below its bound and limit."""
+    """The constraints that hold a signal's criterion below its bound and limit."""
     if signal in columns.extremes:
         effects, fixed, high = signal.effects[states], signal.fixed[states], columns.extremes[signal]
         yield Rows(AT_MOST, columns.wide(effects[:, 0], {high: -1.0}), -fixed[:, 0])
         yield Rows(AT_MOST, columns.wide(-effects[:, 0], {high + 1: 1.0}), fixed[:, 0])
-    for ceiling in _ceilings(signal.measure, signal.size, columns, limits):
+    for ceiling in _ceilings(signal.criterion, signal.size, columns, limits):
         if zero_as_equations and ceiling.column is None and ceiling.number == 0.0:
             yield _constant_signal(signal, columns, ceiling.name)
         else:
@@ -266,13 +266,13 @@ def _signal_rows(
 
 
 def _below(signal: Signal, columns: _Columns, states: Array, ceiling: _Ceiling) -> Iterator[Rows]:
-    """The constraints that hold a signal's measure below a ceiling over the states taken in."""
+    """The constraints that hold a signal's criterion below a ceiling over the states taken in."""
     effects, fixed = signal.effects[states], signal.fixed[states]
-    if isinstance(signal.measure, Range):
+    if isinstance(signal.criterion, Range):
         high, nothing = columns.extremes[signal], np.zeros((1, effects.shape[2]))
         coefficients = columns.wide(nothing, {high: 1.0, high + 1: -1.0} | ceiling.slope())
         yield Rows(AT_MOST, coefficients, np.array([ceiling.number]), ceiling.name, signal.size)
-    elif isinstance(signal.measure, Rms):
+    elif isinstance(signal.criterion, Rms):
         yield _cone(columns, *_rms_factor(signal), ceiling, signal.size)
     elif fixed.shape[1] == 1:
         both, right = np.concatenate([effects[:, 0], -effects[:, 0]]), np.concatenate([-fixed[:, 0], fixed[:, 0]])

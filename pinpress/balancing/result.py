@@ -1,4 +1,4 @@
-"""A balanced press: its counterweights, the proof of the optimum, and the measures before and after, as text and columns."""
+"""A balanced press: its counterweights, the proof of the optimum, and the criteria before and after, as text and columns."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from ..dynamics.extremes import AXES, ROUNDING, Rounding, rounding
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..linkage.linkage import Linkage
 from .counterweights import Counterweight, OperatingCondition, moving_mass
-from .problem import AddedMass, Measure, Peak, Range, Target, limit_words
+from .problem import AddedMass, Criterion, Peak, Range, Target, limit_words
 
 MASS = AddedMass()
 
 
 @dataclass(frozen=True, repr=False)
-class MeasureChange(Record):
-    """A measure before and after balancing in one operating condition.
+class CriterionChange(Record):
+    """A criterion before and after balancing in one operating condition.
 
     Attributes:
-        measure: The measure.
+        criterion: The criterion.
         condition: Number of the operating condition, from 0.
-        before: Value before balancing, in the measure's unit.
-        after: Value after balancing, in the measure's unit.
+        before: Value before balancing, in the criterion's unit.
+        after: Value after balancing, in the criterion's unit.
     """
 
-    measure: Measure
+    criterion: Criterion
     condition: int
     before: float
     after: float
@@ -43,13 +43,13 @@ class MeasureChange(Record):
 
     @property
     def title(self) -> str:
-        values = f"{self.before:.6g} to {self.after:.6g} {self.measure.unit}"
-        return f"MeasureChange of {self.measure.words}, condition {self.condition}: {values}"
+        values = f"{self.before:.6g} to {self.after:.6g} {self.criterion.unit}"
+        return f"CriterionChange of {self.criterion.words}, condition {self.condition}: {values}"
 
     def row(self) -> dict[str, object]:
         return {
-            "measure": self.measure.words,
-            "unit": self.measure.unit,
+            "criterion": self.criterion.words,
+            "unit": self.criterion.unit,
             "condition": self.condition,
             "before": self.before,
             "after": self.after,
@@ -79,18 +79,18 @@ class BalancedPress(Tabular):
         original: The press before balancing.
         press: The press with its counterweights, which `write_urdf` writes.
         conditions: Operating conditions in which it was balanced.
-        objective: Measures with their weights.
+        objective: Criteria with their weights.
         limits: Limits as they were given.
         counterweights: Counterweights in the order of the regions, without those of zero mass. Where a region replaces a link's own mass,
             its counterweight is all of that mass.
         added_mass: Mass that balancing adds in all [kg].
-        value: The objective reached. For one measure in one operating condition it has the measure's unit; otherwise it is the weighted sum
-            of measures relative to before.
+        value: The objective reached. For one criterion in one operating condition it has the criterion's unit; otherwise it is the weighted
+            sum of criteria relative to before.
         unit: Unit of the value; empty where the value is relative.
         bound: Proven lower bound of the objective for all counterweights in these regions, at the states of the motion. The difference from
             ``value`` is the part left unproved and the cost of preferring lighter counterweights.
         residual: Largest violation of the conditions of optimality, relative to before.
-        changes: Changes of the measures of the objective, then of those that are limited, condition by condition.
+        changes: Changes of the criteria of the objective, then of those that are limited, condition by condition.
         active: Constraints that hold the optimum back.
         reactions_before: Reactions of the press before balancing in every operating condition, with the measured bearings alone.
         reactions_after: Reactions of the balanced press in these motions. A run of the balanced press itself, under its drive, has another
@@ -108,7 +108,7 @@ class BalancedPress(Tabular):
     unit: str
     bound: float
     residual: float
-    changes: Records[MeasureChange]
+    changes: Records[CriterionChange]
     active: Records[ActiveConstraint]
     reactions_before: tuple[Reactions, ...]
     reactions_after: tuple[Reactions, ...]
@@ -121,52 +121,52 @@ class BalancedPress(Tabular):
         return _text(self)
 
     @cached_property
-    def side_effects(self) -> Records[MeasureChange]:
-        """Changes of the measures that were neither minimised nor limited, condition by condition; computed when first asked for.
+    def side_effects(self) -> Records[CriterionChange]:
+        """Changes of the criteria that were neither minimised nor limited, condition by condition; computed when first asked for.
 
         They are the range of the driving torque (of several torques their peak), the peak of every bearing force, and the range of every
-        component of shaking force and shaking moment, without the measures in `changes`. A value that is rounding is 0, and a measure that
-        is 0 before and after in all operating conditions is left out.
+        component of shaking force and shaking moment, without the criteria in `changes`. A value that is rounding is 0, and a criterion
+        that is 0 before and after in all operating conditions is left out.
         """
         return _side_effects(self)
 
     def columns(self) -> dict[str, Column]:
-        """A row for each measure in each operating condition, `changes` and then `side_effects`; None where there is no value."""
-        changes = Records(MeasureChange, (*self.changes, *self.side_effects))
-        return changes.columns() | {"limit": [self.limits.get(change.measure) for change in changes]}
+        """A row for each criterion in each operating condition, `changes` and then `side_effects`; None where there is no value."""
+        changes = Records(CriterionChange, (*self.changes, *self.side_effects))
+        return changes.columns() | {"limit": [self.limits.get(change.criterion) for change in changes]}
 
 
-def _side_effects(balanced: BalancedPress) -> Records[MeasureChange]:
-    asked = {change.measure for change in balanced.changes}
+def _side_effects(balanced: BalancedPress) -> Records[CriterionChange]:
+    asked = {change.criterion for change in balanced.changes}
     before, after = (
         [inverse_dynamics(press, some.motion, each.loads) for some, each in zip(known, balanced.conditions, strict=True)]
         for press, known in ((balanced.original, balanced.reactions_before), (balanced.press, balanced.reactions_after))
     )
-    least_of, found = [rounding(reactions) for reactions in before], list[MeasureChange]()
-    for measure in _measures_of(balanced.original):
+    least_of, found = [rounding(reactions) for reactions in before], list[CriterionChange]()
+    for criterion in _criteria_of(balanced.original):
         rows = [
-            MeasureChange(measure, number, _without_rounding(measure, then, least), _without_rounding(measure, now, least))
+            CriterionChange(criterion, number, _without_rounding(criterion, then, least), _without_rounding(criterion, now, least))
             for number, (then, now, least) in enumerate(zip(before, after, least_of, strict=True))
         ]
-        if measure not in asked and any(row.before or row.after for row in rows):
+        if criterion not in asked and any(row.before or row.after for row in rows):
             found += rows
-    return Records(MeasureChange, found)
+    return Records(CriterionChange, found)
 
 
-def _measures_of(press: Linkage) -> Iterator[Measure]:
+def _criteria_of(press: Linkage) -> Iterator[Criterion]:
     yield Range("driving_torque") if len(press.drivers) == 1 else Peak("driving_torque")
     yield from (Peak("bearing_force", bearing=bearing) for bearing in press.bearings)
     yield from (Range(quantity, axis) for quantity in ("shaking_force", "shaking_moment") for axis in AXES)
 
 
-def _without_rounding(measure: Measure, reactions: Reactions, least: Rounding) -> float:
-    """The value of a measure, 0 where it is rounding."""
-    value = measure.value(reactions)
-    return value if value > (least.force if measure.unit == "N" else least.moment) else 0.0
+def _without_rounding(criterion: Criterion, reactions: Reactions, least: Rounding) -> float:
+    """The value of a criterion, 0 where it is rounding."""
+    value = criterion.value(reactions)
+    return value if value > (least.force if criterion.unit == "N" else least.moment) else 0.0
 
 
 def _text(balanced: BalancedPress) -> str:
-    """Counterweights, objective with its proof, active constraints, and all measures before and after, with units."""
+    """Counterweights, objective with its proof, active constraints, and all criteria before and after, with units."""
     heads = [_condition_words(each) for each in balanced.conditions]
     asked, rest = [list(_cells(balanced, rows)) for rows in (balanced.changes, balanced.side_effects)]
     width = max(len(cells[0]) for cells in [*asked, *rest])
@@ -178,8 +178,8 @@ def _text(balanced: BalancedPress) -> str:
             *_counterweight_lines(balanced),
             *_objective_lines(balanced),
             *_active_lines(balanced),
-            *_measure_lines("Measures", balanced, asked, width),
-            *_measure_lines("The rest of the press", balanced, rest, width),
+            *_criterion_lines("Criteria", balanced, asked, width),
+            *_criterion_lines("The rest of the press", balanced, rest, width),
             "",
             "Checks",
             tables.entry("proof of the optimum", f"{balanced.residual:.3g}", proof),
@@ -213,13 +213,13 @@ def _objective_lines(balanced: BalancedPress) -> list[str]:
     terms, unit = balanced.objective, balanced.unit
     if unit:
         (target,) = terms
-        what, before = target.words, balanced.changes[0].before if isinstance(target, Measure) else 0.0
+        what, before = target.words, balanced.changes[0].before if isinstance(target, Criterion) else 0.0
     else:
         what = (
             f"{' + '.join(f'{weight:g} x {target.words}' for target, weight in terms.items())}; each relative to before, in its worst"
             " condition"
         )
-        before = sum(weight for target, weight in terms.items() if isinstance(target, Measure))
+        before = sum(weight for target, weight in terms.items() if isinstance(target, Criterion))
     return [
         "",
         f"Objective: {what}",
@@ -246,12 +246,12 @@ def _price_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
     return f"the objective falls by {falls} for each {unit} relaxed"
 
 
-def _cells(balanced: BalancedPress, rows: Sequence[MeasureChange]) -> Iterator[list[str]]:
-    """For each measure its name with unit, operating condition where there are several, values before and after, change and limit."""
+def _cells(balanced: BalancedPress, rows: Sequence[CriterionChange]) -> Iterator[list[str]]:
+    """For each criterion its name with unit, operating condition where there are several, values before and after, change and limit."""
     for row in rows:
-        limit = balanced.limits.get(row.measure)
+        limit = balanced.limits.get(row.criterion)
         yield [
-            f"{row.measure.words} [{row.measure.unit}]",
+            f"{row.criterion.words} [{row.criterion.unit}]",
             f"{row.condition}" if len(balanced.conditions) > 1 else "",
             f"{row.before:.6g}",
             f"{row.after:.6g}",
@@ -260,7 +260,7 @@ def _cells(balanced: BalancedPress, rows: Sequence[MeasureChange]) -> Iterator[l
         ]
 
 
-def _measure_lines(title: str, balanced: BalancedPress, rows: list[list[str]], width: int) -> list[str]:
+def _criterion_lines(title: str, balanced: BalancedPress, rows: list[list[str]], width: int) -> list[str]:
     several, limited = len(balanced.conditions) > 1, any(row[5] for row in rows)
     heads = [title, "condition" if several else "", "before", "after", "change", "at most" if limited else ""]
     kept = [k for k in range(len(heads)) if heads[k]]

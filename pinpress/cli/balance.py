@@ -27,13 +27,13 @@ from .units import quantity, read_quantity
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
 MASS = "added_mass"
 REGION = "LINK:at=X/Y/Z, LINK:radius=R[,centre=X/Y/Z], LINK:corner=X/Y/Z,corner=X/Y/Z,... or LINK:replaces"
-MEASURE = f"{'|'.join(KINDS)}:QUANTITY[:BEARING][:AXIS] or {MASS}"
+CRITERION = f"{'|'.join(KINDS)}:QUANTITY[:BEARING][:AXIS] or {MASS}"
 EPILOG = f"""\
 regions: {REGION}
   a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
   Lengths are in m, in the link's own frame. All take ,least=KG ,most=KG (default: 0 and no limit) and ,gyration=R, the radius of gyration
   of the counterweight's material. With ,replaces behind a place the counterweight replaces the link's own mass.
-measures: {MEASURE}
+criteria: {CRITERION}
   quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
   Range and rms leave the constant part out, peaks count it.
 loads; heights are slide positions above bottom dead centre, or above the slide position datum=:
@@ -62,7 +62,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         action="append",
         required=True,
         metavar="RPM",
-        help="crank speed, in r/min; may be given several times: each measure then counts at its worst speed",
+        help="crank speed, in r/min; may be given several times: each criterion then counts at its worst speed",
     )
     option(
         "--region",
@@ -75,15 +75,15 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "--minimise",
         action="append",
         required=True,
-        metavar="MEASURE[=WEIGHT]",
-        help="measure to minimise, see below; may be given several times: each counts relative to before, times its weight (default: 1)",
+        metavar="CRITERION[=WEIGHT]",
+        help="criterion to minimise, see below; may be given several times: each counts relative to before, times its weight (default: 1)",
     )
     option(
         "--limit",
         action="append",
         default=[],
-        metavar="MEASURE=MOST",
-        help="most of a measure, in its SI unit; may be given several times",
+        metavar="CRITERION=MOST",
+        help="most of a criterion, in its SI unit; may be given several times",
     )
     option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
     option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the counterweights with what they do, and write the files.
 
     Raises:
-        PinpressError: Words name no region or measure, --report is given without --out, or computing or writing fails.
+        PinpressError: Words name no region or criterion, --report is given without --out, or computing or writing fails.
     """
     if options.out is None and options.report:
         raise PinpressError("--report needs a folder to write into: give --out DIR too")
@@ -169,7 +169,7 @@ def _objective(specs: Sequence[str]) -> Target | Mapping[Target, float]:
 
 
 def _by_target(option: str, specs: Sequence[str], default: str) -> Mapping[Target, float]:
-    """Measures with their numbers; ``default``: number of a measure without one; empty: every measure needs one."""
+    """Criteria with their numbers; ``default``: number of a criterion without one; empty: every criterion needs one."""
     found: dict[Target, float] = {}
     for spec in specs:
         words, equals, text = spec.rpartition("=")
@@ -190,7 +190,7 @@ def _target(option: str, spec: str, words: str) -> Target:
         return AddedMass()
     kind, _, rest = words.partition(":")
     quantity, _, rest = rest.partition(":")
-    for name, known, what in ((kind, [*KINDS, MASS], "measure"), (quantity, list(QUANTITIES), "quantity")):
+    for name, known, what in ((kind, [*KINDS, MASS], "criterion"), (quantity, list(QUANTITIES), "quantity")):
         if name not in known:
             raise _wrong(option, spec, f"no {what} {name!r}{suggestion(name, known)}; there are: {', '.join(known)}")
     bearing, axis = None, rest or None
@@ -210,7 +210,7 @@ def _target(option: str, spec: str, words: str) -> Target:
 def _wrong(option: str, spec: str, problem: str) -> PinpressError:
     number = {"--minimise": "[=WEIGHT]", "--limit": "=MOST"}[option]
     example = {"--minimise": "range:shaking_force:z", "--limit": "peak:bearing_force:A=1e5"}[option]
-    return PinpressError(f"{option} {spec}: {problem}; it takes {MEASURE}, with {number}; write e.g. {option} {example}")
+    return PinpressError(f"{option} {spec}: {problem}; it takes {CRITERION}, with {number}; write e.g. {option} {example}")
 
 
 def _point(text: str) -> Vector:

@@ -1,4 +1,4 @@
-"""Charts of balancing: trade-offs between measures."""
+"""Charts of balancing: trade-offs between criteria."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ HIGH = 6.5  # height of a panel [cm]
 
 @typed
 def trade_offs(curves: Mapping[str, TradeOffCurve]) -> Figure:
-    """Draw curves of `trade_off`, the first measure over the second, with a panel for each pair of measures.
+    """Draw curves of `trade_off`, the first criterion over the second, with a panel for each pair of criteria.
 
     A grey cross marks the press before balancing.
 
@@ -65,7 +65,7 @@ def _panel(axes: Axes, curves: Mapping[str, TradeOffCurve]) -> None:
 def _before(curve: TradeOffCurve, target: Target) -> float:
     if isinstance(target, AddedMass):
         return 0.0
-    return next(change.before for change in curve.designs[0].changes if change.measure == target)
+    return next(change.before for change in curve.designs[0].changes if change.criterion == target)
 
 
 def _scaled(target: Target) -> tuple[float, str]:

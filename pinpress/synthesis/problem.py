@@ -45,7 +45,7 @@ class Variable:
 
 
 @dataclass(frozen=True, eq=False)
-class Measure:
+class Requirement:
     """A function of a trial: the objective or a constraint.
 
     Attributes:
@@ -89,12 +89,12 @@ class Limit:
     """A bound of a constraint.
 
     Attributes:
-        measure: Index in `Problem.measures`, where the constraints begin at 1.
+        requirement: Index in `Problem.requirements`, where the constraints begin at 1.
         side: "lower", "upper" or "equal".
         bound: The bound [SI].
     """
 
-    measure: int
+    requirement: int
     side: str
     bound: float
 
@@ -111,23 +111,23 @@ class Problem:
     Attributes:
         variables: The design variables.
         geometry: Function of the variables that returns pivots.
-        measures: The objective, then the constraints.
+        requirements: The objective, then the constraints.
     """
 
     variables: tuple[Variable, ...]
     geometry: Callable[..., Pivots]
-    measures: tuple[Measure, ...]
+    requirements: tuple[Requirement, ...]
 
     @cached_property
     def limits(self) -> tuple[Limit, ...]:
         """All bounds of all constraints."""
         found = []
-        for k, measure in enumerate(self.measures[1:], 1):
-            if measure.lower == measure.upper:
-                found.append(Limit(k, "equal", measure.lower))
+        for k, requirement in enumerate(self.requirements[1:], 1):
+            if requirement.lower == requirement.upper:
+                found.append(Limit(k, "equal", requirement.lower))
                 continue
-            found += [Limit(k, "lower", measure.lower)] * bool(np.isfinite(measure.lower))
-            found += [Limit(k, "upper", measure.upper)] * bool(np.isfinite(measure.upper))
+            found += [Limit(k, "lower", requirement.lower)] * bool(np.isfinite(requirement.lower))
+            found += [Limit(k, "upper", requirement.upper)] * bool(np.isfinite(requirement.upper))
         return tuple(found)
 
     def values(self, z: Array) -> dict[str, float]:
@@ -154,7 +154,7 @@ class Problem:
         moved = displaced(press, pivots)
         design = near.next(values, moved, [self._slope(near, values, v.name) for v in self.variables])
         trial = design.trial()
-        return Point(self, z.copy(), design, tuple(np.real(measure.of(trial)).astype(float) for measure in self.measures))
+        return Point(self, z.copy(), design, tuple(np.real(requirement.of(trial)).astype(float) for requirement in self.requirements))
 
     def _slope(self, near: Design, values: dict[str, float], name: str) -> Displacements:
         """The derivative of the displacements by a variable."""
@@ -184,7 +184,7 @@ class Point:
         problem: The problem.
         z: (k,) scaled variables.
         design: The design with these variables.
-        values: Elements (m,) of every measure [SI].
+        values: Elements (m,) of every requirement [SI].
     """
 
     problem: Problem
@@ -194,7 +194,7 @@ class Point:
 
     @cached_property
     def slopes(self) -> tuple[Array, ...]:
-        """Derivatives (m, k) of every measure by the scaled variables.
+        """Derivatives (m, k) of every requirement by the scaled variables.
 
         Raises:
             PinpressError: A function fails for complex numbers, or returns another number of elements for them.
@@ -202,10 +202,10 @@ class Point:
         variables = self.problem.variables
         trials = [self.design.trial_towards(place, variable.range) for place, variable in enumerate(variables)]
         result = []
-        for measure, values in zip(self.problem.measures, self.values, strict=True):
-            columns = [np.imag(measure.of(trial)) / STEP for trial in trials]
+        for requirement, values in zip(self.problem.requirements, self.values, strict=True):
+            columns = [np.imag(requirement.of(trial)) / STEP for trial in trials]
             if any(column.shape != values.shape for column in columns):
-                raise PinpressError(f"{measure.title} returns another number of elements for complex numbers; see `Trial`")
+                raise PinpressError(f"{requirement.title} returns another number of elements for complex numbers; see `Trial`")
             result.append(np.stack(columns, axis=1))
         return tuple(result)
 
@@ -216,11 +216,11 @@ class Point:
 
     def slacks(self, limit: Limit) -> Array:
         """Scaled slacks (m,) of a bound, negative where it is missed; for an equation the differences."""
-        return np.asarray(limit.sign * (self.values[limit.measure] - limit.bound) / self.problem.measures[limit.measure].scale)
+        return np.asarray(limit.sign * (self.values[limit.requirement] - limit.bound) / self.problem.requirements[limit.requirement].scale)
 
     def slack_slopes(self, limit: Limit) -> Array:
         """Derivatives (m, k) of the scaled slacks by the scaled variables."""
-        return np.asarray(limit.sign * self.slopes[limit.measure] / self.problem.measures[limit.measure].scale)
+        return np.asarray(limit.sign * self.slopes[limit.requirement] / self.problem.requirements[limit.requirement].scale)
 
     def violation(self, limit: Limit) -> float:
         """Scaled amount by which a bound is missed; 0 where it is kept."""
@@ -235,18 +235,18 @@ class Point:
 
 def missed(point: Point) -> str:
     """List the constraints whose bounds are missed, worst first, in words."""
-    problem = point.problem
-    found = sorted(((point.violation(limit), limit) for limit in problem.limits), key=lambda each: -each[0])
-    return ", ".join(
-        f"{problem.measures[limit.measure].title} misses its {'value' if limit.side == 'equal' else f'{limit.side} bound'} {limit.bound:g}"
-        f" by {violation * problem.measures[limit.measure].scale:.4g}"
-        for violation, limit in found
-        if violation > 0
-    )
+    found = sorted(((point.violation(limit), limit) for limit in point.problem.limits), key=lambda each: -each[0])
+    return ", ".join(_missed_by(point.problem, limit, violation) for violation, limit in found if violation > 0)
+
+
+def _missed_by(problem: Problem, limit: Limit, violation: float) -> str:
+    requirement = problem.requirements[limit.requirement]
+    bound = "value" if limit.side == "equal" else f"{limit.side} bound"
+    return f"{requirement.title} misses its {bound} {limit.bound:g} by {violation * requirement.scale:.4g}"
 
 
 def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
-    """Check the gradients of all measures against differences of their values.
+    """Check the gradients of all requirements against differences of their values.
 
     Args:
         point: Where they are checked.
@@ -257,7 +257,7 @@ def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
     """
     problem = point.problem
     for direction in directions:
-        wrong = list(range(len(problem.measures)))
+        wrong = list(range(len(problem.requirements)))
         for step in STEPS:
             ahead, back = (problem.at(point.z + sign * step * direction, point.design) for sign in (1.0, -1.0))
             wrong = [k for k in wrong if not _agrees(point, k, direction, (ahead.values[k] - back.values[k]) / (2 * step))]
@@ -265,13 +265,13 @@ def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
                 break
         else:
             raise PinpressError(
-                f"{problem.measures[wrong[0]].title} has a gradient that is not that of its values: it drops the imaginary part of complex"
-                " numbers, or jumps at the start; see `Trial` for how to write it"
+                f"{problem.requirements[wrong[0]].title} has a gradient that is not that of its values: it drops the imaginary part of"
+                " complex numbers, or jumps at the start; see `Trial` for how to write it"
             )
 
 
-def _agrees(point: Point, measure: int, direction: Array, difference: Array) -> bool:
-    exact, values = point.slopes[measure] @ direction, point.values[measure]
+def _agrees(point: Point, requirement: int, direction: Array, difference: Array) -> bool:
+    exact, values = point.slopes[requirement] @ direction, point.values[requirement]
     size = max(np.abs(exact).max(), np.abs(difference).max())
     return bool(np.abs(exact - difference).max() <= SAME * size + NOISE * np.abs(values).max())
 

@@ -157,7 +157,7 @@ def optimum(point: Point) -> Optimum:
     from scipy.optimize import nnls  # slow to import
 
     problem = point.problem
-    size = problem.measures[0].scale
+    size = problem.requirements[0].scale
     values, slopes = point.values[0] / size, point.slopes[0] / size
     largest = values >= values.max() - TOUCHED
     forces = [*_of_variables(point), *_of_limits(point)]
@@ -193,7 +193,7 @@ class _Descent:
         self.tried: Array = start.z
         self.failed, self.lost = False, 0
         self.reach = reach
-        self.scale = start.problem.measures[0].scale
+        self.scale = start.problem.requirements[0].scale
         self.level = len(start.values[0]) > 1
         self.limits = start.problem.limits
 
@@ -313,13 +313,14 @@ def _of_variables(point: Point) -> list[_Force]:
 def _of_limits(point: Point) -> list[_Force]:
     found = []
     for limit in point.problem.limits:
-        measure = point.problem.measures[limit.measure]
+        requirement = point.problem.requirements[limit.requirement]
         for slack, gradient in zip(point.slacks(limit), point.slack_slopes(limit), strict=True):
             if slack > TOUCHED and limit.side != "equal":
                 continue
             ways = (1.0, -1.0) if limit.side == "equal" else (1.0,)  # an equality pushes both ways
             found += [
-                _Force(way * gradient, float(slack), measure.name, limit.side, limit.bound, measure.scale, way * limit.sign) for way in ways
+                _Force(way * gradient, float(slack), requirement.name, limit.side, limit.bound, requirement.scale, way * limit.sign)
+                for way in ways
             ]
     return found
 
@@ -342,7 +343,7 @@ def _active(forces: list[_Force], multipliers: Array, size: float) -> Records[Ac
 
 def _idle(point: Point) -> tuple[str, ...]:
     """The variables on which neither the objective nor a constraint depends, up to rounding."""
-    slopes = [np.abs(s).max(axis=0) / m.scale for s, m in zip(point.slopes, point.problem.measures, strict=True)]
+    slopes = [np.abs(s).max(axis=0) / m.scale for s, m in zip(point.slopes, point.problem.requirements, strict=True)]
     strongest = np.max(slopes, axis=0)
     return tuple(v.name for v, slope in zip(point.problem.variables, strongest, strict=True) if slope <= WITHOUT)
 

@@ -37,7 +37,7 @@ from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .design import Design, Start
-from .problem import Function, Measure, Point, Problem, Variable, verify_gradients
+from .problem import Function, Point, Problem, Requirement, Variable, verify_gradients
 from .search import ActiveBound, Search, optimum
 
 SYNTHESISED = "_synthesised"  # end of the name of a press that was found
@@ -166,7 +166,7 @@ class BoundedQuantity(Record):
 
 
 def _problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
-    """The problem that a caller's arguments state, after checking them; its measures are not scaled yet."""
+    """The problem that a caller's arguments state, after checking them; its requirements are not scaled yet."""
     planar(press)
     for name, mapping in (("variables", variables), ("subject_to", subject_to)):
         if not isinstance(mapping, Mapping):
@@ -176,8 +176,8 @@ def _problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geo
     known = tuple(_variable(name, bounds) for name, bounds in variables.items())
     if not known:
         raise PinpressError("variables is empty: give {name: (lower bound, start, upper bound)}")
-    measures = (Measure("", minimise), *(_constraint(name, given) for name, given in subject_to.items()))
-    return Problem(known, geometry or _coordinates(press, tuple(variables)), measures)
+    requirements = (Requirement("", minimise), *(_constraint(name, given) for name, given in subject_to.items()))
+    return Problem(known, geometry or _coordinates(press, tuple(variables)), requirements)
 
 
 def _variable(name: str, bounds: Any) -> Variable:
@@ -190,14 +190,14 @@ def _variable(name: str, bounds: Any) -> Variable:
     return Variable(name, lower, start, upper)
 
 
-def _constraint(name: str, given: Any) -> Measure:
+def _constraint(name: str, given: Any) -> Requirement:
     if not isinstance(given, tuple | list) or len(given) != 3 or not callable(given[0]):
         raise PinpressError(f"constraint {shown(name)} is {shown(given)}: give (function of a trial, lower bound, upper bound)")
     open_bounds = [-math.inf if given[1] is None else given[1], math.inf if given[2] is None else given[2]]
     lower, upper = (float(any_numbers(f"constraint {shown(name)}", bound, ())) for bound in open_bounds)
     if math.isnan(lower) or math.isnan(upper) or lower > upper:
         raise PinpressError(f"constraint {shown(name)}: its lower bound {lower:g} is above its upper bound {upper:g}")
-    return Measure(name, given[0], lower, upper)
+    return Requirement(name, given[0], lower, upper)
 
 
 def _coordinates(press: Linkage, names: tuple[str, ...]) -> Callable[..., Pivots]:
@@ -219,7 +219,7 @@ def _coordinates(press: Linkage, names: tuple[str, ...]) -> Callable[..., Pivots
 
 
 def _start(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> Point:
-    """The start, with measures scaled by their size there.
+    """The start, with requirements scaled by their size there.
 
     Raises:
         PinpressError: The start cannot be assembled, or locks.
@@ -236,14 +236,14 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
     state = closure.position, closure.first, closure.second, closure.gap
     design = Design(Start(drawn, plane, motion, loads), values, nowhere(drawn), [], plane, *state)
     point = problem.at(problem.scaled(values), design)
-    scaled = tuple(_scaled(measure, found) for measure, found in zip(problem.measures, point.values, strict=True))
+    scaled = tuple(_scaled(requirement, found) for requirement, found in zip(problem.requirements, point.values, strict=True))
     return Problem(problem.variables, problem.geometry, scaled).at(point.z, design)
 
 
-def _scaled(measure: Measure, values: Array) -> Measure:
-    """The measure, scaled by the size of its values, or of its bounds where these are larger."""
-    sizes = [float(np.abs(values).max()), *(abs(bound) for bound in (measure.lower, measure.upper) if math.isfinite(bound))]
-    return Measure(measure.name, measure.function, measure.lower, measure.upper, max(sizes) or 1.0)
+def _scaled(requirement: Requirement, values: Array) -> Requirement:
+    """The requirement, scaled by the size of its values, or of its bounds where these are larger."""
+    sizes = [float(np.abs(values).max()), *(abs(bound) for bound in (requirement.lower, requirement.upper) if math.isfinite(bound))]
+    return Requirement(requirement.name, requirement.function, requirement.lower, requirement.upper, max(sizes) or 1.0)
 
 
 def _verify(found: Point, speed: float, points: int | None) -> None:
@@ -256,15 +256,15 @@ def _verify(found: Point, speed: float, points: int | None) -> None:
 def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
     problem, held, press = found.problem, optimum(found), found.design.press
     constraints = {
-        measure.name: float(values[0]) if len(values) == 1 else read_only(values)
-        for measure, values in zip(problem.measures[1:], found.values[1:], strict=True)
+        requirement.name: float(values[0]) if len(values) == 1 else read_only(values)
+        for requirement, values in zip(problem.requirements[1:], found.values[1:], strict=True)
     }
     values = problem.values(found.z)
     rows = [BoundedQuantity(v.name, "variable", v.lower, v.start, values[v.name], v.upper) for v in problem.variables]
-    for k, measure in enumerate(problem.measures[1:], 1):
-        bounds = [bound if math.isfinite(bound) else None for bound in (measure.lower, measure.upper)]
-        nearest = (_nearest(measure, point.values[k]) for point in (start, found))
-        rows.append(BoundedQuantity(measure.name, "constraint", bounds[0], next(nearest), next(nearest), bounds[1]))
+    for k, requirement in enumerate(problem.requirements[1:], 1):
+        bounds = [bound if math.isfinite(bound) else None for bound in (requirement.lower, requirement.upper)]
+        nearest = (_nearest(requirement, point.values[k]) for point in (start, found))
+        rows.append(BoundedQuantity(requirement.name, "constraint", bounds[0], next(nearest), next(nearest), bounds[1]))
     return SynthesisResult(
         press=press.with_inertias(list(press.model.inertias), name=press.name.removesuffix(SYNTHESISED) + SYNTHESISED),
         variables=FrozenMapping(values),
@@ -280,9 +280,9 @@ def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
     )
 
 
-def _nearest(measure: Measure, values: Array) -> float:
+def _nearest(requirement: Requirement, values: Array) -> float:
     """The element that is nearest to a bound, or furthest beyond it."""
-    return float(values[np.argmin(np.minimum(values - measure.lower, measure.upper - values))])
+    return float(values[np.argmin(np.minimum(values - requirement.lower, requirement.upper - values))])
 
 
 def _text(found: SynthesisResult) -> str:

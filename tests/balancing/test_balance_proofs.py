@@ -174,24 +174,24 @@ def part_of(weights, share):
 def test_no_counterweights_beat_the_bound(planar, number):
     """In two conditions, one with loads. Random ones, and the best with a little of these mixed in: convexity has no other way out."""
     press, rng = planar(number % len(SEEDS)), np.random.default_rng(number)
-    measures = (ANY[number], ANY[(5 * number + 1) % len(ANY)])[: 1 + number % 2]
+    criteria = (ANY[number], ANY[(5 * number + 1) % len(ANY)])[: 1 + number % 2]
     conditions = [
         pp.balancing.OperatingCondition(swing(press)),
         pp.balancing.OperatingCondition(swing(press), [pp.loads.PointForce(press.links[-1], rng.normal(size=(STATES, 3)) * 100)]),
     ]
     regions = regions_of(press, rng)
     before = [pp.inverse_dynamics(press, case.motion, case.loads) for case in conditions]
-    sizes = {m: [m.value(r) for r in before] for m in measures}
-    b = pp.balancing.balance(press, conditions, regions=[region for region, *_ in regions], minimise=dict.fromkeys(measures, 1.0))
+    sizes = {m: [m.value(r) for r in before] for m in criteria}
+    b = pp.balancing.balance(press, conditions, regions=[region for region, *_ in regions], minimise=dict.fromkeys(criteria, 1.0))
 
     def worst(weights):
         changed = pp.balancing.with_counterweights(press, weights)
         after = [pp.inverse_dynamics(changed, case.motion, case.loads) for case in conditions]
-        return sum(max(m.value(r) / size for r, size in zip(after, sizes[m], strict=True)) for m in measures)
+        return sum(max(m.value(r) / size for r, size in zip(after, sizes[m], strict=True)) for m in criteria)
 
     assert b.value == pytest.approx(worst(b.counterweights), abs=1e-8)
-    assert -1e-8 <= b.value - b.bound <= 1e-7 * len(measures)
-    assert b.value <= len(measures) * (1 + 1e-7)  # to leave the press alone is admissible
+    assert -1e-8 <= b.value - b.bound <= 1e-7 * len(criteria)
+    assert b.value <= len(criteria) * (1 + 1e-7)  # to leave the press alone is admissible
     for share in (1.0, 1.0, 1.0, 0.3, 0.03, 0.003):
         other = [weight for region, middle, arms, along in regions for weight in random_filling(region, middle, arms, along, rng)]
         assert worst([*part_of(b.counterweights, 1 - share), *part_of(other, share)]) >= b.bound - 1e-9
@@ -209,22 +209,22 @@ def test_no_masses_beat_the_bound_in_space(folder):
     ]
     body = press.model.inertias[1]
     rng = np.random.default_rng(4)
-    for measure in (
+    for criterion in (
         pp.balancing.Rms("shaking_force"),
         pp.balancing.Peak("driving_torque"),
         pp.balancing.Range("shaking_moment", (1.0, 1.0, 0.0)),
         pp.balancing.Peak("bearing_force", bearing="J3"),
     ):
-        b = pp.balancing.balance(press, motion, regions=regions, minimise=measure)
+        b = pp.balancing.balance(press, motion, regions=regions, minimise=criterion)
         assert -1e-8 <= (b.value - b.bound) / b.changes[0].before <= 1e-7
-        assert measure.value(pp.inverse_dynamics(b.press, motion)) == pytest.approx(b.value, rel=1e-9)
+        assert criterion.value(pp.inverse_dynamics(b.press, motion)) == pytest.approx(b.value, rel=1e-9)
         for _ in range(4):
             masses = [rng.uniform(*region.mass) for region in regions]
             weights = [pp.balancing.Counterweight(r.link, m, r.at, m * r.gyration**2) for r, m in zip(regions[1:], masses[1:], strict=True)]
             changed = pp.balancing.with_counterweights(press, weights)
             inertias = list(changed.model.inertias)
             inertias[1] = pin.Inertia(masses[0], body.lever, body.inertia * masses[0] / own)
-            assert measure.value(pp.inverse_dynamics(changed.with_inertias(inertias), motion)) >= b.bound
+            assert criterion.value(pp.inverse_dynamics(changed.with_inertias(inertias), motion)) >= b.bound
     with pytest.raises(pp.PinpressError, match=r"'link2': bennett is not planar.*at="):
         pp.balancing.balance(
             press, motion, regions=[pp.balancing.CounterweightRegion("link2", radius=0.1)], minimise=pp.balancing.Rms("shaking_force")
@@ -234,17 +234,17 @@ def test_no_masses_beat_the_bound_in_space(folder):
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["jf75g_125", "thin_wall", "jf75g_125_plain"])
 @pytest.mark.parametrize(
-    "measure",
+    "criterion",
     [
         pp.balancing.Range("shaking_force", "z"),
         pp.balancing.Rms("driving_torque"),
         pp.balancing.Peak("bearing_force", bearing="slide_guide"),
     ],
 )
-def test_shipped_presses_are_proved_to_rounding(name, measure):
+def test_shipped_presses_are_proved_to_rounding(name, criterion):
     press = texts.shipped(name)
     regions = [pp.balancing.CounterweightRegion(link, radius=0.2) for link in press.links[1:]]
-    b = pp.balancing.balance(press, pp.cycle(press, 20.0, points=90), regions=regions, minimise=measure, limits={MASS: 50.0})
+    b = pp.balancing.balance(press, pp.cycle(press, 20.0, points=90), regions=regions, minimise=criterion, limits={MASS: 50.0})
     assert -1e-8 <= (b.value - b.bound) / b.changes[0].before <= 1e-7
     assert b.residual < 1e-8
     assert b.value < (1 - 1e-4) * b.changes[0].before
@@ -254,11 +254,11 @@ def test_shipped_presses_are_proved_to_rounding(name, measure):
 
 
 @pytest.mark.parametrize(
-    "measure",
+    "criterion",
     [pp.balancing.Rms("shaking_force"), pp.balancing.Rms("driving_torque"), pp.balancing.Rms("bearing_force", bearing="D")],
     ids=lambda m: m.words,
 )
-def test_rms_of_masses_at_points_is_bounded_least_squares(measure):
+def test_rms_of_masses_at_points_is_bounded_least_squares(criterion):
     """Columns are finite changes, by 1 kg; SciPy's active set finds the same masses, with their bounds from 0 or below to 150 kg."""
     press = texts.shipped("zxn2_3000b")
     motion = pp.cycle(press, 7.0, points=72)
@@ -273,11 +273,11 @@ def test_rms_of_masses_at_points_is_bounded_least_squares(measure):
     for region in regions:
         weight = pp.balancing.Counterweight(region.link, 1.0, region.at, region.gyration**2)
         after.append(pp.inverse_dynamics(pp.balancing.with_counterweights(press, [weight]), motion))
-    series = [measure.series(reactions) for reactions in after]
+    series = [criterion.series(reactions) for reactions in after]
     fixed, *others = [(s - s.mean(axis=0)).ravel() / np.sqrt(len(s)) for s in series]
     matrix = np.array([other - fixed for other in others]).T
     best = lsq_linear(matrix, -fixed, tuple(np.array([region.mass for region in regions]).T), method="bvls", tol=1e-14)
-    b = pp.balancing.balance(press, motion, regions=regions, minimise=measure)
+    b = pp.balancing.balance(press, motion, regions=regions, minimise=criterion)
     assert b.value == pytest.approx(np.sqrt(2 * best.cost), rel=1e-8)
     masses = {(weight.link, weight.position): weight.mass for weight in b.counterweights}
     found = [next((m for (link, at), m in masses.items() if link == region.link and np.allclose(at, region.at)), 0.0) for region in regions]

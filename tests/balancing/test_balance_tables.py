@@ -78,11 +78,11 @@ def test_the_text_says_what_the_balance_has() -> None:
     for name, number in (("before", balance.changes[0].before), ("reached", balance.value), ("proven bound", balance.bound)):
         assert row(objective, name)[:2] == [f"{number:.6g}", "N"]
     for found in (*balance.changes, *balance.side_effects):
-        before, after, change, percent, *limit = row(text, f"{found.measure.words} [{found.measure.unit}]")
+        before, after, change, percent, *limit = row(text, f"{found.criterion.words} [{found.criterion.unit}]")
         assert float(before) == pytest.approx(found.before, rel=DIGITS)
         assert float(after) == pytest.approx(found.after, rel=DIGITS)
         assert (float(change), percent) == (pytest.approx(100 * found.change, abs=0.00501), "%")
-        assert limit == (["1000"] if found.measure == X else [])
+        assert limit == (["1000"] if found.criterion == X else [])
 
 
 @pytest.mark.parametrize(
@@ -121,7 +121,8 @@ def test_a_weighted_objective_is_relative() -> None:
     assert row(objective, "before") == ["1.5"]
     assert row(objective, "reached") == [f"{balance.value:.6g}"]
     worst = {
-        measure: max(change.after / change.before for change in balance.changes if change.measure == measure) for measure in (Z, TORQUE)
+        criterion: max(change.after / change.before for change in balance.changes if change.criterion == criterion)
+        for criterion in (Z, TORQUE)
     }
     assert float(row(objective, "reached")[0]) == pytest.approx(worst[Z] + 0.5 * worst[TORQUE], rel=DIGITS)
     assert re.search(r"relaxed$", section(text, "Held back by"), flags=re.MULTILINE)
@@ -146,7 +147,7 @@ def test_effects_are_those_of_the_counterweights_alone() -> None:
         peaks = [np.linalg.norm(some.bearing_force[name], axis=1).max() for some in (before, after)]
         expected[f"peak of the bearing force of {name}"] = peaks
     expected["range of the shaking moment, y"] = [np.ptp(some.shaking_moment[:, 1]) for some in (before, after)]
-    found = {effect.measure.words: [effect.before, effect.after] for effect in balance.side_effects}
+    found = {effect.criterion.words: [effect.before, effect.after] for effect in balance.side_effects}
     assert list(found) == list(expected)  # neither what was asked for nor what a planar press has not
     for name, values in found.items():
         np.testing.assert_allclose(values, expected[name], rtol=1e-10, err_msg=name)  # rounding of torques made up of larger ones
@@ -154,16 +155,16 @@ def test_effects_are_those_of_the_counterweights_alone() -> None:
 
 def test_what_was_zero_before_has_no_change(tmp_path: Path) -> None:
     balance = tilted()
-    sideways = next(effect for effect in balance.side_effects if effect.measure == X)
+    sideways = next(effect for effect in balance.side_effects if effect.criterion == X)
     assert (sideways.before, sideways.after > 100) == (0.0, True)
     assert row(str(balance), "range of the shaking force, x [N]") == ["0", f"{sideways.after:.6g}"]
     columns = balance.columns()
-    assert columns["change [-]"][columns["measure"].index(X.words)] is None
+    assert columns["change [-]"][columns["criterion"].index(X.words)] is None
     balance.to_csv(tmp_path / "tilted.csv")
     with (tmp_path / "tilted.csv").open(encoding="utf-8", newline="") as file:
-        (line,) = (line for line in csv.DictReader(file) if line["measure"] == X.words)
+        (line,) = (line for line in csv.DictReader(file) if line["criterion"] == X.words)
     assert line == {
-        "measure": X.words,
+        "criterion": X.words,
         "unit": "N",
         "condition": "0",
         "before": "0.0",
@@ -177,7 +178,7 @@ def test_csv_and_frame_are_the_columns(tmp_path: Path) -> None:
     balance = at_two_speeds()
     columns = balance.columns()
     rows = [*balance.changes, *balance.side_effects]
-    assert columns["measure"] == [change.measure.words for change in rows]
+    assert columns["criterion"] == [change.criterion.words for change in rows]
     assert columns["after"] == [change.after for change in rows]
     assert columns["condition"] == [0, 1] * (len(rows) // 2)
     balance.to_csv(tmp_path / "balance.csv")
@@ -190,9 +191,9 @@ def test_csv_and_frame_are_the_columns(tmp_path: Path) -> None:
     assert frame["before"].tolist() == columns["before"]
 
 
-def test_limits_stand_beside_their_measures() -> None:
+def test_limits_stand_beside_their_criteria() -> None:
     columns = pressed().columns()
-    assert dict(zip(columns["measure"], columns["limit"], strict=True))[X.words] == MOST_X
+    assert dict(zip(columns["criterion"], columns["limit"], strict=True))[X.words] == MOST_X
     assert [limit for limit in columns["limit"] if limit is not None] == [MOST_X]
 
 
@@ -207,7 +208,7 @@ def test_counterweights_as_columns() -> None:
 
 def test_a_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     with pytest.raises(pp.PinpressError, match=r"cannot write .*nowhere"):
-        write_csv(tmp_path / "nowhere" / "balance.csv", {"measure": []})
+        write_csv(tmp_path / "nowhere" / "balance.csv", {"criterion": []})
 
 
 def test_the_least_mass_is_an_objective_too() -> None:
@@ -233,7 +234,7 @@ def test_loads_count_in_the_effects() -> None:
         press, case.motion, regions=[pp.balancing.CounterweightRegion("crank", radius=0.3, mass=(0, 100))], minimise=X, loads=[down, up]
     )
     loaded = pp.inverse_dynamics(balance.press, balance.reactions_after[0].motion, loads=[down, up])
-    (torque,) = (effect for effect in balance.side_effects if effect.measure == pp.balancing.Range("driving_torque"))
+    (torque,) = (effect for effect in balance.side_effects if effect.criterion == pp.balancing.Range("driving_torque"))
     assert torque.after == pytest.approx(np.ptp(loaded.driving_torque), rel=1e-12)
     assert "90 states, 2 loads\n" in str(balance)
 
@@ -247,8 +248,8 @@ def test_several_drivers_and_uneven_motion(tmp_path: Path) -> None:
     balance = pp.balancing.balance(
         arms, motion, regions=[pp.balancing.CounterweightRegion("two", at=(-0.3, 0, 0), mass=(0, 0.5))], minimise=Z
     )
-    (torque,) = (effect for effect in balance.side_effects if effect.measure.quantity == "driving_torque")
+    (torque,) = (effect for effect in balance.side_effects if effect.criterion.quantity == "driving_torque")
     before = pp.inverse_dynamics(arms, motion).driving_torque
-    assert torque.measure == pp.balancing.Peak("driving_torque")
+    assert torque.criterion == pp.balancing.Peak("driving_torque")
     assert torque.before == pytest.approx(np.linalg.norm(before, axis=1).max(), rel=1e-12)
     assert str(balance).startswith("arms, balanced: a motion of 20 states\n")

@@ -16,7 +16,7 @@ TORQUE, MASS = pp.balancing.Range("driving_torque"), pp.balancing.AddedMass()
 SPEED = 70 * pp.RPM
 RADII = {"crank": 0.3, "rocker": 0.6, "rod": 0.3}  # for the six-bar
 DISCS = tuple(pp.balancing.CounterweightRegion(link, radius=radius) for link, radius in RADII.items())
-ROUNDING = 1e-9  # of a measure before balancing; what is proved, to 1e-8, is said where it is compared
+ROUNDING = 1e-9  # of a criterion before balancing; what is proved, to 1e-8, is said where it is compared
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +138,7 @@ def test_the_optimum_is_between_two_linear_programs(six_bar, turn, radii, weight
 
     filled = [(w.link, w.mass, complex(w.position[0], w.position[2])) for w in b.counterweights]
     found = by_hand.ranges(by_hand.shaking_force(filled))
-    after = {change.measure: change.after for change in b.changes}
+    after = {change.criterion: change.after for change in b.changes}
     assert weights @ found == pytest.approx(b.value, abs=ROUNDING * (weights @ BEFORE))
     assert all(after[m] == pytest.approx(f, abs=ROUNDING * size) for m, f, size in zip((X, Z), found, BEFORE, strict=True) if m in after)
     assert all(abs(place) <= radii[link] * (1 + 1e-6) for link, _, place in filled)
@@ -160,7 +160,7 @@ def test_the_best_is_better_than_the_papers(six_bar, turn):
     )
     assert few.changes[0].change < -0.865
     all_of_it = pp.balancing.balance(six_bar, turn, regions=DISCS, minimise=Z, limits={MASS: 661.032, X: 0.0})
-    vertical, horizontal = (next(o for o in all_of_it.changes if o.measure == measure) for measure in (Z, X))
+    vertical, horizontal = (next(o for o in all_of_it.changes if o.criterion == criterion) for criterion in (Z, X))
     assert vertical.change < -0.05
     assert horizontal.after < 1e-9 * BEFORE[0]
     newtons = pp.balancing.balance(six_bar, turn, regions=DISCS, minimise={X: BEFORE[0], Z: BEFORE[1]}, limits={MASS: 661.032})
@@ -180,7 +180,7 @@ def test_a_limit_and_an_objective_are_two_sides_of_one_front(six_bar, turn):
 def test_the_worst_of_several_cases_counts(six_bar):
     cases = [pp.balancing.OperatingCondition(pp.cycle(six_bar, speed * pp.RPM)) for speed in (50, 60, 70)]
     several = pp.balancing.balance(six_bar, cases, regions=DISCS, minimise=TORQUE, limits={MASS: 661.032})
-    relative = [change.after / change.before for change in several.changes if change.measure == TORQUE]
+    relative = [change.after / change.before for change in several.changes if change.criterion == TORQUE]
     assert len(relative) == 3
     assert several.value == pytest.approx(max(relative), rel=1e-9)
     for case in cases:
@@ -201,10 +201,10 @@ def test_outcomes_are_inverse_dynamics_of_the_presses(six_bar, turn):
     b = pp.balancing.balance(six_bar, turn, regions=DISCS, minimise=objective, limits={MASS: 300.0}, loads=loads)
     again = pp.inverse_dynamics(pp.balancing.with_counterweights(six_bar, b.counterweights), turn, loads)
     before = pp.inverse_dynamics(six_bar, turn, loads)
-    for change in (o for o in b.changes if o.measure in objective):
-        assert change.before == pytest.approx(change.measure.value(before), rel=ROUNDING)
-        assert change.after == pytest.approx(change.measure.value(again), rel=ROUNDING)
-    assert b.value == pytest.approx(sum(o.after / o.before for o in b.changes if o.measure in objective), rel=ROUNDING)
+    for change in (o for o in b.changes if o.criterion in objective):
+        assert change.before == pytest.approx(change.criterion.value(before), rel=ROUNDING)
+        assert change.after == pytest.approx(change.criterion.value(again), rel=ROUNDING)
+    assert b.value == pytest.approx(sum(o.after / o.before for o in b.changes if o.criterion in objective), rel=ROUNDING)
 
 
 def test_a_shaking_moment_about_a_point_does_not_feel_a_force_there(six_bar, turn):
@@ -280,7 +280,7 @@ def test_what_cannot_be_is_refused_by_name(six_bar, turn, regions, minimise, lim
         (lambda: pp.balancing.Rms("shaking_force", about=(0, 0, 1)), ["about", "shaking moment"]),
     ],
 )
-def test_rooms_and_measures_without_sense_are_refused(make, said):
+def test_regions_and_criteria_without_sense_are_refused(make, said):
     with pytest.raises(pp.PinpressError) as refusal:
         make()
     assert [word for word in said if word not in str(refusal.value)] == []
@@ -342,11 +342,11 @@ def scaled(folder, length, mass, speed=9.0):
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is like that
 def test_relative_results_do_not_depend_on_size_and_mass(tmp_path):
     """From micrometres to kilometres, milligrams to 1e4 tonnes; 1e-6 of before, as every optimum is proved to 1e-7 and rounding apart."""
-    measures, found = (X, TORQUE, pp.balancing.Peak("bearing_force", bearing="B"), pp.balancing.Rms("shaking_moment", "y")), []
+    criteria, found = (X, TORQUE, pp.balancing.Peak("bearing_force", bearing="B"), pp.balancing.Rms("shaking_moment", "y")), []
     for length, mass in ((1.0, 1.0), (1e-6, 1e-6), (1e3, 1e7)):
         press, motion, regions = scaled(tmp_path, length, mass)
         designs = [
-            pp.balancing.balance(press, motion, regions=regions, minimise=measure, limits={MASS: 4.0 * mass}) for measure in measures
+            pp.balancing.balance(press, motion, regions=regions, minimise=criterion, limits={MASS: 4.0 * mass}) for criterion in criteria
         ]
         found.append([[b.changes[0].change, b.bound / b.changes[0].before - 1, 1e-3 * b.added_mass / mass] for b in designs])
     np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=0, atol=1e-6)
@@ -356,18 +356,18 @@ def test_relative_results_do_not_depend_on_size_and_mass(tmp_path):
 @pytest.mark.one_in(3)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that it turns too fast
 @pytest.mark.parametrize(
-    "measure", [X, TORQUE, pp.balancing.Rms("shaking_force"), pp.balancing.Peak("bearing_force", bearing="D")], ids=lambda m: m.words
+    "criterion", [X, TORQUE, pp.balancing.Rms("shaking_force"), pp.balancing.Peak("bearing_force", bearing="D")], ids=lambda m: m.words
 )
 @pytest.mark.parametrize("change", ["two states", "many states", "1e6 r/min", "0.7 r/min", "1e-9 kg", "1e9 kg", "1e-9 m", "10 m"])
-def test_extreme_problems_are_solved_and_proved(six_bar, measure, change):
+def test_extreme_problems_are_solved_and_proved(six_bar, criterion, change):
     speed = {"1e6 r/min": 1e6, "0.7 r/min": 0.7}.get(change, 70.0) * pp.RPM
-    motion = pp.cycle(six_bar, speed, points={"two states": 2, "many states": 36_000 if measure == X else 3600}.get(change, 90))
+    motion = pp.cycle(six_bar, speed, points={"two states": 2, "many states": 36_000 if criterion == X else 3600}.get(change, 90))
     most, radius = {"1e-9 kg": 1e-9, "1e9 kg": 1e9}.get(change, 500.0), {"1e-9 m": 1e-9, "10 m": 10.0}.get(change, 0.3)
     regions = [pp.balancing.CounterweightRegion(link, radius=radius, mass=(0.0, most)) for link in RADII]
     b = pp.balancing.balance(
-        six_bar, motion, regions=regions, minimise=measure, limits={} if change == "1e9 kg" and measure == X else {MASS: 661.0}
+        six_bar, motion, regions=regions, minimise=criterion, limits={} if change == "1e9 kg" and criterion == X else {MASS: 661.0}
     )
-    before = measure.value(b.reactions_before[0])
+    before = criterion.value(b.reactions_before[0])
     assert b.value <= (1 + ROUNDING) * before
     assert -1e-8 * before <= b.value - b.bound <= 1e-7 * before
 

@@ -24,18 +24,18 @@ def turn(six_bar):
     return pp.cycle(six_bar, 7.0, points=60)
 
 
-def balanced(six_bar, turn, region, measure=TORQUE, most=200.0):
-    return pp.balancing.balance(six_bar, turn, regions=[region], minimise=measure, limits={MASS: most})
+def balanced(six_bar, turn, region, criterion=TORQUE, most=200.0):
+    return pp.balancing.balance(six_bar, turn, regions=[region], minimise=criterion, limits={MASS: most})
 
 
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("link", ["crank", "coupler", "rocker", "rod"])
 @pytest.mark.parametrize("gyration", [0.0, 0.15])
-@pytest.mark.parametrize("measure", [TORQUE, HEAVY], ids=lambda m: m.words)
-def test_what_fills_a_disc_is_a_body_within_it(six_bar, turn, link, gyration, measure):
+@pytest.mark.parametrize("criterion", [TORQUE, HEAVY], ids=lambda m: m.words)
+def test_what_fills_a_disc_is_a_body_within_it(six_bar, turn, link, gyration, criterion):
     """Its moment of inertia about the disc's centre is that of material within the radius, and of the gyration that is asked for."""
     region = pp.balancing.CounterweightRegion(link, radius=0.4, centre=(0.1, 0.3, -0.2), gyration=gyration)
-    for weight in balanced(six_bar, turn, region, measure).counterweights:
+    for weight in balanced(six_bar, turn, region, criterion).counterweights:
         arm = np.subtract(weight.position, region.centre)
         assert weight.position[1] == pytest.approx(0.3, abs=1e-12)  # in the plane of the centre
         assert np.linalg.norm(arm) <= 0.4 * (1 + IN)
@@ -43,12 +43,12 @@ def test_what_fills_a_disc_is_a_body_within_it(six_bar, turn, link, gyration, me
         assert -IN <= own <= 0.4**2 - arm @ arm + IN
 
 
-@pytest.mark.parametrize("measure", [TORQUE, HEAVY, pp.balancing.Range("shaking_force", "x")], ids=lambda m: m.words)
-def test_what_fills_a_polygon_is_in_its_hull(six_bar, turn, measure):
+@pytest.mark.parametrize("criterion", [TORQUE, HEAVY, pp.balancing.Range("shaking_force", "x")], ids=lambda m: m.words)
+def test_what_fills_a_polygon_is_in_its_hull(six_bar, turn, criterion):
     corners = ((-0.3, 0.0, 0.1), (-0.1, 0.0, 0.4), (0.3, 0.0, 0.1), (0.0, 0.0, 0.2), (0.05, 0.0, -0.35))  # not in order, one inside
     edges = ((0, 1), (1, 2), (2, 4), (4, 0))
     for link in ("crank", "rocker"):
-        for weight in balanced(six_bar, turn, pp.balancing.CounterweightRegion(link, corners=corners), measure).counterweights:
+        for weight in balanced(six_bar, turn, pp.balancing.CounterweightRegion(link, corners=corners), criterion).counterweights:
             x, y, z = weight.position
             assert abs(y) <= 1e-12
             for i, j in edges:  # clockwise: the inside is on the right
@@ -59,10 +59,10 @@ def test_what_fills_a_polygon_is_in_its_hull(six_bar, turn, measure):
 
 def test_a_disc_is_between_polygons_inside_and_around_it(six_bar, turn):
     """Torque and moment count the spread of the material too."""
-    for measure in (TORQUE, HEAVY, pp.balancing.Peak("bearing_force", bearing="A")):
+    for criterion in (TORQUE, HEAVY, pp.balancing.Peak("bearing_force", bearing="A")):
         corners = [np.array([np.cos(a), 0.0, np.sin(a)]) for a in np.arange(32) * 2 * np.pi / 32]
         disc, inner, outer = (
-            balanced(six_bar, turn, region, measure)
+            balanced(six_bar, turn, region, criterion)
             for region in (
                 pp.balancing.CounterweightRegion("rod", radius=0.3),
                 pp.balancing.CounterweightRegion("rod", corners=tuple(tuple(0.3 * c) for c in corners)),
@@ -84,10 +84,10 @@ def test_more_room_is_never_worse(six_bar, turn):
         {"radius": 0.25, "centre": (-0.03, 0.0, 0.04)},
         {"radius": 0.25, "centre": (-0.03, 0.0, 0.04), "mass": (0.0, 300.0)},
     ]
-    for measure in (TORQUE, pp.balancing.Range("shaking_force", "x")):
+    for criterion in (TORQUE, pp.balancing.Range("shaking_force", "x")):
         found = [
             pp.balancing.balance(
-                six_bar, turn, regions=[pp.balancing.CounterweightRegion("rod", **({"mass": (0.0, 80.0)} | region))], minimise=measure
+                six_bar, turn, regions=[pp.balancing.CounterweightRegion("rod", **({"mass": (0.0, 80.0)} | region))], minimise=criterion
             )
             for region in regions
         ]

@@ -1,4 +1,4 @@
-"""Curves between two measures: their ends, their shape, and their picture."""
+"""Curves between two criteria: their ends, their shape, and their picture."""
 
 import numpy as np
 import pytest
@@ -26,15 +26,15 @@ def weight():
     return pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=MASS, points=5)
 
 
-def test_ends_are_the_best_of_either_measure(forces):
-    before = np.array([measure.value(pp.inverse_dynamics(PRESS, MOTION, bearings=())) for measure in (X, Z)])
-    for end, measure, k in ((0, X, 0), (-1, Z, 1)):
-        best = pp.balancing.balance(PRESS, MOTION, regions=REGIONS, minimise=measure, limits={MASS: 661.0})
+def test_ends_are_the_best_of_either_criterion(forces):
+    before = np.array([criterion.value(pp.inverse_dynamics(PRESS, MOTION, bearings=())) for criterion in (X, Z)])
+    for end, criterion, k in ((0, X, 0), (-1, Z, 1)):
+        best = pp.balancing.balance(PRESS, MOTION, regions=REGIONS, minimise=criterion, limits={MASS: 661.0})
         assert forces.values[end, k] == pytest.approx(best.value, abs=3e-7 * before[k])  # 1e-7 is given for the other, 1e-6 a moving mass
 
 
 def test_no_design_is_better_in_both_and_the_curve_is_convex(forces, weight):
-    """The measures are convex, so that between two designs a mixture of both is at least as good."""
+    """The criteria are convex, so that between two designs a mixture of both is at least as good."""
     for curve in (forces, weight):
         first, second = curve.values.T
         assert np.all(np.diff(first) > 0)
@@ -60,11 +60,11 @@ def test_limits_hold_along_the_curve():
     limit = 1.0 * torque.value(pp.inverse_dynamics(PRESS, MOTION, bearings=()))
     curve = pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS[:2], first=Z, second=MASS, limits={torque: limit, MASS: 300.0}, points=3)
     for design in curve.designs:
-        change = next(change for change in design.changes if change.measure == torque)
+        change = next(change for change in design.changes if change.criterion == torque)
         assert change.after <= limit * (1 + 1e-9)
 
 
-def test_curves_of_the_same_measures_share_a_panel(forces, weight):
+def test_curves_of_the_same_criteria_share_a_panel(forces, weight):
     figure = pp.plots.trade_offs({"661 kg": forces, "again": forces, "light": weight})
     shared, alone = figure.axes
     assert len(shared.lines) == 3  # and the press before balancing
@@ -77,11 +77,11 @@ def test_curves_of_the_same_measures_share_a_panel(forces, weight):
 
 
 def test_what_is_no_curve_is_refused():
-    with pytest.raises(pp.PinpressError, match="both measures are the range of the shaking force, x: give two"):
+    with pytest.raises(pp.PinpressError, match="both criteria are the range of the shaking force, x: give two"):
         pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=X)
     with pytest.raises(pp.PinpressError, match="whole number from 2"):
         pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second=Z, points=1)
-    with pytest.raises(pp.PinpressError, match="no measure"):
+    with pytest.raises(pp.PinpressError, match="no criterion"):
         pp.balancing.trade_off(PRESS, MOTION, regions=REGIONS, first=X, second="z")
     with pytest.raises(pp.PinpressError, match="no curve"):
         pp.plots.trade_offs({})

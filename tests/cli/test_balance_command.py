@@ -83,7 +83,7 @@ def test_the_balanced_press_does_what_is_printed(capsys: pytest.CaptureFixture[s
     press = pp.load(tmp_path / "balanced.urdf")
     result = pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, points=120))
     table = read(tmp_path / "balance.csv")
-    after = dict(zip(table["measure"], map(float, table["after"]), strict=True))
+    after = dict(zip(table["criterion"], map(float, table["after"]), strict=True))
     expected = {
         "range of the shaking force, z": np.ptp(result.shaking_force[:, 2]),
         "range of the shaking force, x": np.ptp(result.shaking_force[:, 0]),
@@ -217,7 +217,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--region", "crank:radius=1,least=-5"], ["only a hole at a point"]),
         (["--region", "cranck:radius=1"], ["no link 'cranck', did you mean 'crank'?"]),
         (["--region", "frame:at=0/0/0"], ["'frame' does not move"]),
-        (["--minimise", "shaking"], ["--minimise shaking: no measure 'shaking'", "there are: range, rms, peak, added_mass", "[=WEIGHT]"]),
+        (["--minimise", "shaking"], ["--minimise shaking: no criterion 'shaking'", "there are: range, rms, peak, added_mass", "[=WEIGHT]"]),
         (["--minimise", "rnage:shaking_force:z"], ["did you mean 'range'?", "--minimise range:shaking_force:z"]),
         (["--minimise", "range:shaking:z"], ["no quantity 'shaking', did you mean 'shaking_", "driving_torque"]),
         (["--minimise", "range:shaking_force:up"], ["no axis 'up'; there are: x, y, z"]),
@@ -231,7 +231,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--limit", "added_mass"], ["--limit added_mass: it has no number", "with =MOST", "--limit peak:bearing_force:A=1e5"]),
         (["--limit", "added_mass="], ["'' is no number"]),
         (["--limit", "added_mass=nan"], ["the limit of the added mass is nan"]),
-        (["--limit", "mass=5"], ["no measure 'mass'; there are: range, rms, peak, added_mass"]),
+        (["--limit", "mass=5"], ["no criterion 'mass'; there are: range, rms, peak, added_mass"]),
         (
             ["--limit", "range:shaking_force:z=1"],
             ["no counterweights in these regions fulfil the limit of the range of the shaking force, z, 1 N"],

@@ -32,7 +32,7 @@ MADE = {
     "SlideCompliance",
     "ExtremeValues",
 }
-MADE |= {"FailedPoint", "HarmonicAnalysis", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingMap", "MeasureChange"}
+MADE |= {"FailedPoint", "HarmonicAnalysis", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingMap", "CriterionChange"}
 MADE |= {"PressRatings", "Reactions", "Run", "DeflectedSlide", "SnapThroughResponse", "PermissibleSpeed", "SweepTable", "SynthesisResult"}
 MADE |= {
     "Correction",

@@ -266,7 +266,7 @@ DESCRIPTIONS = {
     "Frame",
     "Link",
     "Linkage",
-    "Measure",
+    "Criterion",
     "Mount",
     "OperatingCondition",
     "Parameter",
