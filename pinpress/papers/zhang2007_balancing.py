@@ -10,7 +10,7 @@ import numpy as np
 
 from ..balancing.counterweights import Counterweight, with_counterweights
 from ..balancing.optimum import balance
-from ..balancing.problem import Measure, Range, Rms
+from ..balancing.problem import Criterion, Range, Rms
 from ..balancing.regions import CounterweightRegion
 from ..common.quantities import RPM, Array
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
@@ -114,7 +114,7 @@ def with_masses(press: Linkage, rod: float, counterweight: float) -> Linkage:
 def _objective(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
     place = plain.model.jointPlacements[plain.model.getJointId("O")].translation
     shaft = (float(place[0]), float(place[1]), float(place[2]))
-    measures: dict[str, Measure] = {
+    criteria: dict[str, Criterion] = {
         "rms of the vertical force": Rms("shaking_force", "z"),
         "fluctuation of the vertical force": Range("shaking_force", "z"),
         "rms of the tilting moment": Rms("shaking_moment", "y", about=shaft),
@@ -124,8 +124,8 @@ def _objective(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
     rows = []
     for press, words in ((opposed, "opposed"), (symmetric, "symmetric")):
         after = turning(press)
-        ratios = [clean(measure.value(after) / measure.value(before), 1.0) for measure in measures.values()]
-        rows += [Row(f"{what}, {words} by plain", "", ratio, places=4) for what, ratio in zip(measures, ratios, strict=True)]
+        ratios = [clean(criterion.value(after) / criterion.value(before), 1.0) for criterion in criteria.values()]
+        rows += [Row(f"{what}, {words} by plain", "", ratio, places=4) for what, ratio in zip(criteria, ratios, strict=True)]
         rows.append(Row(f"objective, {words}", "", sum(ratios) / 4, places=4))
     reason = (
         "Weights, scales and values are not printed; ours with a quarter for each. The opposed counterweight takes the force away, and"
