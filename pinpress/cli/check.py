@@ -3,6 +3,7 @@
 import argparse
 
 from ..kinematics.check import check
+from .options import add_open_option
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -19,6 +20,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("file", metavar="FILE", help="URDF file, or the name of a shipped press")
     option("--driver", metavar="JOINT", action="append", help="driven joint; may be given several times")
     option("--slide", metavar="LINK", help="slide, where it is not the link called slide")
+    add_open_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -31,6 +33,6 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: There is no such file, driver or slide.
     """
-    result = check(options.file, driver=options.driver, slide=options.slide)
+    result = check(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open)
     print(result)
     return 1 if result.errors else 0

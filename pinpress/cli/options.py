@@ -20,21 +20,27 @@ FILE = f"pin table (.yaml), URDF, SDF or MJCF file, or the name of a shipped pre
 
 
 def add_press_options(parser: argparse.ArgumentParser) -> None:
-    """Options of `load_press`: the file, the driver and the slide."""
+    """Options of `load_press`: the file, the driver, the slide, and whether loops may be drawn far open."""
     parser.add_argument("file", metavar="FILE", help=FILE)
     parser.add_argument("--driver", metavar="JOINT", help="driven joint, where the URDF has no <transmission> or another is meant")
     parser.add_argument("--slide", metavar="LINK", help="slide, where it is not the link called slide")
+    add_open_option(parser)
+
+
+def add_open_option(parser: argparse.ArgumentParser) -> None:
+    """Option --allow-open, for loops that are drawn far open."""
+    parser.add_argument("--allow-open", action="store_true", help="close loops that are drawn open by more than a tenth of the linkage")
 
 
 def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
     """The press that the options name, built from a pin table or loaded from a URDF; ``more`` goes to `load`."""
     if options.file.lower().endswith((".yaml", ".yml")):
-        if options.driver is not None or options.slide is not None:
-            raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver and --slide")
+        if options.driver is not None or options.slide is not None or options.allow_open:
+            raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver, --slide and --allow-open")
         from ..pin_table.building import build  # with a parser that a URDF does without
 
         return build(options.file, **more)
-    return load(options.file, driver=options.driver, slide=options.slide, **more)
+    return load(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open, **more)
 
 
 def add_out_option(parser: argparse.ArgumentParser, files: str) -> None:

@@ -8,14 +8,14 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 
 INTERRUPTED = 130  # as shells have it: 128 and the signal's number
 
 
 def ended(program: str, run: Callable[[], int]) -> int:
-    """Run a command to its end, its output written out.
+    """Run a command to its end, its output written out. Warnings of ours are lines on stderr.
 
     Returns its exit code; 2 where the input is at fault, or the output cannot be written; 0 where nobody reads it any more, as with
     ``| head``; 130 after Ctrl-C.
@@ -26,7 +26,8 @@ def ended(program: str, run: Callable[[], int]) -> int:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         try:
-            return run()
+            with _plain_warnings():
+                return run()
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()
@@ -42,6 +43,28 @@ def ended(program: str, run: Callable[[], int]) -> int:
             raise
         _silence()
         return _refused(program, f"cannot write the output: {error.strerror or error}", 2)
+
+
+@contextmanager
+def _plain_warnings() -> Iterator[None]:
+    """Warnings of ours are printed as one plain line; a file and line of Python, which others have, would say nothing to those who wrote a
+    command."""
+    import warnings  # only once Ctrl-C is seen to
+
+    from .errors import PinpressWarning  # as above
+
+    usual = warnings.formatwarning
+
+    def formatted(message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None) -> str:
+        if issubclass(category, PinpressWarning):
+            return f"warning: {' '.join(str(message).split())}\n"
+        return usual(message, category, filename, lineno, line)
+
+    warnings.formatwarning = formatted
+    try:
+        yield
+    finally:
+        warnings.formatwarning = usual
 
 
 def _refused(program: str, words: str, code: int) -> int:

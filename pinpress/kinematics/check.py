@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..common import tables
+from ..common.arguments import typed
 from ..common.errors import UrdfError
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
@@ -122,11 +123,17 @@ class CheckResult(Tabular):
         return "\n".join(lines)
 
 
-def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = None, slide: str | None = None) -> CheckResult:
+@typed
+def check(
+    path: str | os.PathLike[str], driver: str | Sequence[str] | None = None, slide: str | None = None, *, allow_open: bool = False
+) -> CheckResult:
     """Find all errors of a URDF, of which `load` raises the first, and whatever else is odd in it or worth knowing.
 
     Args:
-        path, driver, slide: as of `load`.
+        path: as of `load`.
+        driver: as of `load`.
+        slide: as of `load`.
+        allow_open: as of `load`.
 
     Raises:
         UrdfError: there is no such file.
@@ -139,7 +146,7 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
         document = document_of(file)
         findings += [*reader.errors(document), *document.remarks, *element_checks.remarks(document.robot)]
         if all(finding.error is None for finding in findings):
-            found, facts = _put_together(document, driver, slide)
+            found, facts = _put_together(document, driver, slide, allow_open)
             findings += found
     except UrdfError as error:
         if not os.path.exists(file):
@@ -148,12 +155,15 @@ def check(path: str | os.PathLike[str], driver: str | Sequence[str] | None = Non
     return CheckResult(file, Records(Finding, sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))), facts)
 
 
-def _put_together(document: Document, driver: str | Sequence[str] | None, slide: str | None) -> tuple[list[Finding], Facts]:
+def _put_together(
+    document: Document, driver: str | Sequence[str] | None, slide: str | None, allow_open: bool
+) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
     description = reader.describe(document)
     press = assembled(document, driver, slide)
     errors = list(assembly_checks.errors(press))
-    findings = errors or list(assembly_checks.remarks(press, document.robot))
+    remarks = assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, document.robot, allow_open)
+    findings = [*errors, *remarks]
     rank = rank_of(press.equations(press.as_drawn).columns) if errors else press.rank
     between = [(loop.link1.link, loop.link2.link) for loop in description.loops]
     between += [(press.joints[pair.follower], press.joints[pair.leader]) for pair in press.couplings]

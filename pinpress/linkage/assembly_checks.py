@@ -13,13 +13,13 @@ from ..common.errors import AssemblyError, PinpressError, SingularityError, Urdf
 from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.engine import ACCEPTED
-from ..engines.joints import configuration, data_of, drawn_placements
+from ..engines.joints import LoopJoint, configuration, data_of, drawn_placements
 from ..engines.planar.model import PARALLEL
 from ..engines.spatial.kinematics import PassiveJacobian, rank, singular_values
 from ..engines.spatial.model import Rows
 from . import mobility
 from .linkage import Linkage
-from .urdf import element_checks
+from .urdf import element_checks, units
 from .urdf.document import Element, Finding
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
@@ -29,11 +29,10 @@ BESIDE = 1e-3  # how far from the drawn pose the rank is looked at again [rad, l
 MASSLESS = 1e-13  # share of the inertia that the heaviest link might have, below which nothing resists a motion
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
-FAR_OPEN, CLOSED_FAR = (
-    0.02,
-    0.05,
-)  # a loop drawn as far open [lengths of the linkage], or moved as far to close it [rad or m], is hardly meant
-LARGEST = 50.0  # length of a linkage above which it is hardly meant [m]
+FAR_OPEN = 0.01  # a loop drawn further open than this is hardly meant [lengths of the linkage, rad], nor is
+CLOSED_FAR = 0.05  # one that a joint has to move as far to close [rad or m]
+TOO_FAR_OPEN = 0.1  # a loop drawn further open than this is closed only where it is asked for [lengths of the linkage, rad]
+LONGEST_STROKE = 5.0  # that a slide has [m]
 DOWNWARDS, BELOW = 0.9, 0.25  # cosine of an axis that points down; distance of a slide below its crank [lengths of the linkage]
 OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
 HARDLY = 1.0  # a driver that turns by less hardly moves the linkage [deg]
@@ -66,6 +65,15 @@ def closes(press: Linkage) -> bool:
     tolerance = ACCEPTED * press.engine().tolerance
     near = CLOSE_TO_DRAWN * max(1.0, press.size)
     return bool(press.drawn.gap[0] <= tolerance) and bool(np.abs(press.closed - press.as_drawn).max() <= near)
+
+
+def too_far_open(press: Linkage) -> Iterator[Finding]:
+    """Errors of loops that are drawn so far open that closing them makes a linkage that is hardly the one that was meant, though they
+    close."""
+    for each in _loops(_open_beyond(press, TOO_FAR_OPEN)):
+        problem = f"it is {opening_in_words(press, each, press.drawn_gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
+        remedy = f"correct its points or the lengths; allow_open=True (--allow-open) closes it even so, and moves {_moved_to_close(press)}"
+        yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, remedy))
 
 
 def opening_in_words(press: Linkage, each: mobility.Constraint, gaps: Array) -> str:
@@ -150,7 +158,8 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     # Where loops overconstrain each other, all of them may be left open; those that are drawn closed are not at fault.
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial_model.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
-    remedy = rounded(press) or "draw it closed, or change the link lengths"
+    in_degrees = next((f"{found.problem}; {found.remedy}" for found in units.angles(press.document.robot)), None)
+    remedy = in_degrees or rounded(press) or "draw it closed, or change the link lengths"
     if press.engine().redundant(press.as_drawn):
         remedy += "; loops hold each other here, so that lengths and angles must fit to all digits"
     for k in sorted(still_open, key=lambda k: -gaps[k]):
@@ -221,11 +230,16 @@ def _joints(names: list[str]) -> str:
     return f"joint {names[0]!r}" if len(names) == 1 else f"joints {', '.join(map(repr, names))}"
 
 
-def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """All warnings and notes; ``robot``: root element of the linkage's URDF."""
-    yield from _drawn_open(press, mobility.constraints(press), OPEN)
-    yield from _units(press, robot)
+def remarks(press: Linkage, robot: "Element", allow_open: bool) -> Iterator[Finding]:
+    """All warnings and notes about a linkage that closes, and errors of loops drawn too far open where these are not allowed; ``robot``:
+    root element of the linkage's URDF."""
+    refused = [] if allow_open else list(too_far_open(press))
+    yield from refused
+    said = {error.element for error in refused}
+    yield from (found for found in _drawn_open(press, _open_beyond(press, OPEN)) if found.element not in said)
+    yield from units_remarks(press)
     yield from _slide_axis(press, robot)
+    yield from _stroke(press, robot)
     poses = press.closed[:, None]
     if len(press.drivers) == 1:
         line = next(joint.line for joint in robot.all("joint") if joint.get("name") == press.driver)
@@ -253,20 +267,35 @@ def remarks(press: Linkage, robot: "Element") -> Iterator[Finding]:
     yield from _engine(press)
 
 
-def severe(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """The warnings that `load` issues: those found quickly, about files that hardly describe the linkage that was meant."""
+def severe(press: Linkage, robot: "Element", centres: bool = True) -> Iterator[Finding]:
+    """The warnings that `load` issues: those found quickly, about files that hardly describe the linkage that was meant. ``centres``:
+    whether centres of mass are looked at."""
     far = np.abs(press.closed - press.as_drawn).max() > CLOSED_FAR
-    yield from _drawn_open(press, mobility.constraints(press)[: len(press.loops)], OPEN if far else FAR_OPEN)
-    yield from _units(press, robot)
+    yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else FAR_OPEN)))
+    yield from units_remarks(press, centres)
     yield from _slide_axis(press, robot)
 
 
-def _units(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """Warnings of lengths, masses or inertias that are hardly in SI units."""
-    if press.size > LARGEST:
-        problem = f"the linkage is {press.size:.4g} m long"
-        yield Finding("warning", str(robot), robot.line, problem, "write lengths in metres, 0.001 for a millimetre")
-    yield from element_checks.inertias(robot, press.size)
+def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:
+    """Warnings of lengths, angles, masses or inertias that are hardly in SI units; ``centres``: whether centres of mass are looked at."""
+    yield from units.remarks(press.document.robot, press.size, sum(inertia.mass for inertia in list(press.model.inertias)[1:]), centres)
+
+
+def _stroke(press: Linkage, robot: "Element") -> Iterator[Finding]:
+    """The warning of a slide that goes further than those of presses do."""
+    if press.slide is None or len(press.drivers) > 1:
+        return
+    try:
+        branch = press.branch
+    except PinpressError:
+        return  # this is said of the driver
+    guide, _ = press.slide_guide
+    angles = np.linspace(branch.angles[0], branch.angles[-1], SAMPLES)
+    stroke = float(np.ptp(predict(branch, angles)[guide]))
+    if stroke > LONGEST_STROKE:
+        joint = next(joint for joint in robot.all("joint") if joint.get("name") == press.joints[guide])
+        problem = f"slide {press.slide!r} goes {stroke:.3g} m to and fro"
+        yield Finding("warning", str(joint), joint.line, problem, "write lengths in metres, 0.001 for a millimetre")
 
 
 def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
@@ -284,21 +313,32 @@ def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
         yield Finding("warning", str(joint), joint.line, problem, "turn the <axis> round, so that it points up")
 
 
-def _drawn_open(press: Linkage, among: list[mobility.Constraint], beyond: float) -> Iterator[Finding]:
-    """Warnings of loops and gear pairs that are drawn open ``beyond`` this share of the linkage's length."""
-    gaps, moves = press.drawn_gaps, press.closed - press.as_drawn
+def _drawn_open(press: Linkage, those: list[mobility.Constraint]) -> Iterator[Finding]:
+    """Warnings of loops and gear pairs, that they are drawn open."""
+    for each in those:
+        problem = f"it is {opening_in_words(press, each, press.drawn_gaps)} apart as drawn"
+        remedy = f"draw it closed; to close it, load has moved {_moved_to_close(press)}"
+        yield Finding("warning", mobility.element(press, each), each.by.line, problem, remedy)
+
+
+def _open_beyond(press: Linkage, beyond: float) -> list[mobility.Constraint]:
+    """Loops and gear pairs that are drawn open ``beyond`` this share of the linkage's length."""
+    gaps, most = press.drawn_gaps, beyond * press.size
+    if np.linalg.norm(gaps) <= most:
+        return []  # as most are: without a look at each
+    return [each for each in mobility.constraints(press) if each.gap(gaps) > most]
+
+
+def _loops(those: list[mobility.Constraint]) -> list[mobility.Constraint]:
+    """The loops among loops and gear pairs."""
+    return [each for each in those if isinstance(each.by, LoopJoint)]
+
+
+def _moved_to_close(press: Linkage) -> str:
+    """What closing the drawn pose moves most, and by how much, in words."""
+    moves = press.closed - press.as_drawn
     most = int(np.argmax(np.abs(moves)))
-    moved = f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
-    for each in among:
-        if each.gap(gaps) > beyond * press.size:
-            remedy = f"draw it closed; to close it, load has moved {moved}"
-            yield Finding(
-                "warning",
-                mobility.element(press, each),
-                each.by.line,
-                f"it is {opening_in_words(press, each, gaps)} apart as drawn",
-                remedy,
-            )
+    return f"joint {press.joints[most]!r} by {_value(press, most, moves[most])}"
 
 
 def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Finding]:

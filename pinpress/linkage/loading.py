@@ -32,6 +32,8 @@ def load(
     driver: str | Sequence[str] | None = None,
     slide: str | None = None,
     gravity: Sequence[float] = (0.0, 0.0, -9.81),
+    *,
+    allow_open: bool = False,
 ) -> Linkage:
     """Read a linkage from a URDF with ``<loop_joint>`` elements, close its drawn pose exactly and check that its driver determines it.
 
@@ -45,30 +47,44 @@ def load(
         slide: name of the slide link, which a prismatic joint guides on the frame; default: the link "slide", or the child of the joint
             "slide_guide", or the only link so guided.
         gravity: in world axes [m/s2].
+        allow_open: whether loops may be drawn open by more than a tenth of the linkage's size: they are closed even so, where they can be.
 
     Raises:
-        UrdfError: the file cannot be read, or makes no sense; no driver, or more or fewer drivers than degrees of freedom.
+        UrdfError: the file cannot be read, or makes no sense; no driver, or more or fewer drivers than degrees of freedom; a loop drawn
+            far open.
         AssemblyError: the loops do not close near the drawn pose.
         SingularityError: the driver does not determine the drawn pose.
 
     Warns:
-        PinpressWarning: a linkage that is hardly meant: a loop drawn far open, lengths or inertias that are not in SI units, a slide's axis
-            that points down; what a file of another format says and is not read. `check` says more.
+        PinpressWarning: a linkage that is hardly meant: a loop drawn open by more than a hundredth of the linkage's size; lengths, angles,
+            masses or inertias that are hardly in SI units; a slide's axis that points down; what a file of another format says and is not
+            read. `check` says more.
     """
-    return _loaded(document_of(located(path)), driver, slide, gravity)
+    return _loaded(document_of(located(path)), driver, slide, gravity, allow_open)
 
 
 def load_text(text: bytes, file: str, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Linkage:
-    """`load` of the text of a URDF that is in no file; ``file`` names it in messages."""
-    return _loaded(Document(file, text), None, slide, gravity)
+    """`load` of the text of a URDF that is in no file; ``file`` names it in messages. Its centres of mass are not looked at: who wrote the
+    text knows them."""
+    return _loaded(Document(file, text), None, slide, gravity, centres=False)
 
 
-def _loaded(document: Document, driver: str | Sequence[str] | None, slide: str | None, gravity: Sequence[float]) -> Linkage:
+def _loaded(
+    document: Document,
+    driver: str | Sequence[str] | None,
+    slide: str | None,
+    gravity: Sequence[float],
+    allow_open: bool = False,
+    centres: bool = True,
+) -> Linkage:
     refuse_errors(reader.errors(document), check_command(document.file))
     press = assembled(document, driver, slide, gravity)
-    check_drawn_pose(press, check_command(press.file, () if driver is None else press.drivers, slide))
+    command = check_command(press.file, () if driver is None else press.drivers, slide)
+    check_drawn_pose(press, command)
+    if not allow_open:
+        refuse_errors(assembly_checks.too_far_open(press), command)
     severe = (finding for finding in document.remarks if finding.severity == "warning")
-    for finding in (*severe, *assembly_checks.severe(press, document.robot)):
+    for finding in (*severe, *assembly_checks.severe(press, document.robot, centres)):
         caution(finding.message(press.file))
     return press
 

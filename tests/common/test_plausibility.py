@@ -1,6 +1,8 @@
 """What is legal but hardly meant is warned of, once and where it is called; nothing sensible is."""
 
 import re
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from support import texts
 from support.exploring import examples
 
 import pinpress as pp
+from pinpress.cli.main import main
 
 URDF = Path(__file__).resolve().parents[2] / "urdf"
 CRANK_SLIDE = (URDF / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -34,13 +37,14 @@ def press():
     return pp.load("crank_slide")
 
 
-def scaled(text, length=1.0, mass=1.0, inertia=1.0):
+def scaled(text, length=1.0, mass=1.0, inertia=1.0, centre=1.0):
     """The numbers of a URDF in other units."""
 
     def times(factor):
         return lambda match: match[1] + " ".join(repr(float(x) * factor) for x in match[2].split()) + '"'
 
     text = re.sub(r'(<(?:origin|link[12] link="\w+") xyz=")([^"]*)"', times(length), text)
+    text = re.sub(r'(<inertial>\s*<origin xyz=")([^"]*)"', times(centre), text)
     text = re.sub(r'(<mass value=")([^"]*)"', times(mass), text)
     return re.sub(r'(\bi[xyz]{2}=")([^"]*)"', times(inertia), text)
 
@@ -66,14 +70,51 @@ def test_shipped_presses_are_sensible(name):
         pytest.param({"length": 1e3}, r"the linkage is \d+(\.\d)? m long; write lengths in metres", id="mm"),
         pytest.param({"inertia": 1e6}, "the radius of gyration is .* m, of a linkage of", id="kg mm2"),
         pytest.param({"mass": 1e3, "inertia": 1e9}, "the radius of gyration is .* m, of a linkage of", id="g, g mm2"),
-        pytest.param({"mass": 1e3}, "its density is at least .* kg/m3; write moments of inertia in kg m2, and the mass in kg", id="g"),
+        pytest.param({"inertia": 1e4}, "the radius of gyration is .* m, of a linkage of", id="kg cm2"),
+        pytest.param({"mass": 1e3, "inertia": 1e3}, r"weigh .* write masses in kg|its density is at least", id="g, g m2"),
+        pytest.param({"mass": 1e3}, r"weigh .* write masses in kg|its density is at least .*; write moments of inertia in kg m2", id="g"),
+        pytest.param({"inertia": 1e-3}, r"its density is at least .*; write moments of inertia in kg m2, and the mass in kg", id="t m2"),
+        pytest.param({"centre": 1e3}, "the centre of mass is .* m from the nearest pin .*; write it in metres", id="centres in mm"),
     ],
 )
 def test_other_units_in_a_urdf_are_warned_of(tmp_path, name, units, said):
     text = scaled((URDF / f"{name}.urdf").read_text(encoding="utf-8"), **units)
-    with pytest.warns(pp.PinpressWarning, match=said):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
         press = load(tmp_path, text=text)
+    assert any(re.search(said, str(warning.message)) for warning in caught)
+    assert len({str(warning.message) for warning in caught}) == len(caught)
     assert any(re.search(said, f"{found.problem}; {found.remedy}") for found in pp.check(press.file).warnings)
+
+
+@pytest.mark.parametrize("place", ['<link2 link="slide" xyz="0 0 0"', '<origin xyz="0.030 0 0"', '<origin xyz="0.200 0 0"'])
+def test_angles_in_degrees_are_warned_of(tmp_path, place):
+    """At a loop and at centres of mass, where the linkage moves as before."""
+    text = re.sub(re.escape(place) + r'( rpy="[^"]*")?', f'{place} rpy="0 90 0"', CRANK_SLIDE, count=1)
+    assert text != CRANK_SLIDE
+    said = r"rpy='0 90 0' turns by more than a full turn: it seems to be in degrees; write radians, 1.5707963267948966 for 90 degrees"
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        press = load(tmp_path, text=text, allow_open=True)
+    assert [re.search(said, str(warning.message)) is not None for warning in caught].count(True) == 1
+    assert any(re.search(said, f"{found.problem}; {found.remedy}") for found in pp.check(press.file, allow_open=True).warnings)
+
+
+def test_angles_in_degrees_are_why_a_loop_does_not_close(tmp_path):
+    edit = ('<origin xyz="0.100 0 0"', '<origin xyz="0.100 0 0" rpy="0 5 90"')
+    with pytest.raises(pp.AssemblyError, match=r"loop 'W' does not close.*rpy='0 5 90' turns by more than a full turn.*in degrees"):
+        load(tmp_path, edit)
+    found = pp.check(tmp_path / "press.urdf")
+    assert [each.element for each in found.warnings] == ['<origin> of <joint name="P">']
+
+
+def test_a_long_stroke_is_warned_of_by_check(tmp_path):
+    """In a linkage that is small enough for metres."""
+    text = scaled(CRANK_SLIDE, length=40.0, mass=40.0, inertia=4e4)
+    press = load(tmp_path, text=text)
+    (found,) = (found for found in pp.check(press.file).warnings if "limit" not in found.problem)
+    assert found.problem == "slide 'slide' goes 8 m to and fro"
+    assert found.element == '<joint name="slide_guide">'
 
 
 def test_a_slide_whose_axis_points_down_is_warned_of(tmp_path):
@@ -105,15 +146,57 @@ def test_only_gravity_says_what_is_down(tmp_path, axis, gravity):
         load(tmp_path, (GUIDE_AXIS, GUIDE_AXIS.replace("0 0 1", axis)), (LIMITS, 'lower="-0.21" upper="0.21"'), gravity=gravity)
 
 
-def test_a_loop_that_is_drawn_far_open_is_warned_of(tmp_path):
-    edit = ('<link1 link="rod" xyz="0.400 0 0"', '<link1 link="rod" xyz="0.370 0 0"')
-    with pytest.warns(
-        pp.PinpressWarning, match=r'loop_joint name="W">: it is 30 mm apart as drawn; draw it closed.*moved joint .slide_guide'
-    ):
+@pytest.mark.parametrize("rod", ["0.370", "0.393"])
+def test_a_loop_that_is_drawn_open_is_warned_of(tmp_path, rod):
+    edit = ('<link1 link="rod" xyz="0.400 0 0"', f'<link1 link="rod" xyz="{rod} 0 0"')
+    said = f"it is {1e3 * (0.4 - float(rod)):.3g} mm apart as drawn; draw it closed.*moved joint .slide_guide"
+    with pytest.warns(pp.PinpressWarning, match=f'loop_joint name="W">: {said}'):
         load(tmp_path, edit)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        load(tmp_path, (edit[0], edit[1].replace("0.370", "0.397")))
+        load(tmp_path, (edit[0], edit[1].replace(rod, "0.397")))
+
+
+def test_a_loop_that_is_drawn_far_open_is_closed_only_where_it_is_asked_for(tmp_path, capsys):
+    """As a point in the wrong frame makes it: the linkage closes, and is another one."""
+    edit = ('<link1 link="rod" xyz="0.400 0 0"', '<link1 link="rod" xyz="0.340 0 0"')
+    said = r"it is 60 mm apart as drawn, in a linkage of 0.5 m; correct .* moves joint 'slide_guide' by 0.06 m"
+    with pytest.raises(pp.UrdfError, match=said) as caught:
+        load(tmp_path, edit)
+    assert caught.value.element == '<loop_joint name="W">'
+    assert [str(found.error) for found in pp.check(caught.value.file).errors] == [str(caught.value)]
+    assert main(["analyse", caught.value.file, "--speed", "60"]) == 2
+    assert main(["check", caught.value.file]) == 1
+    with pytest.warns(pp.PinpressWarning, match="it is 60 mm apart as drawn; draw it closed"):
+        press = load(tmp_path, edit, allow_open=True)
+    assert pp.dead_centres(press).stroke == pytest.approx(0.2)
+    assert not pp.check(press.file, allow_open=True).errors
+    with pytest.warns(pp.PinpressWarning, match="it is 60 mm apart as drawn"):
+        assert main(["analyse", press.file, "--speed", "60", "--allow-open"]) == 0
+    assert main(["check", press.file, "--allow-open"]) == 0
+    with pytest.raises(pp.PinpressError, match="allow_open is 1: give True or False"):
+        load(tmp_path, edit, allow_open=1)
+
+
+def test_a_command_says_warnings_in_one_plain_line_each(tmp_path):
+    file = tmp_path / "press.urdf"
+    file.write_text(CRANK_SLIDE.replace('<link1 link="rod" xyz="0.400 0 0"', '<link1 link="rod" xyz="0.390 0 0"'), encoding="utf-8")
+    command = [
+        sys.executable,
+        "-m",
+        "pinpress",
+        "analyse",
+        str(file),
+        "--speed",
+        "60",
+        "--before",
+        str(file),
+        "--report",
+        "--out",
+        str(tmp_path),
+    ]
+    said = subprocess.run(command, check=True, capture_output=True, text=True).stderr
+    assert re.fullmatch(rf"warning: {re.escape(str(file))}:\d+: <loop_joint name=\"W\">: it is 10 mm apart as drawn; [^\n]*\n", said)
 
 
 @examples(10)

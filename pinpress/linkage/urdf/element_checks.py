@@ -445,10 +445,6 @@ def _ends(element: Element, tag1: str = "parent", tag2: str = "child") -> tuple[
     return end1[0].get("link") if end1 else "", end2[0].get("link") if end2 else ""
 
 
-MOST_GYRATION = 10.0  # radius of gyration in lengths of the linkage
-DENSEST = 1e7  # that a link may be [kg/m3], hundreds of times as dense as any metal: a wrong unit makes millions
-
-
 def remarks(robot: Element) -> Iterator[Finding]:
     """Warnings and notes of a URDF; it may have errors too."""
     yield from _names(robot, "link")
@@ -456,42 +452,6 @@ def remarks(robot: Element) -> Iterator[Finding]:
     yield from _drawn_limits(robot)
     yield from _massless(robot)
     yield from _unread(robot)
-
-
-def inertias(robot: Element, size: float) -> Iterator[Finding]:
-    """Warnings of links whose moments of inertia are out of proportion to a linkage of a size [m], or, where they turn, to their mass; of a
-    URDF without errors."""
-    turning = _turning(robot)
-    for link in robot.all("link"):
-        for inertial in link.all("inertial"):
-            (mass,), inertia = inertial.all("mass")[0].numbers("value"), inertial.all("inertia")[0]
-            moments = principal_moments(inertia)
-            radius = math.sqrt(max(moments) / mass) if mass > 0 else 0.0
-            # No body of this mass and these moments fills more than a sphere does: radius^2 = 5/6 of their sum by the mass.
-            filled = 4 / 3 * math.pi * (5 / 6 * sum(moments) / mass) ** 1.5 if mass > 0 else 0.0
-            if link.get("name") in turning and filled and mass / filled > DENSEST:
-                least = f"with {mass:.6g} kg and moments of inertia up to {max(moments):.3g} kg m2 its density is at least"
-                yield _warning(inertia, f"{least} {mass / filled:.0e} kg/m3", "write moments of inertia in kg m2, and the mass in kg")
-            if radius > MOST_GYRATION * size:
-                yield _warning(
-                    inertia,
-                    f"the radius of gyration is {radius:.3g} m, of a linkage of {size:.3g} m",
-                    "write moments of inertia in kg m2, and the mass in kg",
-                )
-
-
-def _turning(robot: Element) -> set[str]:
-    """Names of the links that a joint may turn: the moments of inertia of the others are without effect, and often anything."""
-    joints = {joint.all("child")[0].get("link"): joint for joint in robot.all("joint")}
-
-    def turns(link: str) -> bool:
-        while (joint := joints.get(link)) is not None:
-            if joint.get("type") in ("revolute", "continuous"):
-                return True
-            link = joint.all("parent")[0].get("link")
-        return False
-
-    return {name for name in (link.get("name") for link in robot.all("link")) if turns(name)}
 
 
 def limits(robot: Element) -> dict[str, tuple[float, float, Element]]:
