@@ -2,6 +2,8 @@ from .dynamics.extremes import ExtremeValues as ExtremeValues
 from .dynamics.extremes import extremes as extremes
 from .dynamics.harmonics import HarmonicAnalysis as HarmonicAnalysis
 from .dynamics.harmonics import harmonics as harmonics
+from .kinematics.dyads import Dyad as Dyad
+from .kinematics.dyads import least_transmission_angles as least_transmission_angles
 from .kinematics.measures import bearing_positions as bearing_positions
 from .kinematics.measures import dwell_angle as dwell_angle
 from .kinematics.measures import dwell_time as dwell_time

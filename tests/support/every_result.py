@@ -156,7 +156,7 @@ def made():
     """One of each."""
     found = [
         *(press(), motion(), reactions(), run(), run_over_joints(), runs(), sweep(), *sweep().failed, run().stats),
-        *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *checked()),
+        *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *pp.measures.least_transmission_angles(press()), *checked()),
         *(
             balance(),
             *balance().changes,

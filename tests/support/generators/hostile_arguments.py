@@ -375,6 +375,7 @@ def calls() -> dict[str, Call]:
             },
         ),
         ("dead_centres", pp.dead_centres, lambda: {"press": press()}),
+        ("measures.least_transmission_angles", pp.measures.least_transmission_angles, lambda: {"press": press()}),
         (
             "inverse_dynamics",
             pp.inverse_dynamics,

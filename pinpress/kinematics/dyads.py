@@ -1,0 +1,157 @@
+"""Transmission angles of a planar linkage: how well each of its dyads passes a force on.
+
+A dyad is two links that three bearings join: one bearing joins the links to each other, the other two hold them to links whose motion is
+known already. A press linkage is the driver and a chain of dyads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common.arguments import typed
+from ..common.quantities import Array
+from ..common.results import Record, Records
+from ..engines.planar.model import Block, Plane
+from ..linkage.linkage import Linkage
+from ..linkage.memo import per_linkage
+from .motion import Poses, bearing_points, motion_through_change_points, poses
+
+SAMPLES = 720  # crank angles of a turn at which the least angle is looked for
+CLOSER, ROUNDS = 10, 7  # how many times closer crank angles are looked at in each round, and rounds
+EQUAL = 1e-12  # angles that differ by less differ by rounding [rad]
+IN_LINE = 1e-7  # angles below are those of links that come into line, where the search converges only linearly [rad]
+
+
+@dataclass(frozen=True, repr=False)
+class Dyad(Record, units={"least_transmission_angle": "rad", "crank_angle": "rad"}):
+    """Two links of a planar linkage and the three bearings that join them.
+
+    Attributes:
+        bearing: Name of the bearing that joins the two links to each other.
+        ends: Names of the bearings that join them to the rest.
+        least_transmission_angle: Smallest transmission angle, 0 to pi/2, over all crank angles, see `least_transmission_angles` [rad].
+        crank_angle: Crank angle at which it is reached first [rad].
+    """
+
+    bearing: str
+    ends: tuple[str, str]
+    least_transmission_angle: float
+    crank_angle: float
+
+
+@typed
+@per_linkage(of_geometry=True)
+def least_transmission_angles(press: Linkage) -> Records[Dyad]:
+    """The least transmission angle of every dyad of a planar linkage, over a period or as far as the crank turns.
+
+    It is the angle between the dyad's two links at the pin that joins them, folded to 0 to pi/2: each link's line goes from this pin to
+    the pin at its other end, and where a guide or slot is at its other end, across the guide. Where the two links slide on each other, it
+    is the angle between the line through the pins at their ends and the normal to the slot, or between the slot and the guide at an end.
+    At pi/2 the dyad passes forces on best; at 0 its links are in line and it locks. Designers keep it above 30 to 40 degrees where force
+    is passed on; a knuckle or toggle lies flat by design. Of a four-bar it is the transmission angle of Alt, of a crank-slide that
+    between rod and normal of the guide.
+
+    Loops that only add constraint, gear pairs, and groups of more than two links that cannot be solved dyad by dyad have none.
+
+    Args:
+        press: A planar linkage with one driver.
+
+    Returns:
+        The dyads in the order in which they follow from the driver; angles to 1e-12 rad, to 1e-7 rad where links come into line.
+
+    Raises:
+        PinpressError: The linkage is not planar, or has several drivers.
+        AssemblyError: The loops do not stay closed.
+    """
+    plane = press.plane_or_refuse(f"{press.name} has no transmission angles: they are those of planar linkages with one driver")
+    bearings = [_bearings(press, plane, block) for block in plane.blocks if block.kind == "dyad"]
+    if not bearings:
+        return Records(Dyad, [])
+    branch = press.branch_through_change_points
+    first, last = (0.0, branch.period) if branch.period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
+    steps = max(2, round(SAMPLES * (last - first) / (2 * np.pi)))
+    centres, step = np.tile(np.linspace(first, last, steps + 1), (len(bearings), 1)), (last - first) / steps
+    for _ in range(ROUNDS):
+        found = _angles(press, plane, bearings, centres)
+        least = np.argmax(found <= found.min(axis=1, keepdims=True) + EQUAL, axis=1)[:, None]  # the first of equal ones
+        at = np.take_along_axis(centres, least, axis=1)
+        step /= CLOSER
+        centres = np.clip(at + step * np.arange(-CLOSER, CLOSER + 1), first, last)
+    angles = np.take_along_axis(found, least, axis=1)[:, 0]
+    return Records(
+        Dyad,
+        (
+            Dyad(each.middle, each.ends, float(angle) if angle > IN_LINE else 0.0, float(crank))
+            for each, angle, crank in zip(bearings, angles, at[:, 0], strict=True)
+        ),
+    )
+
+
+class _Bearings(NamedTuple):
+    """The bearings of a dyad by their names."""
+
+    middle: str
+    ends: tuple[str, str]
+
+
+def _bearings(press: Linkage, plane: Plane, block: Block) -> _Bearings:
+    """Which bearing of a dyad is in the middle: of two joints on one side of the loop the outer one, else the loop itself."""
+    one, other = block.joints
+    loop = press.loops[block.loops[0]]
+    for end in (loop.joint1, loop.joint2):
+        carried = list(_down_to_frame(press, end))
+        if one + 1 in carried and other + 1 in carried:
+            inner, outer = (one, other) if carried.index(one + 1) > carried.index(other + 1) else (other, one)
+            return _Bearings(press.joints[outer], (press.joints[inner], loop.name))
+    return _Bearings(loop.name, (press.joints[one], press.joints[other]))
+
+
+def _down_to_frame(press: Linkage, joint: int) -> Iterator[int]:
+    """Pinocchio's joints from one down the tree to the frame."""
+    while joint:
+        yield joint
+        joint = press.model.parents[joint]
+
+
+def _angles(press: Linkage, plane: Plane, dyads: list[_Bearings], crank: Array) -> Array:
+    """Transmission angles (dyads, n) at crank angles (dyads, n)."""
+    motion = motion_through_change_points(press, crank.ravel(), 0.0)
+    placed = poses(press, motion.joint_position)
+    points = dict(zip(press.bearings, bearing_points(press, placed), strict=True))
+    count, found = crank.shape[1], np.empty(crank.shape)
+    for k, each in enumerate(dyads):
+        rows = slice(k * count, (k + 1) * count)
+        where = {name: points[name][rows] for name in (each.middle, *each.ends)}
+        slides = {name: _slide_direction(press, placed, name, rows) for name in (each.middle, *each.ends)}
+        one, another = _lines(each, where, slides, plane.normal)
+        along = np.abs(np.sum(one * another, axis=1))
+        found[k] = np.arctan2(np.abs(np.cross(one, another) @ plane.normal), along)
+    return found
+
+
+def _lines(each: _Bearings, where: dict[str, Array], slides: dict[str, Array | None], normal: Array) -> tuple[Array, Array]:
+    """Two directions (n, 3) in the plane, between which the transmission angle is."""
+
+    def in_plane(direction: Array) -> Array:
+        return direction - np.outer(direction @ normal, normal)
+
+    middle, (first, second) = each.middle, each.ends
+    slot = slides[middle]
+    if slot is not None:
+        guides = [guide for name in each.ends if (guide := slides[name]) is not None]
+        return (slot, guides[0]) if guides else (in_plane(where[first] - where[second]), np.cross(normal, slot))
+    lines = [
+        in_plane(where[name] - where[middle]) if (guide := slides[name]) is None else np.cross(normal, guide) for name in (first, second)
+    ]
+    return lines[0], lines[1]
+
+
+def _slide_direction(press: Linkage, placed: Poses, name: str, rows: slice) -> Array | None:
+    """World directions (n, 3) along which a bearing slides; None for a pin."""
+    if name not in press.joints or press.axes[joint := press.joints.index(name)].turns:
+        return None
+    return np.asarray(placed.rotation[joint + 1, rows] @ press.axes[joint].direction)
