@@ -33,16 +33,18 @@ from .failures import failure
 from .reduced_model import COORDINATES, INERTIA, WEIGHT, lock_reached
 from .trajectory import INTEGRALS, RepetitionSegment, Sample, Segment, State, Trajectory
 
-SMALL = 1e-2  # swings shorter than this are followed over time: their forces are small differences [rad]
-REST = 0.2  # angle before a stop that is run through over its square root [rad]
-NOTHING = 3e-11  # force on a crank at rest, beside the range of the potential energy a radian, that is none
-LITTLE = 1e-7  # kinetic energy, beside the range of the potential one, from which a start is followed over time
-USED_UP = 1e-9  # kinetic energy left at a stop, beside the largest on the way there, that is none
-MOST_PERIODS = 200_000  # in one run; each takes some memory
-NOTICED = 1e-6  # share of a swing by which two stops are not in the same place
-MOST_CUTS = 40  # rounds of cutting panels
-MOST_KEPT = 150  # panels more than the model's, that are taken over into the next period
-NEAR = 1e-5  # of the range of the potential energy: kinetic energy, and that by which the potential may still rise, beside a rest
+SMALL = 1e-2  # shorter swings are followed over time: their forces are small differences [rad]
+REST = 0.2  # angle before a stop that is solved over its square root [rad]
+NOTHING = 3e-11  # share of the range of the potential energy a radian: a smaller force does not move a crank at rest
+LITTLE = 1e-7  # share of the range of the potential energy: a start with less kinetic energy is followed over time
+USED_UP = 1e-9  # share of the largest kinetic energy on the way: what is left at a stop is rounding below it
+MOST_PERIODS = 200_000  # most periods of one run: each takes some memory
+NOTICED = 1e-6  # share of a swing: two stops further apart are different places
+MOST_CUTS = 40  # most rounds of cutting panels
+MOST_KEPT = 150  # panels beyond those of the model that are taken over into the next period
+# A crank is nearly at rest where its kinetic energy, and what the potential energy may still rise, are below this share of the latter's
+# range.
+NEAR = 1e-5
 
 
 # --------------------------------------------------------------------------------------------------------------------- from stop to stop

@@ -43,9 +43,9 @@ from .simulate import checked_tolerance, refuse_many_turns, simulate
 
 Mask = NDArray[np.bool_]
 
-AT_ONCE = 128  # scenarios in one array: what is in flight stays in the cache
-MOST_KEPT = 24  # panels more than the model's, that are taken over into the next period
-MOST_CUTS = 12  # rounds of cutting panels; scenarios that need more are run alone
+AT_ONCE = 128  # scenarios in one array: their arrays stay in the cache
+MOST_KEPT = 24  # panels beyond those of the model that are taken over into the next period
+MOST_CUTS = 12  # most rounds of cutting panels; scenarios that need more are run alone
 
 
 @dataclass(frozen=True, eq=False, repr=False)

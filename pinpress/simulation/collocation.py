@@ -31,20 +31,20 @@ from .reduced_model import COORDINATES, INERTIA, POTENTIAL, WEIGHT, ReducedModel
 Indices = NDArray[np.intp]
 
 SAME = 1e-8  # borders closer than this are one [rad]
-STEADY, FROM_REST, TO_REST = 0, 1, -1  # how a panel runs
+STEADY, FROM_REST, TO_REST = 0, 1, -1  # kinds of panels: over the angle, or over its square root from a rest or to one
 
-ROUNDS = 30
-SETTLED = 1e-10  # change of the kinetic energy in a round, beside the energy; Newton's method squares it, and its error is 1e-17
-FLOOR = 1e-6  # kinetic energy, beside the first, below which no speed is taken from it
-STIFF = 2.0  # change of the force by the kinetic energy over half a panel, above which the panel's equations are solved as they are
-CLOSE = 1e-3  # change of the kinetic energy in a round, beside the energy, from which the slopes of the forces are kept
-FURTHEST = 100.0  # times the kinetic energy before, that a round may go
-BESIDE = 1e-7  # share of a speed, by which it is changed to see how the forces change
-BEYOND = 10.0  # times the largest energy that is known, that it is taken to be on panels where it is not
-NARROWEST = 1e-9  # panel [rad]
-ROUNDED = 5e-14  # last terms, beside the whole, that may be rounding: no cut makes them less
+ROUNDS = 30  # most rounds of Newton's method
+SETTLED = 1e-10  # relative change of the kinetic energy in a round that ends Newton's method, whose next change would be its square
+FLOOR = 1e-6  # share of the first kinetic energy: no speed is computed from less
+STIFF = 2.0  # where the energy changes the force by more over half a panel, the panel's own linear equations are solved
+CLOSE = 1e-3  # relative change of the kinetic energy in a round from which on the slopes of the forces are kept
+FURTHEST = 100.0  # largest factor by which a round may change the kinetic energy
+BESIDE = 1e-7  # relative change of a speed by which the slopes of the forces are found
+BEYOND = 10.0  # guesses of the energy are limited to this multiple of the largest energy that is known
+NARROWEST = 1e-9  # narrowest panel that is cut [rad]
+ROUNDED = 5e-14  # last terms of a polynomial up to this share of the whole may be rounding, which no cut reduces
 LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
-LEAST = 1e-3  # kinetic energy, beside the period's largest, below which a drive that depends on speed may be about to stop the crank
+LEAST = 1e-3  # share of the period's largest kinetic energy: with less, a drive that depends on speed may be about to stop the crank
 
 
 # ------------------------------------------------------------------------------------------------------------------------------------- mesh

@@ -31,7 +31,7 @@ from .reduced_model import COORDINATES, ReducedModel, build_reduced_model, reduc
 if TYPE_CHECKING:
     from ..engines.spatial.forward_dynamics import ForwardDynamics
 
-THIN = 1e-8  # interval of a load, in lengths of the linkage, that its crank angle still tells apart
+THIN = 1e-8  # thinnest interval of a load that crank angles tell apart [lengths of the linkage]
 
 End = tuple[int, Array]
 """Pinocchio joint (0: the frame) and a point in its frame [m]."""

@@ -23,9 +23,9 @@ from .reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel
 if TYPE_CHECKING:
     from ..engines.spatial.forward_dynamics import ForwardDynamics
 
-LOOSE = 1e-6  # beyond the range of a reduced model, by rounding of many turns [rad]
-STANDING = 1e-6  # speed of a joint that stands [m/s]
-MOVING = 1e3  # times the crank's speed, beyond which a joint moves though the crank stands
+LOOSE = 1e-6  # rounding of many turns by which an angle may lie outside the range of a reduced model [rad]
+STANDING = 1e-6  # speed of a joint up to which it stands [m/s]
+MOVING = 1e3  # a joint that is faster than the crank by more than this factor moves though the crank stands
 
 
 class Dynamics(Protocol):

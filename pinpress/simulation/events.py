@@ -14,8 +14,8 @@ from ..loads.process import ForceInterval
 from .hybrid_system import HOLDING, OPEN, SLIPPING, CouplingMode, ForceMode, HybridSystem, Mode, Side, Snapshot, force_mode, sign_of
 from .trajectory import INTEGRALS
 
-STARTS = 1e-9  # acceleration of a press that stands, beside that by the loads that hold it, with which it starts
-AT_REST = 1e-9  # crank speed, beside the run's largest, at which a stop is one
+STARTS = 1e-9  # a press that stands starts with this share of the acceleration by the loads that hold it
+AT_REST = 1e-9  # share of the run's largest crank speed: a slower crank has stopped
 
 
 class Event(ABC):

@@ -21,8 +21,8 @@ from .equations_of_motion import Dynamics
 from .failures import failure
 from .trajectory import INTEGRALS
 
-AHEAD = 1e-9  # time looked ahead, where there are several drivers [s]
-LITTLE = 1e-7  # of a turn of the crank, looked ahead to see into which interval a force goes [rad]
+AHEAD = 1e-9  # time looked ahead to see into which interval a force goes, with several drivers [s]
+LITTLE = 1e-7  # crank angle looked ahead to see into which interval a force goes [rad]
 
 
 class Snapshot(NamedTuple):

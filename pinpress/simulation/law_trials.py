@@ -28,14 +28,14 @@ from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
 from ..loads.caller_laws import name as name_of
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 
-SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # of the run's speed, at which a drive is tried
-LEAST = 10.0  # speed taken for that of a run that begins more slowly [rad/s]
-ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # crank angles [rad] and times [s] at which it is tried
-INSIDE = np.linspace(0.02, 0.98, 9)  # shares of an interval
-VELOCITIES = (0.0, -1.0, -0.1, -1e-3, 1e-3, 0.1, 1.0)  # [m/s]
-SAME = 1e-9  # difference, beside the largest, that is rounding
-ANSWERS = np.array([-1.0, 0.5, 2.0])  # speeds, heights that a law is asked for at once, to see whether it takes arrays
-MOST_CONFIRMED = 100  # states of a run at which a torque is asked for once more
+SHARES = np.concatenate([np.linspace(-2.0, 2.0, 33), [1e-3, -1e-3]])  # a drive is tried at these multiples of the run's speed
+LEAST = 10.0  # speed assumed for a run that begins more slowly [rad/s]
+ANGLES, TIMES = (0.7, 2.1, -4.0, 9.5), (0.01, 0.3, 2.0, 11.0)  # a drive is tried at these crank angles [rad] and times [s]
+INSIDE = np.linspace(0.02, 0.98, 9)  # a load is tried at these shares of an interval
+VELOCITIES = (0.0, -1.0, -0.1, -1e-3, 1e-3, 0.1, 1.0)  # a load is tried at these velocities [m/s]
+SAME = 1e-9  # relative difference up to which two answers are equal but for rounding
+ANSWERS = np.array([-1.0, 0.5, 2.0])  # speeds or heights at which a law is asked at once, to see whether it takes arrays
+MOST_CONFIRMED = 100  # most states of a run at which a torque is asked again
 
 
 def asked_drive(drive: Any, speed: float) -> Any:

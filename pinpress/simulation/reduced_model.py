@@ -24,14 +24,15 @@ from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from .failures import failure
 
-PANELS = 16  # a turn to begin with
-RESOLVED = 1e-11  # size of a polynomial's last terms beside the function
-NOISE, GAIN = 1e-8, 10.0  # below this size last terms that halving does not make less by this factor are rounding, near change points say
-SLACK = 1e-9  # beyond the range of the model, by rounding [rad]
-FLAT = 1e-13  # range of the potential energy, beside its size, that is rounding
-HEIGHT = 1e-3  # of the potential energy: what its range, and its slope, are taken for at least
-NARROWEST = 1e-7  # panel [rad]: what it does not resolve lies at a lock
-INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a table
+PANELS = 16  # panels a turn to begin with
+RESOLVED = 1e-11  # largest last terms of a polynomial that resolves a function, as a share of the function
+# Last terms below this share are rounding, as near change points, if halving a panel does not reduce them by this factor.
+NOISE, GAIN = 1e-8, 10.0
+SLACK = 1e-9  # rounding by which an angle may lie outside the range of the model [rad]
+FLAT = 1e-13  # range of the potential energy that is rounding, as a share of its size
+HEIGHT = 1e-3  # the range of the potential energy, and its slope, count as at least this share of its size
+NARROWEST = 1e-7  # narrowest panel: what it does not resolve lies at a lock [rad]
+INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
 
 Coordinate = Callable[[Motion], Array]
 """A length (n,) or displacement [m] of the states of a motion."""

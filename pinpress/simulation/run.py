@@ -30,15 +30,15 @@ from .solvers import SimulationProblem
 from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 
 POINTS = 120  # states returned per turn of the crank, and at least
-MOST_POINTS = 1_000_000  # by default
-LOOSE = 1e3  # energy error, in tolerances, that is none
-BALANCED = 1e-6  # energy error of a run, steps by error, that is none; more where a large tolerance is asked for
-ROUNDED = 1e-6  # of the potential energy
-ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # of a stiff drive's angle and speed, that the energy may tell
+MOST_POINTS = 1_000_000  # most states returned by default
+LOOSE = 1e3  # energy error accepted, in multiples of the tolerance
+BALANCED = 1e-6  # energy error accepted of a run with steps by error, unless a large tolerance is asked for
+ROUNDED = 1e-6  # least size that energies are compared with, as a share of the potential energy
+ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # roundings of a stiff drive's angle and speed that may show in the energy
 ROUND = 1 + 1e-12  # rounding of times and turns
-STATES = 720  # looked at in a stroke, for extremes
-MOST_STROKES = 8  # listed in full
-FIRST_STROKES = 5  # listed of more, with the last one
+STATES = 720  # states of a stroke in which extremes are looked for
+MOST_STROKES = 8  # most strokes that a summary lists in full
+FIRST_STROKES = 5  # of more strokes it lists so many first ones, and the last one
 
 
 @dataclass(frozen=True, repr=False)

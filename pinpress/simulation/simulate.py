@@ -48,13 +48,13 @@ from .solvers import SimulationProblem, march
 from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
 
 METHODS = ("auto", "reduced", "implicit", "constraint")
-MOST_STEPS = 1_000_000  # of the Runge-Kutta method
+MOST_STEPS = 1_000_000  # most steps of the Runge-Kutta method
 LEAST_TOLERANCE = 1e-13
-MOVED = 1e-6  # angle to both sides of a rest, at which it is seen whether it is stable [rad]
-PUSHED, CREEPING = 1e-4, 1e-9  # angle [rad] and speed [rad/s] of a press at rest that is pushed
-LOOKS = 240  # at the difference of two runs
-ASTRAY = 1e3  # times the tolerance that a run may go astray
-LOST = np.pi  # difference of a run that ends in an error, where the other does not [rad]
+MOVED = 1e-6  # a rest is stable or unstable by the accelerations this far on either side of it [rad]
+PUSHED, CREEPING = 1e-4, 1e-9  # displacement [rad] and speed [rad/s] by which a press at rest is pushed
+LOOKS = 240  # instants at which two runs are compared
+ASTRAY = 1e3  # largest sensitivity to the start of a run that counts as determined
+LOST = np.pi  # difference between a run that ends in an error and one that does not [rad]
 
 
 @typed

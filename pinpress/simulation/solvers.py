@@ -28,8 +28,8 @@ from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment
 if TYPE_CHECKING:
     from .time_solver import TimeSegment
 
-AGAIN = 4.0  # times the kinetic energy at which the crank stopped turning for sure, from which it is followed over its angle again
-LITTLE = 1e-4  # kinetic energy, beside the range of the potential one, below which the crank is not followed over its angle
+AGAIN = 4.0  # the crank is followed over its angle again from this multiple of the kinetic energy at which it was no longer sure to turn
+LITTLE = 1e-4  # share of the range of the potential energy: a crank with less kinetic energy is not followed over its angle
 
 Progress = Callable[[float], None]
 

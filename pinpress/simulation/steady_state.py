@@ -36,14 +36,15 @@ from .simulate import checked_tolerance
 from .solvers import SimulationProblem, crank_sizes, reduced_system
 from .trajectory import INTEGRALS, State, Trajectory
 
-MOST_CUTS = 30
-PERIODS, MOST_PERIODS = 3, 60  # that a drive with states of its own is given to come near, and in all
-BESIDE = 1e-6  # share of speed and states by which they are changed, to see what a period makes of it
-SHARES = np.geomspace(0.25, 4.0, 33)  # of the speed given, that are tried first
-NARROWED = 3  # times that the range of speeds is narrowed, 32 times each
-CLOSER = 4  # steps of Newton's method to the end of a period
-PATIENCE = 20.0  # periods at the speed of the start, after which a period is given up
-COMES_BACK = 1e-10  # difference of the crank's speed, beside itself, after a period of a steady state
+MOST_CUTS = 30  # most rounds of cutting panels
+# Periods that a drive with states of its own first gets to come near the steady state, and most periods in all.
+PERIODS, MOST_PERIODS = 3, 60
+BESIDE = 1e-6  # relative change of speed and states by which their effect after a period is found
+SHARES = np.geomspace(0.25, 4.0, 33)  # multiples of the given speed that are tried first
+NARROWED = 3  # the range of speeds is narrowed so often, to a 32nd each time
+CLOSER = 4  # Newton steps to the end of a period
+PATIENCE = 20.0  # a period is given up after as much time as so many periods take at the first speed
+COMES_BACK = 1e-10  # relative difference accepted between the speeds at start and end of a period
 
 
 @typed

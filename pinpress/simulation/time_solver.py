@@ -24,22 +24,24 @@ from .hybrid_system import HybridSystem, Mode
 from .trajectory import INTEGRALS, Sample
 
 EXPLICIT, IMPLICIT, FIXED, BY_STIFFNESS = "explicit", "implicit", "fixed step", "by stiffness"
-WINDOW = 5  # steps over which the pace of a method is measured, after as many in which it finds its step
-SWIFT, SLOW = 1.0, 10.0  # steps beside the shortest time constant, below and above which DOP853 and Radau IIA are hardly the slower one
-LONG, LESS_SWIFT = 200, 0.3  # steps after which a run is long enough to try Radau IIA at shorter ones too
-DEARER = 1.5  # an evaluation of the implicit method, with what it does between them, beside one of the explicit method
-ASIDE = 1e-3  # of a step from rest: there the crank moves
-LEAST_RELATIVE = 3e-14  # tolerance beside the value itself, the least that SciPy takes: angles grow, their errors must not
-LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # of a step: where switching functions are looked at
-LOOKS = 200  # in a run's duration, at a press that stands
-MOST_TRIES = 4  # to end a step at a corner
-MOST_AT_ONCE = 100  # events without time going on
-LOOK, PATIENCE = 12_000, 3  # evaluations after which the pace is looked at, and slow looks one after the other that give a run up
-MOST_EVALUATIONS = 15_000_000  # of a run that gets on
-CREEPING, MOST_CREEPING = 1.0, 150_000  # angle between looks below which a press creeps or vibrates [rad], evaluations of such a run
-VIBRATING = 0.5  # imaginary part of the swiftest motion's rate, beside its size, from which it is a vibration
-MOST_STEPS = 1_000_000  # in one run; each takes some memory
-SHORTEST = 1e-15  # step, beside the duration
+WINDOW = 5  # the pace of a method is measured over this many steps, after as many in which it finds its step
+# Multiples of the shortest time constant: DOP853 is hardly the slower method with shorter steps, Radau IIA with longer ones.
+SWIFT, SLOW = 1.0, 10.0
+LONG, LESS_SWIFT = 200, 0.3  # after this many steps a run is long enough to try Radau IIA from this smaller multiple on
+DEARER = 1.5  # cost of an evaluation of the implicit method, with its algebra, in evaluations of the explicit one
+ASIDE = 1e-3  # share of a first step from rest after which the crank moves
+LEAST_RELATIVE = 3e-14  # smallest relative tolerance that SciPy takes: errors of angles must not grow with the angles
+LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # shares of a step at which the margins of events are evaluated
+LOOKS = 200  # a press that stands is looked at this often in a run
+MOST_TRIES = 4  # most attempts to end a step at a corner of the drive's torque
+MOST_AT_ONCE = 100  # most events one after the other without time going on
+LOOK, PATIENCE = 12_000, 3  # the pace is checked after so many evaluations; a run is given up after so many slow checks in a row
+MOST_EVALUATIONS = 15_000_000  # most evaluations of a run whose crank moves on
+# A press that moves by less between two checks creeps or vibrates [rad]; most evaluations of such a run.
+CREEPING, MOST_CREEPING = 1.0, 150_000
+VIBRATING = 0.5  # the fastest motion is a vibration if the imaginary part of its rate is a larger share of the rate than this
+MOST_STEPS = 1_000_000  # most steps of one run: each takes some memory
+SHORTEST = 1e-15  # shortest step, as a share of the duration
 EPS = float(np.finfo(float).eps)
 
 
