@@ -3,17 +3,17 @@
     run = pp.simulate(press, duration=2.0, speed=70 * pp.RPM, flywheel=pp.drives.Flywheel(inertia=2000.0))
 
 Two sets of equations give the same run. ``"reduced"`` integrates the one-degree-of-freedom equation (see `reduced_model`): over the crank
-angle, all of a period at once, while the crank turns, and over time where it may stop, or where a clutch, a drive's own states or forces in
-time demand it. ``"implicit"`` integrates the same equation over time alone, by Radau IIA.
+angle, all of a period at once, while the crank turns. It integrates over time where the crank may stop, or where a clutch, a drive's own
+states or forces in time demand it. ``"implicit"`` integrates the same equation over time alone, by Radau IIA.
 ``"constraint"`` integrates all joints, with the loops closed again after every step: any linkage. Its accelerations are those of
-Pinocchio's constraint dynamics, but not with more than two gear pairs, links without mass or loops that hold each other: see
+Pinocchio's constraint dynamics, except with more than two gear pairs, links without mass or loops that hold each other: see
 `forward_dynamics`.
-``"auto"`` is the first where there is one driver, else the last. Over time each of them takes explicit steps, or implicit ones where forces
-are so stiff that these get on faster: `Stats.solvers` says which.
+``"auto"`` is ``"reduced"`` for one driver, else ``"constraint"``. Over time each method takes explicit steps, or implicit ones where forces
+are so stiff that these are faster: `Stats.solvers` says which.
 
-A crank that comes nearly to rest beside an unstable rest, such as a dead centre at the top, goes on or turns back by what is lost in
-rounding; its energy tells nothing of that. A run that passes such a place is made again from starts moved by its tolerance, and the
-difference is what can be said of it: `Stats.sensitivity`.
+Where a crank comes nearly to rest beside an unstable rest, such as a dead centre at the top, rounding decides whether it goes on or turns
+back, and the energy balance does not show it. A run that passes such a place is repeated from starts moved by its tolerance, and the
+difference is reported: `Stats.sensitivity`.
 """
 
 from __future__ import annotations
@@ -90,16 +90,16 @@ def simulate(
         method: "auto", "reduced", "implicit" or "constraint", see the module. Where a linkage locks the first three end, "constraint" runs
             on through the lock.
         points: number of states returned; by default 120 a turn, and at least 120.
-        tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
+        tolerance: error accepted of a step, relative to 1 rad and to the speeds of the crank.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
-        progress: called with the time reached [s], now and then.
+        progress: called with the time reached [s], from time to time.
 
     A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone) and flywheels by the
     names of the drivers' joints; its method is "auto" or "constraint".
 
     Raises:
-        PinpressError: an argument that makes no sense.
-        SimulationError: the press stalls, runs against a lock, or has no inertia, or the energy does not balance: the error says when,
+        PinpressError: an argument makes no sense.
+        SimulationError: the press stalls, runs against a lock, or has no inertia, or the energy does not balance. The error says when,
             where, and for which reason of `failures`.
     """
     began = clock.perf_counter()
@@ -133,7 +133,7 @@ def simulate(
 
 
 def _method(press: Linkage, given: str) -> str:
-    """The method asked for, of "auto" that which it is for this press."""
+    """The method asked for; for "auto" the one that suits this press."""
     if not isinstance(given, str) or given not in METHODS:
         raise PinpressError(f"unknown method {shown(given)}: write {', '.join(map(repr, METHODS[:-1]))} or {METHODS[-1]!r}")
     if given == "auto":
@@ -142,7 +142,7 @@ def _method(press: Linkage, given: str) -> str:
 
 
 def _fixed_step(given: float | None, until: float) -> float | None:
-    """The step of the Runge-Kutta method [s], if it is one with which a run comes to its end."""
+    """The step of the Runge-Kutta method [s]; raises PinpressError where the run would take too many steps."""
     if given is None:
         return None
     step = number("step", given, positive=True)
@@ -156,7 +156,7 @@ def _fixed_step(given: float | None, until: float) -> float | None:
 def _driven(
     press: Linkage, method: str, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object
 ) -> DrivenPress:
-    """The press with its parts. Raises as `driven_press`, and where the method is not for its drivers."""
+    """The press with its parts. Raises as `driven_press`, and where the method does not suit several drivers."""
     if len(press.drivers) == 1:
         return driven_press(press, drive, flywheel, loads, clutch, brake)
     if method != "constraint":
@@ -167,10 +167,10 @@ def _driven(
 def _problem(
     driven: DrivenPress, method: str, angles: Array, speeds: Array, until: float, tolerance: float, step: float | None
 ) -> SimulationProblem:
-    """The problem of arguments that are checked one by one.
+    """The problem of arguments that have been checked one by one.
 
     Raises:
-        PinpressError: arguments that do not go together.
+        PinpressError: arguments contradict each other.
     """
     prescribed = driven.prescribed
     if prescribed is not None:
@@ -188,13 +188,13 @@ def _problem(
 
 
 def refuse_many_turns(speeds: Array, until: float, angle: float) -> None:
-    """Raise SimulationError where the run would be too long to be kept."""
+    """Raise SimulationError where the run would have too many turns to be kept."""
     if not float(np.abs(speeds).max()) * until <= 2 * np.pi * MOST_PERIODS:
         raise failure("too many turns", 0.0, angle, most=MOST_PERIODS)
 
 
 def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
-    """(drivers,) numbers."""
+    """(drivers,) angles or speeds at the start, from one number or one of each driver."""
     if len(press.drivers) == 1:
         return np.array([number(name, value)])
     wanted = f"finite numbers, one of each of the {len(press.drivers)} drivers"
@@ -203,7 +203,7 @@ def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
 
 
 def checked_tolerance(tolerance: float) -> float:
-    """A tolerance, if it is one that can be kept."""
+    """The tolerance as a number; raises PinpressError outside the range that can be kept."""
     value = number("tolerance", tolerance, positive=True)
     if not LEAST_TOLERANCE <= value <= 1e-2:
         raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
@@ -214,13 +214,13 @@ def checked_tolerance(tolerance: float) -> float:
 
 
 def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> float | None:
-    """By how much more the crank angle goes astray in a run than its start is moved; None where it keeps clear of an unstable rest."""
+    """By what factor the crank angle of a run moves more than its start; None where the run keeps clear of an unstable rest."""
     driven, press = problem.driven, problem.driven.press
     if len(press.drivers) > 1 or press.branch_through_change_points.period is None or driven.prescribed is not None:
         return None
     try:
         model = reduced_model_of(press)
-    except SimulationError:  # its shafts do not come back together: there is none
+    except SimulationError:  # its shafts do not come back together: there is no reduced model
         return None
     rest = next((segment for segment in trajectory.segments if isinstance(segment, StandstillSegment)), None)
     if rest is not None and _falls(driven, rest.state.angle):
@@ -236,7 +236,7 @@ def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> flo
 
 
 def _sensitivity(problem: SimulationProblem, trajectory: Trajectory, model: ReducedModel, span: float) -> float:
-    """By how much more a run that passes an unstable rest goes astray, from runs whose starts are moved.
+    """`start_sensitivity` of a run that passes an unstable rest, from runs whose starts are moved.
 
     Args:
         problem: of the run.
@@ -294,7 +294,7 @@ def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
 
 
 def _falls(driven: DrivenPress, angle: float) -> bool:
-    """Whether a press at rest goes on by itself when it is pushed a little, whichever way."""
+    """Whether a press at rest moves on by itself when it is pushed a little in either direction."""
     drive, weight = driven.drive, driven.model.at(angle + np.array([-PUSHED, PUSHED]))[0][WEIGHT]
     torques = [0.0 if drive is None else float(np.ravel(drive.torque(w))[0]) for w in (-CREEPING, CREEPING)]
     return bool(torques[0] < weight[0] and torques[1] > weight[1])

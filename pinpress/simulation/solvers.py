@@ -36,7 +36,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True, eq=False)
 class SimulationProblem:
-    """What is to be simulated, from where to when, and how well.
+    """What is to be simulated, from which state to which time, and how well.
 
     Attributes:
         driven: the press, its drives and loads.
@@ -44,7 +44,7 @@ class SimulationProblem:
         angle: (drivers,) at time 0 [rad].
         speed: (drivers,) at time 0 [rad/s].
         until: time of the end [s].
-        tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
+        tolerance: error accepted of a step, relative to 1 rad and to the speeds of the crank.
         step: fixed step of the classical Runge-Kutta method [s]; None: steps by error.
     """
 
@@ -63,7 +63,12 @@ class SimulationProblem:
 
 
 class Leg(NamedTuple):
-    """What a solver has found: segments, and the state from which another one has to go on; None where the end is reached."""
+    """What a solver has found.
+
+    Attributes:
+        segments: of the run, one after the other.
+        state: from which another solver has to go on; None where the end is reached.
+    """
 
     segments: list[Segment]
     state: State | None
@@ -76,14 +81,14 @@ class Solver(Protocol):
         """Whether another solver has to go on from a state."""
 
     def advance(self, state: State, before: Sequence[Segment]) -> Leg:
-        """Follow the press from a state, behind the segments found before, as far as this solver serves."""
+        """Follow the press from a state as far as this solver serves; ``before``: the segments found so far."""
 
 
 def march(problem: SimulationProblem, progress: Progress | None = None) -> Trajectory:
-    """Follow the press to the end: each time the first solver of the ladder goes on that does not refuse.
+    """Follow the press to the end. Each leg is left to the first solver of the ladder that does not refuse.
 
     Raises:
-        SimulationError: the press stalls, runs against a lock or has no inertia; a run would take too long.
+        SimulationError: the press stalls, runs against a lock or has no inertia, or the run would take too long.
     """
     driven = problem.driven
     if driven.clutch is None and driven.inertia < 0:
@@ -107,8 +112,8 @@ def _ladder(problem: SimulationProblem, progress: Progress | None) -> tuple[Solv
 
 
 def _least_inertia(driven: DrivenPress, needed: bool = False) -> tuple[float, float]:
-    """The least inertia at the crank [kg m2], and its crank angle [rad]. Raises SimulationError where a positive one is ``needed`` and it
-    is not."""
+    """The least inertia at the crank [kg m2], and its crank angle [rad]; raises SimulationError where it is not positive but ``needed``
+    so."""
     inertia, angle = driven.model.lightest
     least = inertia + driven.inertia
     if needed and not least > 0:
@@ -123,7 +128,7 @@ class OverAngle:
         driven = problem.driven
         implicit = problem.method == "implicit" and driven.prescribed is None
         self.problem, self.progress = problem, progress
-        # without mass it may stay between dead centres
+        # without inertia the crank may stay between dead centres
         self.serves = not (driven.timed or problem.step is not None or implicit) and _least_inertia(driven)[0] > 0
         self.stopped: State | None = None
 
@@ -143,11 +148,11 @@ class OverAngle:
 
 
 class OverTime:
-    """The reduced equation over time, whatever happens; where the crank ``turns`` again, another solver goes on."""
+    """The reduced equation over time, whatever happens. If ``turns``, another solver goes on once the crank turns for sure."""
 
     def __init__(self, problem: SimulationProblem, progress: Progress | None, turns: bool) -> None:
         self.problem, self.progress, self.turns = problem, progress, turns
-        self.swings = True  # whether the crank may still be found to swing to and fro for ever
+        self.swings = True  # whether it is still to be found out if the crank swings to and fro for ever
         self.threshold: float | None = None  # kinetic energy from which the crank turns for sure [J]
         self.handed: State | None = None
 
@@ -176,7 +181,8 @@ class OverTime:
             self.swings = False
 
     def _integrated(self, system: HybridSystem, state: State, followed: "_Followed | None") -> "tuple[TimeSegment, State]":
-        """Integrate from a state to the end, or until the crank has been ``followed`` for long enough; and tell where it has come to."""
+        """Integrate from a state to the end, or until the crank has been ``followed`` for long enough. Returns the segment and the state
+        at its end."""
         from .time_solver import BY_STIFFNESS, IMPLICIT, Settings, integrate  # SciPy's integrators take long to import: turning needs none
 
         problem, driven = self.problem, self.problem.driven
@@ -195,16 +201,16 @@ class OverTime:
 
 
 class _Followed:
-    """Whether a crank has been followed over time for long enough: it turns, or has swung to and fro once."""
+    """Tells when a crank has been followed over time for long enough: when it turns, or has swung to and fro once."""
 
     def __init__(self, driven: DrivenPress, threshold: float, speed: float, swings: bool) -> None:
-        """Begin to follow.
+        """Begin to follow a crank.
 
         Args:
             driven: what is simulated.
-            threshold: kinetic energy from which it turns [J].
-            speed: at the start [rad/s].
-            swings: whether a swing counts.
+            threshold: kinetic energy from which the crank turns for sure [J].
+            speed: of the crank at the start [rad/s].
+            swings: whether a whole swing ends it too.
         """
         self.driven, self.threshold, self.speed = driven, threshold, speed
         self.left = (2 if speed == 0 else 3) if swings else -1  # stops before a whole swing is over
@@ -218,15 +224,15 @@ class _Followed:
 
 
 def _turning_energy(driven: DrivenPress, state: State, before: Sequence[Segment]) -> float:
-    """Kinetic energy from which a crank that has stopped turns for sure [J]."""
+    """Kinetic energy from which a crank that has stopped turns for sure again [J]."""
     states = (state, *(segment.last() for segment in before if isinstance(segment, AngleSegment)))
     fastest = max(_energy(driven, s.angle, s.speed) for s in states)
     return max(AGAIN * LEAST * fastest, LITTLE * driven.model.potential_range)
 
 
 def _swinging(system: HybridSystem, segment: "TimeSegment", tolerance: float, until: float) -> "list[Segment] | None":
-    """Follow a crank that swings to and fro, under forces that do not depend on its speed, for a whole swing to a tolerance in its own
-    measure, and repeat that to the end. None where it does not come back."""
+    """Follow a crank that swings to and fro, under forces that do not depend on its speed, for one swing, to a tolerance relative to the
+    swing, and repeat that to the end. None where the crank does not come back."""
     from .time_solver import IMPLICIT, Settings, integrate  # imports SciPy's integrators
 
     begin, turn, again = segment.stops()[-3:]
@@ -284,7 +290,7 @@ def _energy(driven: DrivenPress, angle: float, speed: float) -> float:
 
 
 def crank_sizes(driven: DrivenPress, y: Array) -> Array:
-    """Sizes of the entries of the crank's vector."""
+    """Sizes of the entries of the crank's vector, to which tolerances are relative."""
     inertia, potential = driven.model.coefficients[:, INERTIA, 0] + driven.inertia, driven.model.coefficients[:, POTENTIAL, 0]
     least = max(float(inertia.min()), float(np.finfo(float).tiny))
     speed = max(abs(float(y[1])), math.sqrt(2 * float(np.ptp(potential)) / least)) or 1.0
@@ -293,10 +299,10 @@ def crank_sizes(driven: DrivenPress, y: Array) -> Array:
 
 
 def _joint_sizes(driven: DrivenPress, joints: FullDynamics, speed: Array, y: Array) -> Array:
-    """Sizes of the entries of the vector of all joints.
+    """Sizes of the entries of the vector of all joints, to which tolerances are relative.
 
-    That of an angle is 1, that of its rate the speed at the start (drivers,), or the one that gravity gives it; travels count in lengths of
-    the linkage.
+    The size of an angle is 1 rad, that of a rate the largest ``speed`` (drivers,) at the start or the one that gravity gives, whichever is
+    larger. Travels count in lengths of the linkage.
     """
     press = driven.press
     rate = max(float(np.abs(speed).max()), math.sqrt(float(np.linalg.norm(press.model.gravity.linear)) / press.size)) or 1.0
@@ -307,6 +313,6 @@ def _joint_sizes(driven: DrivenPress, joints: FullDynamics, speed: Array, y: Arr
 
 
 def _state_sizes(driven: DrivenPress, count: int, speed: float) -> list[float]:
-    """Sizes of a drive's states, and behind them of the speed of a clutch's driving side."""
+    """Sizes of a drive's states, followed by that of the speed of a clutch's driving side."""
     own = [] if driven.clutch is None else [speed]
     return [1.0] * (count - len(own)) + own

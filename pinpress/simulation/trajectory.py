@@ -1,4 +1,4 @@
-"""What a simulation went through, readable at any time: a sequence of segments, each found by one solver."""
+"""The solution of a simulation, readable at any time: a sequence of segments, each found by one solver."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,13 +9,13 @@ import numpy as np
 from ..common.quantities import Array
 
 INTEGRALS = ("drive_work", "load_work", "motor_squared", "lost")
-"""What is summed up over time: work of the drive on the crank [J], work against the loads [J], motor torque squared [N2 m2 s], energy
-lost in clutch and brake [J]."""
+"""Integrals over time that are solved with the motion: work of the drive on the crank [J], work against the loads [J], motor torque squared
+[N2 m2 s], energy lost in clutch and brake [J]."""
 DRIVE_WORK, LOAD_WORK, MOTOR_SQUARED, LOST = range(len(INTEGRALS))
 
 
 class State(NamedTuple):
-    """Where a run has come to.
+    """The state that a run has reached.
 
     Attributes:
         time: [s].
@@ -70,22 +70,26 @@ class Segment(Protocol):
 
     @property
     def solvers(self) -> tuple[str, ...]:
-        """What it was found by."""
+        """Names of the solvers that found it, see `Stats`."""
         ...
 
     @property
     def standing(self) -> float | None:
-        """Since when the press stands at the end, held by loads [s]; None where it does not."""
+        """Time since which the press stands at the end, held by loads [s]; None where it does not stand."""
         ...
 
     def at(self, times: Array, complete: bool = True) -> Sample:
-        """States at times (n,) within the segment; unless ``complete``, without accelerations, and with loops not closed anew."""
+        """States at times (n,) within the segment; if not ``complete``, without accelerations, and with loops not closed again."""
         ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
-    """The segments of a run, one after the other."""
+    """A whole run.
+
+    Attributes:
+        segments: its parts, one after the other.
+    """
 
     segments: Sequence[Segment]
 
@@ -104,16 +108,16 @@ class Trajectory:
 
     @property
     def standing(self) -> float | None:
-        """Since when the press stands at the end of the run, held by loads [s]; None where it does not."""
+        """Time since which the press stands at the end of the run, held by loads [s]; None where it does not stand."""
         return self.segments[-1].standing
 
     @property
     def turns(self) -> float:
-        """Turns of the crank, those back counted too."""
+        """Turns of the crank, in either direction."""
         return sum(segment.travelled for segment in self.segments) / (2 * np.pi)
 
     def at(self, times: Array, complete: bool = True) -> Sample:
-        """States at rising times (n,); unless ``complete``, without accelerations, and with loops not closed anew."""
+        """States at rising times (n,); if not ``complete``, without accelerations, and with loops not closed again."""
         starts = np.array([segment.start for segment in self.segments])
         owner = np.clip(starts.searchsorted(times, side="right") - 1, 0, len(starts) - 1)
         cuts = np.flatnonzero(np.diff(owner)) + 1
@@ -128,8 +132,8 @@ class StandstillSegment:
     """A press that stands.
 
     Attributes:
-        state: in which it stands, and since when.
-        end: until when [s].
+        state: in which it stands, with the time from which it does.
+        end: time to which it stands [s].
     """
 
     state: State
@@ -154,10 +158,10 @@ class RepetitionSegment:
     """A press that swings to and fro between two stops under forces that do not depend on its speed, and repeats one swing.
 
     Attributes:
-        swing: segments that have a whole swing in them.
-        first: when the crank stopped in one place [s].
-        start: when it stopped in the same place again, from which time on the swing is repeated [s].
-        end: of the repetition [s].
+        swing: segments that contain a whole swing.
+        first: time at which the crank stopped in one place [s].
+        start: time at which it stopped in the same place again, from which on the swing is repeated [s].
+        end: end of the repetition [s].
     """
 
     swing: Trajectory
