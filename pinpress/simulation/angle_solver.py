@@ -1,4 +1,4 @@
-"""One press over the crank angle: period after period, and where it stops and no force depends on its speed, back again."""
+"""One press solved over the crank angle, period after period. Where it stops and no force depends on its speed, it is followed back."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -55,7 +55,7 @@ class Stop(NamedTuple):
 
     Attributes:
         state: in which it ended.
-        at_rest: whether it is at rest there, and no force depends on its speed.
+        at_rest: whether the press is at rest there, and no force depends on its speed.
     """
 
     state: State
@@ -63,11 +63,11 @@ class Stop(NamedTuple):
 
 
 class AngleSolver:
-    """Follows a press that turns, from a state on, up to a time or to where it may stop.
+    """Follows a press that turns, from a state to a time or to a place where it may stop.
 
     Attributes:
         segments: found so far, one for each period.
-        state: in which the press is at their end.
+        state: of the press at their end.
     """
 
     def __init__(self, driven: DrivenPress, begin: State, until: float, tolerance: float) -> None:
@@ -77,21 +77,21 @@ class AngleSolver:
             driven: what is simulated.
             begin: the state.
             until: time at which the run ends [s].
-            tolerance: of the last terms of a panel's polynomials, beside the whole.
+            tolerance: last terms of a panel's polynomials that are accepted, as a share of the whole.
         """
         self.driven, self.model, self.until, self.tolerance = driven, driven.model, until, tolerance
         self.segments: list[Segment] = []
         self.state = begin
-        self.before: CollocationSolution | None = None  # of the period before: its panels and its speeds are a good start
+        self.before: CollocationSolution | None = None  # of the period before: its panels and speeds are a good guess
         self.swings = _Swings(driven)
         if not begin.speed:
             self.swings.repetition(self.segments, begin, until)
-        # Angles that grow round off, and what a period begins with must be what the one before ended with: the equation is solved over
-        # angles from the ``anchor`` on, again and again, and the crank's own angle is counted beside it.
+        # Growing angles would be rounded differently in each period, and a period must begin with exactly what the one before ended with.
+        # The equation is therefore solved over the same angles from the ``anchor`` on, and the crank's own angle is counted separately.
         self.anchor, self.first, self.periods = begin.angle, begin.angle, 0
 
     def run(self, progress: Callable[[float], None] | None = None) -> Stop | None:
-        """Add segments up to the end, or to where the press may stop: why it ended there.
+        """Add segments up to the end, or to a place where the press may stop. Returns why it ended there, None at the end.
 
         Args:
             progress: called with the time reached [s] after every period.
@@ -132,7 +132,7 @@ class AngleSolver:
             self.first, self.periods = self.state.angle, 0
 
     def _goes_on(self, solution: CollocationSolution, count: int) -> bool:
-        """Prepare the next period, and tell whether there is one. Where the press swings for ever, add its repetition up to the end."""
+        """Prepare the next period, and return whether there is one. Where the press swings for ever, add the repetition up to the end."""
         kinds, self.before = solution.mesh.kinds, None
         if not solution.speed_free:
             self.swings.stops.clear()
@@ -151,7 +151,7 @@ class AngleSolver:
         return True
 
     def _period(self, direction: int) -> tuple[CollocationSolution, int] | None:
-        """A period from the anchor on, or less up to a stop or the end of the run, and how many of its panels are right.
+        """The solution of a period from the anchor on, or of a shorter range up to a stop, and how many of its panels are right.
 
         None where the crank would stop, or has to start, under a force that depends on its speed.
         """
@@ -168,8 +168,13 @@ class AngleSolver:
         return self._resolved(build_mesh(driven, anchor, direction, borders, (self.state.speed == 0, False)), energy, None)
 
     def _resolved(self, mesh: Mesh, energy: Array, guess: Array | None) -> tuple[CollocationSolution, int] | None:
-        """Solve a period over a mesh, which is cut where it is too coarse, with the energy (1,) at its start and a guess of it at the
-        nodes."""
+        """Solve a period over a mesh, and cut that where it is too coarse. Returns as `_period`.
+
+        Args:
+            mesh: to begin with.
+            energy: (1,) kinetic energy at the start [J].
+            guess: (q, p, 1) kinetic energy at the nodes of the mesh [J]; None: unknown.
+        """
         driven, anchor, direction = self.driven, self.anchor, mesh.direction
         from_rest, to_rest = self.state.speed == 0, False
         for _ in range(MOST_CUTS):
@@ -185,7 +190,7 @@ class AngleSolver:
             coarse = cuts(solution, count, self.tolerance, driven.corners) if count else np.zeros(0)
             if len(coarse):
                 borders = np.sort(np.concatenate([mesh.borders, coarse]))
-            elif stops:  # where it stops is known from panels that are right, and not before
+            elif stops:  # only from panels that are right it is known where it stops
                 borders = _with_rest(solution, count, angle_to(self.model, driven.switch_angles, anchor, direction), from_rest)
                 to_rest = True
                 if borders[-1] < SMALL:
@@ -194,7 +199,7 @@ class AngleSolver:
                 return solution, count
             mesh = build_mesh(driven, anchor, direction, borders, (from_rest, to_rest))
             guess = interpolate_onto(solution, mesh)
-        # what still is not resolved: there the crank all but stops, or the drive switches again and again
+        # some panels are still not resolved: there the crank nearly stops, or the drive switches again and again
         right = 0 if to_rest or not len(coarse) else int(mesh.borders.searchsorted(coarse.min())) - 1
         return (solution, right) if right > 0 else None
 
@@ -207,7 +212,7 @@ class AngleSolver:
 
 
 class _Swings:
-    """Remembers the stops of a press. Where no force depends on its speed, and it stops in the same place again, it repeats that swing for
+    """Remembers the stops of a press. Where no force depends on its speed and it stops in the same place again, it repeats that swing for
     ever."""
 
     def __init__(self, driven: DrivenPress) -> None:
@@ -215,7 +220,7 @@ class _Swings:
         self.same_both_ways = all(force.rising is force.falling for force in driven.forces)
 
     def repetition(self, segments: Sequence[Segment], stop: State, until: float) -> RepetitionSegment | None:
-        """The repetition of the swing that ends with this stop, where one does."""
+        """The repetition of the swing that ends with this stop; None where none does."""
         self.stops.append((len(segments), stop.time, stop.angle))
         if len(self.stops) < 3 or not self.same_both_ways:
             return None
@@ -226,7 +231,7 @@ class _Swings:
 
 
 def _direction(driven: DrivenPress, state: State) -> int:
-    """Way in which the crank turns, or starts from rest; 0 where it stays."""
+    """Direction in which the crank turns, or starts from rest; 0 where it stays at rest."""
     model = driven.model
     if state.speed:
         return 1 if state.speed > 0 else -1
@@ -243,18 +248,18 @@ def _direction(driven: DrivenPress, state: State) -> int:
 
 
 def _any_energy(driven: DrivenPress, mesh: Mesh) -> Array:
-    """Kinetic energy at 1 rad/s (q, p, 1): a first guess where there is no better one."""
+    """(q, p, 1) kinetic energy at 1 rad/s: a first guess where there is no better one [J]."""
     return np.asarray(0.5 * (mesh.inertia[:, :, None] + driven.inertia))
 
 
 def _comes_to_rest(solution: CollocationSolution) -> bool:
-    """Whether the crank comes to rest at the end of its panels: no force depends on its speed, and all its energy is used up."""
+    """Whether the crank comes to rest at the end of the panels: no force depends on its speed, and all its energy is used up."""
     left = float(solution.ends[0, 0] + (gauss_rule().weights @ (solution.force[:, :, 0] * solution.mesh.measure)).sum())
     return solution.speed_free and abs(left) <= USED_UP * float(solution.ends.max())
 
 
 def _before_stop(solution: CollocationSolution, time: float, until: float) -> tuple[int, bool]:
-    """Count the panels up to a stop, or to the one in which the time ``until`` is reached; and tell whether a stop ended them."""
+    """Number of panels up to a stop, or up to and with that in which the time ``until`` is reached, and whether a stop ends them."""
     stopping = stopping_panels(solution)[:, 0]
     right = int(np.argmax(stopping)) if stopping.any() else len(stopping)
     if right:
@@ -266,8 +271,8 @@ def _before_stop(solution: CollocationSolution, time: float, until: float) -> tu
 
 
 def _with_rest(solution: CollocationSolution, panel: int, edges: Array, from_rest: bool) -> Array:
-    """Borders up to the stop in a ``panel``. The last panel runs over the square root of the angle, and starts at the last of the
-    ``edges``, angles travelled, at the latest."""
+    """Borders up to the stop in a ``panel``. The last of the new panels runs over the square root of the angle; it begins at the last of
+    the ``edges`` before the stop, which are angles travelled, or later."""
     mesh = solution.mesh
     stop = float(mesh.travelled(np.array([panel]), np.array([_stop_in(solution, panel)]))[0][0])
     edges = edges[edges < stop - SAME]
@@ -278,14 +283,14 @@ def _with_rest(solution: CollocationSolution, panel: int, edges: Array, from_res
 
 
 def _stop_in(solution: CollocationSolution, panel: int) -> float:
-    """Place x, from -1 to 1, at which the kinetic energy is used up in a panel."""
+    """Place x, from -1 to 1, at which the kinetic energy is used up on a panel."""
     rule, mesh = gauss_rule(), solution.mesh
     polynomial = rule.integral(solution.force[:, panel, 0] * mesh.measure[:, panel]).tolist()
     polynomial[0] += float(solution.ends[panel, 0])
     samples = np.append(rule.nodes, 1.0)
     first = int(np.argmax(np.append(solution.energy[:, panel, 0], solution.ends[panel + 1, 0]) <= 0))
     low = -1.0 if first == 0 else float(samples[first - 1])
-    # a stop on the border itself may show as none: W is rounding there
+    # a stop on the border itself may not show: W is rounding there
     return polynomial_root(polynomial, low, float(samples[first])) if horner(polynomial[::-1], low) > 0 else low
 
 
@@ -294,19 +299,19 @@ def _stop_in(solution: CollocationSolution, panel: int) -> float:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AngleSegment:
-    """Panels of a `CollocationSolution` in time, of one scenario.
+    """Panels of a `CollocationSolution` of one scenario, as functions of time.
 
     Attributes:
         driven: what is simulated.
         mesh: of the solution.
-        count: panels that are right.
-        begin: the state at its start.
+        count: number of panels that are right.
+        begin: the state at the start.
         times: (count + 1,) at the borders [s].
-        elapsed: (q + 1, count) coefficients of the time since a panel's start.
-        summed: (3, q + 1, count) coefficients of the first three integrals since a panel's start.
-        integrals: (3, count + 1) of the first three since the segment's start, at the borders.
-        final_speed: of the crank, from its kinetic energy: the time's polynomial is less exact [rad/s].
-        evaluations: of the forces.
+        elapsed: (q + 1, count) coefficients in x of the time since a panel's start.
+        summed: (3, q + 1, count) coefficients in x of the first three `INTEGRALS` since a panel's start.
+        integrals: (3, count + 1) the first three `INTEGRALS` since the segment's start, at the borders.
+        final_speed: of the crank at the end, from its kinetic energy: the polynomial of the time is less exact [rad/s].
+        evaluations: see `CollocationSolution`.
         slow: crank angles at which the crank is `nearly_at_rest` [rad].
     """
 
@@ -382,7 +387,7 @@ class AngleSegment:
 
 
 def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int, begin: State) -> AngleSegment:
-    """The first ``count`` panels of a solution of one scenario in time."""
+    """The first ``count`` panels of a solution of one scenario, as functions of time."""
     rule, mesh = gauss_rule(), solution.mesh
     measure, speed = mesh.measure[:, :count], solution.speed[:, :count, 0]
     elapsed = rule.integral(measure / speed)
@@ -407,7 +412,7 @@ def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int
 
 
 def _drive_torques(driven: DrivenPress, solution: CollocationSolution, count: int) -> tuple[Array, Array]:
-    """(q, count) torque of the drive along the travel, and that of its motor at the motor's own shaft, of one scenario."""
+    """Torque of the drive along the travel, and of its motor at the motor's own shaft, (q, count) each, of one scenario [N m]."""
     drive, driving = driven.drive, solution.driving[:, :count, 0]
     if drive is not None:
         motor = np.asarray(drive.motor_torque(solution.mesh.direction * solution.speed[:, :count, 0]))
@@ -416,8 +421,8 @@ def _drive_torques(driven: DrivenPress, solution: CollocationSolution, count: in
 
 
 def drive_torque(drive: Drive, solution: CollocationSolution) -> Array:
-    """Ask a drive for its torque along the travel (q, p, S) once more, at the speeds that were found: so the energy balance tells whether
-    these are right."""
+    """Torque (q, p, S) of a drive along the travel at the speeds of a solution. It is computed again from these speeds, so that the energy
+    balance tells whether they are right."""
     direction, speed = solution.mesh.direction, solution.speed
     return np.asarray(direction * drive.torque(direction * speed) + np.zeros_like(speed))
 
@@ -435,10 +440,12 @@ def nearly_at_rest(energy: Array, force: Array, span: float) -> NDArray[np.bool_
 
 
 def place_at(elapsed: Array, since: Array, took: Array) -> Array:
-    """Places x (n,), from -1 to 1, at times ``since`` (n,) the starts of panels that took so long.
+    """Places x (n,), from -1 to 1 on n panels, at given times.
 
     Args:
-        elapsed: (k, n) coefficients of the time since a panel's start.
+        elapsed: (k, n) coefficients in x of the time since a panel's start.
+        since: (n,) times since the panels' starts [s].
+        took: (n,) durations of the panels [s].
     """
     x = 2 * np.clip(since / took, 0.0, 1.0) - 1
     for _ in range(8):

@@ -1,15 +1,15 @@
-"""The reduced equation over the crank angle: for a crank that turns, under forces that know time only through its speed.
+"""The reduced equation over the crank angle, for a crank that turns under forces that depend on crank angle and speed alone.
 
-Panels of a mesh end where a force is not smooth: at the heights where a load begins and ends, and at dead centres. Each carries Gauss's
-nodes; one that starts from rest or ends at rest runs over the square root of the angle, in which time is smooth.
+Panels of a mesh end where a force is not smooth: at the heights where a load begins and ends, and at dead centres. Each has Gauss's nodes.
+A panel that starts or ends at rest runs over the square root of the angle, in which time is smooth.
 
-With the kinetic energy W = (I + J) w^2 / 2 the equation reads dW/du = G(u, w) and dt/du = 1 / |w|, u the angle travelled. A period is
-solved at once, for all scenarios: W is the integral of G over the panels (collocation), G depends on W through the speed, and Newton's
-method needs few rounds, each an integral with an integrating factor, or where the drive is stiff the panels' own linear equations. Where
-no force depends on the speed one round is exact.
+With the kinetic energy W = (I + J) w^2 / 2 the equation reads dW/du = G(u, w) and dt/du = 1 / |w|, where u is the angle travelled. A period
+is solved at once for all scenarios: W is the integral of G over the panels (collocation), and G depends on W through the speed. Newton's
+method needs few rounds. Each is an integral with an integrating factor, or under a stiff drive the solution of each panel's linear
+equations. Where no force depends on the speed, one round is exact.
 
-Whether the panels resolve the solution, the last terms of its polynomials tell. Where the crank passes a corner of the drive's torque, or a
-contact is lost, a panel is cut just there; any other that is too coarse in its middle.
+The last terms of its polynomials tell whether the panels resolve the solution. Where the crank passes a corner of the drive's torque, or a
+contact is lost, a panel is cut at that place; any other panel that is too coarse is cut in its middle.
 """
 
 from collections.abc import Sequence
@@ -51,13 +51,13 @@ LEAST = 1e-3  # share of the period's largest kinetic energy: with less, a drive
 
 
 class PanelForce(NamedTuple):
-    """An interval of a force, on the panels on which it acts.
+    """An interval of a force, with the panels on which it acts.
 
     Attributes:
         row: of the coordinate along which it acts.
         datum: value of the coordinate from which heights count [m].
-        interval: its law.
-        panels: on which it acts.
+        interval: with its law.
+        panels: indices of the panels on which it acts.
     """
 
     row: int
@@ -68,26 +68,26 @@ class PanelForce(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh:
-    """Panels over the angle travelled from a start, with what does not depend on speed at their q nodes and p + 1 borders.
+    """p panels over the angle travelled from a start, with all that does not depend on speed, at q nodes of each and at p + 1 borders.
 
     Attributes:
         start: crank angle [rad].
         direction: +1 or -1.
         borders: (p + 1,) angle travelled [rad].
-        kinds: (p,) `STEADY`, or `FROM_REST` or `TO_REST`: over the square root of the angle.
-        measure: (q, p) derivative of the angle travelled by the panel's own x, from -1 to 1.
+        kinds: (p,) `STEADY`, or over the square root of the angle `FROM_REST` or `TO_REST`.
+        measure: (q, p) derivative of the angle travelled by x, which goes from -1 to 1 over a panel.
         angle: (q, p) crank angles [rad].
         inertia: (q, p) I [kg m2].
         slope: (q, p) I' [kg m2].
         weight: (q, p) -V' along the travel [N m].
-        lifted: (q, p) potential energy since the start [J].
-        lifted_ends: (p + 1,) the same at the borders.
-        inertia_ends: (p + 1,) I at the borders.
+        lifted: (q, p) potential energy gained since the start [J].
+        lifted_ends: (p + 1,) potential energy gained up to the borders [J].
+        inertia_ends: (p + 1,) I at the borders [kg m2].
         position: (coordinates, q, p) coordinates c [m].
         lever: (coordinates, q, p) c' [m].
-        position_ends: (coordinates, p + 1) c at the borders.
-        lever_ends: (coordinates, p + 1) c' at the borders.
-        forces: those that act, panel by panel.
+        position_ends: (coordinates, p + 1) c at the borders [m].
+        lever_ends: (coordinates, p + 1) c' at the borders [m].
+        forces: intervals of forces, each with the panels on which it acts.
     """
 
     start: float
@@ -109,13 +109,13 @@ class Mesh:
     forces: tuple[PanelForce, ...]
 
     def travelled(self, panel: Indices, x: Array) -> tuple[Array, Array]:
-        """Angle travelled at places x (n,), from -1 to 1, of panels (n,), and its derivative by x."""
+        """Angle travelled at places x (n,), from -1 to 1 on panels (n,), and its derivative by x."""
         return _run(self.borders, self.kinds, panel, x)
 
 
 def mesh_borders(driven: DrivenPress, start: float, direction: int, extent: float) -> Array:
-    """Borders of panels, angle travelled from crank angle ``start`` over ``extent`` [rad]: those of the reduced model, and where a force is
-    not smooth."""
+    """Borders of panels as angles travelled from crank angle ``start`` over an ``extent`` [rad]: those of the reduced model, and places at
+    which a force is not smooth."""
     turns = np.arange(2 * np.pi, extent, 2 * np.pi)
     ends = np.sort(np.concatenate([turns, angle_to(driven.model, (driven.model.borders, *driven.switch_angles), start, direction)]))
     ends = ends[(ends > SAME) & (ends < extent - SAME)]
@@ -123,13 +123,13 @@ def mesh_borders(driven: DrivenPress, start: float, direction: int, extent: floa
 
 
 def angle_to(model: ReducedModel, places: Sequence[Array], start: float, direction: int) -> Array:
-    """Angle to be travelled from crank angle ``start`` to each of the ``places``, crank angles in the model's range [rad]."""
+    """Angles to be travelled from crank angle ``start`` to each of the ``places``, which are crank angles in the model's range [rad]."""
     travelled = (np.concatenate([np.zeros(0), *places]) - start) * direction
     return travelled if model.period is None else travelled - np.floor(travelled / model.period) * model.period
 
 
 def range_ahead(model: ReducedModel, start: float, direction: int) -> float:
-    """Angle over which a model goes on from a crank angle: a period, or what is left to its end [rad]."""
+    """Angle over which a model goes on from a crank angle: a period, or the rest of its range [rad]."""
     if model.period is not None:
         return model.period
     return float(model.borders[-1] - start if direction > 0 else start - model.borders[0])
@@ -184,7 +184,13 @@ def _kinds(count: int, from_rest: bool, to_rest: bool) -> Indices:
 
 
 def _panel_forces(driven: DrivenPress, position: Array, rising: NDArray[np.bool_]) -> tuple[PanelForce, ...]:
-    """The forces that act, by coordinates (coordinates, p) in the middles of the panels, and whether these are rising there."""
+    """The forces that act on each panel.
+
+    Args:
+        driven: what is simulated.
+        position: (coordinates, p) coordinates in the middles of the panels.
+        rising: (coordinates, p) whether they rise there.
+    """
     found = []
     for force in driven.forces:
         height = position[force.row] - force.datum
@@ -197,7 +203,7 @@ def _panel_forces(driven: DrivenPress, position: Array, rising: NDArray[np.bool_
 
 
 def _run(borders: Array, kinds: Indices, panel: Indices, x: Array) -> tuple[Array, Array]:
-    """Angle travelled at places x of panels, and its derivative by x."""
+    """See `Mesh.travelled`."""
     low, high = borders[panel], borders[panel + 1]
     half, share, kind = 0.5 * (high - low), 0.5 * (1 + x), kinds[panel]
     along, measure = low + 2 * half * share, half + 0.0 * x
@@ -218,15 +224,15 @@ class CollocationSolution:
         mesh: its panels.
         energy: (q, p, S) kinetic energy W at the nodes [J].
         ends: (p + 1, S) W at the borders [J].
-        speed: (q, p, S) size of the crank's speed [rad/s], of no meaning where W is below the floor.
+        speed: (q, p, S) size of the crank's speed [rad/s]; it has no meaning where W is below the floor.
         force: (q, p, S) dW/du [N m].
-        driving: (q, p, S) part of the force that is the drive's.
-        resisting: (q, p, S) part of the force that is the loads'.
+        driving: (q, p, S) part of the force that comes from the drive [N m].
+        resisting: (q, p, S) part of the force that comes from the loads [N m].
         speed_free: whether no force depends on the speed, so that W is right beyond a stop too.
-        stiffness: (p,) by how many e-folds a disturbance of W dies away on half a panel; 0 where the drive is not stiff.
-        settled: (S,) panels on which Newton's method has found W: all, or those before the crank all but stops.
+        stiffness: (p,) e-folds by which a disturbance of W dies away on half a panel; 0 where the drive is not stiff.
+        settled: (S,) number of panels on which Newton's method has found W: all, or those before the crank nearly stops.
         added: inertia of flywheel and drive, of the first scenario [kg m2].
-        evaluations: of the forces, nodes counted.
+        evaluations: number of nodes at which the forces were computed, each time counted.
     """
 
     mesh: Mesh
@@ -248,13 +254,13 @@ def solve(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array | None = 
 
     Args:
         driven: what is simulated.
-        mesh: over which it is.
-        energy: (S,) at the start of the mesh [J].
-        guess: (q, p, S) kinetic energy from which Newton's method starts; None: that at the start everywhere.
-        periodic: whether the motion is to end with the energy with which it began; ``energy`` is then one near it.
+        mesh: its panels.
+        energy: (S,) kinetic energy at the start of the mesh [J].
+        guess: (q, p, S) kinetic energy from which Newton's method starts; None: ``energy`` everywhere.
+        periodic: whether the motion has to end with the energy with which it begins; ``energy`` is then near it.
 
     Raises:
-        SimulationError: the inertia is not positive somewhere.
+        SimulationError: the inertia is not positive everywhere.
     """
     inertia = _inertia(driven, mesh)
     if driven.prescribed is not None:
@@ -276,21 +282,21 @@ class _Newton:
     """Newton's method for the kinetic energy on all panels at once: dW/du = G + K (W_new - W)."""
 
     def __init__(self, driven: DrivenPress, mesh: Mesh, inertia: Array, energy: Array, work: Array, periodic: bool) -> None:
-        """Begin with a kinetic energy.
+        """Begin with a guess of the kinetic energy.
 
         Args:
             driven: what is simulated.
-            mesh: over which it is.
+            mesh: its panels.
             inertia: (q, p, S) at the crank [kg m2].
-            energy: (S,) at the start [J].
-            work: (q, p, S) to begin with at the nodes [J].
-            periodic: whether it is to end as it began.
+            energy: (S,) kinetic energy at the start [J].
+            work: (q, p, S) the guess at the nodes [J].
+            periodic: whether the motion has to end with the energy with which it begins.
         """
         self.mesh, self.inertia, self.energy, self.periodic = mesh, inertia, energy, periodic
         self.forces = Forces(driven.drive, mesh, work.shape)
         self.constant = driven.drive is None and not mesh.forces
         self.added = float(np.ravel(driven.inertia)[0])
-        # fixed, as far from the solution W may rise without bounds
+        # from the guess alone, because W may rise without bounds far from the solution
         self.floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
         self.stiffness = np.zeros(len(mesh.kinds))
         self.everywhere = np.full(len(energy), len(mesh.kinds))
@@ -303,10 +309,10 @@ class _Newton:
             total = self.forces.at(speed)
             if self.constant:
                 return self._solution(work, True, self.everywhere)
-            # K by a difference, as it only has to lead there, and not anew close to the end
+            # K is found by a difference, because it only has to lead to the solution, and is kept close to it
             if rate is None or moved.max() > CLOSE:
                 change = self.forces.faster(speed, BESIDE)
-                if not change.any():  # here; but also at the speeds that come of these forces, and next to a stop?
+                if not change.any():  # no force depends on the speed here; is it so at the speeds that follow from these forces too?
                     found = self._solution(work, True, self.everywhere)
                     if np.array_equal(self.forces.at(found.speed), total):
                         return self._seen_at_rest(found, total)
@@ -320,10 +326,10 @@ class _Newton:
                 work = np.where(np.isfinite(work), work, above)
             work = np.minimum(np.maximum(work, above / FURTHEST), above * FURTHEST)
             last, moved = moved, np.abs(work - before).max(axis=0) / np.maximum(work.max(axis=0), self.energy)
-            # a stiff drive feels the last digit of the speed
+            # a stiff drive's torque changes with the last digit of the speed
             if moved.max() <= SETTLED and not (self.stiffness.any() and moved.max() < 0.5 * last.max()):
                 break
-        # what comes later does not matter to what comes before: the first panels may be right where the last ones are not
+        # later panels do not act on earlier ones: the first panels may be right where the last ones are not
         unsettled = moved > SETTLED
         self.forces.at(np.sqrt(2 * np.maximum(work, self.floor) / self.inertia))
         settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), len(self.mesh.kinds))
@@ -343,9 +349,9 @@ class _Newton:
         return found
 
     def _seen_at_rest(self, found: CollocationSolution, total: Array) -> CollocationSolution:
-        """A solution whose forces do not depend on its speeds; where it has a stop, seen whether they do not at rest either."""
+        """A solution whose forces do not depend on its speeds. Where it has a stop, the forces at rest decide `speed_free`."""
         stopping = self.mesh.kinds.any() or not found.ends.min() > 0
-        # of a periodic motion too: it does not come back, whatever its speed
+        # a periodic motion is speed-free too: it does not come back, whatever its speed
         return replace(found, speed_free=bool(np.array_equal(self.forces.at(0.0 * found.speed), total))) if stopping else found
 
     def _solution(
@@ -355,7 +361,7 @@ class _Newton:
         if ends is None or force is None:
             force = forces.driving + forces.resisting + weight
             work, ends = _integral(self.mesh, forces.driving + forces.resisting, weight, self.energy)
-        else:  # of a stiff drive the torque that moves the press, not that of a speed which rounding has changed
+        else:  # the torque of a stiff drive follows from the solution: computed from the speed it would have the rounding of that
             forces.driving = force - forces.resisting - weight
         least = np.finfo(float).tiny if speed_free else self.floor  # before a stop W is small, and right
         return CollocationSolution(
@@ -402,12 +408,12 @@ def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: Prescrib
 
 
 class Forces:
-    """Forces of drive and loads on a mesh, along the travel, at changing speeds. Those of loads that know no speed are worked out once.
+    """Forces of drive and loads on a mesh, along the travel, at changing speeds. Loads that do not depend on speed are computed once.
 
     Attributes:
-        driving: (q, p, S) of the drive, as last worked out [N m].
-        resisting: (q, p, S) of the loads, as last worked out [N m].
-        asked: how often.
+        driving: (q, p, S) of the drive, as last computed [N m].
+        resisting: (q, p, S) of the loads, as last computed [N m].
+        asked: number of times that they were computed.
     """
 
     def __init__(self, drive: Drive | None, mesh: Mesh, shape: tuple[int, ...]) -> None:
@@ -424,7 +430,7 @@ class Forces:
         return np.asarray(self.driving + self.resisting)
 
     def faster(self, speed: Array, share: float) -> Array:
-        """Change of the sum where the crank is faster by a share than when it was last worked out."""
+        """Change of the sum where the crank is faster by a share than at the last `at`."""
         higher = speed * (1 + share)
         change = self._driving(higher) - self.driving
         if not self.steady:
@@ -465,8 +471,9 @@ def _along_travel(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
 def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[Array, Array]:
     """W at the nodes (q, p, S) and borders (p + 1, S) from the force (q, p, S) of drive and loads and that of weights (q, p, 1).
 
-    Of a crank that turns, weights put in the difference of their potential energy, not the integral of their force: it is the same in every
-    turn. From rest and to rest W must be right beside itself where it is small: there all is integrated, away from the rest.
+    While the crank turns, the work of weights is the difference of their potential energy and not the integral of their force, because it
+    is then the same in every turn. Near a rest W is small and must be right relative to itself: there all is integrated, away from the
+    rest.
     """
     rule = gauss_rule()
     q, p, count = force.shape
@@ -490,9 +497,9 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
 
 def _factored(mesh: Mesh, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, None]:
     """W (q, p, S) from dW/du = constant + rate W by an integrating factor, for all scenarios in few operations; its values (p + 1, S) at
-    the borders; and no force. At the start W is ``energy``, or where it is ``periodic`` what it is at the end.
+    the borders; and no force. At the start W is ``energy``, or if ``periodic`` the same as at the end.
 
-    On every panel W is a part of its own, plus a growth times its value at the start.
+    On every panel W is a part of its own, plus a growth times its value at the panel's start.
     """
     rule = gauss_rule()
     q, p, count = constant.shape
@@ -504,8 +511,8 @@ def _factored(mesh: Mesh, constant: Array, rate: Array, energy: Array, periodic:
 
 
 def _solved(mesh: Mesh, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, Array]:
-    """W as from `_factored`, by the collocation equations of every panel, for drives so stiff that an integrating factor is no polynomial;
-    and the force dW/du (q, p, S) that solves them: worked out from W it would be that of its last digit.
+    """W as `_factored` returns it, by the collocation equations of every panel, for drives so stiff that polynomials do not resolve an
+    integrating factor; and the force dW/du (q, p, S) that solves them, because computed from W it would have the rounding of W.
     """
     rule, measure = gauss_rule(), mesh.measure.T[:, None]
     exponents = np.moveaxis(rate, 0, -1) * measure  # (p, S, q)
@@ -522,7 +529,8 @@ def _solved(mesh: Mesh, constant: Array, rate: Array, energy: Array, periodic: b
 
 
 def _panel_by_panel(gained: Array, final: Array, energy: Array, periodic: bool) -> Array:
-    """W (p + 1, S) at the borders, from what panels (p, S) gain, and by how much they multiply what is there at their start."""
+    """W (p + 1, S) at the borders, from what panels (p, S) add to it, and the factor (p, S) by which they multiply its value at their
+    start."""
     if periodic:
         energy = np.zeros(len(energy))
         for k in range(len(gained)):
@@ -536,7 +544,7 @@ def _panel_by_panel(gained: Array, final: Array, energy: Array, periodic: bool) 
 
 
 def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
-    """Integrals (p, S) over the panels of a rate (q, p, S) by the angle travelled."""
+    """Integrals (p, S) of a rate (q, p, S) by the angle travelled, over each panel."""
     q, p, count = rate.shape
     return np.asarray((gauss_rule().weights @ (rate * solution.mesh.measure[:, :, None]).reshape(q, -1)).reshape(p, count))
 
@@ -545,8 +553,8 @@ def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
 
 
 def stopping_panels(solution: CollocationSolution) -> NDArray[np.bool_]:
-    """Tell on which panels (p, S) the crank stops, or comes so near to it that time may not be resolved. What follows them means
-    nothing."""
+    """On which panels (p, S) the crank stops, or comes so near to a stop that time may not be resolved. All that follows them has no
+    meaning."""
     lowest = np.minimum(solution.energy.min(axis=0), solution.ends[1:])
     known = np.arange(len(solution.ends))[:, None] <= solution.settled
     least = 0.0 if solution.speed_free else LEAST * np.where(known, solution.ends, 0.0).max(axis=0)
@@ -559,15 +567,21 @@ def stopping_panels(solution: CollocationSolution) -> NDArray[np.bool_]:
 def cuts(
     solution: CollocationSolution, upto: int, tolerance: float, corners: Sequence[float] = (), which: Indices | slice = slice(None)
 ) -> Array:
-    """Where to cut those of the panels before ``upto`` that do not resolve energy or time, as angles travelled.
+    """Angles travelled at which to cut panels that do not resolve energy or time.
 
-    A polynomial's last terms tell what it misses; Gauss's rule makes far smaller errors than that. A panel on which the crank passes one of
-    the ``corners``, speeds at which a drive's torque is not smooth, is cut there (of one scenario); any other in its middle. ``which`` of
-    the scenarios count.
+    A polynomial's last terms tell what it misses; the errors of Gauss's rule are far smaller. Of a single scenario, panels are cut where
+    the crank passes a corner or a contact is lost; all others are cut in their middle.
+
+    Args:
+        solution: the solution.
+        upto: panels from this index on are left as they are.
+        tolerance: last terms accepted, as a share of the whole.
+        corners: speeds at which the drive's torque is not smooth [rad/s].
+        which: scenarios that count.
     """
     mesh = solution.mesh
     bad = _coarse(solution, upto, max(tolerance, ROUNDED), which) & (np.diff(mesh.borders[: upto + 1]) > NARROWEST)
-    if solution.stiffness.any():  # what is not resolved there rings on through the panels that follow
+    if solution.stiffness.any():  # under a stiff drive an unresolved panel disturbs those that follow it
         bad[1:] &= (solution.stiffness[1:upto] <= LAYER) | ~bad[:-1]
     found = {panel: _cut_within(solution, panel) for panel in np.flatnonzero(bad).tolist()}
     if solution.ends[:, which].shape[1] == 1:
@@ -593,7 +607,7 @@ def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: I
 
 
 def _cut_within(solution: CollocationSolution, panel: int) -> float:
-    """Where a panel is cut: in its middle, as it runs; under a stiff drive behind the layer at its start, where that is not cut off yet."""
+    """Where a panel is cut: in the middle of its x; under a stiff drive behind the layer at its start, where that is not cut off yet."""
     mesh, stiffness = solution.mesh, solution.stiffness
     low, high = mesh.borders[panel : panel + 2]
     share = {STEADY: 0.5, FROM_REST: 0.25, TO_REST: 0.75}[int(mesh.kinds[panel])]
@@ -610,7 +624,7 @@ def _border_speeds(solution: CollocationSolution) -> Array:
 
 
 def _corners_passed(solution: CollocationSolution, upto: int, corners: Sequence[float]) -> dict[int, float]:
-    """Panels on which the crank passes one of these speeds, and where: also where no node sees it."""
+    """Panels on which the crank passes one of the corners, and the place, even where that shows at no node."""
     mesh, found = solution.mesh, {}
     if corners:
         ends = _border_speeds(solution)
@@ -624,7 +638,7 @@ def _corners_passed(solution: CollocationSolution, upto: int, corners: Sequence[
 
 
 def _contact_lost(solution: CollocationSolution, force: PanelForce) -> list[tuple[int, float]]:
-    """Panels on which a contact's law changes its sign, and where, as angles travelled; of one scenario."""
+    """Panels on which the law of a contact changes its sign, and the place as angle travelled, of one scenario."""
     mesh, found, border_speeds = solution.mesh, [], _border_speeds(solution)
     for panel in force.panels.tolist() if force.interval.one_sided else []:
         ends = slice(panel, panel + 2)
@@ -642,7 +656,7 @@ def _contact_lost(solution: CollocationSolution, force: PanelForce) -> list[tupl
 
 
 def _place_of(mesh: Mesh, panel: int, polynomial: list[float], level: float) -> float | None:
-    """Where on a panel a polynomial in its x passes a level, as angle travelled; None where that is no place away from its borders."""
+    """Angle travelled at which a polynomial in the x of a panel passes a level; None where it does not, or only at the panel's borders."""
     polynomial = [polynomial[0] - level, *polynomial[1:]]
     samples = np.linspace(-1.0, 1.0, 2 * len(polynomial)).tolist()
     values = [horner(polynomial[::-1], x) for x in samples]
@@ -656,8 +670,8 @@ def _place_of(mesh: Mesh, panel: int, polynomial: list[float], level: float) -> 
 
 
 def interpolate_onto(solution: CollocationSolution, mesh: Mesh) -> Array | None:
-    """The kinetic energy (q, p, S) of a solution at the nodes of another mesh over the same angles; None where one of them starts from
-    rest."""
+    """The kinetic energy (q, p, S) of a solution at the nodes of another mesh over the same angles; None where one of the meshes starts or
+    ends at rest."""
     old = solution.mesh
     if old.kinds.any() or mesh.kinds.any():
         return None
@@ -670,7 +684,7 @@ def interpolate_onto(solution: CollocationSolution, mesh: Mesh) -> Array | None:
     value = coefficients[-1][panel]
     for k in range(q - 2, -1, -1):
         value = value * x + coefficients[k][panel]
-    # on panels that Newton's method has not settled the energy is of no meaning, and may be anything: it must not set what counts as little
+    # the energy has no meaning on panels on which Newton's method has not settled, and must not enter the largest energy
     known = np.arange(len(old.kinds))[:, None] < solution.settled
     highest = np.maximum(np.where(known, solution.energy.max(axis=0), 0.0).max(axis=0), solution.ends[0])
     return np.asarray(np.clip(value, FLOOR * solution.ends[0], BEYOND * highest))

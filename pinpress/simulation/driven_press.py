@@ -1,8 +1,8 @@
-"""A press, what drives it and what it works against, as every solver of a simulation sees it.
+"""A press with its drives and loads, as every solver of a simulation sees it.
 
 Every force from outside acts along a coordinate of the linkage: a process load along the slide's position, a spring along its length, a
 constant force along the path of its point, a further drive along its joint's angle. The reduced equation has the coordinates as functions
-of the crank angle, the equations of all joints work them out state by state.
+of the crank angle; the equations of all joints compute them state by state.
 """
 
 import math
@@ -44,7 +44,7 @@ class Coordinate(Protocol):
         """Its values (n,) over a motion [m]."""
 
     def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
-        """Its value and rate in one state [m, m/s]."""
+        """Its value and rate in one state [m, m/s]; x, v: (nv,) joint coordinates and rates."""
 
     def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
         """Joint efforts (nv,) of a force along it."""
@@ -76,7 +76,12 @@ class JointPosition:
 
 @dataclass(frozen=True, eq=False)
 class Length:
-    """Distance between two points of links."""
+    """Distance between two points of links.
+
+    Attributes:
+        first: one point.
+        second: the other point.
+    """
 
     first: End
     second: End
@@ -102,7 +107,12 @@ class Length:
 
 @dataclass(frozen=True, eq=False)
 class WorkOfForce:
-    """Work of a constant force (3,) at a point, in world axes [J]. A generalized force of 1 along this coordinate is that force."""
+    """Work of a constant force at a point of a link [J]. A generalized force of 1 along this coordinate is that force.
+
+    Attributes:
+        end: the point.
+        force: (3,) in world axes [N].
+    """
 
     end: End
     force: Array
@@ -125,9 +135,9 @@ class GeneralizedForce:
     Attributes:
         row: of the coordinate.
         datum: value of the coordinate from which the intervals count [m].
-        rising: what acts while the coordinate rises.
-        falling: what acts while it falls; the same object where that does not matter.
-        time: the force as a function of time [s], in place of these.
+        rising: intervals that act while the coordinate rises.
+        falling: intervals that act while it falls; the same object where the direction does not matter.
+        time: the force as a function of time [s], in place of the intervals.
         edges: instants at which that is not smooth [s].
         drive: the drive whose torque it is; None: a load.
     """
@@ -156,11 +166,11 @@ class DrivenPress:
     Attributes:
         press: the linkage.
         inertia: of flywheel and drive at the (first) driver, a number or (S,) for S scenarios [kg m2].
-        inertias: the same of every driver, (drivers,) or (1, S).
-        coordinates: along which forces act; that of the slide, if there is one, comes first.
-        forces: of the loads, and where there are several drivers of their drives.
-        drive: what turns its one driver by a torque; None: nothing, a prescribed speed, or the linkage has several drivers.
-        prescribed: the speed at which its one driver is held, whatever torque that takes; None: it is not.
+        inertias: of flywheel and drive at every driver, (drivers,) or (1, S) [kg m2].
+        coordinates: along which forces act; that of the slide comes first, if there is a slide.
+        forces: of the loads, and of the drives where there are several drivers.
+        drive: gives the torque on the one driver; None: nothing drives it, its speed is prescribed, or the linkage has several drivers.
+        prescribed: the speed at which the one driver is held, whatever torque that takes; None: it is not held.
         flywheel: on the drive's side of the clutch.
         clutch: between drive and flywheel, and the crank; None: they turn together.
         brake: on the crank.
@@ -179,7 +189,7 @@ class DrivenPress:
 
     @property
     def timed(self) -> bool:
-        """Whether anything depends on more than crank angle and speed, or jumps at a speed: no period is solved at once then."""
+        """Whether anything depends on more than crank angle and speed, or jumps at a speed. Periods cannot be solved at once then."""
         switched = self.clutch is not None or self.brake is not None or any(force.time is not None for force in self.forces)
         return switched or (self.drive is not None and (self.drive.timed or self._jumps))
 
@@ -198,8 +208,8 @@ class DrivenPress:
 
     @cached_property
     def switch_angles(self) -> tuple[Array, ...]:
-        """What is known in angle: crank angles in the model's range at which a force is not smooth, (k,) of each border of its intervals
-        and of the turns of its coordinate [rad]."""
+        """Crank angles in the model's range at which a force is not smooth: (k,) of each border of its intervals, and of the turns of its
+        coordinate [rad]."""
         found = []
         for force in self.forces:
             row, borders = COORDINATES + force.row, force.borders()
@@ -210,7 +220,7 @@ class DrivenPress:
 
     @cached_property
     def switch_times(self) -> tuple[float, ...]:
-        """What is known in time: instants at which a force or a coupling is not smooth [s]."""
+        """Instants at which a force or a coupling is not smooth [s]."""
         times = [edge for force in self.forces for edge in force.edges]
         for coupling in (self.clutch, self.brake):
             for at in () if coupling is None else (coupling.closes, coupling.opens):
@@ -220,7 +230,7 @@ class DrivenPress:
 
     @cached_property
     def corners(self) -> tuple[float, ...]:
-        """What is known in speed: speeds of the drive's shaft at which its torque is not smooth, those of the first scenario [rad/s]."""
+        """Speeds of the drive's shaft at which its torque is not smooth, those of the first scenario [rad/s]."""
         return () if self.drive is None else tuple(float(np.ravel(speed)[0]) for speed, _ in corners_of(self.drive))
 
 
@@ -228,9 +238,9 @@ def driven_press(press: Linkage, drive: object, flywheel: object, loads: Sequenc
     """A press with one driver, and all that acts on it.
 
     Raises:
-        PinpressError: an argument of the wrong kind, or one that does not go with another; a load that cannot be simulated; heights to be
-            measured from a bottom dead centre that is not there.
-        UnknownNameError: a load on a link that the linkage does not have.
+        PinpressError: an argument is of the wrong kind or contradicts another, a load cannot be simulated, or heights are to be measured
+            from a bottom dead centre that does not exist.
+        UnknownNameError: a load acts on a link that the linkage does not have.
     """
     _refuse_other_parts(drive, flywheel, clutch, brake)
     assert isinstance(drive, Drive | PrescribedSpeed | None)
@@ -293,7 +303,7 @@ def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Se
 
 
 def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[str, Any]:
-    """What is given for each driver; argument ``name``, of this kind."""
+    """The mapping from driver joints to parts that was given as argument ``name``, each part of this kind; empty where none was given."""
     by_joint = {} if given is None else given
     if not isinstance(by_joint, Mapping):
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give {name} as {{joint: {kind.__name__}}}")
@@ -327,7 +337,7 @@ def _of_loads(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate],
 
 
 def _of_load(press: Linkage, load: Load, row: int) -> tuple[Coordinate | None, GeneralizedForce | None]:
-    """The force of a load, None where it does nothing, and its own coordinate, None where it acts along the slide's. ``row``: of such a
+    """The coordinate of a load, None where it acts along the slide's, and its force, None where it does nothing; ``row``: of a new
     coordinate."""
     if isinstance(load, PointForce):
         return _point_force(press, load, row)

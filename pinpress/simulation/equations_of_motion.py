@@ -32,9 +32,9 @@ class Dynamics(Protocol):
     """The linkage as it is integrated: its crank alone, or all its joints.
 
     Attributes:
-        size: of position and speed.
-        crank: place of the crank in them.
-        alone: whether the crank is the only driver, so that the linkage rests where it does.
+        size: number of positions, and of speeds.
+        crank: place of the crank among them.
+        alone: whether the crank is the only driver, so that the linkage is at rest whenever the crank is.
     """
 
     size: int
@@ -42,23 +42,23 @@ class Dynamics(Protocol):
     alone: bool
 
     def at(self, position: Array, speed: Array) -> Any:
-        """What forces need of a state: an object with the crank's ``angle`` and ``speed``, and the ``coordinates``, (value, rate) each."""
+        """The state as forces need it: an object with the crank's ``angle`` and ``speed``, and the ``coordinates``, (value, rate) each."""
 
     def accelerations(self, instant: Any, torque: float, forces: Sequence[float], inertia: float) -> Any:
-        """Accelerations (size,) at an instant under a torque on the crank and forces along the coordinates, with inertia added to the
-        crank."""
+        """Accelerations (size,) in a state, as returned by `at`, under a torque on the crank and forces along the coordinates; ``inertia``:
+        added to the crank [kg m2]."""
 
     def of_crank(self, accelerations: Any) -> float:
-        """The crank's acceleration among these."""
+        """The crank's acceleration among these accelerations."""
 
     def stands(self, instant: Any, time: float) -> None:
-        """Raise where the crank rests and the links do not."""
+        """Raise SimulationError where the crank is at rest and the links are not."""
 
     def moved(self, position: Array, angle: float) -> tuple[Array, Array]:
-        """Positions a small angle of the crank away, and speeds that lead there."""
+        """Positions at a crank angle that is a small ``angle`` away, and speeds that lead there."""
 
     def project(self, position: Array, speed: Array) -> tuple[Array, Array] | None:
-        """The nearest state with closed loops; None where none can be open."""
+        """The nearest state with closed loops; None where no loop can be open."""
 
     def closed(self, position: Array, speed: Array) -> tuple[Array, Array]:
         """States (size, n) with their loops closed."""
@@ -68,7 +68,17 @@ class Dynamics(Protocol):
 
 
 class CrankState(NamedTuple):
-    """A state of the crank: angle, speed; coordinates with their rates; inertia I, I', V'; derivatives c' of the coordinates."""
+    """A state of the crank.
+
+    Attributes:
+        angle: [rad].
+        speed: [rad/s].
+        coordinates: their values and rates.
+        inertia: I [kg m2].
+        inertia_slope: I' [kg m2/rad].
+        weight: V' [N m].
+        levers: derivatives c' of the coordinates by the crank angle.
+    """
 
     angle: float
     speed: float
@@ -80,7 +90,8 @@ class CrankState(NamedTuple):
 
 
 class ReducedDynamics:
-    """The crank alone, by a reduced model: one position, the crank angle. Plain numbers: for one state NumPy takes longer."""
+    """The crank alone, by a reduced model, whose one position is the crank angle. It computes with Python's own numbers, because NumPy
+    takes longer for one state."""
 
     size, crank, alone = 1, 0, True
 
@@ -98,7 +109,7 @@ class ReducedDynamics:
         if period is not None:
             local -= (angle - borders[0]) // period * period
         if not borders[0] - LOOSE <= local <= borders[-1] + LOOSE:
-            count = self.table.coefficients.shape[1] - COORDINATES  # an integrator looks ahead: it shall try a shorter step
+            count = self.table.coefficients.shape[1] - COORDINATES  # NaN makes an integrator that looks ahead try a shorter step
             return CrankState(angle, rate, [(math.nan, math.nan)] * count, math.nan, math.nan, math.nan, [math.nan] * count)
         panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
         half = 0.5 * (borders[panel + 1] - borders[panel])
@@ -118,7 +129,7 @@ class ReducedDynamics:
 
     def accelerations(self, instant: CrankState, torque: float, forces: Sequence[float], inertia: float) -> float:
         total = instant.inertia + inertia
-        if not total > 0:  # no mass resists: an integrator shall try a shorter step
+        if not total > 0:  # no mass resists; NaN makes an integrator try a shorter step
             return math.nan
         for row, force in enumerate(forces):
             torque += force * instant.levers[row]
@@ -144,7 +155,15 @@ class ReducedDynamics:
 
 
 class LinkageState(NamedTuple):
-    """A state: the first driver's angle and speed, coordinates with their rates, joint coordinates and rates (nv,)."""
+    """A state of all joints.
+
+    Attributes:
+        angle: of the first driver [rad].
+        speed: of the first driver [rad/s].
+        coordinates: their values and rates.
+        x: (nv,) joint coordinates.
+        v: (nv,) joint rates.
+    """
 
     angle: float
     speed: float
@@ -157,7 +176,7 @@ class FullDynamics:
     """All joints, one state at a time by `ForwardDynamics`; loops are kept closed by projection after every step."""
 
     def __init__(self, press: Linkage, coordinates: Sequence[Coordinate], inertia: Array) -> None:
-        """Take over what does not change.
+        """Prepare what does not change with the state.
 
         Args:
             press: the linkage.
@@ -170,14 +189,14 @@ class FullDynamics:
         self.dynamics: dict[float, ForwardDynamics] = {}
         self.loops = self._with(float(inertia[0]))
         self.alone = len(self.drivers) == 1
-        # where the crank turns on the drawn assembly, all states at once are closed from its angles
+        # where the crank turns fully on the drawn assembly, all states are closed at once from its angles
         self.turns = self.alone and press.branch_through_change_points.period is not None
         self.change_points = press.branch_through_change_points.change_points if self.alone else ()
         # speeds of joints as those of points [m/s]
         self.units = np.array([press.size if axis.turns else 1.0 for axis in press.axes])
 
     def _with(self, inertia: float) -> "ForwardDynamics":
-        """The dynamics with this inertia on the crank: with the flywheel, or with an open clutch without it."""
+        """The dynamics with this inertia on the crank: with the flywheel, or without it while the clutch is open."""
         if inertia not in self.dynamics:
             armature = np.zeros(self.size)
             armature[self.drivers] = self.inertia
@@ -199,7 +218,7 @@ class FullDynamics:
             if (along := self._beside(instant.x)) is not None:
                 return self._with(inertia).acceleration_along(*along, instant.speed, efforts)
             return self._with(inertia).acceleration(instant.x, instant.v, efforts)
-        except PinpressError:  # an integrator looks ahead: it shall try a shorter step
+        except PinpressError:  # NaN makes an integrator that looks ahead try a shorter step
             return np.full(self.size, np.nan)
 
     def of_crank(self, accelerations: Array) -> float:
@@ -221,7 +240,7 @@ class FullDynamics:
 
     def _beside(self, position: Array) -> tuple[Array, Array, Array] | None:
         """Joint coordinates and their first two derivatives by the crank angle (nv,) beside a change point, where the equations of the
-        loops say too little; None elsewhere."""
+        loops do not determine them; None elsewhere."""
         for point in self.change_points:
             period = self.press.branch_through_change_points.period
             turns = 0.0 if period is None else round((position[self.crank] - point.angle) / period)
@@ -242,5 +261,5 @@ class FullDynamics:
         return states[0], states[1]
 
     def energy(self, y: Array) -> float:
-        """Kinetic energy of positions and speeds, one after the other [J]."""
+        """Kinetic energy [J]; ``y``: positions, followed by speeds."""
         return self.loops.energy(y[: self.size], y[self.size :])[0]

@@ -1,6 +1,6 @@
-"""What ends a mode of a `HybridSystem`: each event with its margin, and the mode that comes after.
+"""The events that end a mode of a `HybridSystem`: each with its margin and with the mode that follows.
 
-A margin is positive in the mode; where it falls below zero the event has come.
+A margin is positive in the mode; the event occurs where it falls below zero.
 """
 
 import math
@@ -19,21 +19,21 @@ AT_REST = 1e-9  # share of the run's largest crank speed: a slower crank has sto
 
 
 class Event(ABC):
-    """What ends a mode."""
+    """An event that ends a mode."""
 
     @abstractmethod
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
-        """How far it is away: positive in the mode, below zero once it has come."""
+        """How far the event is away: positive in the mode, below zero once it has occurred."""
 
     @abstractmethod
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
-        """Mode and vector after it.
+        """Mode and vector after the event.
 
         Args:
-            system: to which it happens.
+            system: in which it occurs.
             mode: that it ends.
-            time: at which it comes [s].
-            y: the vector then.
+            time: at which it occurs [s].
+            y: the vector at this time.
             fastest: largest crank speed of the run so far [rad/s].
 
         Raises:
@@ -42,7 +42,7 @@ class Event(ABC):
 
 
 def ending_events(system: HybridSystem, mode: Mode) -> tuple[Event, ...]:
-    """All that ends a mode."""
+    """All events that may end a mode."""
     couplings = [*_coupling_events(system, "clutch", mode.clutch), *_coupling_events(system, "brake", mode.brake)]
     if mode.standing:
         starts = () if mode.brake.grip is HOLDING else (PressStarts(1), PressStarts(-1))
@@ -56,7 +56,7 @@ def ending_events(system: HybridSystem, mode: Mode) -> tuple[Event, ...]:
 
 
 def margins_of(events: Sequence[Event], system: HybridSystem, mode: Mode, time: float, y: Array) -> list[float]:
-    """How far each of the events is away: positive in this mode; where one falls below zero the mode ends."""
+    """The margins of events at a time and vector."""
     at = system.at(y)
     return [event.margin(system, mode, time, y, at) for event in events]
 
@@ -94,7 +94,14 @@ def _coupling_events(system: HybridSystem, side: Side, mode: CouplingMode) -> li
 
 @dataclass(frozen=True, eq=False, slots=True)
 class BorderPassed(Event):
-    """The coordinate of a force leaves the interval between two of its borders."""
+    """The coordinate of a force leaves the interval between two of its borders.
+
+    Attributes:
+        force: index of the force.
+        row: of its coordinate.
+        border: value of the coordinate that is passed [m].
+        upwards: whether it is passed with a rising coordinate.
+    """
 
     force: int
     row: int
@@ -119,7 +126,13 @@ class BorderPassed(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CoordinateTurns(Event):
-    """The coordinate of a force that depends on its direction turns back: at a dead centre, or where the crank itself stops."""
+    """The coordinate of a force that depends on its direction turns back: at a dead centre, or where the crank itself stops.
+
+    Attributes:
+        force: index of the force.
+        row: of its coordinate.
+        rising: whether the coordinate has risen so far.
+    """
 
     force: int
     row: int
@@ -139,7 +152,7 @@ class CoordinateTurns(Event):
         return mode.with_force(self.force, force_mode(force, inside, not place.rising, value, rate)), y
 
     def _at_rest(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
-        if mode.brake.grip is SLIPPING:  # what happens at rest is for the brake to decide
+        if mode.brake.grip is SLIPPING:  # at rest the brake decides what happens
             return CouplingGrips("brake", mode.brake.sign).after(system, mode, time, y, 0.0)
         n, rest = system.dynamics.size, y.copy()
         rest[n : 2 * n] = 0.0
@@ -149,7 +162,15 @@ class CoordinateTurns(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ContactChanges(Event):
-    """A one-sided force would begin to pull, or begins to push again."""
+    """A one-sided force would begin to pull, or begins to push again.
+
+    Attributes:
+        force: index of the force.
+        row: of its coordinate.
+        datum: value of the coordinate from which the interval counts [m].
+        interval: that acts.
+        pushing: whether the force has pushed so far.
+    """
 
     force: int
     row: int
@@ -170,7 +191,13 @@ class ContactChanges(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CornerPassed(Event):
-    """The drive's shaft passes a speed at which its torque is not smooth."""
+    """The drive's shaft passes a speed at which its torque is not smooth.
+
+    Attributes:
+        corner: index of the corner.
+        speed: of the shaft there [rad/s].
+        side: +1 where the shaft has been faster so far, else -1.
+    """
 
     corner: int
     speed: float
@@ -188,7 +215,14 @@ class CornerPassed(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CouplingSwitched(Event):
-    """A clutch or brake closes, or opens for good, at its time or angle."""
+    """A clutch or brake closes, or opens for good, at its time or angle.
+
+    Attributes:
+        side: which of the two.
+        when: its time or angle.
+        way: +1 or -1, direction in which the crank has to pass that angle.
+        closes: whether it closes.
+    """
 
     side: Side
     when: SwitchPoint
@@ -211,7 +245,12 @@ class CouplingSwitched(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CouplingGrips(Event):
-    """Both sides of a slipping coupling have come to the same speed."""
+    """Both sides of a slipping coupling have come to the same speed.
+
+    Attributes:
+        side: which coupling.
+        sign: of its torque on the crank so far.
+    """
 
     side: Side
     sign: int
@@ -229,14 +268,20 @@ class CouplingGrips(Event):
         coupling: CouplingMode = getattr(mode, self.side)._replace(grip=HOLDING)
         mode = mode.with_coupling(self.side, coupling)
         held = system.holding_torque(self.side, mode, time, y, system.at(y))
-        if abs(held) > coupling.capacity(getattr(system.driven, self.side), time):  # it cannot hold: it slips on, the other way
+        if abs(held) > coupling.capacity(getattr(system.driven, self.side), time):  # it cannot hold, and slips on the other way
             mode = mode.with_coupling(self.side, coupling._replace(grip=SLIPPING, sign=sign_of(held)))
         return mode, y
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class CouplingSlips(Event):
-    """A holding coupling would have to transmit more than it can."""
+    """A holding coupling would have to transmit more than it can.
+
+    Attributes:
+        side: which coupling.
+        mode: of the coupling.
+        coupling: the coupling.
+    """
 
     side: Side
     mode: CouplingMode
@@ -254,7 +299,11 @@ class CouplingSlips(Event):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PressStarts(Event):
-    """The drive overcomes what holds a standing press in one direction."""
+    """The drive overcomes what holds a standing press in one direction.
+
+    Attributes:
+        way: +1 or -1, the direction.
+    """
 
     way: int
 
@@ -263,9 +312,9 @@ class PressStarts(Event):
         return STARTS * abs(back - forward) - self.way * (forward if self.way > 0 else back)
 
     def _tending(self, system: HybridSystem, mode: Mode, time: float, y: Array, way: int) -> float:
-        """Acceleration with which the crank would start one way."""
+        """Acceleration with which the crank would start in one direction [rad/s2]."""
         tried = system.starting(mode, y[: system.dynamics.size], way)
-        return system.acceleration(tried, time, system.at(y))  # seen anew: looking elsewhere has moved the linkage
+        return system.acceleration(tried, time, system.at(y))  # computed again: `starting` has moved the linkage
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
         return system.starting(mode, y[: system.dynamics.size], self.way)._replace(standing=False), y
@@ -277,5 +326,5 @@ def _relative_speed(side: Side, at: Snapshot) -> float:
 
 
 def _released(system: HybridSystem, side: Side, mode: Mode, time: float, y: Array, at: Snapshot) -> tuple[Mode, Array]:
-    """Mode after a coupling holds no longer: a press that a brake held at rest starts, or stands by its loads."""
+    """Mode and vector after a coupling has released: a press that a brake held at rest starts, or is held by its loads."""
     return system.placed(mode, time, y) if side == "brake" and not at.linkage.speed else mode, y

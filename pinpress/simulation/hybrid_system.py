@@ -1,7 +1,7 @@
 """A driven press as equations over time that switch: its modes, the rates in a mode, and how it stands.
 
-In a mode everything is smooth: each force keeps to its interval, each coupling to its grip, the drive to one side of every corner of its
-torque, also where an integrator looks beyond. What ends a mode: see `events`. A brake is a coupling to the frame, whose speed is zero.
+In a mode everything is smooth: each force keeps its interval, each coupling its grip, and the drive its side of every corner of its torque,
+even where an integrator looks beyond the end of the mode. Modes end at `events`. A brake is a coupling to the frame, whose speed is zero.
 """
 
 import math
@@ -26,7 +26,13 @@ LITTLE = 1e-7  # crank angle looked ahead to see into which interval a force goe
 
 
 class Snapshot(NamedTuple):
-    """A state as forces see it: what `Dynamics.at` gives, speed of the drive's shaft, the drive's states."""
+    """A state as forces see it.
+
+    Attributes:
+        linkage: as `Dynamics.at` returns it.
+        shaft_speed: of the drive's shaft [rad/s].
+        states: of the drive.
+    """
 
     linkage: Any
     shaft_speed: float
@@ -40,7 +46,7 @@ Side = Literal["clutch", "brake"]
 
 
 class Grip(Enum):
-    """What a clutch or brake does."""
+    """The state of a clutch or brake."""
 
     OPEN = "open"
     SLIPPING = "slipping"
@@ -54,11 +60,11 @@ class CouplingMode(NamedTuple):
     """Mode of a clutch or brake.
 
     Attributes:
-        grip: what it does.
+        grip: whether it is open, slips or holds.
         sign: of its torque on the crank while it slips.
-        since: when it closed [s].
+        since: time at which it closed [s].
         spent: whether it has opened for good.
-        way: +1 or -1, in which the crank has to pass the angle that switches it.
+        way: +1 or -1, direction in which the crank has to pass the angle that switches it.
     """
 
     grip: Grip
@@ -77,7 +83,15 @@ class CouplingMode(NamedTuple):
 
 
 class ForceMode(NamedTuple):
-    """Where a force is: between two values of its coordinate, which rises or falls; the interval that acts there; whether that pushes."""
+    """Mode of a force.
+
+    Attributes:
+        low: value of its coordinate at which the mode ends [m].
+        high: the same above [m].
+        rising: whether the coordinate rises.
+        interval: that acts there; None where none does.
+        pushing: whether the force pushes; False where a contact is lost.
+    """
 
     low: float
     high: float
@@ -87,14 +101,14 @@ class ForceMode(NamedTuple):
 
 
 class Mode(NamedTuple):
-    """All that is switched.
+    """Everything that switches.
 
     Attributes:
-        clutch: its mode; of one that is missing: holding.
-        brake: its mode; of one that is missing: open.
-        forces: of every force; None of one in time.
-        sides: +1 or -1, on which side of the corners of its torque the drive runs.
-        standing: whether the press stands, held by loads that resist either way.
+        clutch: mode of the clutch; a press without one has one that holds.
+        brake: mode of the brake; a press without one has one that is open.
+        forces: mode of every force; None of a force in time.
+        sides: for each corner of the drive's torque +1 where its shaft is faster, -1 where it is slower.
+        standing: whether the press stands, held by loads that resist both directions.
     """
 
     clutch: CouplingMode
@@ -129,8 +143,15 @@ def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: floa
 
 
 def _at_start(coupling: Coupling | None, angle: float, speed: float, relative: float, missing: Grip) -> CouplingMode:
-    """Mode of a coupling at the start, at a speed ``relative`` to the crank. A coupling that is not there does for good what ``missing``
-    says."""
+    """Mode of a coupling at the start.
+
+    Args:
+        coupling: the coupling; None where the press has none.
+        angle: of the crank [rad].
+        speed: of the crank [rad/s].
+        relative: speed of the coupling's other side less that of the crank [rad/s].
+        missing: grip of a coupling that the press does not have.
+    """
     if coupling is None:
         return CouplingMode(missing)
     at = coupling.closes or coupling.opens
@@ -201,8 +222,12 @@ class HybridSystem:
         return Snapshot(linkage, linkage.speed, states) if self.driven.clutch is None else Snapshot(linkage, states[-1], states[:-1])
 
     def driving(self, times: Array, columns: Array) -> tuple[Array, Array, Array]:
-        """Torque of the drive, and of its motor at its own shaft [N m], and the speed of the drive's side of the clutch [rad/s], (n,) each,
-        of vectors (len(y), n) at times (n,)."""
+        """Torque of the drive, torque of its motor at its own shaft [N m], and speed of the drive's side of the clutch [rad/s], (n,) each.
+
+        Args:
+            times: (n,) [s].
+            columns: (len(y), n) vectors at these times.
+        """
         n, drive, crank = self.dynamics.size, self.driven.drive, self.dynamics.crank
         own = columns[n + crank] if self.driven.clutch is None else columns[-len(INTEGRALS) - 1]
         if drive is None:
@@ -213,7 +238,8 @@ class HybridSystem:
         return torque, motor, own
 
     def past_corner(self, mode: Mode, y: Array) -> Mode:
-        """The mode in which the drive is on the side of every corner to which its speed tends."""
+        """The mode in which the drive has passed to the other side of the corner that its shaft has reached; at the start each side is set
+        by the speed."""
         corners = self.driven.corners
         if not corners:
             return mode
@@ -281,7 +307,8 @@ class HybridSystem:
         return self.driven.clutch is not None or self.driven.brake is not None
 
     def _forces(self, mode: Mode, time: float, linkage: Any) -> tuple[list[float], float, float, float]:
-        """The forces along every coordinate, the power that they take, that of further drives, and the square of these motors' torque."""
+        """The forces along every coordinate, the power taken by loads, the power of further drives, and the sum of the squares of these
+        drives' motor torques."""
         forces, taken, put_in, squared = [0.0] * len(linkage.coordinates), 0.0, 0.0, 0.0
         for force, place in zip(self.driven.forces, mode.forces, strict=True):
             value, rate = linkage.coordinates[force.row]
@@ -305,7 +332,7 @@ class HybridSystem:
         return 0.0 if drive is None else drive.torque(at.shaft_speed, at.linkage.angle, time, at.states)
 
     def acceleration(self, mode: Mode, time: float, at: Snapshot, more: float = 0.0) -> float:
-        """Acceleration of a crank that is free to turn, with ``more`` torque on it."""
+        """Acceleration of the crank where it is free to turn [rad/s2]; ``more``: additional torque on it [N m]."""
         driven = self.driven
         forces = self._forces(mode, time, at.linkage)[0]
         through, braking = self._friction(mode, time)
@@ -330,10 +357,10 @@ class HybridSystem:
     # Standstill
 
     def placed(self, mode: Mode, time: float, y: Array) -> Mode:
-        """The mode with every force put where it is; at rest the way is that in which the crank starts.
+        """The mode with every force in its interval; at rest it is that of the direction in which the crank starts.
 
         Raises:
-            SimulationError: the loads hold the press from both sides, and nothing that depends on time can change that.
+            SimulationError: the loads hold the press in both directions, and nothing that depends on time can change that.
         """
         mode = mode._replace(standing=False)
         n = self.dynamics.size
@@ -366,11 +393,11 @@ class HybridSystem:
         return drives or any(force.time is not None for force in driven.forces)
 
     def starting(self, mode: Mode, position: Array, way: float) -> Mode:
-        """The mode in which every force is where it is when the crank starts from rest, one way or the other."""
+        """The mode in which every force is in its interval when the crank starts from rest; ``way``: +1 or -1, the direction."""
         return self._placed_at(mode, *self.dynamics.moved(position, way * LITTLE), moving=False)
 
     def _placed_at(self, mode: Mode, position: Array, speed: Array, moving: bool) -> Mode:
-        """The mode in which every force is where it is at a state a little ahead."""
+        """The mode in which every force is in its interval at a state a little ahead."""
         linkage = self.dynamics.at(position, speed)
         places = []
         for force, place in zip(self.driven.forces, mode.forces, strict=True):
@@ -387,8 +414,8 @@ class HybridSystem:
         ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.driven.forces) else (0.0,)
         for way in ways:
             tried = self.starting(mode, y[: self.dynamics.size], way) if way else mode
-            here = self.at(y)  # anew: looking elsewhere has moved the linkage
+            here = self.at(y)  # computed again: `starting` has moved the linkage
             free, pushed = self.acceleration(tried, time, here), self.acceleration(tried, time, here, more=1.0)
             needed.append(-free / (pushed - free))  # the torque that leaves the crank at rest
-        # at rest a load of one direction takes anything up to its force: it is the least that the brake has to hold
+        # at rest a load of one direction takes any force up to its own, so that the brake has to hold the least torque of the two
         return 0.0 if min(needed) <= 0 <= max(needed) else min(needed, key=abs)

@@ -1,10 +1,10 @@
-"""The one-degree-of-freedom reduction: what a linkage with one driver is to its crank, over the crank angle.
+"""The one-degree-of-freedom reduction: inertia, potential energy and lengths of a linkage with one driver, over the crank angle.
 
     (I + J) w' + I' w^2 / 2 + V' = torque + sum F c'
 
 with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and
 forces F along coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are
-sampled where Gauss's quadrature wants them and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to
+sampled at the nodes of Gauss's quadrature and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to
 rounding is halved. Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
 """
 
@@ -44,10 +44,10 @@ class ReducedModel:
 
     Attributes:
         borders: (p + 1,) of the panels, rising [rad].
-        coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel: inertia [kg m2], potential energy about the middle of its
-            range [J], coordinates [m].
-        period: crank angle after which all comes again [rad]; None where the crank cannot turn so far.
-        evaluations: states of the linkage that were worked out.
+        coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel. Rows are inertia [kg m2], potential energy about the middle
+            of its range [J], its derivative by the crank angle [N m], coordinates [m].
+        period: crank angle after which all repeats itself [rad]; None where the crank cannot turn that far.
+        evaluations: states of the linkage that were computed.
     """
 
     borders: Array
@@ -57,7 +57,7 @@ class ReducedModel:
 
     @cached_property
     def potential_range(self) -> float:
-        """Range of the potential energy, by the middles of the panels [J]."""
+        """Range of the potential energy over the middles of the panels [J]."""
         return float(np.ptp(self.coefficients[:, POTENTIAL, 0]))
 
     @cached_property
@@ -68,10 +68,10 @@ class ReducedModel:
         return float(inertia.min()), float(angles[int(inertia.argmin())])
 
     def local(self, angle: Array) -> Array:
-        """Crank angles brought into the table's range.
+        """Crank angles moved by whole periods into the model's range.
 
         Raises:
-            SimulationError: the crank cannot turn as far.
+            SimulationError: the crank cannot turn that far.
         """
         first = self.borders[0]
         if self.period is not None:
@@ -82,7 +82,7 @@ class ReducedModel:
         return np.clip(angle, first, self.borders[-1])
 
     def at(self, angle: Array, derivative: bool = True) -> tuple[Array, Array]:
-        """Rows (rows, ...) at crank angles (...) and their derivatives by the crank angle."""
+        """Rows (rows, ...) at crank angles (...), and their derivatives by the crank angle, which are zero without ``derivative``."""
         local = self.local(angle)
         panel = np.clip(self.borders.searchsorted(local, side="right") - 1, 0, len(self.borders) - 2)
         half = 0.5 * (self.borders[panel + 1] - self.borders[panel])
@@ -100,7 +100,7 @@ class ReducedModel:
 
 
 def lock_reached(model: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
-    """The error of a motion that leaves a model without a period, where the linkage locks."""
+    """The error of a motion that leaves the range of a model without a period: the linkage locks there."""
     low, high = np.degrees([model.borders[0], model.borders[-1]])
     return failure("runs against a lock", time, angle, low=low, high=high)
 
@@ -116,11 +116,12 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
 
     Args:
         press: the linkage.
-        coordinates: lengths of the linkage that are kept with it.
-        panels: how many of equal width, whether these resolve it or not; by default as many as do.
+        coordinates: lengths of the linkage that the model holds too.
+        panels: number of panels of equal width, whether these resolve it or not; by default panels are halved until they do.
 
     Raises:
-        SingularityError, AssemblyError: see `Linkage.branch`.
+        SingularityError: see `Linkage.branch`.
+        AssemblyError: see `Linkage.branch`.
     """
     branch = press.branch_through_change_points
     period = None if branch.period is None else branch.period * _periods(press, branch.gain_per_period)
@@ -149,18 +150,18 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
 
 
 class _Sizes:
-    """Sizes of the rows of a reduced model, over all panels seen so far, beside which the polynomials' last terms count."""
+    """Sizes of the rows of a reduced model over all panels so far, with which the polynomials' last terms are compared."""
 
     def __init__(self, coordinates: int) -> None:
         self.scale = np.zeros(COORDINATES + coordinates)
         self.lowest, self.highest = np.inf, -np.inf
 
     def missed(self, values: Array) -> Array:
-        """What polynomials through values (rows, p, q) on p panels miss (p,), beside the sizes of the rows."""
+        """(p,) what polynomials through values (rows, p, q) on p panels miss, as a share of the sizes of the rows."""
         self.scale = np.maximum(self.scale, np.abs(values).max(axis=(1, 2)))
         self.lowest = np.minimum(self.lowest, values[POTENTIAL].min())
         self.highest = np.maximum(self.highest, values[POTENTIAL].max())
-        # Of a balanced press the potential energy is constant, and its slope rounding of the links' shares in it.
+        # The potential energy of a balanced press is constant, and its slope the rounding of the links' parts.
         least = HEIGHT * float(max(abs(self.lowest), abs(self.highest)))
         self.scale[WEIGHT] = max(float(self.scale[WEIGHT]), least)
         self.scale[POTENTIAL] = max(float(self.highest - self.lowest), least)
@@ -171,20 +172,20 @@ class _Sizes:
 
 
 def _centred(polynomials: Array) -> Array:
-    """Polynomials (p, rows, q) whose potential energy is zero in the middle of its range, and without a range zero throughout."""
+    """Polynomials (p, rows, q) whose potential energy is zero in the middle of its range; it is zero throughout where it is constant."""
     values = polynomials[:, POTENTIAL, 0]
     middle, flat = 0.5 * float(values.min() + values.max()), bool(np.ptp(values) <= FLAT * np.abs(values).max())
-    polynomials[:, POTENTIAL, 0] -= middle  # its zero means nothing; this way no digits are lost to it
+    polynomials[:, POTENTIAL, 0] -= middle  # its zero is arbitrary, and this one costs no digits
     if flat:
         polynomials[:, [POTENTIAL, WEIGHT]] = 0.0
     return polynomials
 
 
 def _periods(press: Linkage, advance: Array) -> int:
-    """Periods of the loops after which all is as before: a geared shaft on no loop may come back later, and its weight with it.
+    """Periods of the loops after which all is as before. A geared shaft that is on no loop may come back later, and its weight with it.
 
     Raises:
-        SimulationError: it does not within `MOST_TURNS`.
+        SimulationError: the shaft is not back within `MOST_TURNS`.
     """
     count = periods_until_back(advance[[axis.turns for axis in press.axes]])
     if count is not None:
@@ -193,7 +194,7 @@ def _periods(press: Linkage, advance: Array) -> int:
 
 
 def sample_rows(press: Linkage, angles: Array, coordinates: Sequence[Coordinate]) -> Array:
-    """Rows (rows, n) at crank angles (n,)."""
+    """Rows (rows, n) of the model at crank angles (n,), computed from the linkage."""
     motion = motion_through_change_points(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
     kinetic, potential, weight = press.engine().energies(motion.states(press))
     return np.array([2 * kinetic, potential, weight, *(coordinate(motion) for coordinate in coordinates)])
@@ -205,7 +206,7 @@ def energies(press: Linkage, motion: Motion) -> tuple[Array, Array]:
 
 
 def roots(table: ReducedModel, row: int, level: float, slope: bool = False) -> Array:
-    """Crank angles in the table's range at which a row, or its ``slope``, passes through a level."""
+    """Crank angles in the model's range at which a row, or its ``slope``, passes through a level."""
     coefficients = table.coefficients[:, row]
     if slope:
         coefficients = coefficients[:, 1:] * np.arange(1, coefficients.shape[1])
@@ -218,7 +219,7 @@ def roots(table: ReducedModel, row: int, level: float, slope: bool = False) -> A
         polynomial[0] -= level
         x = polynomial_root(polynomial, float(samples[place]), float(samples[place + 1]))
         found.append(table.borders[panel] + 0.5 * (1 + x) * (table.borders[panel + 1] - table.borders[panel]))
-    # one that lies on a border between panels may show in neither
+    # a root on a border between two panels may show in neither of them
     ends = np.flatnonzero(above[:-1, -1] != above[1:, 0]) + 1
     if table.period is not None and above[-1, -1] != above[0, 0]:
         ends = np.append(ends, 0)
