@@ -1,7 +1,7 @@
-"""Many scenarios at once: speeds, and the parameters of drives, flywheels and loads that are declared so, one value for each scenario.
+"""Many scenarios at once, which differ in their speeds and in parameters of drives, flywheels and loads that are declared with scenarios.
 
 All scenarios of a press run over the same crank angles, so that one period of all of them is solved as one array (see `collocation`). A
-scenario that stops, that depends on more than angle and speed, or whose energy does not balance so, is simulated on its own.
+scenario is simulated on its own if it stops, depends on more than angle and speed, or does not balance its energy this way.
 """
 
 from __future__ import annotations
@@ -54,12 +54,12 @@ class RunBatch(Tabular):
 
     Attributes:
         time: (n,) [s].
-        crank_angle: (n, S) [rad]; of one that stalls, at rest where it did.
+        crank_angle: (n, S) [rad]; a scenario that stalls rests where it stopped.
         crank_speed: (n, S) [rad/s].
         drive_work: (S,) of the drive over the whole run [J].
         load_work: (S,) against the loads over the whole run [J].
-        energy_error: (S,) as of `Stats`, from the states at start and end.
-        errors: (S,) why a scenario stalled or could not go on, None of all others.
+        energy_error: (S,) as in `Stats`, from the states at start and end.
+        errors: (S,) errors of scenarios that stalled or could not go on; None for all others.
         wall_time: of the whole call [s].
     """
 
@@ -97,13 +97,13 @@ class RunBatch(Tabular):
         return len(self.errors)
 
     def __getitem__(self, k: int) -> Run:
-        """Scenario k, simulated once more with all that a `Run` has. Raises what stopped it."""
+        """Scenario k as a `Run`, for which it is simulated again. Raises the error that stopped it."""
         if not is_whole_number(k) or not -len(self) <= k < len(self):
             raise UnknownScenarioError(k, len(self))
         return self._scenarios.alone(int(k) % len(self))
 
     def __iter__(self) -> Iterator[Run]:
-        """The runs one after the other. Raises what stopped one."""
+        """The runs one after the other. Raises the error that stopped one."""
         return (self[k] for k in range(len(self)))
 
     @property
@@ -128,8 +128,8 @@ def simulate_batch(
 ) -> RunBatch:
     """Let a press with one driver run in S scenarios at once.
 
-    ``speed``, and the parameters of drive, flywheel and loads that may differ between scenarios, are (S,), or one number for all. A drive,
-    flywheel or load of your own declares such fields with `parameter` (``scenarios=True``).
+    ``speed``, and the parameters of drive, flywheel and loads that may differ between scenarios, are (S,), or one number for all. Your own
+    drive, flywheel or load declares such fields with `parameter` (``scenarios=True``).
 
     Args:
         press: the linkage.
@@ -137,16 +137,16 @@ def simulate_batch(
         speed: of the crank at the start [rad/s], one number or (S,).
         angle: of the crank at the start, the same in all scenarios [rad].
         drive: what turns the crank, see `pinpress.drives`; None: nothing.
-        flywheel: its inertia at the driver joint; None: none.
+        flywheel: its inertia stands at the driver joint; None: none.
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
         points: number of states returned; by default 121.
-        tolerance: of the error of a step, beside 1 rad and the speeds of the crank.
+        tolerance: error accepted of a step, relative to 1 rad and to the speeds of the crank.
 
     Returns:
         The batch. A scenario that stalls has its error in ``errors``, and rests where it stopped.
 
     Raises:
-        PinpressError: an argument that makes no sense, or arrays for different numbers of scenarios.
+        PinpressError: an argument makes no sense, or arrays are for different numbers of scenarios.
         SimulationError: the crank would make too many turns.
     """
     began = clock.perf_counter()
@@ -170,7 +170,7 @@ def simulate_batch(
 
 
 def _speeds(speed: ArrayLike, parts: Sequence[Any]) -> Array:
-    """(S,) speeds at the start [rad/s]. S is the length of the arrays that are given, 1 where there are none."""
+    """(S,) speeds at the start [rad/s]. S is the length of the arrays that are given, 1 where none is given."""
     wanted = "one finite number, or (S,) of them [rad/s]"
     given = suitable_numbers("speed", speed, wanted, None, lambda values: values.ndim < 2 and values.size)
     counts = {} if given.ndim == 0 else {"speed": len(given)}
@@ -188,7 +188,7 @@ def _is_number(value: Any) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Scenarios:
-    """The scenarios that are to be simulated.
+    """The scenarios to simulate.
 
     Attributes:
         press: the linkage.
@@ -197,7 +197,7 @@ class _Scenarios:
         speeds: (S,) of the crank at the start [rad/s].
         parts: drive, flywheel and loads, with the values of all scenarios.
         points: number of states.
-        tolerance: as of `simulate`.
+        tolerance: as in `simulate`.
     """
 
     press: Linkage
@@ -214,7 +214,7 @@ class _Scenarios:
         return driven_press(self.press, drive, flywheel, loads, None, None)
 
     def alone(self, k: int, end: float | None = None) -> Run:
-        """Simulate scenario k: up to a time with two states, or like the others to the end with all states."""
+        """Simulate scenario k to the end with all states, or with two states up to the time ``end``."""
         drive, flywheel, *loads = (pick_scenarios(part, k) for part in self.parts)
         until, points = (self.until, self.points) if end is None else (end, 2)
         return simulate(
@@ -231,7 +231,7 @@ class _Scenarios:
 
 
 def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
-    """Solve those scenarios together that can be, and the others one by one."""
+    """Solve the scenarios, as many as possible together and the others one by one."""
     count, times = len(scenarios.speeds), np.linspace(0.0, scenarios.until, scenarios.points)
     angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((2, count))
     errors: list[SimulationError | None] = [None] * count
@@ -251,7 +251,7 @@ def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
 
 
 def _blocks(speeds: Array) -> Iterator[Indices]:
-    """Scenarios that are solved together: of one direction of travel, and not too many."""
+    """Groups of scenarios that are solved together: of one direction of travel, and not too many."""
     for direction in (1, -1):
         ones = np.flatnonzero(np.sign(speeds) == direction)
         for start in range(0, len(ones), AT_ONCE):
@@ -263,7 +263,7 @@ Alone = tuple[Array, Array, tuple[float, float], float, SimulationError | None]
 
 
 def _solved_alone(scenarios: _Scenarios, k: int, times: Array) -> Alone:
-    """A scenario on its own; one that stalls is at rest from there on, with works and energy error up to there."""
+    """A scenario on its own. One that stalls is at rest from there on, with works and energy error up to there."""
     try:
         run = scenarios.alone(k)
     except SimulationError as error:
@@ -272,6 +272,7 @@ def _solved_alone(scenarios: _Scenarios, k: int, times: Array) -> Alone:
 
 
 def _up_to(error: SimulationError, scenarios: _Scenarios, k: int, times: Array) -> Alone:
+    """Scenario k up to its error, and at rest afterwards."""
     end = 0.0 if error.time is None else error.time * (1 - 1e-9)
     stopped = scenarios.angle if error.crank_angle is None else error.crank_angle
     angles, speeds = np.full(len(times), stopped), np.zeros(len(times))
@@ -280,7 +281,7 @@ def _up_to(error: SimulationError, scenarios: _Scenarios, k: int, times: Array) 
         return angles, speeds, (0.0, 0.0), 0.0, error
     try:
         run = scenarios.alone(k, end)
-    except SimulationError:  # it does not even get there: at rest from the start
+    except SimulationError:  # it does not get that far again: at rest from the start
         return np.full(len(times), scenarios.angle), speeds, (0.0, 0.0), 0.0, error
     sample = run.trajectory.at(times[before])
     angles[before], speeds[before] = sample.position[0], sample.speed[0]
@@ -296,12 +297,12 @@ class BatchSolver:
     Attributes:
         angle: (n, S) of the crank at the times [rad].
         speed: (n, S) of the crank at the times [rad/s].
-        works: (2, S) of the drive, and against the loads [J].
+        works: (2, S) works of the drive, and works against the loads [J].
         alone: (S,) whether a scenario has to be run on its own.
     """
 
     def __init__(self, driven: DrivenPress, angle: float, speed: Array, times: Array) -> None:
-        """Begin at a crank angle, with speeds (S,) of which none is zero; states are wanted at ``times`` (n,)."""
+        """Begin at a crank angle [rad] with speeds (S,), all of one sign [rad/s]; ``times``: (n,) of the states wanted [s]."""
         self.driven, self.times = driven, times
         self.direction = 1 if speed[0] > 0 else -1
         self.first, self.begin = angle, speed
@@ -314,7 +315,7 @@ class BatchSolver:
         self.energy = 0.5 * (driven.model.at(np.array([angle]))[0][INERTIA, 0] + driven.inertia) * speed**2
 
     def run(self, tolerance: float) -> None:
-        """Run all to the last of the times, or mark them as ``alone``."""
+        """Run all scenarios to the last of the times, or mark them as ``alone``."""
         until, period = float(self.times[-1]), self.driven.model.period
         if self.driven.timed or not np.all(self.energy > 0) or self._contacts_heed_velocity or period is None:
             self.alone[:] = True
@@ -339,7 +340,7 @@ class BatchSolver:
         return any(interval.one_sided and interval.heeds_velocity for interval in intervals)
 
     def _advance(self, solution: CollocationSolution, passed: Array, going: Mask, until: float) -> None:
-        """Take over what a period holds, and go to its end."""
+        """Store the states and works of a period, and go to its end."""
         forces = self.drive_and_loads(solution)
         self._fill(solution, passed, going, until, forces)
         through = going & (passed[-1] < until)
@@ -350,7 +351,7 @@ class BatchSolver:
         self.energy = np.where(going, solution.ends[-1], self.energy)
 
     def _period(self, period: float, going: Mask, until: float, tolerance: float) -> tuple[CollocationSolution, Array]:
-        """The period solved well enough for all that are ``going``, and the times (p + 1, S) at its borders."""
+        """A period, resolved for all scenarios that are ``going``, and the times (p + 1, S) at its borders."""
         driven, guess = self.driven, None
         if self.before is not None:
             mesh, guess = self.before.mesh, self.before.energy
@@ -359,7 +360,7 @@ class BatchSolver:
         for _ in range(MOST_CUTS):
             solution = collocation.solve(driven, mesh, self.energy, guess)
             passed = np.concatenate([self.clock[None], panel_integrals(solution, 1 / solution.speed)]).cumsum(axis=0)
-            # what comes after the end of the run does not matter
+            # what follows the end of the run does not matter
             self.alone |= going & (stopping_panels(solution) & (passed[:-1] < until)).any(axis=0)
             which = np.flatnonzero(going & ~self.alone)
             if not len(which):
@@ -374,18 +375,18 @@ class BatchSolver:
         return solution, passed
 
     def _beside_rest(self, solution: CollocationSolution, passed: Array, until: float) -> Mask:
-        """Tell which scenarios (S,) come nearly to rest. Whether that rest is an unstable one is seen when they are run alone."""
+        """Which scenarios (S,) come nearly to rest. They are run alone, which shows whether that rest is unstable."""
         slow = nearly_at_rest(solution.energy, solution.force, self.driven.model.potential_range)
         return np.asarray((slow & (passed[:-1] < until)).any(axis=(0, 1)))
 
     def drive_and_loads(self, solution: CollocationSolution) -> list[tuple[int, Array]]:
-        """Forces of the drive along the travel, and of the loads against it, where there are any; each with its row in ``works``."""
+        """Forces of the drive along the travel, and of the loads against it, if there are any, each with its row in ``works``."""
         driven = self.driven
         driving = [(0, drive_torque(driven.drive, solution))] if driven.drive is not None else []
         return driving + ([(1, -solution.resisting)] if driven.forces else [])
 
     def _fill(self, solution: CollocationSolution, passed: Array, going: Mask, until: float, forces: list[tuple[int, Array]]) -> None:
-        """Fill in the states within a period, and of those that end here the work up to the end."""
+        """Fill in the states within a period, and for scenarios that end in it the work up to their end."""
         rule, mesh = gauss_rule(), solution.mesh
         scenario, place = self._within(passed, going, until)
         time = self.times[place]
@@ -404,7 +405,7 @@ class BatchSolver:
             self.works[k, of] += before + within
 
     def _within(self, passed: Array, going: Mask, until: float) -> tuple[Indices, Indices]:
-        """Scenarios and places among the times (m,) of all states within a period."""
+        """Scenarios (m,), and places (m,) among the times, of all m states within a period."""
         first = self.times.searchsorted(passed[0])
         last = np.where(passed[-1] >= until, len(self.times), self.times.searchsorted(passed[-1]))
         counts = np.where(going, last - first, 0)
@@ -412,7 +413,7 @@ class BatchSolver:
         return scenario, np.arange(len(scenario)) - np.repeat(counts.cumsum() - counts, counts) + first[scenario]
 
     def energy_error(self) -> Array:
-        """(S,) of those that are not ``alone``, from their states at start and end."""
+        """(S,) energy errors of those scenarios that are not ``alone``, from their states at start and end."""
         press, count = self.driven.press, len(self.begin)
         at, speed = np.concatenate([self.angle[[0, -1]], self.speed[[0, -1]]]).reshape(2, 2, count)
         at, speed = np.where(self.alone, self.first, at), np.where(self.alone, self.begin, speed)

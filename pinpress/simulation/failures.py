@@ -46,8 +46,8 @@ def failure(reason: str, time: float | None = None, crank_angle: float | None = 
 
     Args:
         reason: a key of the table.
-        time: at which it shows [s], if at any.
-        crank_angle: at which it shows [rad], if at any.
-        details: that its sentence names.
+        time: of the failure [s]; None where it belongs to no instant.
+        crank_angle: at the failure [rad]; None where it belongs to none.
+        details: values for the gaps in the sentence.
     """
     return SimulationError(REASONS[reason].format(**details), time, crank_angle, reason)

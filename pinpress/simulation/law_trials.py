@@ -1,11 +1,11 @@
-"""Drives and loads that a caller has written himself, tried before a simulation, and once more after it.
+"""Trials of a caller's own drives and loads before a simulation, and of a drive once more after it.
 
-A law is a function of what it declares to depend on, and of nothing else: of a drive the torque by its shaft's speed, and where it is
-``timed`` by angle, time and its own states too; of a load the force by height and velocity; of a `TimeForce` the force by time. Both
-methods of simulation rest on that, as they ask in different orders, one state at a time or many at once. So drives and loads are checked
-for what the protocols ask of them and tried before a run, and the torques of a run are asked for once more after it.
+A law is a function of what it declares to depend on, and of nothing else: the torque of a drive depends on its shaft's speed, and where it
+is ``timed`` on angle, time and its own states too; the force of a load on height and velocity; that of a `TimeForce` on time. Simulations
+rest on that, because they ask in different orders, one state at a time or many at once. Before a run, drives and loads are therefore
+checked against their protocols and tried; after it, the torques of the run are asked for again.
 
-How they are asked: see `caller_laws`. The library's own drives and loads are asked as they are.
+`caller_laws` says how they are asked. The library's own drives and loads are asked as they are.
 """
 
 import itertools
@@ -39,7 +39,7 @@ MOST_CONFIRMED = 100  # most states of a run at which a torque is asked again
 
 
 def asked_drive(drive: Any, speed: float) -> Any:
-    """A drive of a run that begins with about this crank speed: a caller's own one to be asked with care, anything else as it is."""
+    """A drive for a run that begins with about this crank speed: a caller's own drive as an `AskedDrive`, anything else as it is."""
     if isinstance(drive, Mapping):
         return {joint: asked_drive(one, speed) for joint, one in drive.items()}
     if _is_known(drive) or isinstance(drive, type) or not isinstance(drive, Drive):
@@ -48,7 +48,7 @@ def asked_drive(drive: Any, speed: float) -> Any:
 
 
 def _is_known(drive: object) -> bool:
-    """Whether a drive is one of the library's, or is asked with care already."""
+    """Whether a drive is one of the library's, or an `AskedDrive` already."""
     if isinstance(drive, Geared):
         return _is_known(drive.drive)
     return isinstance(drive, AskedDrive) or type(drive).__module__ == motors.__name__
@@ -61,10 +61,10 @@ OF_DRIVE = ("speed", "rad/s"), ("angle", "rad"), ("time", "s")
 
 @dataclass(frozen=True, eq=False)
 class AskedDrive(Asked):
-    """A caller's own drive, or a `Geared` one.
+    """A caller's own drive, or a `Geared` one, asked as `caller_laws` says.
 
     Attributes:
-        about: speed of the run [rad/s].
+        about: speed of the crank in the run, by size [rad/s].
     """
 
     about: float
@@ -178,12 +178,12 @@ def check_load(load: ProcessLoad | TimeForce) -> None:
 
 
 def _at_rest(interval: ForceInterval, height: float, shape: Any) -> Any:
-    """Force of an interval at a height, without speed, in the ``shape`` of a number or an array of any values."""
+    """Force of an interval at a height, at rest; ``shape``: a number or an array whose shape it gets."""
     return interval.force(height + 0.0 * shape, 0.0 * shape)
 
 
 def _law(what: str, law: Callable[[Any], Any], timed: bool) -> None:
-    """Ask a law with a number, and where it is to be solved over the crank angle with an array."""
+    """Ask a law with a number, and if it is not timed, so that it may be solved over the crank angle, with an array too."""
     number = _asked(what, lambda: law(1.0))
     if not np.all(np.isfinite(number)):
         raise PinpressError(f"{what} is {number}; give finite numbers")
@@ -198,7 +198,7 @@ def _law(what: str, law: Callable[[Any], Any], timed: bool) -> None:
 
 
 def _asked(what: str, ask: Callable[[], Any]) -> Any:
-    """An answer as an array of numbers."""
+    """An answer as an array of numbers; raises PinpressError where it is none, or cannot be computed."""
     try:
         with np.errstate(all="ignore"):
             return any_numbers(what, ask())
@@ -212,7 +212,7 @@ def _asked(what: str, ask: Callable[[], Any]) -> Any:
 
 
 def _try_drive(drive: AskedDrive) -> None:
-    """Raise PinpressError where a drive depends on more than it declares, or answers arrays otherwise than numbers."""
+    """Raise PinpressError where a drive depends on more than it declares, or gives other values for arrays than for numbers."""
     what, speeds, states, timed = name_of(drive), drive.about * SHARES, tuple(map(float, drive.state)), drive.timed
     if timed and len(drive.corners):
         raise PinpressError(f"{what}: corners is {shown(drive.corners)}; a drive that is timed has none: let corners be ()")
@@ -236,7 +236,8 @@ def _try_drive(drive: AskedDrive) -> None:
 
 
 def _try_load(load: AskedLoad) -> None:
-    """Raise PinpressError where a load depends on more than height, velocity and direction, or answers arrays otherwise than numbers."""
+    """Raise PinpressError where a load depends on more than height, velocity and direction, or gives other values for arrays than for
+    numbers."""
     for downwards in (True, False):
         once, again = load.intervals(downwards), load.intervals(downwards)
         if [(s.upper, s.lower, s.one_sided) for s in once] != [(s.upper, s.lower, s.one_sided) for s in again]:
@@ -255,14 +256,14 @@ def _try_load(load: AskedLoad) -> None:
 
 
 def _try_in_time(force: Callable[..., Any]) -> None:
-    """Raise PinpressError where a force in time depends on more than the time, or answers arrays otherwise than numbers."""
+    """Raise PinpressError where a force in time depends on more than the time, or gives other values for arrays than for numbers."""
     first = _in_turn("TimeForce: force", force, [(t,) for t in (0.0, *TIMES)], "let it depend on the time alone")
     _as_numbers("TimeForce: force", first, force(np.array([0.0, *TIMES])))
 
 
 def confirm_torques(drive: object, times: Array, angles: Array, speeds: Array, torques: Array) -> None:
-    """Raise PinpressError where the torques (n,) of a caller's drive in a run are not those that it gives for the same states (n,), one
-    after the other and backwards: what it depends on showed only there."""
+    """Raise PinpressError where the torques (n,) of a caller's drive in a run are not those that it gives when it is asked again at these
+    states (n,), one by one and backwards."""
     if not isinstance(drive, AskedDrive) or drive.timed:
         return
     some = np.unique(np.linspace(0, len(times) - 1, MOST_CONFIRMED).astype(int))[::-1]
@@ -276,7 +277,7 @@ def confirm_torques(drive: object, times: Array, angles: Array, speeds: Array, t
 
 
 def _in_turn(what: str, ask: Callable[..., Any], at: Sequence[tuple[Any, ...]], remedy: str) -> Array:
-    """Answers of a law, which must be the same when it is asked in another order."""
+    """Answers of a law; raises PinpressError where they differ when it is asked in another order."""
     first = np.array([ask(*one) for one in at], dtype=float)
     if _differ(first, [ask(*one) for one in reversed(at)][::-1]):
         raise PinpressError(f"{what} depends on what it was asked before: the same arguments give other values; {remedy}")

@@ -1,4 +1,4 @@
-"""A simulated motion: its states, how good they are, and what an engineer reads off it: speed drop, works, what the motor has to bear."""
+"""A simulated motion: its states, how accurate they are, and what an engineer reads off it: speed drop, works, and the motor's duty."""
 
 from __future__ import annotations
 
@@ -43,19 +43,19 @@ FIRST_STROKES = 5  # of more strokes it lists so many first ones, and the last o
 
 @dataclass(frozen=True, repr=False)
 class Stats(Record, units={"wall_time": "s", "closure_error": "m"}):
-    """What a run took, and how good it is.
+    """The cost of a run, and its accuracy.
 
     Attributes:
         method: the equations solved, "reduced" or "constraint".
-        solvers: what solved them, in the order in which they came: over the crank "angle"; over time "explicit" (DOP853), "implicit"
-            (Radau IIA) or by a "fixed step"; "repetition" of a swing; "standstill".
-        steps: of integration: panels over the crank angle, steps over time.
+        solvers: what solved them, in the order of use: over the crank "angle"; over time "explicit" (DOP853), "implicit" (Radau IIA) or by
+            a "fixed step"; "repetition" of a swing; "standstill".
+        steps: number of panels over the crank angle and steps over time.
         evaluations: of the equation of motion.
-        wall_time: of the whole call [s].
+        wall_time: duration of the whole call [s].
         closure_error: largest gap of a loop in the states returned [m].
-        energy_error: largest difference of kinetic and potential energy, worked out body by body from the states returned, and what drive
-            and loads have put in, as a part of the largest of the kinetic energy, the works and 1e-6 of the potential energy.
-        sensitivity: by how much more the crank angle goes astray than the start is moved, by an angle, or by a speed times the time, where
+        energy_error: largest difference between the energy of the states returned, computed body by body, and the works of drive and loads,
+            as a share of the largest of the kinetic energy, the works and 1e-6 of the potential energy.
+        sensitivity: factor by which the crank angle moves more than the start, moved by an angle, or by a speed times the duration, where
             the run passes close to an unstable rest; None where it does not.
     """
 
@@ -71,19 +71,19 @@ class Stats(Record, units={"wall_time": "s", "closure_error": "m"}):
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Run(Motion):
-    """A simulated motion: a `Motion` of n states at equal intervals of time, both ends included, and what happened besides.
+    """A simulated motion: a `Motion` of n states at equal intervals of time, both ends included, with torques and works.
 
     Attributes:
-        stats: see `Stats`.
+        stats: cost and accuracy.
         drive_torque: (n,) of the drive, at the driver joint [N m], positive along its axis; (n, drivers) where there are several drivers.
         drive_speed: (n,) of the shaft on which the drive acts, before the clutch if there is one, at the driver joint [rad/s]; (n, drivers)
             where there are several drivers.
         drive_work: (n,) work of the drive since the start [J].
         load_work: (n,) work against the loads since the start [J].
         lost: (n,) energy lost in clutch and brake since the start [J].
-        motor_squared: (n,) motor torque squared, summed up over time [N2 m2 s].
+        motor_squared: (n,) integral of the motor torque squared over time since the start [N2 m2 s].
         problem: what was simulated.
-        trajectory: the whole of its solution; ``trajectory.at(times)`` gives the states at any times (m,).
+        trajectory: the whole solution; ``trajectory.at(times)`` gives the states at any times (m,).
     """
 
     stats: Stats
@@ -101,7 +101,7 @@ class Run(Motion):
         return f"Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, method {self.stats.method!r}"
 
     def columns(self) -> dict[str, Array]:
-        """The motion's columns, then torque and speed of the drive, its work, that of the loads, and what clutch and brake have lost."""
+        """The motion's columns, followed by torque, speed and work of the drive, work of the loads, and losses in clutch and brake."""
         columns = super().columns()
         columns |= {"drive_torque [N m]": self.drive_torque, "drive_speed [rad/s]": self.drive_speed}
         columns |= {"drive_work [J]": self.drive_work, "load_work [J]": self.load_work}
@@ -109,7 +109,15 @@ class Run(Motion):
 
 
 def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | None, began: float, sensitivity: float | None = None) -> Run:
-    """Make a run of a trajectory: close its loops, and check its energy balance. A run of fixed steps may have any energy error."""
+    """The run of a trajectory, with closed loops, after its energy balance was checked. With fixed steps any energy error is accepted.
+
+    Args:
+        problem: what was simulated.
+        trajectory: its solution.
+        points: number of states; None: by the turns of the crank.
+        began: time of the clock at which the call began [s].
+        sensitivity: see `Stats`.
+    """
     driven = problem.driven
     times = np.linspace(0.0, problem.until, state_count(points, trajectory.turns))
     sample = trajectory.at(times)
@@ -134,7 +142,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
 
 
 def _closed(press: Linkage, times: Array, sample: Sample) -> Motion:
-    """The motion with its loops closed."""
+    """The motion of a sample at times (n,), with its loops closed."""
     position, speed, acceleration = sample.position, sample.speed, sample.acceleration
     if len(position) == 1:
         return motion_through_change_points(press, position[0], speed[0], acceleration[0], times)
@@ -142,7 +150,7 @@ def _closed(press: Linkage, times: Array, sample: Sample) -> Motion:
 
 
 def _driver_speeds(driven: DrivenPress, sample: Sample) -> Array:
-    """(drivers, n) speeds of what turns with the drives [rad/s]."""
+    """(drivers, n) speeds of the shafts on which the drives act [rad/s]."""
     return sample.speed[list(driven.press.driver_indices)] if len(driven.inertias) > 1 else sample.drive_speed[None]
 
 
@@ -171,23 +179,24 @@ def _audited(problem: SimulationProblem, motion: Motion, sample: Sample) -> floa
 
 
 def energy_error(kinetic: Array, potential: Array, drive_work: Array, load_work: Array, lost: Array) -> Array:
-    """Energy that is missing at n states, beside the largest of energy and works. Arrays are (n,), or (n, S) for scenarios [J]; works count
-    from the first state."""
+    """Energy that is missing at n states, as a share of `energy_size`. Arrays are (n,), or (n, S) for scenarios [J]; works count from the
+    first state."""
     missing = np.abs(kinetic + potential - (kinetic[0] + potential[0]) - (drive_work - load_work - lost))
     return np.asarray(missing / energy_size(kinetic, potential, drive_work, load_work, lost))
 
 
 def energy_size(kinetic: Array, potential: Array, *works: Array) -> Any:
-    """The largest of energy and works (n,), or (n, S) of scenarios [J]."""
+    """The largest of kinetic energy, works and a share of the potential energy [J]. Arrays are (n,), or (n, S) for scenarios [J]."""
     size = kinetic.max(axis=0)
     for work in works:
         size = np.maximum(size, np.abs(work).max(axis=0))
-    size = np.maximum(size, ROUNDED * np.abs(potential).max(axis=0))  # at rest all of it is the rounding of the potential energy
+    size = np.maximum(size, ROUNDED * np.abs(potential).max(axis=0))  # at rest all that is missing is rounding of the potential energy
     return np.where(size > 0, size, 1.0)
 
 
 def _rounding(driven: DrivenPress, times: Array, motion: Motion, own: Array) -> float:
-    """Work of a stiff drive that is not known, as rounding of its angle and speed (n,) makes its torque [J]."""
+    """Work of a drive that is uncertain, because its torque changes with the rounding of angle and speed [J]; ``own``: (n,) speeds of its
+    shaft [rad/s]."""
     drive = driven.drive
     if not isinstance(drive, Drive) or drive.state:
         return 0.0
@@ -199,7 +208,7 @@ def _rounding(driven: DrivenPress, times: Array, motion: Motion, own: Array) -> 
 
 
 def _torques(driven: DrivenPress, speed: Array) -> Array:
-    """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n)."""
+    """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n) [N m]."""
     press, torque = driven.press, np.zeros_like(speed)
     rows = {joint: k for k, joint in enumerate(press.driver_indices)}
     for force in driven.forces:
@@ -211,6 +220,7 @@ def _torques(driven: DrivenPress, speed: Array) -> Array:
 
 
 def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, stats: Stats, sample: Sample) -> Run:
+    """The run of a motion that is closed and checked."""
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     run = Run(
@@ -227,12 +237,12 @@ def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, 
 
 
 def allowed_error(tolerance: float) -> float:
-    """Largest energy error that a run with steps by error may have."""
+    """Largest energy error accepted of a run with steps by error."""
     return max(BALANCED, LOOSE * tolerance)
 
 
 def state_count(points: int | None, turns: float) -> int:
-    """States to return, from those asked for or from the turns."""
+    """Number of states to return: that asked for, or by the turns of the crank."""
     if points is None:
         return int(min(MOST_POINTS, max(POINTS, math.ceil(POINTS * turns)))) + 1
     return whole_number("points", points, 2, 10**7)
@@ -260,23 +270,23 @@ UNITS = {
 
 @dataclass(frozen=True, repr=False)
 class MotorDuty(Record, units=UNITS):
-    """What a stroke, or any other part of a run, asks of motor and flywheel.
+    """The duty of motor and flywheel in a stroke, or in any other part of a run.
 
     Attributes:
         start: [s].
         duration: [s].
         mean_speed: angle between start and end by the duration [rad/s].
-        highest_speed: of the crank, its size [rad/s].
-        lowest_speed: of the crank, its size [rad/s].
-        speed_drop: highest less lowest speed, beside the mean.
-        drive_work: of the drive on the crank's shaft [J].
-        load_work: against the loads [J].
-        lost: in clutch and brake [J].
-        flywheel_work: that flywheel and drive give off from the highest to the lowest speed, J (w1^2 - w2^2) / 2 [J].
-        recovery_time: from the lowest speed to the highest, the part taken for periodic [s].
-        motor_rms: of the motor's torque at its own shaft [N m].
-        motor_peak: of the motor's torque at its own shaft, its size [N m].
-        utilisation: rms by rated torque, the heating that a motor bears for good is 1; None where no rated torque is known.
+        highest_speed: largest size of the crank's speed [rad/s].
+        lowest_speed: smallest size of the crank's speed [rad/s].
+        speed_drop: highest less lowest speed, as a share of the mean.
+        drive_work: work of the drive on the crank's shaft [J].
+        load_work: work against the loads [J].
+        lost: energy lost in clutch and brake [J].
+        flywheel_work: work that flywheel and drive give off from the highest to the lowest speed, J (w1^2 - w2^2) / 2 [J].
+        recovery_time: time from the lowest speed to the highest, if the part were periodic [s].
+        motor_rms: root mean square of the motor's torque at its own shaft [N m].
+        motor_peak: largest size of the motor's torque at its own shaft [N m].
+        utilisation: rms by rated torque; at 1 the motor is as warm as it may be for good. None where no rated torque is known.
     """
 
     start: float
@@ -297,12 +307,17 @@ class MotorDuty(Record, units=UNITS):
 
 @typed
 def duty_cycle(run: Run, start: float = 0.0, end: float | None = None) -> MotorDuty:
-    """What a run asks of its motor and flywheel from one time to another, by default as a whole.
+    """The duty of motor and flywheel of a run.
 
     Extremes are those of 720 states a turn; works and means are exact.
 
+    Args:
+        run: of a press with one driver.
+        start: time from which on it counts [s].
+        end: time up to which it counts [s]; None: to the end of the run.
+
     Raises:
-        PinpressError: times that are not in the run, a linkage with several drivers.
+        PinpressError: the times are not in the run, or the linkage has several drivers.
     """
     _check(run)
     last = float(run.time[-1])
@@ -315,11 +330,13 @@ def duty_cycle(run: Run, start: float = 0.0, end: float | None = None) -> MotorD
 
 @typed
 def stroke_duties(run: Run) -> Records[MotorDuty]:
-    """One `MotorDuty` for each stroke, from the angle at which the run began on: for each full turn of the crank, or each several turns,
-    where gears bring the slide back only after these (`DeadCentres.turns`). None where the crank does not turn as far.
+    """One `MotorDuty` for each stroke, counted from the crank angle at the start of the run.
+
+    A stroke takes one turn of the crank, or several where gears bring the slide back only after these (`DeadCentres.turns`). There is none
+    where the crank does not turn that far.
 
     Raises:
-        PinpressError: a linkage with several drivers.
+        PinpressError: the linkage has several drivers.
     """
     _check(run)
     turns = stroke_turns(run.problem.driven.press)
@@ -328,7 +345,7 @@ def stroke_duties(run: Run) -> Records[MotorDuty]:
 
 
 def _stroke_ends(run: Run, period: float) -> Array:
-    """Times of the start and of the ends of the strokes, each of which takes a ``period`` of the crank; none where there is no stroke."""
+    """Times of the start and of the ends of the strokes; none where there is no stroke. ``period``: crank angle of a stroke [rad]."""
     travelled = run.crank_angle - run.crank_angle[0]
     first = np.flatnonzero(travelled)
     if not len(first):
@@ -352,7 +369,7 @@ def _stroke_ends(run: Run, period: float) -> Array:
 
 
 def _check(run: Run) -> None:
-    """Raise PinpressError where it is no run of one driver."""
+    """Raise PinpressError where it is no run of a press with one driver."""
     if not isinstance(run, Run):
         raise PinpressError(f"run is {shown(run)}: give a Run, as simulate and steady_state return it (of scenarios one, runs[k])")
     if len(run.drivers) > 1:
@@ -368,7 +385,7 @@ def _duties(run: Run, times: Array) -> list[MotorDuty]:
 
 
 def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> MotorDuty:
-    """The duty from one time to another, in which the crank turns by an angle and the integrals (4,) grow by what is ``gained``."""
+    """The duty from one time to another; ``angle``: that the crank turns [rad], ``gained``: (4,) growth of the `INTEGRALS`."""
     drive, inertia = run.problem.driven.drive, run.problem.driven.inertia
     inner = np.linspace(start, end, STATES * max(1, math.ceil(angle / (2 * np.pi) - 1e-9)) + 1)
     sample = run.trajectory.at(inner, complete=False)
@@ -408,12 +425,11 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, scene: Se
     """Speeds, energies, the motor's torque, strokes and bearing forces of a run, and how well the equations are fulfilled.
 
     Args:
-        press: whose run it is.
-        run: a run of one driver.
-        reactions: of the inverse dynamics of this run, under its loads; its driving torque is what flywheel, drive, clutch and brake give
-            together.
-        scene: what was simulated, names and words.
-        steady: whether the run is the period of a steady state.
+        press: the linkage.
+        run: of one driver.
+        reactions: inverse dynamics of this run under its loads; their driving torque is that of flywheel, drive, clutch and brake together.
+        scene: names and words that say what was simulated.
+        steady: whether the run is one period of a steady state.
 
     Extremes of speed and of the motor's torque are those of 720 states a turn, works are exact; torques and forces of the crank and the
     bearings are the largest of the run's states. Signs as in `Reactions`.

@@ -1,8 +1,8 @@
-"""The steady state of a loaded press: the periodic motion, found directly.
+"""The steady state of a loaded press: its periodic motion, found directly.
 
-Where all depends on crank angle and speed, the kinetic energy over a period is solved for with the condition that it ends as it began (see
-`collocation.solve`). A drive with states of its own is followed over periods, and Newton's method finds the speed and states that come
-back.
+Where all depends on crank angle and speed, the kinetic energy over a period is solved with the condition that it ends as it began (see
+`collocation.solve`). A drive with states of its own is followed over periods, and Newton's method finds the speed and states to which the
+press comes back.
 """
 
 from __future__ import annotations
@@ -63,18 +63,18 @@ def steady_state(
 
     Args:
         press: a linkage with one driver.
-        speed: about which the steady state is looked for [rad/s]; its sign is the direction.
+        speed: near which the steady state is searched [rad/s]; its sign is the direction.
         angle: of the crank at the start [rad].
         drive: what turns the crank; nothing in it may depend on time.
-        flywheel: its inertia at the driver joint; None: none.
-        loads: as of `simulate`; nothing in them may depend on time.
+        flywheel: its inertia stands at the driver joint; None: none.
+        loads: as in `simulate`; nothing in them may depend on time.
         points: number of states returned; by default 120 a turn.
-        tolerance: as of `simulate`.
+        tolerance: as in `simulate`.
 
     Raises:
-        PinpressError: an argument that makes no sense.
-        SimulationError: there is no steady state near this speed: the drive is too weak for the load, or gives more than it takes at any
-            speed, as a constant torque does.
+        PinpressError: an argument makes no sense.
+        SimulationError: there is no steady state near this speed: the drive is too weak for the load, or gives more than the load takes at
+            any speed, as a constant torque does.
     """
     began = clock.perf_counter()
     state_count(points, 0.0)
@@ -96,7 +96,7 @@ def steady_state(
 
 
 def _speed(given: object) -> float:
-    """The speed about which the steady state is looked for [rad/s]."""
+    """The speed near which the steady state is searched [rad/s]."""
     speed = number("speed", given)
     plausibility.speeds("speed", speed)
     if not abs(speed) <= LARGEST:
@@ -107,7 +107,7 @@ def _speed(given: object) -> float:
 
 
 def _refuse_without_steady_state(driven: DrivenPress, given: object) -> None:
-    """Raise PinpressError where what is driven, by a drive as ``given``, can have no steady state."""
+    """Raise PinpressError where a driven press can have no steady state; ``given``: the drive as it was given."""
     drive = driven.drive
     if drive is None:
         raise PinpressError(f"drive is {shown(given)}: a steady state needs a motor, see pinpress.drives")
@@ -121,7 +121,7 @@ def _refuse_without_steady_state(driven: DrivenPress, given: object) -> None:
 
 
 def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Trajectory | None:
-    """The periodic solution over the crank angle, None where it is not found so: the drive may be too stiff, or there may be none."""
+    """The periodic solution over the crank angle; None where it is not found: the drive may be too stiff, or there may be none."""
     model, direction = driven.model, 1 if speed > 0 else -1
     assert model.period is not None
     inertia = float(model.at(np.array([angle]))[0][INERTIA, 0]) + driven.inertia
@@ -133,7 +133,7 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
     for _ in range(MOST_CUTS):
         mesh = build_mesh(driven, angle, direction, borders)
         guess = None if solution is None else interpolate_onto(solution, mesh)
-        if guess is None:  # the course of the speed matters: a drive may have no slope at the mean
+        if guess is None:  # the guess must have the course of the speed: a drive's torque may have no slope at the mean speed
             guess = collocation.solve(driven, mesh, energy).energy
         solution = collocation.solve(driven, mesh, energy, guess, periodic=True)
         if stopping_panels(solution).any() or not solution.ends[0, 0] > 0:
@@ -155,8 +155,8 @@ def _comes_back(solution: CollocationSolution) -> bool:
 
 
 def _speed_near(driven: DrivenPress, borders: Array, angle: float, speed: float) -> float | None:
-    """A speed close to the steady state's next to the one given: between one from which a period speeds the press up, and a higher one from
-    which it slows down; None where there is none.
+    """A speed close to that of the steady state nearest to ``speed``, between one from which a period speeds the press up and a higher one
+    from which it slows the press down; None where there is none.
 
     Raises:
         SimulationError: nothing depends on the speed.
@@ -166,7 +166,7 @@ def _speed_near(driven: DrivenPress, borders: Array, angle: float, speed: float)
         mesh = build_mesh(driven, angle, 1 if speed > 0 else -1, borders)
         energies = 0.5 * (mesh.inertia_ends[0] + driven.inertia) * speeds**2
         solution = collocation.solve(driven, mesh, energies)
-        if solution.speed_free:  # nothing depends on the speed: no speed is better than another
+        if solution.speed_free:  # no speed is better than another
             raise failure("no steady state", speed=speed)
         good = np.flatnonzero(~stopping_panels(solution).any(axis=0))
         gained = (solution.ends[-1] - energies)[good]
@@ -190,7 +190,7 @@ def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float
     assert driven.drive is not None
     try:
         found = _shooting(driven, angle, np.array([speed, *driven.drive.state]), tolerance)
-    except LawError:  # of the caller, whatever steady state there is
+    except LawError:  # an error of the caller's law is raised as it is
         raise
     except (SimulationError, np.linalg.LinAlgError) as error:
         raise failure("no steady state", speed=speed) from error
@@ -200,14 +200,21 @@ def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float
 
 
 def _shooting(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> Trajectory | None:
-    """A few periods to come near, then Newton's method on what a period makes of speed and states (k,); None where it finds nothing."""
+    """A few periods to come near the steady state, then Newton's method on what a period makes of speed and states; None where it fails.
+
+    Args:
+        driven: what is simulated.
+        angle: of the crank at the start of a period [rad].
+        start: (k,) speed of the crank and states of the drive to begin with.
+        tolerance: as in `simulate`.
+    """
     before = np.inf
     for count in range(MOST_PERIODS):
         period, after = _period(driven, angle, start, tolerance)
         change = float(np.max(np.abs(after - start) / np.maximum(np.abs(start), COMES_BACK)))
         if change <= COMES_BACK:
             return period
-        # a plain period wherever Newton's method has led away: corners of the drive are not for it
+        # a plain period replaces a step of Newton's method that has led away, as it does at corners of the drive
         if count < PERIODS or change > 0.5 * before:
             start, before = after, np.inf if count < PERIODS else 2.1 * change
             continue
@@ -218,17 +225,17 @@ def _shooting(driven: DrivenPress, angle: float, start: Array, tolerance: float)
 
 
 def _newton_step(driven: DrivenPress, angle: float, start: Array, after: Array, tolerance: float) -> Array:
-    """Speed and states (k,) nearer to those that come back than ``start``, of which a period makes those ``after``."""
+    """Speed and states (k,) by one Newton step, from those at the ``start`` of a period and those ``after`` it."""
     steps = BESIDE * np.maximum(np.abs(start), BESIDE)
     columns = [(_period(driven, angle, start + step, tolerance)[1] - after) / step[k] for k, step in enumerate(np.diag(steps))]
     return np.asarray(start + np.linalg.solve(np.eye(len(start)) - np.array(columns).T, after - start))
 
 
 def _period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> tuple[Trajectory, Array]:
-    """A period of the reduced model over time, from a crank angle with speed and states of the drive (k,): its path, and these at its end.
+    """A period of the reduced model over time, from a crank angle with speed and states of the drive (k,), and these at its end.
 
     Raises:
-        SimulationError: the crank does not get that far.
+        SimulationError: the crank does not get through a period.
     """
     from .time_solver import Settings, integrate  # imports SciPy's integrators
 
@@ -244,11 +251,11 @@ def _period(driven: DrivenPress, angle: float, start: Array, tolerance: float) -
     most, y = integrate(system, mode, 0.0, y, patience, Settings(tolerance, crank_sizes(driven, y)), beyond)
     if not beyond(y):
         raise failure("too weak", float(patience), float(y[0]))
-    # the end by steps that meet it: the integrator's interpolation is less exact than its steps
+    # steps are made to end at the target, because the integrator's interpolation is less exact than its steps
     since, mode, at, end = most.before(lambda y: float((y[0] - target) * direction))
     segments, y = [most], at
     for _ in range(CLOSER):
-        if end <= since:  # an event has ended the step before, just there
+        if end <= since:  # an event has ended the step before at the target
             break
         last, y = integrate(system, mode, since, at, end, Settings(tolerance, crank_sizes(driven, at)))
         segments = [most, last]

@@ -1,8 +1,8 @@
 """Integration over time, whatever happens: stops, contacts, clutches, drives with states of their own, forces in time.
 
-An event (see `events`) is located on the integrator's own interpolation, the mode is set anew, and the integration goes on from there.
-SciPy's DOP853 integrates with steps by error, and where forces are so stiff that it is held up by its stability, Radau IIA does; or the
-classical Runge-Kutta method with a fixed step, as Zhang 2007, 4.3, used it (its update of positions corrected: h^2/6, not h/6).
+An event (see `events`) is located on the integrator's own interpolation; the mode changes there, and the integration goes on. SciPy's
+DOP853 integrates with steps by error, or Radau IIA where forces are so stiff that stability limits the steps of DOP853. With a fixed step
+the classical Runge-Kutta method integrates, as in Zhang 2007, 4.3 (its update of positions corrected: h^2/6, not h/6).
 """
 
 import math
@@ -47,20 +47,20 @@ EPS = float(np.finfo(float).eps)
 
 @dataclass(eq=False, repr=False)
 class TimeSegment:
-    """A part of a run integrated over time, step by step: filled by `Integration`, read afterwards.
+    """A part of a run that was integrated over time, step by step. `Integration` fills it, and it is read afterwards.
 
     Attributes:
         system: what was integrated.
-        start: [s].
-        from_rest: whether the crank rested at the start.
+        start: time at the start [s].
+        from_rest: whether the crank was at rest at the start.
         times: ends of the steps [s].
-        pieces: the vector over each step, a function of the time.
-        modes: of each step.
+        pieces: the vector over each step, as a function of time.
+        modes: mode of each step.
         speeds: of the crank at the start and after every step [rad/s].
-        ran: the methods, in the order in which they came.
-        steps: their number.
-        evaluations: of the rates, those of steps given up too.
-        travelled: angle that the crank has turned, either way [rad].
+        ran: the methods, in the order in which they were used.
+        steps: number of steps.
+        evaluations: of the rates, including those of steps that were given up.
+        travelled: angle that the crank has turned, in either direction [rad].
     """
 
     system: HybridSystem
@@ -81,7 +81,7 @@ class TimeSegment:
 
     @property
     def standing(self) -> float | None:
-        """Since when the press stands at the end, held by loads; None where it does not."""
+        """Time since which the press stands at the end, held by loads [s]; None where it does not stand."""
         moving = next((k for k in range(len(self.modes), 0, -1) if not self.modes[k - 1].standing), 0)
         return None if moving == len(self.modes) else self.times[moving - 1] if moving else self.start
 
@@ -90,10 +90,10 @@ class TimeSegment:
         return tuple(self.ran)
 
     def before(self, late: Callable[[Array], float]) -> tuple[float, Mode, Array, float]:
-        """Give up the last step, in which a function of the vector has become positive.
+        """Take back the last step, in which a function ``late`` of the vector has become positive.
 
         Returns:
-            When the step began, its mode, the vector there, and about when the function is zero.
+            Time at which the step began, its mode, the vector there, and about the time at which the function is zero.
         """
         begin = self.times[-2] if len(self.times) > 1 else self.start
         piece, end, modes = self.pieces.pop(), self.times.pop(), self.modes.pop()
@@ -102,9 +102,9 @@ class TimeSegment:
         return begin, modes, np.asarray(piece(begin)), float(zero)
 
     def stops(self) -> list[float]:
-        """When the crank, alone, stopped: the start too where it began at rest."""
+        """Times at which the crank stopped, where it is integrated alone; with the start where it began at rest [s]."""
         found, since = [], self.start
-        if self.from_rest:  # behind the start, where the speed is rounding
+        if self.from_rest:  # search behind the start, where the speed is rounding
             found, since = [self.start], self.start + ASIDE * (self.times[0] - self.start)
         for piece, end in zip(self.pieces, self.times, strict=True):
             if float(piece(since)[1]) * float(piece(end)[1]) < 0:
@@ -113,7 +113,7 @@ class TimeSegment:
         return found
 
     def heeds_speed(self) -> bool:
-        """Whether more than the crank's angle counted for a force after any of the steps."""
+        """Whether a force depended on more than the crank's angle at the end of any step."""
         return any(
             self.system.heeds_speed(mode, end, np.asarray(piece(end)))
             for mode, end, piece in zip(self.modes, self.times, self.pieces, strict=True)
@@ -136,10 +136,10 @@ class TimeSegment:
 
 
 class Settings(NamedTuple):
-    """How an integration is done.
+    """How to integrate.
 
     Attributes:
-        tolerance: of the error of a step, a share of the sizes.
+        tolerance: error accepted of a step, as a share of the sizes.
         sizes: (len(y),) of the entries of the vector.
         step: of the classical Runge-Kutta method [s]; None: steps by error.
         method: of steps by error: `EXPLICIT`, `IMPLICIT`, or whichever gets on faster, `BY_STIFFNESS`.
@@ -161,10 +161,23 @@ def integrate(
     finished: Callable[[Array], bool] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[TimeSegment, Array]:
-    """Integrate from a vector in a mode to a time, or until a vector at the end of a step is ``finished``; and where it has come to.
+    """Integrate from a vector in a mode.
+
+    Args:
+        system: what is integrated.
+        mode: at the start.
+        start: time at the start [s].
+        y: (len(y),) vector at the start.
+        until: time of the end [s].
+        settings: how to integrate.
+        finished: ends the integration where it is true of the vector at the end of a step.
+        progress: called with the time reached [s] after every step.
+
+    Returns:
+        The segment, and the vector at its end.
 
     Raises:
-        SimulationError: the press stalls, or runs against a lock; steps become too short; the run would take too long.
+        SimulationError: the press stalls or runs against a lock, steps become too short, or the run would take too long.
     """
     integration = Integration(system, mode, start, y, until, settings)
     while integration.goes_on and not integration.follow_mode(finished, progress):
@@ -173,7 +186,7 @@ def integrate(
 
 
 class Integration:
-    """An integration on its way: time, vector and mode that it has come to, and the segment that it has found."""
+    """An integration in progress: the time, vector and mode reached, and the segment so far."""
 
     def __init__(self, system: HybridSystem, mode: Mode, start: float, y: Array, until: float, settings: Settings) -> None:
         self.system, self.settings, self.start, self.until = system, settings, start, until
@@ -181,18 +194,19 @@ class Integration:
         at = system.at(y).linkage
         self.angle, self.fastest = at.angle, abs(at.speed)
         self.segment = TimeSegment(system, start, from_rest=bool(at.speed == 0), speeds=[float(at.speed)])
-        # steps end at instants at which something is not smooth, and at a corner of the drive's torque, which must not be run over
+        # steps end at instants at which something is not smooth, and at a corner of the drive's torque, which they must not pass over
         self.ends = sorted({b for b in system.driven.switch_times if start < b < until} | {until})
         self.corner, self.tries = math.inf, 0
         self.pace = Pace(start, until)
         self.pacer = Pacer() if settings.step is None and settings.method == BY_STIFFNESS else None
         self.first_step: float | None = None
-        self.at_once = 0  # events one after the other, without time going on
+        self.at_once = 0  # events so far one after the other without time going on
         self.shortest = SHORTEST * (until - start)
 
     @property
     def goes_on(self) -> bool:
-        """Whether the end is still to come. A segment that has come to it ends there, and not a rounding before, where an event was."""
+        """Whether the end is not reached yet. Once it is, the segment is made to end there exactly, even if an event came a rounding
+        before."""
         if self.time < self.until - 8 * EPS * abs(self.until):
             return True
         if self.segment.times:
@@ -200,8 +214,8 @@ class Integration:
         return False
 
     def follow_mode(self, finished: Callable[[Array], bool] | None, progress: Callable[[float], None] | None) -> bool:
-        """Take steps of one method in one mode: to an event, to an instant at which something is not smooth, or to a change of method. Tell
-        whether the run is finished there."""
+        """Take steps of one method in one mode: to an event, to an instant at which something is not smooth, or to a change of method.
+        Returns whether the run is ``finished`` there."""
         method, stepper = self._stepper()
         watch = EventFinder(self.system, self.mode, self.time, self.y)
         event: Event | None = None
@@ -214,7 +228,7 @@ class Integration:
             if isinstance(event, CornerPassed) and self.tries < MOST_TRIES and at > self.time + self.shortest:
                 self.corner, self.tries = at, self.tries + 1
                 self.segment.evaluations += stepper.nfev
-                return False  # the step again, to end there
+                return False  # the step is repeated, to end there
             self._keep(piece, stepper, method, event, at)
             if progress is not None:
                 progress(self.time)
@@ -229,13 +243,13 @@ class Integration:
         return False
 
     def _stepper(self) -> tuple[str, OdeSolver]:
-        """The method, and its integrator from where it has come to."""
+        """The method, and its integrator from the state reached."""
         settings, mode, longest = self.settings, self.mode, math.inf
         method = FIXED if settings.step is not None else settings.method
         if self.pacer is not None and not mode.standing:
             method = self.pacer.using
         if mode.standing:
-            longest = (self.until - self.start) / LOOKS  # what starts a press that stands must not be stepped over
+            longest = (self.until - self.start) / LOOKS  # steps must not pass over what starts a press that stands
         end = min(next(b for b in self.ends if b > self.time), self.corner)
         rates = partial(self.system.rates, mode)
         stepper = _stepper(rates, self.time, self.y, end, settings, method, self.first_step, longest)
@@ -244,7 +258,7 @@ class Integration:
         return method, stepper
 
     def _keep(self, piece: DenseOutput, stepper: OdeSolver, method: str, event: "Event | None", at: float) -> None:
-        """Take a step, up to its event, into the segment; the integration goes on from its end, with closed loops."""
+        """Add a step, up to its event, to the segment; the integration goes on from its end, with closed loops."""
         segment = self.segment
         segment.steps += 1
         segment.pieces.append(piece)
@@ -263,7 +277,7 @@ class Integration:
         self.angle, self.fastest = linkage.angle, max(self.fastest, abs(linkage.speed))
 
     def _refuse_too_long(self, stepper: OdeSolver) -> None:
-        """Raise where the run would take too long, or too many steps to be kept."""
+        """Raise SimulationError where the run would take too long, or too many steps to be kept."""
         evaluations = self.segment.evaluations + stepper.nfev
         if self.settings.step is None and self.pace.hopeless(self.time, evaluations, self.segment.travelled):
             raise _hopeless(stepper, self.time, self.y, self.settings.sizes, self.until, self.angle)
@@ -275,7 +289,7 @@ class Integration:
         return self.pacer is not None and self.pacer.changes(self.time, self.segment.evaluations + stepper.nfev, swiftness)
 
     def _switch(self, event: "Event | None") -> None:
-        """Go into the mode after an event, or over the corner at which the step has ended."""
+        """Change to the mode after an event, or to the other side of the corner at which the step has ended."""
         if event is not None:
             if self.at_once > MOST_AT_ONCE:
                 raise failure("chatters", self.time, self.angle)
@@ -298,11 +312,17 @@ def _stepper(
     first: float | None,
     longest: float,
 ) -> OdeSolver:
-    """The integrator of a method from a vector to a time.
+    """The integrator of a method.
 
     Args:
-        first: length of its first step [s], where it is known.
-        longest: length of any of its steps [s].
+        rates: dy/dt of a time and a vector.
+        time: at the start [s].
+        y: vector at the start.
+        end: time of the end [s].
+        settings: of the integration.
+        method: one of the names above.
+        first: length of the first step [s]; None where it is not known.
+        longest: largest length of a step [s].
     """
     if settings.step is not None:
         return RungeKutta4(rates, time, y, end, settings.step)
@@ -314,8 +334,8 @@ def _stepper(
 
 
 class Pacer:
-    """Chooses the method of steps by error that gets on faster. Each is measured over some steps. The slower one is tried again after ever
-    longer intervals, where the steps beside the shortest time constant say that it may be the faster one by now."""
+    """Chooses the faster of the two methods of steps by error. Each is measured over some steps. The slower one is tried again after longer
+    and longer intervals, if the length of the steps relative to the shortest time constant says that it may be the faster one by now."""
 
     def __init__(self) -> None:
         self.using = EXPLICIT
@@ -329,7 +349,7 @@ class Pacer:
         Args:
             time: at the end of the step [s].
             evaluations: of the method in use so far.
-            swiftness: gives the step beside the shortest time constant.
+            swiftness: returns the step by the shortest time constant.
         """
         self.taken, self.steps = self.taken + 1, self.steps + 1
         if self.taken == WINDOW:
@@ -352,14 +372,14 @@ class Pacer:
 
 
 class Pace:
-    """Watches how a run gets on. One that would take too many evaluations is given up early, and earlier where the crank all but stands."""
+    """Watches the pace of a run. One that would take too many evaluations is given up early, earlier where the crank nearly stands."""
 
     def __init__(self, start: float, until: float) -> None:
         self.until, self.slow = until, 0
         self.before = start, 0, 0.0
 
     def hopeless(self, time: float, evaluations: int, travelled: float) -> bool:
-        """Whether to give up, after so many evaluations, with the angle ``travelled`` [rad] since the start."""
+        """Whether to give up, at a time [s], after so many evaluations, and an angle ``travelled`` since the start [rad]."""
         since, asked, turned = self.before
         if evaluations - asked < LOOK:
             return False
@@ -371,7 +391,7 @@ class Pace:
 
 
 def _hopeless(integrator: OdeSolver, time: float, y: Array, sizes: Array, until: float, angle: float) -> SimulationError:
-    """Why a run is given up, and what to do."""
+    """The error of a run that is given up."""
     size = len(y) - len(INTEGRALS)
     jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size])[:size]
     swiftest = max(np.linalg.eigvals(jacobian), key=abs) if np.isfinite(jacobian).all() else 0.0
@@ -382,7 +402,7 @@ def _hopeless(integrator: OdeSolver, time: float, y: Array, sizes: Array, until:
 
 
 def _swiftness(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> float:
-    """The integrator's last step beside the shortest time constant of the motion."""
+    """The integrator's last step by the shortest time constant of the motion."""
     size = len(y) - len(INTEGRALS)
     jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size])[:size]
     return float(integrator.step_size * np.abs(np.linalg.eigvals(jacobian)).max()) if np.isfinite(jacobian).all() else 1.0
@@ -403,7 +423,8 @@ class EventFinder:
         return margins_of(self.events, self.system, self.mode, time, y) if self.events else []
 
     def first(self, piece: DenseOutput, start: float, end: float) -> "tuple[Event | None, float]":
-        """The first event of a step, and its time; None at the step's end. The margins are then those of where it was found."""
+        """The first event of a step and its time; None and the step's end where there is none. `margins` are then those at the last place
+        that was looked at."""
         if not self.events:
             return None, end
         since = start
@@ -418,17 +439,17 @@ class EventFinder:
         return None, end
 
     def _located(self, piece: DenseOutput, since: float, before: list[float], until: float, fallen: list[int]) -> tuple[int, float]:
-        """The first of the events whose margins have fallen below zero within a part of a step, and when.
+        """Index and time of the first of the events whose margins have fallen below zero within a part of a step.
 
         Args:
             piece: the vector over the step.
             since: start of the part [s].
             before: margins there.
             until: end of the part [s].
-            fallen: places of the events whose margins are below zero there.
+            fallen: indices of the events whose margins are below zero there.
         """
 
-        def margins(t: float) -> list[float]:  # with the loops closed, as the run goes on from there: a stiff edge wants all digits
+        def margins(t: float) -> list[float]:  # with the loops closed, as the run goes on from there: a stiff force needs all digits
             return self._margins(t, _project(self.system, piece(t), t))
 
         def margin(k: int, t: float) -> float:
@@ -442,14 +463,14 @@ class EventFinder:
         for _ in range(len(self.events) + 1):
             found = [(_zero(partial(margin, k), since, first[1], before[k]), k) for k in fallen]
             when, which = min(found, key=lambda f: f[0])
-            # at one and the same instant a brake that grips comes first: what else happens at rest is for it to decide
+            # of events at the same instant a brake that grips comes first: at rest it decides what happens
             grips = (k for at, k in found if isinstance(self.events[k], CouplingGrips) and at <= when + rounding)
             which = next(grips, which)
             if when > first[1] - rounding and first[1] != until:
                 break
             first = which, when
-            # one that fell and rose again before the end of the step shows only at the others' events; where two come at once, as an
-            # elastic force ends with its interval, one that has just switched is below zero by rounding
+            # an event whose margin fell and rose again within the step shows only at the other events; where two come at once, as where
+            # an elastic force ends with its interval, the margin of one that has just switched is below zero by rounding
             fallen = [k for k, after in enumerate(margins(when)) if after < 0 and k != which and before[k] > 0]
             if when <= since or not fallen:
                 break
@@ -457,8 +478,8 @@ class EventFinder:
 
 
 def _zero(value: Callable[[float], float], since: float, until: float, low: float) -> float:
-    """When a function falls below zero, that is ``low`` at the time ``since`` and negative at the time ``until``."""
-    if low <= 0 or value(since) <= 0:  # it began at zero: has it risen in between?
+    """Time at which a function falls below zero that is ``low`` at the time ``since`` and negative at the time ``until``."""
+    if low <= 0 or value(since) <= 0:  # it begins at zero: does it rise in between?
         shares = [0.5**k for k in range(1, 40)]
         risen = next((share for share in shares if value(since + share * (until - since)) > 0), None)
         if risen is None:
@@ -470,7 +491,7 @@ def _zero(value: Callable[[float], float], since: float, until: float, low: floa
 
 
 def _closed(system: HybridSystem, solver: OdeSolver) -> Array:
-    """Close the loops of the integrator's vector; the integrator goes on from there."""
+    """Close the loops of the integrator's vector, from which it goes on, and return the vector."""
     y = _project(system, solver.y, solver.t)
     if y is not solver.y:
         solver.y = y
@@ -479,6 +500,7 @@ def _closed(system: HybridSystem, solver: OdeSolver) -> Array:
 
 
 def _project(system: HybridSystem, y: Array, time: float) -> Array:
+    """The vector with closed loops; the same vector where no loop can be open."""
     size = system.dynamics.size
     try:
         projected = system.dynamics.project(y[:size], y[size : 2 * size])
@@ -488,5 +510,6 @@ def _project(system: HybridSystem, y: Array, time: float) -> Array:
 
 
 def _lost(system: HybridSystem, time: float, y: Array, message: str | None) -> SimulationError:
+    """The error of an integration that cannot go on from a vector."""
     angle = float(system.at(y).linkage.angle)
     return failure("cannot go on", time, angle if math.isfinite(angle) else None, message=message or "values are not finite")
