@@ -13,12 +13,15 @@ from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..visual.recording import traced
+from . import part_specs
 from .options import (
     SIGNS,
+    add_force_options,
     add_out_option,
     add_press_options,
     add_report_option,
     add_trace_option,
+    forces,
     load_press,
     refuse_pages_without_folder,
     write_pages,
@@ -32,16 +35,17 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `analyse` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "analyse",
-        help="one period at constant speed: motion, driving torque, every bearing force",
+        help="one period at constant speed: motion, driving torque, every bearing force, under loads, springs and friction",
         description="Turn a press through one period at constant speed: one turn of the crank, or with gears as many turns as it takes\n"
         "until the press repeats itself. Prints a summary; with --out also writes cycle.csv (every quantity at every crank angle, units\n"
         "in the header) and recording.html (the press turning with its forces, a page to open by double click); with --report also\n"
         "report.html, which has charts beside the press.",
-        epilog=SIGNS,
+        epilog=f"{part_specs.explained('load', 'spring', 'friction')}\n{SIGNS}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
     option("--speed", type=quantity("r/min"), required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
+    add_force_options(parser)
     add_out_option(parser, "the files")
     add_report_option(parser)
     option("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")
@@ -65,12 +69,13 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError("--before is for the report: give --report too")
     press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
+    acting = forces(options, press)
     walk = time.perf_counter()
     _ = press.branch  # followed here, so that the times below are those of any further motion
     start = time.perf_counter()
     motion = cycle(press, speed=options.speed * RPM, points=_points(press, options), engine=options.engine)
     middle = time.perf_counter()
-    reactions = inverse_dynamics(press, motion, engine=options.engine)
+    reactions = inverse_dynamics(press, motion, **acting, engine=options.engine)
     end = time.perf_counter()
     print(summary(press, motion, reactions))
     took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
@@ -86,7 +91,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _before(options: argparse.Namespace) -> Reactions:
     press = load(options.before)
-    return inverse_dynamics(press, cycle(press, speed=options.speed * RPM, points=_points(press, options)))
+    motion = cycle(press, speed=options.speed * RPM, points=_points(press, options))
+    return inverse_dynamics(press, motion, **forces(options, press))
 
 
 def _points(press: Linkage, options: argparse.Namespace) -> int:

@@ -12,7 +12,6 @@ from ..balancing.optimum import balance
 from ..balancing.problem import AXES, QUANTITIES, AddedMass, Peak, Range, Rms, Target
 from ..balancing.regions import CounterweightRegion, Vector
 from ..balancing.result import BalancedPress
-from ..common import tables
 from ..common.errors import PinpressError, suggestion
 from ..common.files import make_folder
 from ..common.quantities import RPM
@@ -20,8 +19,7 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.writing import write_urdf
 from . import part_specs
-from .options import add_out_option, add_press_options, load_press, say_written
-from .part_specs import LOADS, keys
+from .options import add_force_options, add_out_option, add_press_options, add_refused_option, load_press, loads, say_written
 from .units import quantity, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
@@ -36,8 +34,8 @@ regions: {REGION}
 criteria: {CRITERION}
   quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
   Range and rms leave the constant part out, peaks count it.
-loads; heights are slide positions above bottom dead centre, or above the slide position datum=:
-{chr(10).join(tables.table(([f"{name}:", keys(kind)] for name, kind in LOADS.items()), [13, 0]))}
+
+{part_specs.explained("load", "spring")}
 e.g. pinpress balance zxn2_3000b --speed 70 --region crank:radius=0.3 --region rod:radius=0.3,most=200 --minimise range:shaking_force:z
      --limit range:shaking_force:x=1000 --limit added_mass=661 --out out --report
 """
@@ -85,7 +83,12 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="CRITERION=MOST",
         help="most of a criterion, in its SI unit; may be given several times",
     )
-    option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
+    add_force_options(parser, friction=False)
+    add_refused_option(
+        parser, "--friction", "balancing needs forces that are linear in the masses, and with friction they are not: leave it out"
+    )
+    for name in ("--motor", "--flywheel"):
+        add_refused_option(parser, name, "balancing is at constant speed, where motor and flywheel act on no link: leave it out")
     option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
     add_press_options(parser)
     add_out_option(parser, "the files")
@@ -103,9 +106,9 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError("--report needs a folder to write into: give --out DIR too")
     regions = [_region(words) for words in options.region]
     minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
-    loads = [part_specs.load(words) for words in options.load]
+    acting = loads(options)
     press = load_press(options)
-    conditions = [OperatingCondition(cycle(press, speed * RPM, points=options.points), loads) for speed in options.speed]
+    conditions = [OperatingCondition(cycle(press, speed * RPM, points=options.points), acting) for speed in options.speed]
     balanced = balance(press, conditions, regions=regions, minimise=minimise, limits=limits)
     if options.out is not None:
         make_folder(options.out)

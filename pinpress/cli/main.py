@@ -35,6 +35,8 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in COMMANDS:
         command.add(commands)
+    for subparser in commands.choices.values():
+        subparser.allow_abbrev = False  # a part of an option's name could be meant for another one
     return parser
 
 

@@ -5,12 +5,14 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from ..common.errors import PinpressError
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load, presses
+from ..loads.link import Friction, Load
+from . import part_specs
 
 SIGNS = """\
 angles are in degrees of the driver joint, 0 as the URDF draws it; forces are the action of parent on child (of a loop, of link1 on link2)
@@ -41,6 +43,58 @@ def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
 
         return build(options.file, **more)
     return load(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open, **more)
+
+
+def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True) -> None:
+    """Options of `forces`: loads and springs, and where it is computed with them friction and stiffnesses of bearings."""
+    option = parser.add_argument
+    option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
+    option("--spring", metavar="KEYS", action="append", default=[], help="spring, see below; may be given several times")
+    if friction:
+        option("--friction", metavar="NAME:KEYS", action="append", default=[], help="friction of a bearing or guide, or of all, see below")
+        option(
+            "--stiffness",
+            metavar="NAME=N/m",
+            action="append",
+            default=[],
+            help="stiffness of a bearing, by which forces are shared that rigid mechanics leaves open; may be given several times",
+        )
+
+
+def add_refused_option(parser: argparse.ArgumentParser, name: str, why: str) -> None:
+    """An option that other commands have, and this one refuses with a reason."""
+
+    class Refused(argparse.Action):
+        def __call__(self, *_: Any) -> None:
+            raise PinpressError(f"{name}: {why}")
+
+    parser.add_argument(name, action=Refused, nargs="?", help=argparse.SUPPRESS)
+
+
+class Forces(TypedDict):
+    """What acts on the links besides gravity, under the names that `inverse_dynamics` gives it."""
+
+    loads: list[Load]
+    friction: dict[str, Friction]
+    stiffness: dict[str, float]
+
+
+def loads(options: argparse.Namespace) -> list[Load]:
+    """The process loads and springs of `add_force_options`."""
+    return [*map(part_specs.load, options.load), *map(part_specs.spring, options.spring)]
+
+
+def forces(options: argparse.Namespace, press: Linkage) -> Forces:
+    """Loads, springs, friction and stiffnesses of `add_force_options`.
+
+    Raises:
+        PinpressError: Words that are none; see `part_specs`.
+    """
+    return {
+        "loads": loads(options),
+        "friction": part_specs.frictions(options.friction, press),
+        "stiffness": part_specs.by_bearing("--stiffness", options.stiffness, "N/m", "stiffness", "1e9"),
+    }
 
 
 def add_out_option(parser: argparse.ArgumentParser, files: str) -> None:

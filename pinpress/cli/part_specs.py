@@ -1,26 +1,31 @@
-"""Drives, loads, flywheels, clutches and brakes from words of the command line, ``induction:rated_power=75e3,rated_speed=1485,ratio=20.7``.
+"""What acts on a press from words of the command line, ``--motor induction:rated_power=75kW,rated_speed=1485,ratio=20.7``, one grammar for
+all commands: loads, springs, friction, motors, flywheels, clutches and brakes.
 
-Keys are the fields of the classes of `drives` and `loads`. Values are in SI units, except speeds, which are in r/min. A clutch or brake is
-switched at a time, ``0.1s``, or at a crank angle, ``180deg``. Sequences of numbers come from CSV files of two columns.
+Keys are the fields of the classes of `drives` and `loads`. Values are in SI units, except speeds, which are in r/min, or have a unit of
+their own. A clutch or brake is switched at a time, ``0.1s``, or at a crank angle, ``180deg``. Points and forces are ``x/y/z``. Tables of
+numbers come from CSV files of two columns.
 """
 
 import contextlib
 import csv
 import math
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import MISSING, Field, dataclass, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, Field, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..common.errors import PinpressError, suggestion
-from ..common.parameters import unit_of
+from ..common import tables
+from ..common.errors import PinpressError, UnknownNameError, suggestion
+from ..common.parameters import declared
 from ..common.quantities import RPM
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
-from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, ProcessLoad
+from ..linkage.linkage import Linkage
+from ..loads.link import Friction, Load, PointForce, SpringDamper
+from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from .units import UNITS, read_quantity
 
 
@@ -58,7 +63,7 @@ class Kind:
     geared: bool = False
 
 
-DRIVES: Mapping[str, Kind] = {
+MOTORS: Mapping[str, Kind] = {
     "constant": Kind(ConstantTorque, "value=567", geared=True),
     "induction": Kind(InductionMotor, "rated_power=75e3,rated_speed=1485,inertia=1.2,ratio=20.7,efficiency=0.95", geared=True),
     "inverter": Kind(
@@ -84,7 +89,12 @@ LOADS: Mapping[str, Kind] = {
     "drawing": Kind(DeepDrawing, "force=5e5,start=0.05"),
     "table": Kind(ForceStroke, "file=stroke.csv", Table("file", ("height [m]", "force [N]"), ("heights", "forces"))),
     "die": Kind(ElasticDie, "height=0.001,stiffness=1e9"),
+    "point-force": Kind(PointForce, "link=slide,force=0/0/5kN"),
 }
+
+SPRING = Kind(SpringDamper, "link1=frame,link2=slide,stiffness=200kN/m,free_length=0.4,point1=0/0/0.5")
+FRICTION = Kind(Friction, "coefficient=0.08,radius=60mm")
+ALL = "all"  # in place of a bearing's name: every bearing and guide that is not named otherwise
 
 FLYWHEEL, CLUTCH, BRAKE = (
     Kind(Flywheel, "inertia=2000"),
@@ -93,37 +103,104 @@ FLYWHEEL, CLUTCH, BRAKE = (
 )
 
 
-def drive(words: str) -> Drive | PrescribedSpeed:
-    """The drive that words such as ``constant:value=567`` mean.
+def motor(words: str) -> Drive | PrescribedSpeed:
+    """The motor or other drive that words such as ``constant:value=567`` mean.
 
     Raises:
         PinpressError: A kind or key is unknown, a key is missing, or a value is wrong; the message lists kinds or keys with an example.
     """
-    made: Drive | PrescribedSpeed = _named("--drive", DRIVES, words)
+    made: Drive | PrescribedSpeed = _named("--motor", MOTORS, words)
     return made
 
 
-def load(words: str) -> ProcessLoad:
-    """The process load that words such as ``die:height=0.001,stiffness=1e9`` mean. Raises as `drive`."""
-    made: ProcessLoad = _named("--load", LOADS, words)
+def load(words: str) -> Load:
+    """The load that words such as ``die:height=0.001,stiffness=1e9`` mean. Raises as `motor`."""
+    made: Load = _named("--load", LOADS, words)
     return made
+
+
+def spring(words: str) -> SpringDamper:
+    """The spring that words such as ``link1=frame,link2=slide,stiffness=200kN/m`` mean. Raises as `motor`."""
+    made: SpringDamper = _made("--spring ", SPRING, words)
+    return made
+
+
+def frictions(specs: Sequence[str], press: Linkage) -> dict[str, Friction]:
+    """Friction by the names of bearings and guides from words such as ``A:coefficient=0.08,radius=60mm`` or, of all that are not named
+    otherwise, ``all:...``, whose radius is that of those that turn.
+
+    Raises:
+        PinpressError: As `motor`; also where a name is given twice.
+        UnknownNameError: A bearing that the press does not have.
+    """
+    found: dict[str, Friction] = {}
+    for words in specs:
+        name, colon, rest = words.rpartition(":")  # a bearing's name may have a colon in it
+        if not colon:
+            raise PinpressError(f"--friction {words}: it names no bearing; write e.g. --friction {ALL}:{FRICTION.example}")
+        if name in found:
+            raise PinpressError(f"--friction {words}: the friction of {name} is given twice")
+        if name not in (ALL, *press.bearings):
+            raise UnknownNameError("bearing", name, (*press.bearings, ALL))
+        found[name] = _made(f"--friction {name}:", FRICTION, rest)
+    every = found.pop(ALL) if ALL in found and ALL not in press.bearings else None
+    if every is None:
+        return found
+    if every.viscous:
+        raise PinpressError(f"--friction {ALL}: viscous is in N m s/rad of a bearing and in N s/m of a guide; give it of each by its name")
+    turning = [axis.turns for axis in press.axes] + [True] * len(press.loops)
+    fixed = {loop.name for loop in press.loops if loop.type == "fixed"}
+    of_all = {
+        name: every if turns else replace(every, radius=None)
+        for name, turns in zip(press.bearings, turning, strict=True)
+        if name not in fixed
+    }
+    return of_all | found
+
+
+def by_bearing(option: str, specs: Sequence[str], unit: str, quantity: str, example: str) -> dict[str, float]:
+    """Positive numbers by the names of bearings and guides, from words such as ``A=2e6``.
+
+    Args:
+        option: The option, for messages.
+        specs: What was given.
+        unit: The unit of bare numbers.
+        quantity: What the numbers are, for messages.
+        example: A number, for messages.
+
+    Raises:
+        PinpressError: Words without a name or a positive number, or a bearing given twice.
+    """
+    found: dict[str, float] = {}
+    for spec in specs:
+        name, equals, text = spec.rpartition("=")  # a bearing's name may have an equals sign in it
+        try:
+            number = read_quantity(text, unit)
+        except ValueError:
+            number = float("nan")
+        if not equals or not name or not number > 0:
+            raise PinpressError(f"{option} {spec}: it takes NAME={unit}, a positive {quantity} [{unit}]; write e.g. {option} A={example}")
+        if name in found:
+            raise PinpressError(f"{option} {spec}: {name} is given twice")
+        found[name] = number
+    return found
 
 
 def flywheel(words: str) -> Flywheel:
-    """The flywheel that words such as ``2000`` (its inertia) or ``inertia=2000,speed=70`` mean. Raises as `drive`."""
+    """The flywheel that words such as ``2000`` (its inertia) or ``inertia=2000,speed=70`` mean. Raises as `motor`."""
     given = f"inertia={words}" if words and "=" not in words and "," not in words else words
     made: Flywheel = _made("--flywheel ", FLYWHEEL, given)
     return made
 
 
 def clutch(words: str) -> Clutch:
-    """The clutch that words such as ``torque=6e4,closes=0.2s`` mean. Raises as `drive`."""
+    """The clutch that words such as ``torque=6e4,closes=0.2s`` mean. Raises as `motor`."""
     made: Clutch = _made("--clutch ", CLUTCH, words)
     return made
 
 
 def brake(words: str) -> Brake:
-    """The brake that words such as ``torque=4e4,closes=350deg`` mean. Raises as `drive`."""
+    """The brake that words such as ``torque=4e4,closes=350deg`` mean. Raises as `motor`."""
     made: Brake = _made("--brake ", BRAKE, words)
     return made
 
@@ -131,6 +208,65 @@ def brake(words: str) -> Brake:
 def keys(kind: Kind) -> str:
     """The keys of a kind, with optional ones in brackets."""
     return " ".join(str(key) for key in _keys(kind).values()) or "(no keys)"
+
+
+def explained(*parts: str) -> str:
+    """What the options of these names take, for the help of all commands that have them: load, spring, friction, motor, clutch."""
+    intro = "KIND:KEYS are e.g. blanking:force=1000kN,start=6mm,end=2mm; keys in brackets are optional. Numbers are in SI units, speeds in"
+    lines = [intro, "r/min, or have units of their own. Files are CSV of two columns."]
+    for part in parts:
+        lines += ["", *_EXPLAINED[part]()]
+    return "\n".join(lines) + "\n"
+
+
+def _of_loads() -> list[str]:
+    return [
+        "--load; heights are slide positions above bottom dead centre, or above the slide position datum=:",
+        *_kinds(LOADS),
+        "  all act between slide and frame, but point-force: on one link, from outside, in world axes, at a point in the link's frame",
+    ]
+
+
+def _of_springs() -> list[str]:
+    return [
+        "--spring, with a damper beside it, between points of two links in their frames; e.g. a balance cylinder:",
+        f"  {keys(SPRING)}",
+        f"  e.g. --spring {SPRING.example}",
+    ]
+
+
+def _of_friction() -> list[str]:
+    return [
+        f"--friction of a bearing (moment coefficient x radius x force) or guide (coefficient x force), or of {ALL} not named otherwise:",
+        f"  NAME:{keys(FRICTION)}",
+        f"  e.g. --friction {ALL}:{FRICTION.example} --friction A:viscous=50; viscous is in N m s/rad, of a guide in N s/m",
+    ]
+
+
+def _of_motors() -> list[str]:
+    return [
+        "--motor; with ratio= it acts on the crank through gears:",
+        *_kinds(MOTORS),
+        f"  e.g. --motor induction:{MOTORS['induction'].example}",
+    ]
+
+
+def _of_clutches() -> list[str]:
+    return ["--clutch and --brake, switched at a time or a crank angle:", f"  {keys(CLUTCH)}"]
+
+
+def _kinds(kinds: Mapping[str, Kind]) -> list[str]:
+    files = [f"{name} {', '.join(kind.table.columns)}" for name, kind in kinds.items() if kind.table]
+    return [*tables.table(([f"{name}:", keys(kind)] for name, kind in kinds.items()), [16, 0]), f"  columns of files: {'; '.join(files)}"]
+
+
+_EXPLAINED: Mapping[str, Callable[[], list[str]]] = {
+    "load": _of_loads,
+    "spring": _of_springs,
+    "friction": _of_friction,
+    "motor": _of_motors,
+    "clutch": _of_clutches,
+}
 
 
 @dataclass(frozen=True)
@@ -221,6 +357,9 @@ def _note(field: Field[Any]) -> str:
         return "=RPM"
     if _is_at(field):
         return "=0.1s|180deg"
+    known = declared(field)
+    if known is not None and known.axes:
+        return "=X/Y/Z"
     return "" if field.default is MISSING or field.default is None else f"={field.default:g}"
 
 
@@ -229,9 +368,13 @@ def _reader(field: Field[Any]) -> Callable[[str], Any]:
         return _at
     if field.type in (int, "int"):
         return _whole
+    if field.type in (str, "str"):
+        return str
     if _is_speed(field.name):
         return _speed
-    return partial(read_quantity, unit=unit_of(field) or "-")
+    known = declared(field)
+    unit = "-" if known is None else known.unit
+    return partial(_vector if known is not None and known.axes else read_quantity, unit=unit)
 
 
 def _is_speed(name: str) -> bool:
@@ -260,6 +403,13 @@ def _at(text: str) -> SwitchPoint:
         if text.endswith(tuple(UNITS["s"])):
             return SwitchPoint(time=read_quantity(text, "s"))
     raise ValueError("neither a time as 0.1s nor a crank angle as 180deg")
+
+
+def _vector(text: str, unit: str) -> tuple[float, ...]:
+    parts = text.split("/")
+    if len(parts) != 3:
+        raise ValueError("not x/y/z as 0/0/-0.2")
+    return tuple(read_quantity(part, unit) for part in parts)
 
 
 def _pairs(path: str, columns: tuple[str, str]) -> list[tuple[float, float]]:

@@ -2,16 +2,15 @@
 
 import argparse
 import importlib.util
-from collections.abc import Sequence
 from pathlib import Path
 
-from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
+from . import part_specs
 from .options import add_out_option, add_press_options, load_press, say_written
-from .units import quantity, read_quantity
+from .units import quantity
 
 EPILOG = """\
 numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min.
@@ -71,7 +70,9 @@ def run(options: argparse.Namespace) -> int:
     given = {name.replace("-", "_"): getattr(options, name.replace("-", "_")) for name in NUMBERS}
     extra = {name: given.pop(name) for name in NOT_CAPACITIES}
     numbers = {CAPACITIES.get(name, name): value for name, value in given.items()}
-    capacities = Capacities(options.nominal_force, bearings=_bearings(options.bearing), **numbers)
+    capacities = Capacities(
+        options.nominal_force, bearings=part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6"), **numbers
+    )
     press = load_press(options)
     found = rate(press, options.speed * RPM, capacities, at_speed=options.at_speed, points=options.points, **extra)
     if options.out is not None:
@@ -92,20 +93,3 @@ def _write(found: PressRatings, folder: Path) -> None:
 
     style.save(force_stroke.ratings(found), folder / "ratings.png")
     say_written(folder, ["ratings.csv", "ratings.png"])
-
-
-def _bearings(specs: Sequence[str]) -> dict[str, float]:
-    """Capacities of bearings from words such as ``A=2e6``."""
-    found: dict[str, float] = {}
-    for spec in specs:
-        name, equals, text = spec.rpartition("=")  # a bearing's name may have an equals sign in it
-        try:
-            number = read_quantity(text, "N")
-        except ValueError:
-            number = float("nan")
-        if not equals or not name or not number > 0:
-            raise PinpressError(f"--bearing {spec}: it takes NAME=N, a positive force [N]; write e.g. --bearing A=2e6")
-        if name in found:
-            raise PinpressError(f"--bearing {spec}: the capacity of {name} is given twice")
-        found[name] = number
-    return found

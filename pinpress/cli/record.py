@@ -9,12 +9,15 @@ from ..common.errors import PinpressError
 from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
-from .options import SIGNS, add_press_options, add_trace_option, load_press, progress
+from . import part_specs
+from .options import SIGNS, add_force_options, add_press_options, add_refused_option, add_trace_option, forces, load_press, progress
 from .units import quantity
 
 EPILOG = f"""\
+{part_specs.explained("load", "spring", "friction")}
 {SIGNS}Films and pictures need Chromium and pip install 'pinpress[video]'.
 e.g. pinpress record zxn2_3000b --speed 70 --out press.html --video press.mp4 --png press.png --at 150
+     --load blanking:force=1000kN,start=6mm,end=2mm
 """
 
 
@@ -23,8 +26,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "record",
         help="a page, film or picture of a press turning, with its forces",
-        description="Turn a press through one period at constant speed, without process loads, and write it as a page to open by\n"
-        "double click (--out), a film (--video) or a picture (--png). Bearing forces and shaking force are drawn as arrows.",
+        description="Turn a press through one period at constant speed and write it as a page to open by\n"
+        "double click (--out), a film (--video) or a picture (--png). Process force, bearing forces and shaking force are drawn as arrows.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -43,6 +46,9 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         help="factor by which the film is slower than the press; 1: real time (default: so that a period takes at least 4 s)",
     )
     option("--repeats", type=int, default=1, metavar="N", help="periods in the film (default: %(default)s)")
+    add_force_options(parser)
+    for name in ("--motor", "--flywheel"):
+        add_refused_option(parser, name, "a recording is at constant speed: pinpress simulate ... --out DIR records a run under a motor")
     add_trace_option(parser)
     option("--no-forces", dest="forces", action="store_false", help="leave the forces out")
     option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
@@ -66,9 +72,12 @@ def run(options: argparse.Namespace) -> int:
     from ..visual.film import film, image  # slow to import
     from ..visual.recording import record
 
+    if not options.forces and (options.load or options.spring or options.friction or options.stiffness):
+        raise PinpressError("--no-forces leaves out what loads, springs and friction would show: leave out either")
     press = load_press(options)
+    acting = forces(options, press)
     motion = cycle(press, speed=options.speed * RPM, points=options.points)
-    reactions = inverse_dynamics(press, motion) if options.forces else None
+    reactions = inverse_dynamics(press, motion, **acting) if options.forces else None
     with tempfile.TemporaryDirectory() as folder:
         page = options.out or Path(folder, "recording.html")
         record(press, motion, page, reactions=reactions, traces=options.trace)

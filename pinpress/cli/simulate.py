@@ -16,16 +16,18 @@ from ..visual.recording import traced
 from . import part_specs
 from .options import (
     SIGNS,
+    add_force_options,
     add_out_option,
     add_press_options,
+    add_refused_option,
     add_report_option,
     add_trace_option,
     load_press,
+    loads,
     progress,
     refuse_pages_without_folder,
     write_pages,
 )
-from .part_specs import DRIVES, LOADS, keys
 from .units import quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
@@ -40,7 +42,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "motor's torque, the strokes and the peak force of every bearing; with --out also writes simulation.csv (every quantity at every\n"
         "instant), strokes.csv (one line a stroke, SI units) and recording.html (the press turning with its forces, a page to open by\n"
         "double click).",
-        epilog=_scene_help(),
+        epilog=f"{part_specs.explained('load', 'spring', 'motor', 'clutch')}\n{SIGNS}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
@@ -55,13 +57,15 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     until = parser.add_mutually_exclusive_group(required=True)
     until.add_argument("--duration", type=quantity("s"), metavar="S", help="length of the run, in s")
     until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")
-    option("--drive", metavar="KIND:KEYS", help="drive of the crank, see below (default: none)")
+    option("--motor", metavar="KIND:KEYS", help="motor or other drive of the crank, see below (default: none)")
     option(
         "--flywheel",
         metavar="J",
         help="inertia at the driver joint, in kg m2; inertia=J,speed=RPM where it turns before a clutch closes",
     )
-    option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
+    add_force_options(parser, friction=False)
+    why = "simulations know no friction in bearings: pinpress analyse has it at constant speed; losses in gears are efficiency= of --motor"
+    add_refused_option(parser, "--friction", why)
     option("--clutch", metavar="KEYS", help="clutch between flywheel and crank, see below")
     option("--brake", metavar="KEYS", help="brake on the crank, see below")
     option("--method", choices=METHODS, default="auto", help="method of computation (default: %(default)s, the fastest that serves)")
@@ -76,27 +80,6 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser.set_defaults(run=run)
 
 
-def _scene_help() -> str:
-    kinds = tables.table(([f"{name}:", keys(kind)] for name, kind in (*DRIVES.items(), *LOADS.items())), [16, 0])
-    split = len(DRIVES)
-    return "\n".join(
-        [
-            "drives; keys in brackets are optional; SI units, but speeds in r/min; with ratio= a drive acts on the crank through gears:",
-            *kinds[:split],
-            "loads; heights are slide positions above bottom dead centre, or above the slide position datum=:",
-            *kinds[split:],
-            "clutch and brake, switched at a time or a crank angle:",
-            f"  {keys(part_specs.CLUTCH)}",
-            "e.g. --flywheel 2000 --load blanking:" + LOADS["blanking"].example,
-            "     --drive induction:" + DRIVES["induction"].example,
-            "files are CSV, two columns: "
-            + "; ".join(f"{name} {', '.join(kind.table.columns)}" for name, kind in (*DRIVES.items(), *LOADS.items()) if kind.table),
-            "",
-            SIGNS,
-        ]
-    )
-
-
 def run(options: argparse.Namespace) -> int:
     """Print the summary and write the files.
 
@@ -104,9 +87,9 @@ def run(options: argparse.Namespace) -> int:
         PinpressError: Options do not go together, or computing or writing fails.
     """
     refuse_pages_without_folder(options)
-    drive = None if options.drive is None else part_specs.drive(options.drive)
+    drive = None if options.motor is None else part_specs.motor(options.motor)
     flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
-    loads = [part_specs.load(words) for words in options.load]
+    acting = loads(options)
     clutch = None if options.clutch is None else part_specs.clutch(options.clutch)
     brake = None if options.brake is None else part_specs.brake(options.brake)
     press = load_press(options, gravity=(0.0, 0.0, -options.gravity))
@@ -119,7 +102,7 @@ def run(options: argparse.Namespace) -> int:
     done: Run
     if options.steady:
         _refuse_beside_steady(options)
-        parts = {"drive": drive, "flywheel": flywheel, "loads": loads}
+        parts = {"drive": drive, "flywheel": flywheel, "loads": acting}
         done = steady_state(press, speed, angle=angle, **parts, **shared)  # type: ignore[arg-type]  # it refuses what has no motor
     else:
         with progress(options.duration, BAR) as told:
@@ -130,7 +113,7 @@ def run(options: argparse.Namespace) -> int:
                 angle=angle,
                 drive=drive,
                 flywheel=flywheel,
-                loads=loads,
+                loads=acting,
                 method=options.method,
                 clutch=clutch,
                 brake=brake,
@@ -139,7 +122,7 @@ def run(options: argparse.Namespace) -> int:
                 **shared,
             )
     began = time.perf_counter()
-    reactions = inverse_dynamics(press, done, loads=loads)
+    reactions = inverse_dynamics(press, done, loads=acting)
     took = time.perf_counter() - began
     print(simulation_summary(press, done, reactions, _scene(options, done), options.steady))
     print(tables.entry("time taken", f"{1e3 * done.stats.wall_time:.1f}", f"ms simulation, {1e3 * took:.1f} ms torque and forces"))
@@ -165,6 +148,7 @@ def _scene(options: argparse.Namespace, run: Run) -> list[tuple[str, str]]:
         begin = ("looked for near", f"{options.speed:g} r/min, from {angle} on")
     else:  # a drive may have prescribed the speed
         begin = ("from", f"{angle}, {run.crank_speed[0] / RPM:g} r/min")
-    asked = [("drive", options.drive), ("flywheel", options.flywheel), *(("load", words) for words in options.load)]
+    asked = [("drive", options.motor), ("flywheel", options.flywheel), *(("load", words) for words in options.load)]
+    asked += [("spring", words) for words in options.spring]
     asked += [("clutch", options.clutch), ("brake", options.brake)]
     return [begin, *((name, words) for name, words in asked if words is not None)]

@@ -21,7 +21,7 @@ class PinpressError(Exception):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # By default an exception is rebuilt from its message alone, which does not suit a class that takes other arguments.
-        return _rebuilt, (type(self), self.args, {name: _sendable(value) for name, value in vars(self).items()})
+        return _rebuilt, (type(self), self.args, {name: sendable(value) for name, value in vars(self).items()})
 
 
 class PinpressWarning(UserWarning):
@@ -189,7 +189,7 @@ def _rebuilt(kind: type[PinpressError], arguments: tuple[object, ...], attribute
     return error
 
 
-def _sendable(value: object) -> object:
+def sendable(value: object) -> object:
     """An attribute in a form that can be pickled: one that cannot, such as a function given for a name, is replaced by its description."""
     try:
         pickle.dumps(value)

@@ -118,10 +118,10 @@ def set_field(item: object, field: str, value: object) -> None:
     object.__setattr__(item, field, value)
 
 
-def unit_of(field: Field[Any]) -> str | None:
-    """The unit that a field of a dataclass is declared with; None where nothing is declared of it."""
-    declared = field.metadata.get(_KEY)
-    return declared.unit if declared else None
+def declared(field: Field[Any]) -> Parameter | None:
+    """What is declared of a field of a dataclass; None where nothing is."""
+    found: Parameter | None = field.metadata.get(_KEY)
+    return found
 
 
 def _declared(item: Any) -> Iterator[tuple[Field[Any], Parameter]]:

@@ -19,10 +19,14 @@ from ..kinematics.slide_path import dead_centres
 from ..loads import caller_laws
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
+from .harmonics import is_cycle
 
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion
     from ..linkage.linkage import Linkage
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+GAUSS = (_NODES + 1) / 2, _WEIGHTS / 2  # by which the work between two states is found
 
 
 def asked(loads: Sequence[Load]) -> list[Load]:
@@ -77,12 +81,12 @@ def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -
 
 def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
     """The force (n,) of a process load on the slide, along the guide's axis [N]."""
-    name, (guide, offset), force = caller_laws.name(load), press.slide_guide, np.zeros(len(motion.crank_angle))
-    intervals = [(downwards, interval) for downwards in (True, False) for interval in load.intervals(downwards)]
+    name, force = caller_laws.name(load), np.zeros(len(motion.crank_angle))
+    intervals = _intervals(load)
     if not intervals:  # an idle press needs no datum
         return force
     zero = datum(caller_laws.as_given(load), press)
-    height, velocity = motion.joint_position[:, guide] + (offset - zero), motion.v[:, guide]
+    height, velocity = _heights(press, motion, zero)
     # At a dead centre the speed is rounding, which must not decide on the direction of travel.
     down = velocity < -REST * press.size * np.abs(motion.crank_speed).max()
     acts = False
@@ -90,13 +94,96 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
         _refuse_scenarios(name, interval)
         inside = np.flatnonzero((down == downwards) & (interval.lower < height) & (height <= interval.upper))
         acts |= len(inside) > 0
-        law = numbers(f"{name}: force", interval.force(height[inside], velocity[inside]))
-        if law.shape not in ((), inside.shape):
-            raise PinpressError(f"{name}: force of {inside.shape} heights has shape {law.shape}; give the same")
-        force[inside] = np.maximum(law, 0.0) if interval.one_sided else law
+        force[inside] = _force_in(name, interval, height[inside], velocity[inside])
     low, high = (-math.inf, math.inf) if acts else turning_points(press)
     plausibility.heights(name, [(interval.lower, interval.upper) for _, interval in intervals], low - zero, high - zero, press.size)
     return force
+
+
+def _intervals(load: ProcessLoad) -> list[tuple[bool, ForceInterval]]:
+    """The intervals of a process load, each with whether it is for downward travel."""
+    return [(downwards, interval) for downwards in (True, False) for interval in load.intervals(downwards)]
+
+
+def _heights(press: "Linkage", motion: "Motion", zero: float) -> tuple[Array, Array]:
+    """Heights (n,) of the slide above a slide position [m], and its velocities along the guide's axis (n,) [m/s]."""
+    guide, offset = press.slide_guide
+    return motion.joint_position[:, guide] + (offset - zero), motion.v[:, guide]
+
+
+def _force_in(name: str, interval: ForceInterval, height: Array, velocity: Array) -> Array:
+    """The force (m,) of a process load at heights (m,) within an interval [N]; raises PinpressError for values that are none."""
+    law = numbers(f"{name}: force", interval.force(height, velocity))
+    if law.shape not in ((), height.shape):
+        raise PinpressError(f"{name}: force of {height.shape} heights has shape {law.shape}; give the same")
+    return np.broadcast_to(np.maximum(law, 0.0) if interval.one_sided else law, height.shape)
+
+
+def process_force(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> Array:
+    """Sum (n,) of the process loads and forces in time on the slide, along its guide's axis [N]; raises as `apply`."""
+    total = np.zeros(len(motion.crank_angle))
+    for load in asked(loads):
+        if isinstance(load, TimeForce):
+            total += _in_time(load, motion)
+        elif not isinstance(load, PointForce | SpringDamper):
+            total += _in_height(load, press, motion)
+    return total
+
+
+def process_work(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> float:
+    """Work that the slide does against the process loads and forces in time over a motion's states, a `cycle` closed by its first [J].
+
+    Raises as `apply`.
+    """
+    total = 0.0
+    for load in asked(loads):
+        if isinstance(load, TimeForce):
+            power = -_in_time(load, motion) * motion.slide_velocity
+            total += float(np.trapezoid(_closed(motion, power), _closed_time(motion.time, motion)))
+        elif not isinstance(load, PointForce | SpringDamper):
+            total += _work_in_height(load, press, motion)
+    return total
+
+
+def _work_in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> float:
+    """Work against a process load [J]: from state to state, its laws are integrated over the height within the borders of its intervals."""
+    intervals, work = _intervals(load), 0.0
+    if not intervals:
+        return work
+    height, velocity = _through_turning_points(motion, *_heights(press, motion, datum(caller_laws.as_given(load), press)))
+    begin, way, change = height[:-1, None], np.diff(height)[:, None], np.diff(velocity)[:, None]
+    nodes, weights = GAUSS
+    for downwards, interval in intervals:
+        ends = np.clip(np.stack([height[:-1], height[1:]]), interval.lower, interval.upper)
+        steps = np.flatnonzero((way[:, 0] < 0) & downwards | (way[:, 0] > 0) & (not downwards))
+        steps = steps[ends[0, steps] != ends[1, steps]]
+        first, travel = ends[0, steps, None], (ends[1] - ends[0])[steps, None]
+        at = first + travel * nodes
+        speed = velocity[:-1, None][steps] + change[steps] * (at - begin[steps]) / way[steps]
+        force = _force_in(caller_laws.name(load), interval, at.ravel(), speed.ravel()).reshape(at.shape)
+        work -= float((force @ weights * travel[:, 0]).sum())
+    return work
+
+
+def _through_turning_points(motion: "Motion", height: Array, velocity: Array) -> tuple[Array, Array]:
+    """Heights and velocities with those where the slide turns back between two states, as it does under an even acceleration."""
+    time = motion._time
+    if time is None or len(time) < 2:
+        return height, velocity
+    height, velocity, time = _closed(motion, height), _closed(motion, velocity), _closed_time(time, motion)
+    before = np.flatnonzero(velocity[:-1] * velocity[1:] < 0)
+    share = velocity[before] / (velocity[before] - velocity[before + 1])
+    turns = height[before] + 0.5 * velocity[before] * share * np.diff(time)[before]
+    return np.insert(height, before + 1, turns), np.insert(velocity, before + 1, 0.0)
+
+
+def _closed(motion: "Motion", values: Array) -> Array:
+    """Values (n,) over a motion, with the first one once more behind those over a `cycle`."""
+    return np.append(values, values[0]) if is_cycle(motion) else values
+
+
+def _closed_time(time: Array, motion: "Motion") -> Array:
+    return np.append(time, 2 * time[-1] - time[-2]) if is_cycle(motion) else time
 
 
 def turning_points(press: "Linkage") -> tuple[float, float]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.arguments import typed
-from ..common.errors import PinpressError, SingularityError, UnknownNameError, shown
+from ..common.errors import PinpressError, SingularityError, UnknownNameError, sendable, shown
 from ..common.frozen import FrozenMapping, NamedArrays, read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
@@ -46,6 +46,9 @@ class Reactions(Tabular):
     Attributes:
         motion: The motion.
         engine: "plane" or "pinocchio".
+        loads: The loads as they were given. In a pickled copy, one that cannot be pickled is its description.
+        friction: The friction of bearings and guides as it was given.
+        stiffness: The stiffnesses of bearings and guides as they were given [N/m].
         driving_torque: (n,) torque on the driver joint along its axis [N m]; (n, drivers) for several drivers.
         coupling_torque: (n, 2) by the name of a joint with a ``<mimic>``: torques of the gear pair on this joint and on the joint it
             mimics, along their axes [N m; N on a joint that slides]. They do not include the tooth force on the shafts' bearings. Where no
@@ -66,6 +69,9 @@ class Reactions(Tabular):
 
     motion: Motion
     engine: str
+    loads: tuple[Load, ...]
+    friction: Mapping[str, Friction]
+    stiffness: Mapping[str, float]
     driving_torque: Array
     bearing_force: NamedArrays[np.float64]
     bearing_moment: NamedArrays[np.float64]
@@ -110,6 +116,27 @@ class Reactions(Tabular):
         if not np.isfinite(largest):
             raise PinpressError(f"the powers of {self._press.name} are too large for floating point: lower speed or loads")
         return np.asarray(read_only(balance / largest))
+
+    @cached_property
+    def process_force(self) -> Array:
+        """(n,) sum of the process loads and forces in time on the slide along its guide's axis [N]; positive resists the working stroke."""
+        return read_only(applied_loads.process_force(self.loads, self._press, self.motion))
+
+    @cached_property
+    def process_work(self) -> float:
+        """Work that the slide does against the process loads and forces in time over the motion's states [J], over a whole period of a
+        `cycle`.
+
+        Between two states the laws are integrated over the height, so that a blank that breaks through between them costs no accuracy.
+        """
+        return applied_loads.process_work(self.loads, self._press, self.motion)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The state for copies and pickles."""
+        loads = tuple(sendable(load) for load in self.loads)
+        if any(isinstance(load, str) for load in loads):
+            _ = self.process_force, self.process_work  # they cannot be computed from descriptions
+        return vars(self) | {"loads": loads}
 
     @property
     def indeterminate(self) -> NamedArrays[np.bool_]:
@@ -221,13 +248,20 @@ def inverse_dynamics(
         with_gear_torques = bool(wanted) or law is not None
         conditions = AppliedConditions(applied_loads.apply(asked, press, motion), law, compliance, with_gear_torques)
         wrenches = _solved(press, chosen, motion, conditions, wanted)
-    return _reactions(press, motion, chosen, conditions, wanted, wrenches)
+    given = (tuple(loads), FrozenMapping(friction), FrozenMapping(stiffness))
+    return _reactions(press, motion, chosen, conditions, wanted, wrenches, given)
 
 
 def _reactions(
-    press: Linkage, motion: Motion, engine: str, conditions: AppliedConditions, wanted: Sequence[int], wrenches: Wrenches
+    press: Linkage,
+    motion: Motion,
+    engine: str,
+    conditions: AppliedConditions,
+    wanted: Sequence[int],
+    wrenches: Wrenches,
+    given: tuple[tuple[Load, ...], Mapping[str, Friction], Mapping[str, float]],
 ) -> Reactions:
-    """The wrenches that an engine has found, by the names of the wanted bearings."""
+    """The wrenches that an engine has found, by the names of the wanted bearings; ``given``: loads, friction and stiffness."""
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
@@ -235,6 +269,9 @@ def _reactions(
     return Reactions(
         motion=motion,
         engine=engine,
+        loads=given[0],
+        friction=given[1],
+        stiffness=given[2],
         driving_torque=wrenches.torque.T if several else wrenches.torque[0],
         bearing_force=NamedArrays(kept, wrenches.force, left_out),
         bearing_moment=NamedArrays(kept, wrenches.moment, left_out),

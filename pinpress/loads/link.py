@@ -8,7 +8,7 @@ together. At rest, in a dead centre, Coulomb friction can have any value up to i
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..common.arguments import suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.parameters import parameter
 from ..engines.forces import FrictionLaw
 from .process import ProcessLoad, TimeForce
 
@@ -38,8 +39,8 @@ class PointForce:
     """
 
     link: str
-    force: ArrayLike | Callable[[Motion], ArrayLike]
-    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    force: ArrayLike | Callable[[Motion], ArrayLike] = field(metadata=parameter("N", axes=1))
+    point: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), metadata=parameter("m", axes=1))
 
 
 @dataclass(frozen=True)
@@ -61,11 +62,11 @@ class SpringDamper:
 
     link1: str
     link2: str
-    stiffness: float = 0.0
-    damping: float = 0.0
-    free_length: float = 0.0
-    point1: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    point2: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stiffness: float = field(default=0.0, metadata=parameter("N/m", "not negative"))
+    damping: float = field(default=0.0, metadata=parameter("N s/m", "not negative"))
+    free_length: float = field(default=0.0, metadata=parameter("m", "not negative"))
+    point1: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), metadata=parameter("m", axes=1))
+    point2: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), metadata=parameter("m", axes=1))
 
 
 Load = PointForce | SpringDamper | ProcessLoad | TimeForce
@@ -81,8 +82,8 @@ class Friction:
         viscous: torque by angular speed [N m s/rad], in a guide force by speed [N s/m].
     """
 
-    coefficient: float = 0.0
-    radius: float | None = None
+    coefficient: float = field(default=0.0, metadata=parameter("-", "not negative"))
+    radius: float | None = field(default=None, metadata=parameter("m", "not negative"))
     viscous: float = 0.0
 
 

@@ -22,13 +22,14 @@ from pinpress.cli import part_specs as scene_words
 from pinpress.cli import simulate as command_simulate
 from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed
+from pinpress.loads.link import PointForce
 from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from pinpress.simulation.run import FIRST_STROKES, MOST_STROKES
 
 ROOT = Path(__file__).resolve().parents[2]
 MOTOR = "induction:rated_power=75e3,rated_speed=1400,inertia=1.2,ratio=20.7,efficiency=0.95"
 BLANKING = "blanking:force=2e6,start=0.006,end=0.002"
-PRESSING = ["zxn2_3000b", "--speed", "70", "--flywheel", "2000", "--drive", MOTOR, "--load", BLANKING]
+PRESSING = ["zxn2_3000b", "--speed", "70", "--flywheel", "2000", "--motor", MOTOR, "--load", BLANKING]
 DIGITS = 5.1e-5  # five digits of the largest number of a section
 
 
@@ -142,7 +143,7 @@ def test_flywheel_alone_against_a_separate_integration(capsys: pytest.CaptureFix
 
 
 def test_many_strokes_are_listed_in_part(capsys: pytest.CaptureFixture[str]) -> None:
-    text = printed(capsys, "crank_slide", "--duration", 12, "--drive", "prescribed:speed=60", "--points", 100)
+    text = printed(capsys, "crank_slide", "--duration", 12, "--motor", "prescribed:speed=60", "--points", 100)
     press = texts.shipped("crank_slide")
     agree(text, press, pp.simulate(press, 12.0, drive=PrescribedSpeed(60 * pp.RPM), points=100), [])
     assert "\n     ...\n      12 " in text
@@ -150,7 +151,7 @@ def test_many_strokes_are_listed_in_part(capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_few_strokes_or_none(capsys: pytest.CaptureFixture[str]) -> None:
-    text = printed(capsys, "crank_slide", "--duration", 8, "--drive", "prescribed:speed=60", "--points", 100)
+    text = printed(capsys, "crank_slide", "--duration", 8, "--motor", "prescribed:speed=60", "--points", 100)
     assert "..." not in text
     assert "\n       8 " in text
     assert "does not get through a period" in printed(capsys, "crank_slide", "--duration", 0.5, "--speed", 60, "--flywheel", 50)
@@ -184,10 +185,10 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
 
 def test_strokes_without_rated_torque(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """There is no utilisation then, neither in the summary nor in the file; and of no stroke there is the header."""
-    text = printed(capsys, "crank_slide", "--duration", 0.1, "--drive", "prescribed:speed=60", "--out", tmp_path)
+    text = printed(capsys, "crank_slide", "--duration", 0.1, "--motor", "prescribed:speed=60", "--out", tmp_path)
     assert "utilisation" not in text
     assert len((tmp_path / "strokes.csv").read_text().splitlines()) == 1
-    printed(capsys, "crank_slide", "--duration", 1.1, "--drive", "prescribed:speed=60", "--out", tmp_path)
+    printed(capsys, "crank_slide", "--duration", 1.1, "--motor", "prescribed:speed=60", "--out", tmp_path)
     strokes = read(tmp_path / "strokes.csv")
     assert "utilisation [-]" not in strokes
     assert strokes["mean_speed [rad/s]"].tolist() == pytest.approx([2 * np.pi], rel=1e-9)
@@ -215,7 +216,7 @@ def test_clutch_and_brake(capsys: pytest.CaptureFixture[str]) -> None:
     """A stroke from rest, as a press in single-stroke operation does it."""
     text = printed(
         capsys,
-        *("zxn2_3000b", "--duration", 1.5, "--flywheel", "inertia=2000,speed=70", "--drive", MOTOR),
+        *("zxn2_3000b", "--duration", 1.5, "--flywheel", "inertia=2000,speed=70", "--motor", MOTOR),
         *("--clutch", "torque=6e4,rise=0.1,closes=0.2s,opens=250deg", "--brake", "torque=4e4,closes=250deg"),
     )
     press, angle = texts.shipped("zxn2_3000b"), np.radians(250)
@@ -307,9 +308,9 @@ def test_every_kind_of_drive(files: dict[str, Path]) -> None:
         ),
         "prescribed:speed=-70": PrescribedSpeed(-70 * rpm),
     }
-    assert {words.partition(":")[0] for words in cases} == set(scene_words.DRIVES)
+    assert {words.partition(":")[0] for words in cases} == set(scene_words.MOTORS)
     for words, drive in cases.items():
-        assert scene_words.drive(words) == drive
+        assert scene_words.motor(words) == drive
 
 
 def test_every_kind_of_load(files: dict[str, Path]) -> None:
@@ -321,6 +322,7 @@ def test_every_kind_of_load(files: dict[str, Path]) -> None:
         "drawing:force=5e5,start=0.05": DeepDrawing(5e5, 0.05),
         f"table:file={files['force']}": ForceStroke([0.02, 0.001, 0.0], [0.0, 5e5, 6e5]),
         "die:height=0.001,stiffness=1e9,damping=1e4": ElasticDie(0.001, 1e9, 1e4),
+        "point-force:link=rod,force=0/-2kN/5,point=1mm/0/0.1": PointForce("rod", (0.0, -2e3, 5.0), (0.001, 0.0, 0.1)),
     }
     assert {words.partition(":")[0] for words in cases} == set(scene_words.LOADS)
     for words, load in cases.items():
@@ -334,11 +336,11 @@ def test_each_kind_runs(capsys: pytest.CaptureFixture[str], files: dict[str, Pat
     """By the example that the help gives, on a press small enough for all of them."""
     start = ("crank_slide", "--speed", 70, "--angle", 30, "--duration", 0.05, "--flywheel", 500, "--points", 20)
     swap = {"motion.csv": files["program"], "stroke.csv": files["force"]}
-    for option, kinds in (("--drive", scene_words.DRIVES), ("--load", scene_words.LOADS)):
+    for option, kinds in (("--motor", scene_words.MOTORS), ("--load", scene_words.LOADS)):
         for name, kind in kinds.items():
             words = re.sub(r"\w+\.csv", lambda match: str(swap[match[0]]), f"{name}:{kind.example}")
             text = printed(capsys, *start, option, words)
-            assert f"\n  {option[2:]:26}{words}\n" in text
+            assert f"\n  {option[2:].replace('motor', 'drive'):26}{words}\n" in text
     for option, kind in (("--clutch", scene_words.CLUTCH), ("--brake", scene_words.BRAKE), ("--flywheel", scene_words.FLYWHEEL)):
         printed(capsys, *start, option, kind.example)
 
@@ -348,7 +350,7 @@ def test_help_lists_every_field(capsys: pytest.CaptureFixture[str]) -> None:
         __main__.main(["simulate", "--help"])
     shown = capsys.readouterr().out
     lines = shown.splitlines()
-    for name, kind in (*scene_words.DRIVES.items(), *scene_words.LOADS.items()):
+    for name, kind in (*scene_words.MOTORS.items(), *scene_words.LOADS.items()):
         line = next(line for line in lines if line.startswith(f"  {name}:"))
         from_file = () if kind.table is None else kind.table.into
         for field in dataclasses.fields(kind.made):
@@ -365,23 +367,23 @@ DURATION = ["zxn2_3000b", "--duration", "1"]
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--drive", "motor:value=3"], ["no kind 'motor'", "constant, induction, inverter", "--drive constant:value=567"]),
-        (["--drive", "inductoin:x=3"], ["did you mean 'induction'?"]),
-        (["--drive", "constant:torque=3"], ["no key 'torque'", "it takes value [ratio]", "--drive constant:value=567"]),
-        (["--drive", "induction:rated_pwr=3"], ["did you mean 'rated_power'?", "rated_speed=RPM", "speeds in r/min"]),
-        (["--drive", "induction"], ["--drive induction: rated_power and rated_speed are missing"]),
-        (["--drive", "constant:value=1,efficiency=0.9"], ["ratio is missing"]),
-        (["--drive", "constant:value=7,5"], ["'5' is not key=value"]),
-        (["--drive", "constant:value=1,value=2"], ["value is given twice"]),
-        (["--drive", "constant:value="], ["value is '', no number"]),
-        (["--drive", "constant:value=nan"], ["finite number [N m]"]),
-        (["--drive", "induction:rated_power=1,rated_speed=1600"], ["1600 r/min", "give a rated_speed below it"]),
-        (["--drive", "induction:rated_power=1,rated_speed=985,poles=5.5"], ["poles is '5.5', no whole number"]),
-        (["--drive", "prescribed:speed=70,ratio=2"], ["no key 'ratio'"]),
-        (["--drive", "prescribed:speed=70", "--speed", "60"], ["the drive prescribes"]),
-        (["--drive", "servo:program=none.csv,stiffness=1,damping=1,peak_torque=1"], ["none.csv", "time [s] and angle [deg]"]),
+        (["--motor", "motor:value=3"], ["no kind 'motor'", "constant, induction, inverter", "--motor constant:value=567"]),
+        (["--motor", "inductoin:x=3"], ["did you mean 'induction'?"]),
+        (["--motor", "constant:torque=3"], ["no key 'torque'", "it takes value [ratio]", "--motor constant:value=567"]),
+        (["--motor", "induction:rated_pwr=3"], ["did you mean 'rated_power'?", "rated_speed=RPM", "speeds in r/min"]),
+        (["--motor", "induction"], ["--motor induction: rated_power and rated_speed are missing"]),
+        (["--motor", "constant:value=1,efficiency=0.9"], ["ratio is missing"]),
+        (["--motor", "constant:value=7,5"], ["'5' is not key=value"]),
+        (["--motor", "constant:value=1,value=2"], ["value is given twice"]),
+        (["--motor", "constant:value="], ["value is '', no number"]),
+        (["--motor", "constant:value=nan"], ["finite number [N m]"]),
+        (["--motor", "induction:rated_power=1,rated_speed=1600"], ["1600 r/min", "give a rated_speed below it"]),
+        (["--motor", "induction:rated_power=1,rated_speed=985,poles=5.5"], ["poles is '5.5', no whole number"]),
+        (["--motor", "prescribed:speed=70,ratio=2"], ["no key 'ratio'"]),
+        (["--motor", "prescribed:speed=70", "--speed", "60"], ["the drive prescribes"]),
+        (["--motor", "servo:program=none.csv,stiffness=1,damping=1,peak_torque=1"], ["none.csv", "time [s] and angle [deg]"]),
         (
-            ["--drive", "inverter:rated_torque=1,rated_speed=1485,frequency=40,curve=README.md"],
+            ["--motor", "inverter:rated_torque=1,rated_speed=1485,frequency=40,curve=README.md"],
             ["row 2", "frequency [Hz] and torque [N m]"],
         ),
         (["--load", "press:force=1"], ["no kind 'press'", "idle, constant-force, blanking, drawing, table, die"]),
@@ -416,13 +418,13 @@ def test_errors_list_what_there_is(
     ("arguments", "says"),
     [
         (["--speed", "70"], "drive is None"),
-        (["--drive", "constant:value=5"], "a --speed other than 0"),
-        (["--speed", "70", "--drive", "constant:value=5"], "no steady state is found"),
-        (["--speed", "70", "--drive", "prescribed:speed=70"], "needs a motor"),
-        (["--speed", "70", "--drive", MOTOR, "--clutch", "torque=5"], "--clutch does not go with --steady"),
-        (["--speed", "70", "--drive", MOTOR, "--brake", "torque=5"], "--brake does not go with --steady"),
-        (["--speed", "70", "--drive", MOTOR, "--step", "0.1"], "--step does not go with --steady"),
-        (["--speed", "70", "--drive", MOTOR, "--method", "constraint"], "--method does not go with --steady"),
+        (["--motor", "constant:value=5"], "a --speed other than 0"),
+        (["--speed", "70", "--motor", "constant:value=5"], "no steady state is found"),
+        (["--speed", "70", "--motor", "prescribed:speed=70"], "needs a motor"),
+        (["--speed", "70", "--motor", MOTOR, "--clutch", "torque=5"], "--clutch does not go with --steady"),
+        (["--speed", "70", "--motor", MOTOR, "--brake", "torque=5"], "--brake does not go with --steady"),
+        (["--speed", "70", "--motor", MOTOR, "--step", "0.1"], "--step does not go with --steady"),
+        (["--speed", "70", "--motor", MOTOR, "--method", "constraint"], "--method does not go with --steady"),
     ],
 )
 def test_errors_of_the_steady_state(capsys: pytest.CaptureFixture[str], arguments: list[str], says: str) -> None:

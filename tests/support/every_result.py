@@ -264,6 +264,7 @@ DESCRIPTIONS = {
     "AddedMass",
     "Capacities",
     "Frame",
+    "Friction",
     "Link",
     "Linkage",
     "Criterion",

@@ -1,0 +1,132 @@
+"""Loads, springs, friction and stiffnesses of the command line do what they do in Python, with every command that takes them."""
+
+import csv
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support import texts
+from support.in_browser import data_in
+
+import pinpress as pp
+from pinpress.cli.main import main
+
+BLANKING, BLANK = "blanking:force=1000kN,start=6mm,end=2mm", pp.loads.Blanking(1e6, 0.006, 0.002)
+SPRING = "link1=frame,link2=slide,stiffness=200kN/m,damping=500,free_length=0.4,point1=0/0/500mm"
+CYLINDER = pp.loads.SpringDamper("frame", "slide", 2e5, 500.0, 0.4, point1=(0.0, 0.0, 0.5))
+ANALYSE = ["analyse", "zxn2_3000b", "--speed", "70", "--points", "90"]
+
+
+def table(path: Path) -> dict[str, Any]:
+    with path.open(encoding="utf-8", newline="") as file:
+        header, *rows = csv.reader(file)
+    return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
+
+
+def shipped(name: str = "zxn2_3000b", points: int = 90) -> tuple[pp.Linkage, pp.Motion]:
+    press = texts.shipped(name)
+    return press, pp.cycle(press, 70 * pp.RPM, points=points)
+
+
+def test_analysis_under_everything(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--load", BLANKING, "--load", "point-force:link=rod,force=0/0/-5kN,point=0.1/0/0", "--spring", SPRING]
+    words += ["--friction", "all:coefficient=5%,radius=60mm", "--friction", "A:coefficient=0.08,radius=0.12,viscous=50"]
+    words += ["--stiffness", "A=1e9", "--stiffness", "D=2GN/m"]
+    assert main([*ANALYSE, *words, "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().err == ""
+    press, motion = shipped()
+    pin, guide = pp.loads.Friction(0.05, 0.06), pp.loads.Friction(0.05)
+    expected = pp.inverse_dynamics(
+        press,
+        motion,
+        [BLANK, pp.loads.PointForce("rod", (0.0, 0.0, -5e3), (0.1, 0.0, 0.0)), CYLINDER],
+        dict.fromkeys(press.bearings, pin) | {"slide_guide": guide, "A": pp.loads.Friction(0.08, 0.12, 50.0)},
+        {"A": 1e9, "D": 2e9},
+    )
+    found = table(tmp_path / "cycle.csv")
+    for name, values in expected.columns().items():
+        np.testing.assert_array_equal(found[name], values, err_msg=name)
+    assert np.ptp(expected.driving_torque - pp.inverse_dynamics(press, motion).driving_torque) > 1e3
+
+
+def test_the_press_before_is_under_the_same(tmp_path: Path) -> None:
+    words = ["--load", BLANKING, "--friction", "A:coefficient=0.1,radius=0.1", "--before", "zxn2_3000b_balanced", "--report"]
+    assert main([*ANALYSE, *words, "--out", str(tmp_path)]) == 0
+    press, motion = shipped("zxn2_3000b_balanced")
+    other = pp.inverse_dynamics(press, motion, [BLANK], {"A": pp.loads.Friction(0.1, 0.1)})
+    rows = {row[0]: row for row in data_in(tmp_path / "report.html")["report"]["table"]["rows"]}
+    (before,) = [row[-3] for name, row in rows.items() if name == "driving torque"]
+    assert float(before) == pytest.approx(np.ptp(other.driving_torque), rel=1e-4)
+
+
+def test_recording_shows_the_loaded_press(tmp_path: Path) -> None:
+    page = tmp_path / "press.html"
+    words = ["--points", "90", "--load", BLANKING, "--spring", SPRING, "--friction", "all:coefficient=0.1,radius=60mm"]
+    assert main(["record", "zxn2_3000b", "--speed", "70", *words, "--out", str(page)]) == 0
+    press, motion = shipped()
+    pins = {name: pp.loads.Friction(0.1, None if name == "slide_guide" else 0.06) for name in press.bearings}
+    loaded = pp.inverse_dynamics(press, motion, [BLANK, CYLINDER], pins)
+    assert page.read_bytes() == pp.record(press, motion, tmp_path / "same.html", reactions=loaded).read_bytes()
+
+
+def test_balancing_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["balance", "crank_slide", "--speed", "70", "--region", "crank:radius=0.1,most=50", "--minimise", "peak:bearing_force:O"]
+    force = []
+    for spring in ([], ["--spring", SPRING]):
+        assert main([*words, "--points", "36", *spring]) == 0
+        (before,) = re.findall(r"^  before +(\S+) N$", capsys.readouterr().out, flags=re.MULTILINE)
+        force.append(float(before))
+    press, motion = shipped("crank_slide", 36)
+    for found, loads in zip(force, ([], [CYLINDER]), strict=True):
+        expected = np.linalg.norm(pp.inverse_dynamics(press, motion, loads).bearing_force["O"], axis=1).max()
+        assert found == pytest.approx(expected, rel=1e-5)
+
+
+def test_simulation_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["simulate", "crank_slide", "--speed", "70", "--duration", "0.3", "--flywheel", "50", "--spring", SPRING]
+    assert main(words) == 0
+    text = capsys.readouterr().out
+    press = texts.shipped("crank_slide")
+    run = pp.simulate(press, 0.3, speed=70 * pp.RPM, flywheel=pp.drives.Flywheel(50.0), loads=[CYLINDER])
+    (angle,) = re.findall(r"^  crank angle +(\S+)", text, flags=re.MULTILINE)
+    assert float(angle) == pytest.approx(np.degrees(run.crank_angle[-1]), abs=6e-4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ([*ANALYSE, "--friction", "0.1"], "it names no bearing; write e.g. --friction all:coefficient=0.08,radius=60mm"),
+        ([*ANALYSE, "--friction", "Q:coefficient=0.1"], "no bearing 'Q'"),
+        ([*ANALYSE, "--friction", "A:coefficient=0.1"], "its radius is missing"),
+        ([*ANALYSE, "--friction", "slide_guide:coefficient=0.1,radius=0.1"], "a guide has no radius"),
+        ([*ANALYSE, "--friction", "A:mu=0.1"], "no key 'mu'; it takes [coefficient=0] [radius] [viscous=0]"),
+        ([*ANALYSE, "--friction", "all:viscous=3"], "give it of each by its name"),
+        ([*ANALYSE, "--friction", "A:viscous=3", "--friction", "A:viscous=4"], "the friction of A is given twice"),
+        ([*ANALYSE, "--spring", "link1=frame,link2=slid,stiffness=1"], "no link 'slid'"),
+        ([*ANALYSE, "--spring", "link1=frame"], "link2 is missing"),
+        ([*ANALYSE, "--spring", "link1=frame,link2=slide,point1=1/2"], "point1 is '1/2', not x/y/z as 0/0/-0.2"),
+        ([*ANALYSE, "--spring", "link1=frame,link2=slide,stiffness=-1"], "stiffness is -1"),
+        ([*ANALYSE, "--load", "point-force:link=slide,force=5kN"], "force is '5kN', not x/y/z"),
+        ([*ANALYSE, "--stiffness", "A"], "it takes NAME=N/m, a positive stiffness [N/m]; write e.g. --stiffness A=1e9"),
+        ([*ANALYSE, "--stiffness", "Q=1e9"], "no bearing 'Q'"),
+        (["record", "zxn2_3000b", "--speed", "70", "--out", "x.html", "--no-forces", "--load", BLANKING], "--no-forces leaves out"),
+        (["record", "zxn2_3000b", "--speed", "70", "--motor", "constant:value=5"], "--motor: a recording is at constant speed"),
+        (["simulate", "zxn2_3000b", "--duration", "1", "--friction", "A:viscous=1"], "--friction: simulations know no friction"),
+        (["balance", "zxn2_3000b", "--speed", "70", "--friction", "A:viscous=1"], "--friction: balancing needs forces that are linear"),
+    ],
+)
+def test_wrong_words(arguments: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(arguments) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert says in error
+    assert error.count("\n") == 1
+
+
+def test_part_of_an_option_is_no_other_option(capsys: pytest.CaptureFixture[str]) -> None:
+    """``--drive`` began ``--driver``."""
+    with pytest.raises(SystemExit, match="2"):
+        main(["simulate", "crank_slide", "--duration", "1", "--drive", "O"])
+    assert "unrecognized arguments: --drive" in capsys.readouterr().err

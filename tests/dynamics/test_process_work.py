@@ -1,0 +1,72 @@
+"""Force and work of the process over a motion: works against their integrals in closed form, and what copies keep."""
+
+import pickle
+
+import numpy as np
+import pytest
+from support import texts
+
+import pinpress as pp
+from pinpress.loads import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, PointForce, SpringDamper, TimeForce
+
+SPEED = 70 * pp.RPM
+WORKS = [  # of a stroke [J]
+    (Blanking(1e6, 0.006, 0.002), 1e6 * 0.004 * 2 / np.pi),
+    (Blanking(1e6, 0.006, 0.002, stripping=3e4), 1e6 * 0.004 * 2 / np.pi + 3e4 * 0.004),
+    (DeepDrawing(1e6, 0.05), 1e6 * 0.05 * 2 / np.pi),
+    (ForceStroke([0.0, 0.02, 0.03], [6e5, 6e5, 0.0]), 6e5 * 0.025),
+    (ConstantForce(1e6, 0.01), 0.0),
+    (ElasticDie(0.01, 1e8), 0.0),
+    (Idle(), 0.0),
+]
+
+
+@pytest.mark.parametrize(("load", "work"), WORKS, ids=lambda part: type(part).__name__)
+@pytest.mark.parametrize(("points", "speed"), [(36, SPEED), (360, -SPEED)])
+def test_work_of_a_stroke_in_closed_form(load, work, points, speed):
+    press = texts.shipped("zxn2_3000b")
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, speed, points=points), [load])
+    assert reactions.process_work == pytest.approx(work, rel=1e-6, abs=1e-6)
+
+
+def test_work_of_a_damped_die_against_that_of_the_drive():
+    """All that the drive does over a period is lost in the die. A sum over states knows the jump of its force only to half a step."""
+    press, die = texts.shipped("zxn2_3000b"), ElasticDie(0.05, 1e6, 4e5)
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36000), [die])
+    assert reactions.process_work == pytest.approx(reactions.driving_torque.mean() * 2 * np.pi, rel=4e-4)
+
+
+def test_work_of_a_run_is_that_which_it_has_integrated():
+    press = texts.shipped("zxn2_3000b")
+    for load, error in ((Blanking(1e6, 0.006, 0.002), 1e-7), (TimeForce(lambda time: 1e3 * np.sin(time)), 1e-3)):  # by trapezoids in time
+        run = pp.simulate(press, 1.3, speed=SPEED, flywheel=pp.drives.Flywheel(2e4), loads=[load])
+        assert pp.inverse_dynamics(press, run, [load]).process_work == pytest.approx(run.load_work[-1], rel=error)
+
+
+def test_force_is_that_of_process_loads_alone():
+    press = texts.shipped("zxn2_3000b")
+    motion, blank = pp.cycle(press, SPEED, points=720), Blanking(1e6, 0.006, 0.002)
+    others = [PointForce("slide", (0.0, 0.0, 1e3)), SpringDamper("frame", "slide", 1e5)]
+    reactions = pp.inverse_dynamics(press, motion, [blank, *others, TimeForce(lambda time: 5.0)])
+    height = motion.slide_position - pp.dead_centres(press).bottom_position
+    acts = (motion.slide_velocity < 0) & (height > 0.002) & (height <= 0.006)
+    assert acts.any()
+    np.testing.assert_allclose(
+        reactions.process_force, 5.0 + np.where(acts, 1e6 * np.sin(np.pi / 2 * (0.006 - height) / 0.004), 0), rtol=1e-12
+    )
+    assert not pp.inverse_dynamics(press, motion, others).process_force.any()
+
+
+def test_what_was_given_is_kept():
+    press = texts.shipped("zxn2_3000b")
+    motion, friction = pp.cycle(press, SPEED, points=24), {"A": pp.loads.Friction(0.1, 0.1)}
+    loads = [Blanking(1e6, 0.006, 0.002), TimeForce(lambda time: 7.0)]
+    reactions = pp.inverse_dynamics(press, motion, loads, friction, {"D": 1e9})
+    assert reactions.loads == tuple(loads)
+    assert (dict(reactions.friction), dict(reactions.stiffness)) == (friction, {"D": 1e9})
+    sent = pickle.loads(pickle.dumps(reactions))  # a function without a name cannot be sent, what it gave can
+    assert sent.loads[0] is not None
+    assert isinstance(sent.loads[0], Blanking)
+    assert "TimeForce" in str(sent.loads[1])
+    assert sent.process_work == reactions.process_work
+    np.testing.assert_array_equal(sent.process_force, reactions.process_force)
