@@ -8,6 +8,8 @@ import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from .quantities import CRANK, DriverCoordinate
+
 _LONGEST_SHOWN = 200  # characters of a value in a message
 _LONGEST_WHOLE_NUMBER = 200  # bits
 _LONGEST_NAME = 200  # characters of a name that alternatives are suggested for: comparing longer ones takes long
@@ -68,27 +70,27 @@ class AssemblyError(PinpressError):
     """The loops of a linkage do not close at a crank angle.
 
     Attributes:
-        crank_angle: angle of the driver joint [rad].
+        crank_angle: angle of the driver joint [rad]; position of one that slides [m].
         gap: largest distance left between the two sides of a loop [m].
         iterations: Newton steps taken.
     """
 
-    def __init__(self, problem: str, crank_angle: float, gap: float, iterations: int) -> None:
+    def __init__(self, problem: str, crank_angle: float, gap: float, iterations: int, coordinate: DriverCoordinate = CRANK) -> None:
         self.crank_angle, self.gap, self.iterations = crank_angle, gap, iterations
-        super().__init__(f"{problem} (crank angle {_degrees(crank_angle)}, gap {gap:.3g} m after {iterations} Newton steps)")
+        super().__init__(f"{problem} ({coordinate.at(crank_angle)}, gap {gap:.3g} m after {iterations} Newton steps)")
 
 
 class SingularityError(PinpressError):
     """The driver does not determine the linkage at a crank angle: the linkage locks there, or two assemblies meet.
 
     Attributes:
-        crank_angle: angle of the driver joint [rad].
+        crank_angle: angle of the driver joint [rad]; position of one that slides [m].
         smallest_singular_value: smallest singular value of the passive joints' columns in the loop Jacobian, scaled to unit length [-].
     """
 
-    def __init__(self, problem: str, crank_angle: float, smallest_singular_value: float) -> None:
+    def __init__(self, problem: str, crank_angle: float, smallest_singular_value: float, coordinate: DriverCoordinate = CRANK) -> None:
         self.crank_angle, self.smallest_singular_value = crank_angle, smallest_singular_value
-        super().__init__(f"{problem} (crank angle {_degrees(crank_angle)}, smallest singular value {smallest_singular_value:.3g})")
+        super().__init__(f"{problem} ({coordinate.at(crank_angle)}, smallest singular value {smallest_singular_value:.3g})")
 
 
 class SimulationError(PinpressError):
@@ -96,15 +98,19 @@ class SimulationError(PinpressError):
 
     Attributes:
         time: time of the failure [s]; None where it belongs to no instant.
-        crank_angle: crank angle at the failure [rad]; None where it belongs to none.
+        crank_angle: crank angle at the failure [rad], of a driver that slides its position [m]; None where it belongs to none.
         reason: the kind of failure in a word or two, e.g. "stalls"; None where it has no name.
+        coordinate: what the crank angle is.
     """
 
     def __init__(self, problem: str, time: float | None = None, crank_angle: float | None = None, reason: str | None = None) -> None:
-        self.time, self.crank_angle, self.reason = time, crank_angle, reason
-        at = [] if time is None else [f"time {time:.6g} s"]
-        at += [] if crank_angle is None else [f"crank angle {_degrees(crank_angle)}"]
-        super().__init__(problem + (f" ({', '.join(at)})" if at else ""))
+        self.time, self.crank_angle, self.reason, self.coordinate = time, crank_angle, reason, CRANK
+        super().__init__(problem)
+
+    def __str__(self) -> str:  # not worked out before: solvers, which raise it, do not know what the driver is
+        at = [] if self.time is None else [f"time {self.time:.6g} s"]
+        at += [] if self.crank_angle is None else [self.coordinate.at(self.crank_angle)]
+        return str(self.args[0]) + (f" ({', '.join(at)})" if at else "")
 
 
 class UnknownNameError(PinpressError, KeyError):
@@ -177,10 +183,6 @@ def said(error: BaseException) -> str:
         text = "without a message"
     kind = type(error).__name__
     return f"{kind}: {text}" if text else kind
-
-
-def _degrees(angle: float) -> str:
-    return f"{angle * 57.29577951308232:.6g} deg"
 
 
 def _rebuilt(kind: type[PinpressError], arguments: tuple[object, ...], attributes: Mapping[str, object]) -> PinpressError:

@@ -6,17 +6,21 @@ from collections.abc import Sequence
 import numpy as np
 
 from .errors import caution
-from .quantities import RPM, Array
+from .quantities import CRANK, RPM, Array, DriverCoordinate
 
 FASTEST = 1000.0  # no crank or motor of a press turns faster [rad/s], 9549 r/min
+FASTEST_SLIDING = 10.0  # no cylinder or screw of a press slides faster [m/s]
 FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
 
 
-def speeds(name: str, values: Array | float) -> None:
-    """Warn of speeds [rad/s], of any shape, that no press runs at: they may be in r/min."""
+def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRANK) -> None:
+    """Warn of speeds of a driver [rad/s or m/s], of any shape, that no press runs at: they may be in r/min or mm/s."""
     fastest = float(np.abs(values).max(initial=0.0))
-    if fastest > FASTEST:
+    if not coordinate.turns:
+        if fastest > FASTEST_SLIDING:
+            caution(f"{name} is {fastest:g} m/s: if mm/s are meant, write {fastest:g}e-3")
+    elif fastest > FASTEST:
         caution(f"{name} is {fastest:g} rad/s, {fastest / RPM:g} r/min: if r/min are meant, write {fastest:g} * pinpress.RPM")
 
 

@@ -1,6 +1,8 @@
-"""Types of arrays, and units beside the SI units."""
+"""Types of arrays, units beside the SI units, and what the coordinate of a driver is measured in."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,3 +13,55 @@ ComplexArray = NDArray[np.complex128]
 
 RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]: `speed=70 * pp.RPM`."""
+
+
+@dataclass(frozen=True)
+class DriverCoordinate:
+    """What the coordinate of a driver joint is: its names and units in messages, tables, charts and the command line.
+
+    Attributes:
+        position: What the coordinate is called.
+        effort: What moves the driver, "torque" or "force".
+        unit: SI unit of the coordinate.
+        effort_unit: SI unit of the effort.
+        shown_unit: Unit in which messages and charts show the coordinate.
+        scale: Shown units in one SI unit.
+    """
+
+    position: str
+    effort: str
+    unit: str
+    effort_unit: str
+    shown_unit: str
+    scale: float
+
+    @property
+    def turns(self) -> bool:
+        """Whether the driver turns; else it slides."""
+        return self.unit == "rad"
+
+    @property
+    def part(self) -> str:
+        """What moves: "crank" or "driver"."""
+        return self.position.split()[0]
+
+    @property
+    def heads(self) -> tuple[tuple[str, str], ...]:
+        """Names and units of columns of the coordinate, its rate and its acceleration."""
+        part, unit = self.part, self.unit
+        return (self.position.replace(" ", "_"), unit), (f"{part}_speed", f"{unit}/s"), (f"{part}_acceleration", f"{unit}/s2")
+
+    def shown(self, value: float, digits: str = ".6g") -> str:
+        """A coordinate in words: "30 deg", "12 mm"."""
+        return f"{value * self.scale:{digits}} {self.shown_unit}"
+
+    def at(self, value: float) -> str:
+        """A place in words: "crank angle 30 deg", "driver position 12 mm"."""
+        return f"{self.position} {self.shown(value)}"
+
+
+CRANK = DriverCoordinate("crank angle", "torque", "rad", "N m", "deg", 180 / np.pi)
+"""The coordinate of a driver that turns."""
+
+RAM = DriverCoordinate("driver position", "force", "m", "N", "mm", 1e3)
+"""The coordinate of a driver that slides: a hydraulic cylinder, the nut of a ball screw."""

@@ -38,11 +38,13 @@ _PREFIXED = ("N", "N m", "W", "J", "Pa")
 T = TypeVar("T")
 
 
-def by_driver(name: str, unit: str, values: Array, drivers: Sequence[str]) -> dict[str, Array]:
-    """A column (n,) under its name; of several drivers (n, drivers), one each."""
+def by_driver(heads: Sequence[tuple[str, str]], values: Array, drivers: Sequence[str]) -> dict[str, Array]:
+    """A column (n,) under its name; of several drivers (n, drivers), one each. ``heads``: name and unit, by driver."""
     if values.ndim == 1:
+        name, unit = heads[0]
         return {f"{name} [{unit}]": values}
-    return {f"{name}_{driver} [{unit}]": values[:, i] for i, driver in enumerate(drivers)}
+    named = enumerate(zip(drivers, heads, strict=True))
+    return {f"{name}_{driver} [{unit}]": values[:, i] for i, (driver, (name, unit)) in named}
 
 
 def by_axis(name: str, unit: str, vector: Array) -> dict[str, Array]:

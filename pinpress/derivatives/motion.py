@@ -74,7 +74,7 @@ class MotionSensitivity(Tabular):
 
     def columns(self) -> dict[str, Array]:
         """Crank angle, and derivatives of slide and joints as (n,) columns, per unit of the direction."""
-        columns = by_driver("crank_angle", "rad", self.motion.crank_angle, self.motion.drivers)
+        columns = by_driver([each.heads[0] for each in self.motion.driver_coordinates], self.motion.crank_angle, self.motion.drivers)
         if self.slide_position is not None and self.slide_velocity is not None and self.slide_acceleration is not None:
             columns |= {
                 "slide_position [m per unit]": self.slide_position,

@@ -229,8 +229,8 @@ def _spring_forces(load: SpringDamper, press: "Linkage", motion: "Motion") -> li
     span, rate = position2 - position1, velocity2 - velocity1
     length = np.linalg.norm(span, axis=1)
     if (load.free_length or load.damping) and not length.min() > 1e-12 * press.size:
-        angle = np.degrees(np.ravel(motion.crank_angle[int(length.argmin())])[0])
-        raise PinpressError(f"{what}: its ends meet at crank angle {angle:.6g} deg, where it has no direction; move a point")
+        place = motion.driver_coordinates[0].at(np.ravel(motion.crank_angle[int(length.argmin())])[0])
+        raise PinpressError(f"{what}: its ends meet at {place}, where it has no direction; move a point")
     direction = span / np.where(length == 0.0, 1.0, length)[:, None]
     tension = load.stiffness * (length - load.free_length) + load.damping * np.einsum("nk,nk->n", rate, direction)
     force = tension[:, None] * direction

@@ -40,7 +40,7 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
         quantity: Its name, for example "shaking force, x".
         unit: Its unit.
         smallest: Smallest value.
-        smallest_at: Crank angle of the smallest value, see `Motion.crank_degrees` [deg].
+        smallest_at: Crank angle of the smallest value, see `Motion.shown_position` [deg].
         largest: Largest value.
         largest_at: Crank angle of the largest value [deg].
         range: Largest value less the smallest.
@@ -71,7 +71,7 @@ def extremes(reactions: Reactions) -> Records[ExtremeValues]:
         PinpressError: A value is not finite, or bearings were left out.
     """
     motion = reactions.motion
-    angle = finite("crank angle", motion.crank_degrees)
+    angle = finite("crank angle", motion.shown_position)
     series = _series(reactions)
     return Records(ExtremeValues, (_extreme_values(quantity, unit, finite(quantity, values), angle) for quantity, unit, values in series))
 

@@ -49,7 +49,8 @@ class Reactions(Tabular):
         loads: The loads as they were given. In a pickled copy, one that cannot be pickled is its description.
         friction: The friction of bearings and guides as it was given.
         stiffness: The stiffnesses of bearings and guides as they were given [N/m].
-        driving_torque: (n,) torque on the driver joint along its axis [N m]; (n, drivers) for several drivers.
+        driving_torque: (n,) torque on the driver joint along its axis [N m], force on one that slides [N]; (n, drivers) for several
+            drivers.
         coupling_torque: (n, 2) by the name of a joint with a ``<mimic>``: torques of the gear pair on this joint and on the joint it
             mimics, along their axes [N m; N on a joint that slides]. They do not include the tooth force on the shafts' bearings. Where no
             bearings were asked for, they are computed when they are first read.
@@ -86,8 +87,9 @@ class Reactions(Tabular):
         sizes = {name: float(np.linalg.norm(force, axis=1).max()) for name, force in self.bearing_force.items()}
         worst = max(sizes, key=lambda name: sizes[name], default=None)
         force = "bearings left out" if worst is None else f"largest bearing force {sizes[worst]:.6g} N in {worst}"
-        low, high = self.driving_torque.min(), self.driving_torque.max()
-        return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, driving torque {low:.6g} to {high:.6g} N m, {force}"
+        low, high, effort = self.driving_torque.min(), self.driving_torque.max(), self.motion.driver_coordinates[0]
+        driving = f"driving {effort.effort} {low:.6g} to {high:.6g} {effort.effort_unit}"
+        return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {driving}, {force}"
 
     @cached_property
     def coupling_torque(self) -> NamedArrays[np.float64]:
@@ -188,7 +190,8 @@ class Reactions(Tabular):
     def columns(self) -> dict[str, Array]:
         """The motion's columns, then torques, shaking force and moment, bearing forces and moments, under their names with units."""
         columns = self.motion.columns()
-        columns |= tables.by_driver("driving_torque", "N m", self.driving_torque, self.motion.drivers)
+        efforts = [(f"driving_{each.effort}", each.effort_unit) for each in self.motion.driver_coordinates]
+        columns |= tables.by_driver(efforts, self.driving_torque, self.motion.drivers)
         for name, torque in self.coupling_torque.items():
             columns[f"coupling_torque_{name} [N m]"] = torque[:, 0]
         columns |= tables.by_axis("shaking_force", "N", self.shaking_force) | tables.by_axis("shaking_moment", "N m", self.shaking_moment)
@@ -294,6 +297,7 @@ def _refuse_change_points(press: Linkage, motion: Motion) -> None:
             f"bearing forces have no value at the change point of {motion.linkage}, where they grow without bounds: leave this state out",
             angle,
             0.0,
+            press.driver_coordinates[0],
         )
 
 
@@ -344,9 +348,8 @@ def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
         if not np.isfinite(array).all():
             states = np.moveaxis(array, 1, 0)
             at = int(np.argmin(np.isfinite(states.reshape(len(states), -1)).all(axis=1)))
-            angle = np.degrees(np.ravel(motion.crank_angle[at])[0])
             raise PinpressError(
-                f"the {name} of {motion.linkage} is not finite at crank angle {angle:.6g} deg:"
+                f"the {name} of {motion.linkage} is not finite at {motion.driver_coordinates[0].at(np.ravel(motion.crank_angle[at])[0])}:"
                 " the motion or a load is too large for floating point"
             )
 

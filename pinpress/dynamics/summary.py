@@ -171,4 +171,4 @@ def _extreme(
 
 
 def _degrees(motion: Motion, at: int) -> float:
-    return float(motion.crank_degrees[at])
+    return float(motion.shown_position[at])

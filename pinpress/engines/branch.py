@@ -1,4 +1,4 @@
-"""The drawn assembly of a linkage, followed over the crank angle.
+"""The drawn assembly of a linkage, followed over the crank angle, or over the travel of a driver that slides.
 
 Loop equations have several solutions at one crank angle, and a closure residual cannot tell them apart. The branch is therefore walked once
 from the drawn pose, in steps so small that another assembly cannot be reached, and kept as a table: quintic Hermite polynomials through the
@@ -11,19 +11,21 @@ loops do not say which at the point itself, and beside it the rounding of their 
 an analytic function of the crank angle. The drawn one is therefore closed on both sides, where the equations are good, and polynomials
 through these configurations stand for the assembly between them. If they close the loops there too, both sides belong to one assembly; at a
 lock there is no other side.
+
+A driver that slides goes to and fro between two ends. The walk counts its travel as an angle, by a length that it takes for 1 rad.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import AssemblyError, PinpressError, SingularityError
-from ..common.quantities import Array
+from ..common.quantities import CRANK, RAM, Array, DriverCoordinate
 from .engine import Close, Closure
 
 COARSE_STEP = 2 * np.pi / 64  # longest step of the walk, unless the linkage moves too fast for it [rad]
@@ -68,14 +70,42 @@ class Branch:
         gain_per_period: (nv,) by how much every joint has advanced after a period [rad or m]: whole turns, 0 for a joint that swings.
         locks: where the linkage locks, below and above the drawn pose; None where it does not.
         change_points: the change points that it has been followed through.
+        coordinate: what the crank angle is; angles are travels [m] where the driver slides.
     """
 
     angles: Array
     coefficients: Array
     period: float | None
     gain_per_period: Array
-    locks: tuple[SingularPosition | None, SingularPosition | None]
+    locks: Locks
     change_points: tuple[ChangePoint, ...] = ()
+    coordinate: DriverCoordinate = CRANK
+
+    def over_travel(self, unit: float) -> Branch:
+        """This branch, whose angles stand for travels, over the travels of a driver that slides; ``unit``: travel counted as 1 rad [m]."""
+        return Branch(
+            angles=self.angles * unit,
+            coefficients=self.coefficients / unit ** np.arange(6.0)[:, None],
+            period=self.period,
+            gain_per_period=self.gain_per_period,
+            locks=cast(Locks, tuple(lock and SingularPosition(lock.angle * unit, lock.margin) for lock in self.locks)),
+            change_points=tuple(point.over_travel(unit) for point in self.change_points),
+            coordinate=RAM,
+        )
+
+
+class Travel(NamedTuple):
+    """The travel of a driver that slides.
+
+    Attributes:
+        lower: its lower end [m].
+        upper: its upper end [m].
+        unit: the length that the walk counts as 1 rad [m].
+    """
+
+    lower: float
+    upper: float
+    unit: float
 
 
 class SingularPosition(NamedTuple):
@@ -88,6 +118,9 @@ class SingularPosition(NamedTuple):
 
     angle: float
     margin: float
+
+
+Locks = tuple[SingularPosition | None, SingularPosition | None]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,6 +142,10 @@ class ChangePoint:
     def inner(self) -> float:
         """Distance from the change point within which the polynomials replace the equations [rad]."""
         return INNER * self.half
+
+    def over_travel(self, unit: float) -> ChangePoint:
+        """See `Branch.over_travel`."""
+        return ChangePoint(self.angle * unit, self.half * unit, self.coefficients / unit ** np.arange(3.0)[:, None])
 
     def at(self, angle: Array) -> tuple[Array, Array, Array]:
         """Joint coordinates and their first two derivatives by the crank angle, (nv, n) each, at crank angles (n,) of the range."""
@@ -144,8 +181,10 @@ def walk(
     smallest_margin: float = SMALLEST_MARGIN,
     gap: Gap | None = None,
     begin: float = 0.0,
+    travel: Travel | None = None,
 ) -> Branch:
-    """Walk the branch from a closed configuration over a full period, or to the locks on both sides.
+    """Walk the branch from a closed configuration over a full period, or to the locks on both sides; of a driver that slides to the ends
+    of its travel.
 
     Args:
         close: the engine's closing function.
@@ -155,25 +194,46 @@ def walk(
         tolerance: gap at which a loop counts as closed [m].
         smallest_margin: margin below which the linkage counts as locked.
         gap: the engine's gap function, with which the branch is followed through change points; None to stop at them.
-        begin: crank angle of the configuration [rad].
+        begin: crank angle of the configuration [rad or m].
+        travel: of a driver that slides; None of one that turns.
 
     Raises:
         SingularityError: the linkage locks at its drawn pose.
         AssemblyError: its loops do not stay closed, or it moves too fast to be followed.
     """
-    longest = COARSE_STEP
-    while longest > FIRST_STEP:
-        follower = Follower(close, size, tolerance, longest, smallest_margin)
-        found = _walk_period(follower, begin, drawn, returning, gap)
+    if travel is None:
+        return _walk(Follower(close, size, tolerance, COARSE_STEP, smallest_margin), drawn, returning, gap, begin, None)
+    unit = travel.unit
+
+    def close_travel(angle: Array, guess: Array) -> Closure:
+        found = close(angle * unit, guess)
+        return replace(found, first=found.first * unit, second=found.second * unit**2)
+
+    follower = Follower(close_travel, size, tolerance, COARSE_STEP, smallest_margin, unit, RAM)
+    ends = travel.lower / unit, travel.upper / unit
+    found = _walk(follower, drawn, returning, gap, begin / unit, ends).over_travel(unit)
+    reached = [angle if lock else end for angle, lock, end in zip(found.angles[[0, -1]], found.locks, travel[:2], strict=True)]
+    found.angles[[0, -1]] = reached  # without the rounding of the unit
+    return found
+
+
+def _walk(
+    follower: Follower, drawn: Array, returning: Returning, gap: Gap | None, begin: float, ends: tuple[float, float] | None
+) -> Branch:
+    """`walk` with a travel counted as an angle, between ``ends`` where there are any."""
+    while follower.longest > FIRST_STEP:
+        found = _walk_period(follower, begin, drawn, returning, gap) if ends is None else _walk_travel(follower, begin, drawn, gap, ends)
         nodes, gained = found.nodes, found.gain_per_period
         if len(nodes) == 1:
-            raise SingularityError("the linkage locks at its drawn pose; draw it elsewhere", 0.0, float(np.abs(nodes[0].margins).min()))
+            raise SingularityError(
+                "the linkage locks at its drawn pose; draw it elsewhere", 0.0, float(np.abs(nodes[0].margins).min()), follower.coordinate
+            )
         table = _table(follower, nodes, found.passed)
         if table is not None:
             period = None if gained is None else nodes[-1].angle - nodes[0].angle
             return Branch(*table, period, np.zeros_like(drawn) if gained is None else gained, found.locks, found.passed)
-        longest /= 2
-    raise AssemblyError("the drawn assembly moves too fast to be followed", 0.0, 0.0, 0)
+        follower = follower._replace(longest=follower.longest / 2)
+    raise AssemblyError("the drawn assembly moves too fast to be followed", 0.0, 0.0, 0, follower.coordinate)
 
 
 def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> Array | SingularPosition:
@@ -239,18 +299,24 @@ def at_change_point(points: Sequence[ChangePoint], period: float | None, angle: 
 
 def out_of_branch(branch: Branch, upwards: bool) -> PinpressError:
     """The error for a motion that leaves a branch without a period, upwards or downwards."""
-    low, high = np.degrees([branch.angles[0], branch.angles[-1]])
-    lock = branch.locks[upwards]
+    coordinate, lock = branch.coordinate, branch.locks[upwards]
+    low, high = float(branch.angles[0]), float(branch.angles[-1])
+    if lock is None and not coordinate.turns:
+        return PinpressError(
+            f"the driver slides from {coordinate.shown(low)} to {coordinate.shown(high)} only: keep the motion inside, or widen the <limit>"
+            " of its joint"
+        )
     if lock is None:
         return PinpressError(
             f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of the driver, and is followed no further:"
-            f" keep the motion between {low:.6g} and {high:.6g} deg"
+            f" keep the motion between {low * coordinate.scale:.6g} and {coordinate.shown(high)}"
         )
-    low, high = (at if of is None else np.degrees(of.angle) for at, of in zip((low, high), branch.locks, strict=True))
+    low, high = (at if of is None else of.angle for at, of in zip((low, high), branch.locks, strict=True))
     return SingularityError(
-        f"the linkage locks: from its drawn pose the driver turns only from {low:.6g} to {high:.6g} deg;"
-        " change the link lengths, or keep the motion inside",
+        f"the linkage locks: from its drawn pose the driver {'turns' if coordinate.turns else 'slides'} only from"
+        f" {low * coordinate.scale:.6g} to {coordinate.shown(high)}; change the link lengths, or keep the motion inside",
         *lock,
+        coordinate,
     )
 
 
@@ -262,6 +328,8 @@ class Follower(NamedTuple):
 
     Attributes:
         longest: longest step of the walk [rad].
+        unit: travel of a driver that slides, counted as 1 rad [m].
+        coordinate: of the driver.
     """
 
     close: Close
@@ -269,6 +337,8 @@ class Follower(NamedTuple):
     tolerance: float
     longest: float = COARSE_STEP
     smallest_margin: float = SMALLEST_MARGIN
+    unit: float = 1.0
+    coordinate: DriverCoordinate = CRANK
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -292,7 +362,7 @@ class _Walked(NamedTuple):
     attributes are those of `Branch`."""
 
     nodes: list[Node]
-    locks: tuple[SingularPosition | None, SingularPosition | None]
+    locks: Locks
     gain_per_period: Array | None
     passed: tuple[ChangePoint, ...]
 
@@ -311,6 +381,16 @@ def _walk_period(follower: Follower, begin: float, drawn: Array, returning: Retu
             return _Walked(upward, (None, None), gained, tuple(passed))
     downward = upward[:1]
     low = _extend_through(follower, downward, begin - 2 * np.pi * MOST_TURNS, gap, passed)
+    return _Walked(downward[:0:-1] + upward, (low, high), None, tuple(passed))
+
+
+def _walk_travel(follower: Follower, begin: float, drawn: Array, gap: Gap | None, ends: tuple[float, float]) -> _Walked:
+    """Walk to both ends, or to where the linkage locks before."""
+    passed: list[ChangePoint] = []
+    upward = [Node.of(begin, follower.close(np.array([begin]), drawn[:, None]))]
+    high = _extend_through(follower, upward, ends[1], gap, passed)
+    downward = upward[:1]
+    low = _extend_through(follower, downward, ends[0], gap, passed)
     return _Walked(downward[:0:-1] + upward, (low, high), None, tuple(passed))
 
 
@@ -415,9 +495,10 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
         worst = int(np.argmax(closure.gap))
         raise AssemblyError(
             "the loops do not stay closed: they hold each other, so that lengths and angles must fit to all digits",
-            float(angles[worst]),
+            float(angles[worst]) * follower.unit,
             closure.widest,
             closure.iterations,
+            follower.coordinate,
         )
     if not (closure.widest <= follower.tolerance and moved.max() <= LARGEST_CORRECTION * (1 + follower.size)):
         return None

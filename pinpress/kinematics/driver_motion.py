@@ -6,7 +6,6 @@ angle, speed and acceleration are given, stand each by itself.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..common.arguments import number, numbers
 from ..common.errors import PinpressError, caution
-from ..common.quantities import Array
+from ..common.quantities import Array, DriverCoordinate
 from ..linkage.assembly import refuse_far
 from .sampled_column import FEWEST, SampledColumn
 
@@ -32,7 +31,28 @@ MOST_ROUNDS = 60  # to find the time of states
 SETTLED = 1e-13  # change of a step of time that is none
 UNSURE = 0.1  # of a step of time, by which the trapezoidal rule and the spline differ where time is not determined
 
-UNITS = ("rad", "rad/s", "rad/s2")
+
+class Drivers(NamedTuple):
+    """The drivers of a linkage.
+
+    Attributes:
+        names: Names of their joints.
+        coordinates: What their coordinates are.
+    """
+
+    names: tuple[str, ...]
+    coordinates: tuple[DriverCoordinate, ...]
+
+    @property
+    def one(self) -> bool:
+        """Whether there is one driver alone."""
+        return len(self.names) == 1
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of angle, speed and acceleration, in words."""
+        unit = self.coordinates[0].unit
+        return tuple(unit + per for per in ("", "/s", "/s2"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +60,9 @@ class DriverMotion:
     """States of the drivers.
 
     Attributes:
-        angle: (n,) of one driver, (n, drivers) of several, as speed and acceleration [rad].
-        speed: [rad/s].
-        acceleration: [rad/s2].
+        angle: (n,) of one driver, (n, drivers) of several, as speed and acceleration [rad or m].
+        speed: [rad/s or m/s].
+        acceleration: [rad/s2 or m/s2].
         time: (n,) [s]; None where the states are no motion in time.
     """
 
@@ -61,14 +81,14 @@ class _Contradiction(NamedTuple):
 
 
 def driver_motion(
-    drivers: Sequence[str],
+    drivers: Drivers,
     angle: ArrayLike,
     speed: ArrayLike | None,
     acceleration: ArrayLike | None,
     time: ArrayLike | None,
     period: float | None = None,
 ) -> DriverMotion:
-    """The motion of the drivers with these names, with what of it is not given; arguments as of `servo_cycle`.
+    """The motion of the drivers, with what of it is not given; arguments as of `servo_cycle`.
 
     Raises:
         PinpressError: As of `servo_cycle`.
@@ -80,15 +100,15 @@ def driver_motion(
     return _by_state(drivers, angle, speed, acceleration)
 
 
-def _by_state(drivers: Sequence[str], angle: ArrayLike, speed: ArrayLike | None, acceleration: ArrayLike | None) -> DriverMotion:
+def _by_state(drivers: Drivers, angle: ArrayLike, speed: ArrayLike | None, acceleration: ArrayLike | None) -> DriverMotion:
     """States that no time is given for."""
     angles = numbers("angle", angle)
-    _refuse_shape(angles, len(drivers))
-    refuse_far("angle", angles)
+    _refuse_shape(angles, drivers)
+    refuse_far("angle", angles, drivers.coordinates)
     if speed is None:
         raise PinpressError(
-            "servo_cycle needs the speed of the driver [rad/s], or time: give one number, or the speeds of all states, or time=..., from"
-            " which speed and acceleration are derived"
+            f"servo_cycle needs the speed of the driver [{drivers.units[1]}], or time: give one number, or the speeds of all states, or"
+            " time=..., from which speed and acceleration are derived"
         )
     speeds = _column("speed", speed, angles.shape)
     times = _times(*((angles, speeds) if angles.ndim == 1 else (angles[:, 0], speeds[:, 0])))
@@ -102,12 +122,12 @@ def _by_state(drivers: Sequence[str], angle: ArrayLike, speed: ArrayLike | None,
     if np.all(speeds == speeds[0]):
         return DriverMotion(angles, speeds, np.zeros_like(speeds), times)
     if times is None:
-        raise PinpressError(_no_time(angles, speeds))
+        raise PinpressError(_no_time(drivers, angles, speeds))
     _refuse_few(len(times), "the acceleration")
     timing = _whole(times)
     _refuse(drivers, timing, angles, 0, angles, speeds, None)
     column = SampledColumn(times, speeds)
-    _doubt("speed", column, 1, speeds)
+    _doubt(drivers, "speed", column, 1, speeds)
     return DriverMotion(angles, speeds, column.derivative(1), times)
 
 
@@ -141,38 +161,41 @@ def _whole(time: Array) -> _Timing:
 class _InTime:
     """States at times (n,)."""
 
-    drivers: Sequence[str]
+    drivers: Drivers
     time: Array
     period: float | None
 
     def motion(self, angle: ArrayLike | None, speed: ArrayLike | None, acceleration: ArrayLike | None) -> DriverMotion:
         timing = self._timing()
         if angle is None:
-            raise PinpressError("give angle, (n,) [rad], or one number: the angle at the start, from which it is found by the speed")
+            raise PinpressError(
+                f"give angle, (n,) [{self.drivers.units[0]}], or one number: the angle at the start, from which it is found by the speed"
+            )
         given = numbers("angle", angle)
-        begin = given.shape == (() if len(self.drivers) == 1 else (len(self.drivers),))
+        begin = given.shape == (() if self.drivers.one else (len(self.drivers.names),))
         shape = (len(self.time), *given.shape) if begin else given.shape
         if not begin:
-            _refuse_shape(given, len(self.drivers))
+            _refuse_shape(given, self.drivers)
             if len(self.time) != len(given):
                 raise PinpressError(f"time has shape {self.time.shape}, but angle has {given.shape}")
         speeds = None if speed is None else self._speeds(speed, acceleration, shape, timing, begin)
         accelerations = None if acceleration is None else _column("acceleration", acceleration, shape)
         if begin:
             if speeds is None:
-                raise PinpressError("angle is that at the start alone: give speed too, (n,) or one number [rad/s]")
+                raise PinpressError(f"angle is that at the start alone: give speed too, (n,) or one number [{self.drivers.units[1]}]")
             angles = given + _integral(timing, speeds, "the angle")
         else:
             angles = given
-            _refuse_wrap(angles)
-        refuse_far("angle", angles)
+            if self.drivers.coordinates[0].turns:
+                _refuse_wrap(angles)
+        refuse_far("angle", angles, self.drivers.coordinates)
         advance = self._advance(timing, angles, speeds) if timing.period else 0.0
         if speeds is None:
             _refuse_few(len(timing.time), "speed and acceleration")
             of_angle = timing.column(angles, advance)
             speeds = timing.all_states(of_angle.derivative(1))
             if accelerations is None:
-                _doubt("angle", of_angle, 2, speeds)
+                _doubt(self.drivers, "angle", of_angle, 2, speeds)
                 return DriverMotion(angles, speeds, timing.all_states(of_angle.derivative(2)), self.time)
         elif not begin:
             _refuse(self.drivers, timing, angles, 0, angles, speeds, accelerations, advance)
@@ -181,8 +204,8 @@ class _InTime:
         if acceleration is not None and _is_zero(acceleration):
             if np.any(speeds != speeds[0]):
                 caution(
-                    f"the speed varies over time, from {speeds.min():g} to {speeds.max():g} rad/s, and acceleration=0.0 leaves out what"
-                    " that takes: leave acceleration out, and it is derived"
+                    f"the speed varies over time, from {speeds.min():g} to {speeds.max():g} {self.drivers.units[1]}, and acceleration=0.0"
+                    " leaves out what that takes: leave acceleration out, and it is derived"
                 )
         else:
             _refuse(self.drivers, timing, angles, 1, speeds, accelerations, None)
@@ -222,37 +245,42 @@ class _InTime:
         return _column("speed", speed, shape)
 
     def _advance(self, timing: _Timing, angles: Array, speeds: Array | None) -> Array:
-        """By what angle, a whole number of turns, the drivers have turned after the period.
+        """By what angle, a whole number of turns, the drivers have turned after the period; one that slides is back.
 
         Raises:
             PinpressError: The motion does not come back.
         """
-        turn = 2 * np.pi
+        first, turning = self.drivers.coordinates[0], np.array([each.turns for each in self.drivers.coordinates]).reshape(angles.shape[1:])
+        turn = np.where(turning, 2 * np.pi, np.maximum(np.ptp(angles, axis=0), np.finfo(float).tiny))
+
+        def whole(made: Array) -> Array:
+            return np.asarray(np.where(turning, turn * np.round(made / turn), 0.0))
+
         if timing.repeated:
             made = angles[-1] - angles[0]
-            missed = made - turn * np.round(made / turn)
-            if np.any(np.abs(missed) > SEAM[0] * turn):
+            missed = np.abs(made - whole(made))
+            if np.any(missed > SEAM[0] * turn):
                 raise PinpressError(
-                    f"after the period of {timing.period:g} s the angle is {np.degrees(np.abs(missed).max()):.4g} deg beside where it"
+                    f"after the period of {timing.period:g} s the angle is {first.shown(missed.max(), '.4g')} beside where it"
                     " began: give a motion over whole turns or to and fro, or leave period out"
                 )
             if speeds is not None and np.any(np.abs(speeds[-1] - speeds[0]) > SEAM[1] * np.abs(speeds).max(axis=0)):
                 raise PinpressError(
-                    f"after the period of {timing.period:g} s the speed is {speeds[-1]} rad/s, but {speeds[0]} rad/s at its start: leave"
-                    " period out where the motion is not closed"
+                    f"after the period of {timing.period:g} s the speed is {speeds[-1]} {self.drivers.units[1]}, but {speeds[0]} at its"
+                    " start: leave period out where the motion is not closed"
                 )
-            return np.asarray(turn * np.round(made / turn))
+            return whole(made)
         steps = np.diff(angles, axis=0)
         slopes = steps / np.diff(self.time).reshape(-1, *([1] * (angles.ndim - 1)))
         left = (timing.period or 0.0) - (self.time[-1] - self.time[0])
         made = angles[-1] - angles[0] + 0.5 * left * (slopes[0] + slopes[-1])
-        advance = turn * np.round(made / turn)
+        advance = whole(made)
         if np.any(np.abs(made - advance) > 0.5 * left * np.abs(slopes).max(axis=0) + SEAM[0] * turn):
             raise PinpressError(
-                f"after the period of {timing.period:g} s the angle is not back: it goes on to {np.degrees(np.max(made)):.4g} deg from its"
+                f"after the period of {timing.period:g} s the angle is not back: it goes on to {first.shown(np.max(made), '.4g')} from its"
                 " start, no whole number of turns; leave period out where the motion is not closed"
             )
-        return np.asarray(advance)
+        return advance
 
     def _derived(self, timing: _Timing, speeds: Array) -> Array:
         """Accelerations of all states from the speeds."""
@@ -260,7 +288,7 @@ class _InTime:
             return np.zeros_like(speeds)
         _refuse_few(len(timing.time), "the acceleration")
         column = timing.column(speeds)
-        _doubt("speed", column, 1, speeds)
+        _doubt(self.drivers, "speed", column, 1, speeds)
         return timing.all_states(column.derivative(1))
 
 
@@ -276,11 +304,12 @@ def _integral(timing: _Timing, rate: Array, what: str) -> Array:
     return np.concatenate([column.integral, column.gains[0].sum(axis=0, keepdims=True)])
 
 
-def _refuse_shape(angles: Array, drivers: int) -> None:
-    if drivers == 1 and (angles.ndim != 1 or len(angles) == 0):
-        raise PinpressError(f"angle has shape {angles.shape}: give (n,) crank angles [rad]")
-    if drivers > 1 and (angles.ndim != 2 or len(angles) == 0 or angles.shape[1] != drivers):
-        raise PinpressError(f"angle has shape {angles.shape}: give (n, {drivers}), the angles of all drivers [rad]")
+def _refuse_shape(angles: Array, drivers: Drivers) -> None:
+    count, first = len(drivers.names), drivers.coordinates[0]
+    if count == 1 and (angles.ndim != 1 or len(angles) == 0):
+        raise PinpressError(f"angle has shape {angles.shape}: give (n,) {first.position}s [{first.unit}]")
+    if count > 1 and (angles.ndim != 2 or len(angles) == 0 or angles.shape[1] != count):
+        raise PinpressError(f"angle has shape {angles.shape}: give (n, {count}), the angles of all drivers [rad]")
 
 
 def _column(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
@@ -343,28 +372,29 @@ def _times(angles: Array, speeds: Array) -> Array | None:
     return np.concatenate([[0.0], np.cumsum(steps)]) if settled else None
 
 
-def _no_time(angles: Array, speeds: Array) -> str:
+def _no_time(drivers: Drivers, angles: Array, speeds: Array) -> str:
     """Why the acceleration does not follow from angle and speed."""
     angle, speed = (values if values.ndim == 1 else values[:, 0] for values in (angles, speeds))
     with np.errstate(all="ignore"):
         steps = 2 * np.diff(angle) / (speed[1:] + speed[:-1])
     remedy = "give time=..., or acceleration=..., of which 0.0 leaves it out"
+    first, rate = drivers.coordinates[0], drivers.units[1]
     wrong = np.flatnonzero(~(np.isfinite(steps) & (steps > 0)))
     if not len(wrong):
         k = int(np.abs(speed).argmin())
         return (
-            f"the speed varies, but angle and speed do not determine the acceleration: state {k}, at {np.degrees(angle[k]):.6g} deg, has a"
-            f" speed of {speed[k]:g} rad/s, and how long the crank is there does not show; {remedy}"
+            f"the speed varies, but angle and speed do not determine the acceleration: state {k}, at {first.shown(angle[k])}, has a"
+            f" speed of {speed[k]:g} {rate}, and how long the {first.part} is there does not show; {remedy}"
         )
     k = int(wrong[0])
     return (
         f"the speed varies, but angle and speed do not determine the acceleration: from state {k} to {k + 1} the angle goes from"
-        f" {np.degrees(angle[k]):.6g} to {np.degrees(angle[k + 1]):.6g} deg at speeds of {speed[k]:g} and {speed[k + 1]:g} rad/s, which"
+        f" {angle[k] * first.scale:.6g} to {first.shown(angle[k + 1])} at speeds of {speed[k]:g} and {speed[k + 1]:g} {rate}, which"
         f" take no definite time; {remedy}"
     )
 
 
-def _doubt(given: str, column: SampledColumn, order: int, speeds: Array) -> None:
+def _doubt(drivers: Drivers, given: str, column: SampledColumn, order: int, speeds: Array) -> None:
     """Warn where accelerations, derivatives of a column, depend on how they are found, beside what the speeds themselves accelerate."""
     acceleration, by_speed = np.mean(column.derivative(order) ** 2, axis=0), np.mean((SLIGHT * speeds**2) ** 2, axis=0)
     size = np.sqrt(acceleration + by_speed)
@@ -384,13 +414,13 @@ def _doubt(given: str, column: SampledColumn, order: int, speeds: Array) -> None
         state = int(np.argmax(rough.reshape(len(rough), -1).max(axis=1)))
         caution(
             f"the acceleration derived from the {given} over time is uncertain at {column.time[state]:.6g} s (state {state}), by"
-            f" {rough[state].max():.3g} rad/s2 or more: the {given} jumps there, or is too coarsely rounded, as heights near a dead centre;"
-            " smooth it, or give acceleration=..."
+            f" {rough[state].max():.3g} {drivers.units[2]} or more: the {given} jumps there, or is too coarsely rounded, as heights near a"
+            " dead centre; smooth it, or give acceleration=..."
         )
 
 
 def _refuse(
-    drivers: Sequence[str],
+    drivers: Drivers,
     timing: _Timing,
     angles: Array,
     order: int,
@@ -405,9 +435,10 @@ def _refuse(
     found = _contradiction(timing, value, rate, bend, advance)
     if found is None:
         return
-    place = f"state {found.state}, crank angle {np.degrees(angles.reshape(len(angles), -1)[found.state, found.driver]):.6g} deg"
-    who = f" of driver {drivers[found.driver]}" if len(drivers) > 1 else ""
-    unit, rate_unit = UNITS[order : order + 2]
+    coordinate = drivers.coordinates[found.driver]
+    place = f"state {found.state}, {coordinate.at(angles.reshape(len(angles), -1)[found.state, found.driver])}"
+    who = "" if drivers.one else f" of driver {drivers.names[found.driver]}"
+    (_, unit), (_, rate_unit) = coordinate.heads[order : order + 2]
     how = found.said.format(of=of, by=by, unit=unit, rate=rate_unit)
     said = (
         f"{of} and {by} do not fit together over time: at {timing.time[found.state]:.6g} s ({place}){who} {how}; give {by} [{rate_unit}] as"

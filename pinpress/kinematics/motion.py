@@ -15,7 +15,7 @@ from ..common import plausibility, tables
 from ..common.arguments import numbers, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
-from ..common.quantities import Array, ComplexArray
+from ..common.quantities import Array, ComplexArray, DriverCoordinate
 from ..common.results import Tabular
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure
@@ -34,10 +34,12 @@ class Motion(Tabular):
     Attributes:
         linkage: Name of the linkage.
         drivers: Names of its driver joints.
+        driver_coordinates: What their coordinates are: crank angles [rad], or positions of drivers that slide [m].
         joints: Names of all joints, in the order of ``v``.
-        crank_angle: (n,) angle of the driver joint, unwrapped [rad]. Angle, speed and acceleration are (n, drivers) for several drivers.
-        crank_speed: (n,) speed of the driver joint [rad/s].
-        crank_acceleration: (n,) acceleration of the driver joint [rad/s2].
+        crank_angle: (n,) angle of the driver joint, unwrapped [rad]; of a driver that slides its position [m]. Angle, speed and
+            acceleration are (n, drivers) for several drivers.
+        crank_speed: (n,) speed of the driver joint [rad/s or m/s].
+        crank_acceleration: (n,) acceleration of the driver joint [rad/s2 or m/s2].
         joint_position: (n, nv) joint coordinates, zero in the drawn pose, angles unwrapped [rad or m].
         v: (n, nv) joint rates in Pinocchio's order [rad/s or m/s].
         a: (n, nv) joint accelerations in Pinocchio's order [rad/s2 or m/s2].
@@ -53,6 +55,7 @@ class Motion(Tabular):
 
     linkage: str
     drivers: tuple[str, ...]
+    driver_coordinates: tuple[DriverCoordinate, ...]
     joints: tuple[str, ...]
     crank_angle: Array
     crank_speed: Array
@@ -70,9 +73,10 @@ class Motion(Tabular):
 
     @property
     def title(self) -> str:
-        low, high = (f"{end(np.degrees(self.crank_angle)):.6g}" for end in (np.min, np.max))
+        first = self.driver_coordinates[0]
+        low, high = (f"{end(self.crank_angle) * first.scale:.6g}" for end in (np.min, np.max))
         slide = "" if self._guide is None else f", slide at {self.slide_position.min():.6g} to {self.slide_position.max():.6g} m"
-        return f"Motion of {self.linkage}: {len(self.crank_angle)} states, crank at {low} to {high} deg{slide}"
+        return f"Motion of {self.linkage}: {len(self.crank_angle)} states, {first.part} at {low} to {high} {first.shown_unit}{slide}"
 
     def states(self, press: Linkage) -> ClosedStates:
         """The states as an engine takes them. The basis is included where the planar engine closed them for this very linkage."""
@@ -95,11 +99,16 @@ class Motion(Tabular):
         return read_only(self.joint_position[:, guide] + offset)
 
     @property
-    def crank_degrees(self) -> Array:
-        """(n,) crank angle within one period, from 0 to 360 deg times its turns; unwrapped where there is no period [deg]. For several
-        drivers it is the angle of the first."""
-        degrees = np.degrees(self.crank_angle.reshape(len(self.crank_angle), -1)[:, 0])
-        return degrees if self.period_turns is None else np.asarray(degrees % (360.0 * self.period_turns))
+    def shown_position(self) -> Array:
+        """(n,) crank angle within one period, from 0 to 360 deg times its turns; unwrapped where there is no period [deg]. Of a driver that
+        slides it is its position [mm], of several drivers that of the first."""
+        shown = self.crank_angle.reshape(len(self.crank_angle), -1)[:, 0] * self.driver_coordinates[0].scale
+        return shown if self.period_turns is None else np.asarray(shown % (360.0 * self.period_turns))
+
+    def place(self, state: int) -> str:
+        """Where the driver is in a state, in words: "crank angle 30 deg", "driver position 12 mm"."""
+        first = self.driver_coordinates[0]
+        return f"{first.position} {self.shown_position[state]:.6g} {first.shown_unit}"
 
     @property
     def slide_velocity(self) -> Array:
@@ -110,14 +119,11 @@ class Motion(Tabular):
         return self.a[:, self._slide()[0]]
 
     def columns(self) -> dict[str, Array]:
-        """Time, crank, slide and closure error as (n,) columns under their names with units."""
+        """Time, drivers, slide and closure error as (n,) columns under their names with units. Of a driver that slides they are
+        driver_position, driver_speed and driver_acceleration."""
         columns = {} if self._time is None else {"time [s]": self._time}
-        for name, unit, values in (
-            ("crank_angle", "rad", self.crank_angle),
-            ("crank_speed", "rad/s", self.crank_speed),
-            ("crank_acceleration", "rad/s2", self.crank_acceleration),
-        ):
-            columns |= tables.by_driver(name, unit, values, self.drivers)
+        for order, values in enumerate((self.crank_angle, self.crank_speed, self.crank_acceleration)):
+            columns |= tables.by_driver([each.heads[order] for each in self.driver_coordinates], values, self.drivers)
         if self._guide is not None:
             columns |= {
                 "slide_position [m]": self.slide_position,
@@ -143,32 +149,36 @@ class Motion(Tabular):
 
 @typed
 def cycle(press: Linkage, speed: float | None = None, *, points: int | None = None, engine: str = "auto") -> Motion:
-    """Move a press through one period at constant speed.
+    """Move a press through one period at constant speed; one whose driver slides there and back.
 
     The period is one turn of the crank, or several turns where gear ratios bring the linkage back only then (`Linkage.period_turns`), so
     that extremes over it are those of all turns. It begins at crank angle 0 and goes on in equal steps; the end, which is the beginning of
     the next period, is left out.
 
+    A driver that slides moves harmonically from the lower limit of its joint to the upper one and back, in equal steps of time; ``speed``
+    is its highest speed, in the middle. For another motion over time, such as approach, pressing and return, use `servo_cycle`.
+
     Args:
         press: The press, with one driver.
-        speed: Speed of the driver joint [rad/s]; negative to turn backwards. It must be given.
-        points: Number of states; by default 360 for each turn.
+        speed: Speed of the driver joint [rad/s or m/s]; negative to turn backwards, or to begin at the upper limit. It must be given.
+        points: Number of states; by default 360 for each turn, or for there and back.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": "plane" where the linkage is planar.
 
     Raises:
         PinpressError: There is no speed, or it is 0; fewer than two points; several drivers; the linkage is not back after many turns; the
             motion is too fast for floating point; an unknown or unsuitable engine.
-        SingularityError: The linkage locks within the period.
+        SingularityError: The linkage locks within the period, or before the driver's limits.
         AssemblyError: The loops do not close.
 
     Warns:
-        PinpressWarning: The speed is above 1000 rad/s, which is hardly meant.
+        PinpressWarning: The speed is above 1000 rad/s, or 10 m/s, which is hardly meant.
     """
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
     if speed is None:
-        raise PinpressError("cycle needs the speed of the driver [rad/s]: give one number for a period, cycle(press, 7.0)")
+        unit, such = ("rad/s", "7.0") if press.driver_coordinates[0].turns else ("m/s", "0.1")
+        raise PinpressError(f"cycle needs the speed of the driver [{unit}]: give one number for a period, cycle(press, {such})")
     angles, speeds, accelerations, times = _period(press, press.branch, speed, points)
-    plausibility.speeds("speed", speeds)
+    plausibility.speeds("speed", speeds, press.driver_coordinates[0])
     return moved(press, press.branch, angles, speeds, accelerations, times, engine)
 
 
@@ -177,7 +187,7 @@ def motion_through_change_points(
 ) -> Motion:
     """A motion of a linkage with one driver through states (n,), also through change points, where momentum carries the linkage on: see
     `Linkage.branch_through_change_points`. Without ``time`` the states have none."""
-    refuse_far("angle", angle)
+    refuse_far("angle", angle, press.driver_coordinates)
     speeds, accelerations = (np.broadcast_to(values, angle.shape) for values in (speed, acceleration))
     return moved(press, press.branch_through_change_points, angle, speeds, accelerations, time, "auto")
 
@@ -200,6 +210,7 @@ def of_states(
     return Motion(
         linkage=press.name,
         drivers=press.drivers,
+        driver_coordinates=press.driver_coordinates,
         joints=press.joints,
         crank_angle=position.T[:, drivers].copy(),
         crank_speed=v.T[:, drivers].copy(),
@@ -258,6 +269,8 @@ def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None
     if given.ndim:
         raise PinpressError("speed is an array, but a turn at constant speed takes one number: write servo_cycle for a servo motion")
     rate = float(given)
+    if not branch.coordinate.turns:
+        return _there_and_back(branch, rate, points)
     if branch.period is None:  # a prescribed turn does not go through change points
         raise out_of_branch(branch, upwards=rate > 0)
     turns = press.period_turns
@@ -267,6 +280,23 @@ def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None
     count = POINTS * turns if points is None else whole_number("points", points, 2, MOST_POINTS)
     angles: Array = np.arange(count, dtype=float) * (math.copysign(period, rate) / count)
     return angles, np.full(count, rate), np.zeros(count), angles / rate
+
+
+def _there_and_back(branch: Branch, rate: float, points: int | None) -> tuple[Array, Array, Array, Array]:
+    """`_period` of a driver that slides, harmonically with the highest speed ``rate`` [m/s]."""
+    for upwards in (False, True):
+        if branch.locks[upwards] is not None:
+            raise out_of_branch(branch, upwards)
+    low, high = float(branch.angles[0]), float(branch.angles[-1])
+    half = 0.5 * (high - low)
+    frequency = abs(rate) / half  # [rad/s]
+    if not (rate and math.isfinite(2 * np.pi / frequency)):
+        raise PinpressError(f"speed is {abs(rate):g}: the travel never ends; give the highest speed of the driver [m/s], e.g. 0.1")
+    count = POINTS if points is None else whole_number("points", points, 2, MOST_POINTS)
+    phase: Array = np.arange(count, dtype=float) * (2 * np.pi / count)
+    way = math.copysign(half, rate)
+    positions = np.clip(0.5 * (low + high) - way * np.cos(phase), low, high)
+    return positions, rate * np.sin(phase), way * frequency**2 * np.cos(phase), phase / frequency
 
 
 # ---------------------------------------------------------------------------------------------------------------------- poses of the bodies

@@ -15,7 +15,7 @@ from ..common.errors import PinpressError, shown
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..linkage.linkage import Linkage
-from .driver_motion import driver_motion
+from .driver_motion import Drivers, driver_motion
 from .motion import Motion, motion_through_change_points, moved
 from .slide_path import EQUAL, ROUNDING, DeadCentres, dead_centres
 
@@ -60,17 +60,19 @@ def servo_cycle(
 
     Args:
         press: The press.
-        angle: (n,) of the driver joint, any angles up to 1e7 rad in any order; or one number, the angle at the start [rad].
+        angle: (n,) of the driver joint, any angles up to 1e7 rad in any order; or one number, the angle at the start [rad]. Of a driver
+            that slides its position, within the limits of its joint [m].
         speed: (n,) of the driver joint, or one number: a constant speed, with ``acceleration`` and the angle at the start that at the start
-            [rad/s].
-        acceleration: (n,) of the driver joint, or one number. The number 0 leaves out what a change of speed takes [rad/s2].
+            [rad/s or m/s].
+        acceleration: (n,) of the driver joint, or one number. The number 0 leaves out what a change of speed takes [rad/s2 or m/s2].
         time: (n,), rising [s].
         period: Time after which the motion begins again, a whole number of turns on [s]: it is closed. The last state may be at its end,
             where the first comes again, or one step before. By default the motion is not closed.
         height: (n,) of the slide above bottom dead centre [m].
         flank: "down": the crank angles at which the slide goes down, against its guide's axis, where the crank turns positively; "up": the
-            others. One word is that of the first state off the dead centres: at a state in a dead centre the crank goes on to the other
-            flank, where the slide turns back elsewhere it turns back itself. A sequence has a word for each state.
+            others. It is left out where the driver slides, and moves the slide all one way. One word is that of the first state off the
+            dead centres: at a state in a dead centre the crank goes on to the other flank, where the slide turns back elsewhere it turns
+            back itself. A sequence has a word for each state.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
 
     Raises:
@@ -84,16 +86,17 @@ def servo_cycle(
             are above 1000 rad/s.
     """
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
+    unit = press.driver_coordinates[0].unit
     if height is not None:
         angle = _angles_at(press, angle, speed, acceleration, time, height, flank)
     elif flank is not None:
         raise PinpressError("flank is given, but no height: give height=..., (n,) [m] above bottom dead centre")
     elif angle is None and time is None:
-        raise PinpressError("give angle, (n,) [rad] and speed=..., or time=... with angle, speed or height")
+        raise PinpressError(f"give angle, (n,) [{unit}] and speed=..., or time=... with angle, speed or height")
     elif angle is None:
-        raise PinpressError("give angle, (n,) [rad]; or one number, the angle at the start, with the speed; or height, (n,) [m]")
-    found = driver_motion(press.drivers, angle, speed, acceleration, time, period)
-    plausibility.speeds("speed", found.speed)
+        raise PinpressError(f"give angle, (n,) [{unit}]; or one number, the angle at the start, with the speed; or height, (n,) [m]")
+    found = driver_motion(Drivers(press.drivers, press.driver_coordinates), angle, speed, acceleration, time, period)
+    plausibility.speeds("speed", found.speed, press.driver_coordinates[0])
     branch = None if len(press.drivers) > 1 else press.branch
     return moved(press, branch, found.angle, found.speed, found.acceleration, found.time, engine)
 
@@ -122,8 +125,28 @@ def _angles_at(
         )
     ends = dead_centres(press)
     _refuse_unreachable(heights, ends.stroke)
+    if not press.driver_coordinates[0].turns:
+        return _over_travel(press, ends, heights, flank)
     down = _flanks(heights, ends.stroke, flank)
     return _on_flanks(press, ends, heights, down)
+
+
+def _over_travel(press: Linkage, ends: DeadCentres, heights: Array, flank: object) -> Array:
+    """Positions (n,) at heights, of a driver that slides and with which the slide moves all one way."""
+    if flank is not None:
+        raise PinpressError(f"flank is given, but the driver of {press.name} slides: leave flank out")
+    low, high = sorted((ends.top_angle, ends.bottom_angle))
+    if not np.isclose([low, high], press.branch.angles[[0, -1]], rtol=0.0, atol=EQUAL * press.size).all():
+        raise PinpressError(
+            f"the slide of {press.name} turns back within the driver's travel, so that a height belongs to several positions of the driver:"
+            " give these, angle=..."
+        )
+    at_bottom, at_top = heights <= EQUAL * ends.stroke, heights >= (1 - EQUAL) * ends.stroke
+    positions = np.where(at_bottom, ends.bottom_angle, ends.top_angle)
+    between = ~at_bottom & ~at_top
+    if between.any():
+        positions[between] = _inverted(press, ends, heights[between], low, high)
+    return positions
 
 
 def _refuse_unreachable(heights: Array, stroke: float) -> None:
@@ -215,7 +238,8 @@ def _inverted(press: Linkage, ends: DeadCentres, heights: Array, low: float, hig
     rises = way[-1] > way[0]
     if not np.all(np.diff(way) > 0 if rises else np.diff(way) < 0):
         raise PinpressError(
-            f"the slide of {press.name} turns back between its dead centres, so that a height belongs to several crank angles: give angles"
+            f"the slide of {press.name} turns back between its dead centres, so that a height belongs to several positions of the"
+            " driver: give these, angle=..."
         )
     after = np.searchsorted(way if rises else -way, heights if rises else -heights)
 

@@ -28,15 +28,17 @@ EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rou
 
 @dataclass(frozen=True, repr=False)
 class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "bottom_angle": "rad", "bottom_position": "m"}):
-    """Outermost turning points of the slide along its guide's axis over one period; of equally far ones the first.
+    """Outermost turning points of the slide along its guide's axis over one period; of equally far ones the first. Of a press whose driver
+    slides they are the outermost places of the slide within the driver's limits.
 
     Attributes:
         top_angle: Angle of the driver joint at top dead centre, the far end along the axis (upwards in an upright press), within the period
-            [rad].
+            [rad]; position of a driver that slides [m].
         top_position: Position of the slide at top dead centre [m].
-        bottom_angle: Angle of the driver joint at bottom dead centre within the period [rad].
+        bottom_angle: Angle of the driver joint at bottom dead centre within the period [rad]; position of a driver that slides [m].
         bottom_position: Position of the slide at bottom dead centre [m].
-        turns: Turns of the driver after which the slide repeats its motion; other links may be back only later (`Linkage.period_turns`).
+        turns: Turns of the driver after which the slide repeats its motion; other links may be back only later (`Linkage.period_turns`). 1
+            of a driver that slides, for there and back.
     """
 
     top_angle: float
@@ -56,31 +58,54 @@ class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "botto
 def dead_centres(press: Linkage) -> DeadCentres:
     """Dead centres of a press whose crank turns fully: zeros of the slide's speed, exact to rounding. They are kept with the press.
 
+    Where the driver slides, the ends of its travel count too.
+
     Raises:
         PinpressError: the linkage has no slide or several drivers, its slide never turns back, or it is not back after many turns.
         SingularityError: the linkage locks within the period.
     """
     _ = press.slide_guide  # it has a slide
+    if len(press.drivers) == 1 and not press.driver_coordinates[0].turns:
+        return _within_travel(press)
     period = press.branch_through_change_points.period
     if period is None:
         raise out_of_branch(press.branch_through_change_points, upwards=press.branch_through_change_points.locks[True] is not None)
 
-    def slide(angle: Array) -> tuple[Array, Array, Array]:
-        motion = motion_through_change_points(press, angle, 1.0)
-        return motion.slide_position, motion.slide_velocity, motion.slide_acceleration
-
     # A press is often drawn at a dead centre: a grid that starts off the drawn pose has no sample on it.
     samples = np.linspace(0.0, period, round(SAMPLES * period / (2 * np.pi)) + 1) - 0.38 * np.pi / SAMPLES
-    way, speeds, _ = slide(samples)
+    way, speeds, _ = _slide(press, samples)
     turning = np.flatnonzero(np.signbit(speeds[:-1]) != np.signbit(speeds[1:]))
     if len(turning) < 2:
         raise PinpressError(f"the slide of {press.name} does not turn back within its period: it has no dead centres")
-    angles = bracketed_roots(lambda angle: slide(angle)[1:], samples[turning], samples[turning + 1], absolute=ROUNDING)
-    positions = slide(angles)[0]
+    angles = bracketed_roots(lambda angle: _slide(press, angle)[1:], samples[turning], samples[turning + 1], absolute=ROUNDING)
+    positions = _slide(press, angles)[0]
     angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % period)  # 0 and not 360 degrees for a press that is drawn there
     top, bottom = (int(np.argmax(sign * positions >= (sign * positions).max() - EQUAL * np.ptp(positions))) for sign in (1, -1))
     turns = _turns(way[:-1], round(period / (2 * np.pi)))
     return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]), turns)
+
+
+def _within_travel(press: Linkage) -> DeadCentres:
+    """Dead centres of a press whose driver slides."""
+    low, high = press.branch_through_change_points.angles[[0, -1]]
+    samples = np.linspace(low, high, SAMPLES + 1)
+    speeds = _slide(press, samples)[1]
+    turning = np.flatnonzero(np.signbit(speeds[:-1]) != np.signbit(speeds[1:]))
+    places = np.array([low, high])
+    if len(turning):
+        ends, rounding = (samples[turning], samples[turning + 1]), ROUNDING * press.size
+        places = np.append(places, bracketed_roots(lambda position: _slide(press, position)[1:], *ends, absolute=rounding))
+    positions = _slide(press, places)[0]
+    top, bottom = int(positions.argmax()), int(positions.argmin())
+    if not positions[top] - positions[bottom] > EQUAL * press.size:
+        raise PinpressError(f"the slide of {press.name} does not move with its driver: it has no dead centres")
+    return DeadCentres(float(places[top]), float(positions[top]), float(places[bottom]), float(positions[bottom]), 1)
+
+
+def _slide(press: Linkage, angle: Array) -> tuple[Array, Array, Array]:
+    """Position of the slide and its first two derivatives by the crank angle, at crank angles (n,)."""
+    motion = motion_through_change_points(press, angle, 1.0)
+    return motion.slide_position, motion.slide_velocity, motion.slide_acceleration
 
 
 def stroke_turns(press: Linkage) -> int | None:

@@ -4,15 +4,15 @@ configurations at any positions of the drivers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..common.errors import AssemblyError, PinpressError, SingularityError
-from ..common.quantities import Array
-from ..engines.branch import LARGEST_CORRECTION, SMALLEST_MARGIN, Branch, Gap, Returning, SingularPosition, follow, predict, walk
+from ..common.quantities import Array, DriverCoordinate
+from ..engines.branch import LARGEST_CORRECTION, SMALLEST_MARGIN, Branch, Gap, Returning, SingularPosition, Travel, follow, predict, walk
 from ..engines.engine import ACCEPTED, PIECE, Closure, Engine, joined
 from ..engines.forces import RANK
 from ..engines.planar.engine import PlanarEngine
@@ -22,6 +22,7 @@ from ..engines.spatial.kinematics import PassiveJacobian, close, rank
 from ..engines.spatial.model import Rows, SpatialModel
 
 CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
+TRAVELLED = 20.0  # a driver that slides is followed as far [lengths of the linkage]
 MANY_PERIODS = 1000  # from so many periods on the rounding of a crank angle is seen in the gaps of loops
 FARTHEST = 1e7  # larger crank angles are rounded by more than 1e-9 rad, which the slide's position would show [rad]
 
@@ -72,14 +73,27 @@ def followed(
     gap: Gap | None = None,
     begin: float = 0.0,
 ) -> Branch:
-    """The assembly of a linkage with one driver, followed over the crank angle from a closed pose (nv,); see `engines.branch.walk`."""
+    """The assembly of a linkage with one driver, followed over the crank angle from a closed pose (nv,); see `engines.branch.walk`.
+    A driver that slides goes as far as the limits of its joint."""
     close_drivers, along = engine.closing_function(), np.ones(1)
 
     def close_angle(angle: Array, guess: Array) -> Closure:
         return close_drivers(angle[None], along, guess)
 
     returning = Returning(spatial_model.on_loop, np.array([axis.turns for axis in spatial_model.axes]))
-    return walk(close_angle, start, returning, spatial_model.size, ACCEPTED * engine.tolerance, smallest_margin, gap, begin)
+    tolerance = ACCEPTED * engine.tolerance
+    return walk(close_angle, start, returning, spatial_model.size, tolerance, smallest_margin, gap, begin, _travel(spatial_model))
+
+
+def _travel(spatial_model: SpatialModel) -> Travel | None:
+    """How far a driver slides; None of one that turns."""
+    driver = spatial_model.drivers[0]
+    if spatial_model.axes[driver].turns:
+        return None
+    model, place = spatial_model.model, spatial_model.slots[driver].start
+    farthest = TRAVELLED * spatial_model.size
+    lower, upper = max(float(model.lowerPositionLimit[place]), -farthest), min(float(model.upperPositionLimit[place]), farthest)
+    return Travel(lower, upper, min(spatial_model.size, (upper - lower) / (2 * np.pi)))
 
 
 def through_change_points(engine: Engine, spatial_model: SpatialModel, found: Branch) -> Branch:
@@ -99,7 +113,7 @@ def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: 
         engine: engine of the linkage.
         spatial_model: constants of the linkage.
         branch: its drawn assembly.
-        angles: (n,) crank angles [rad].
+        angles: (n,) crank angles [rad or m].
         name: name of the linkage, for errors.
 
     Raises:
@@ -124,16 +138,17 @@ def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, ang
         engine: engine of the linkage.
         spatial_model: constants of the linkage.
         start: (nv,) closed drawn pose, from which the first position is followed.
-        angles: (n, drivers) driver positions [rad].
+        angles: (n, drivers) driver positions [rad or m].
         name: name of the linkage, for errors.
 
     Raises:
         SingularityError: the linkage locks on the way.
     """
-    close_drivers, tolerance = engine.closing_function(), ACCEPTED * engine.tolerance
+    close_drivers, tolerance, coordinates = engine.closing_function(), ACCEPTED * engine.tolerance, spatial_model.coordinates
+    lengths = np.array([1.0 if each.turns else spatial_model.size for each in coordinates])  # counted as 1 rad
     position, before, positions = start, np.zeros(len(spatial_model.drivers)), []
     for after in angles:
-        distance = float(np.linalg.norm(after - before))
+        distance = float(np.linalg.norm((after - before) / lengths))
         along = (after - before) / distance if distance else np.zeros_like(after)
 
         def close(at: Array, guess: Array, before: Array = before, along: Array = along) -> Closure:
@@ -142,18 +157,19 @@ def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, ang
 
         end = follow(close, position, distance, spatial_model.size, tolerance)
         if isinstance(end, SingularPosition):
-            raise SingularityError(
-                f"{name} locks between driver positions {np.degrees(before).round(3)} and {np.degrees(after).round(3)} deg",
-                float((before + end.angle * along)[0]),
-                end.margin,
-            )
+            here, there = (", ".join(c.shown(float(x)) for c, x in zip(coordinates, at, strict=True)) for at in (before, after))
+            problem = f"{name} locks between the driver positions {here} and {there}"
+            raise SingularityError(problem, float((before + end.angle * along)[0]), end.margin, coordinates[0])
         positions.append(end)
         position, before = end, after
     return np.array(positions).T
 
 
-def refuse_far(name: str, angles: Array) -> None:
-    """Raise PinpressError where one of the crank angles [rad], of any shape, is so large that its rounding would be seen in results."""
+def refuse_far(name: str, angles: Array, coordinates: Sequence[DriverCoordinate]) -> None:
+    """Raise PinpressError where one of the crank angles [rad], of any shape, is so large that its rounding would be seen in results. How
+    far a driver slides is limited in any case."""
+    if not coordinates[0].turns:
+        return
     worst = float(angles.flat[int(np.abs(angles).argmax())])
     if abs(worst) > FARTHEST:
         raise PinpressError(
@@ -230,7 +246,7 @@ def _closed_piece(engine: Engine, spatial_model: SpatialModel, angles: Array, gu
     if not (closure.widest <= tolerance and moved.max() <= near):
         worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near)))
         problem = f"the loops of {name} do not close on the drawn branch"
-        raise AssemblyError(problem, float(angles[worst]), float(closure.gap[worst]), closure.iterations)
+        raise AssemblyError(problem, float(angles[worst]), float(closure.gap[worst]), closure.iterations, spatial_model.coordinates[0])
     return closure
 
 
@@ -260,7 +276,8 @@ def _closed_through_change_points(engine: Engine, spatial_model: SpatialModel, b
         position[:, regular], first[:, regular], second[:, regular] = closure.position, closure.first, closure.second
     gap = engine.gaps(position)
     if not gap.max() <= ACCEPTED * spatial_model.tolerance:
-        raise AssemblyError("the loops do not close", float(angles[int(gap.argmax())]), float(gap.max()), 0)
+        worst = int(gap.argmax())
+        raise AssemblyError("the loops do not close", float(angles[worst]), float(gap[worst]), 0, spatial_model.coordinates[0])
     position += branch.gain_per_period[:, None] * turns
     position[spatial_model.drivers[0]] = angles
     return Closure(position, first, second, gap, float(gap.max()), 0)

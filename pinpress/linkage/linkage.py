@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ..common.arguments import numbers
 from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen
-from ..common.quantities import Array
+from ..common.quantities import Array, DriverCoordinate
 from ..engines import branch
 from ..engines.branch import Branch
 from ..engines.engine import Closure, Engine
@@ -95,6 +95,11 @@ class Linkage(Frozen):
     def slots(self) -> tuple[Slot, ...]:
         """Where the moving joints stand in q."""
         return self.spatial_model.slots
+
+    @property
+    def driver_coordinates(self) -> tuple[DriverCoordinate, ...]:
+        """What the coordinates of the drivers are: a crank angle [rad], or the position of a driver that slides [m]."""
+        return self.spatial_model.coordinates
 
     @property
     def driver_indices(self) -> tuple[int, ...]:
@@ -267,6 +272,10 @@ class Linkage(Frozen):
         """
         if self.turns_until_back is not None:
             return self.turns_until_back
+        if not self.driver_coordinates[0].turns:
+            raise PinpressError(
+                f"{self.name} has no period: driver {self.driver!r} slides to and fro; cycle(press, speed=...) moves it there and back"
+            )
         if self.branch_through_change_points.period is None:
             raise branch.out_of_branch(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)
         raise PinpressError(
@@ -318,8 +327,9 @@ class Linkage(Frozen):
         """Pinocchio's configuration q with the loops closed, in the drawn assembly. An unbounded joint has its cosine and sine in it.
 
         Args:
-            angle: of the driver, one number or (n,), up to 1e7 rad [rad]; of several drivers (drivers,) or (n, drivers), in the order of
-                ``drivers``: the assembly is followed from the drawn pose to the first and from each to the next, on straight lines.
+            angle: of the driver, one number or (n,), up to 1e7 rad [rad], of one that slides its position [m]; of several drivers
+                (drivers,) or (n, drivers), in the order of ``drivers``: the assembly is followed from the drawn pose to the first and from
+                each to the next, on straight lines.
 
         Returns:
             (nq,) of one position of the drivers, (n, nq) of n positions. A new array.
@@ -334,9 +344,10 @@ class Linkage(Frozen):
         positions = angles[None] if one else angles
         if positions.size == 0 or positions.ndim != 1 + several or positions.shape[1:] != (len(self.drivers),) * several:
             count = len(self.drivers)
-            wanted = f"({count},) or (n, {count}), the angles of all drivers" if several else "one angle or (n,) angles"
-            raise PinpressError(f"angle has shape {angles.shape}: give {wanted} [rad]")
-        refuse_far("angle", positions)
+            one_driver = "one angle or (n,) angles [rad]" if self.driver_coordinates[0].turns else "one position or (n,) positions [m]"
+            wanted = f"({count},) or (n, {count}), the angles of all drivers [rad]" if several else one_driver
+            raise PinpressError(f"angle has shape {angles.shape}: give {wanted}")
+        refuse_far("angle", positions, self.driver_coordinates)
         if several:
             x = followed_from(self.engine(), self.spatial_model, self.closed, positions, self.name)
         else:

@@ -142,10 +142,7 @@ def assembled(
         raise PinpressError(f"gravity is {shown(gravity)}: give m/s2, {LARGEST:g} at most")
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}
     for name in drivers:
-        if not model.joints[places[name] + 1].shortname().startswith("JointModelR"):
-            raise UrdfError(
-                description.file, document.called("joint", name), _line(description, name), "the driver does not turn", "drive a crank"
-            )
+        _refuse_without_travel(description, document, model.joints[places[name] + 1], model)
     return Linkage(
         name=description.name,
         document=document,
@@ -167,6 +164,20 @@ def _library() -> Path:
     """Folder of the shipped URDF files: in the package where it was installed from a wheel, beside it in a checkout."""
     here = Path(__file__).resolve().parents[1]
     return next(folder for folder in (here / "urdf", here.parent / "urdf") if folder.is_dir())
+
+
+def _refuse_without_travel(description: reader.Urdf, document: Document, joint: pin.JointModel, model: pin.Model) -> None:
+    """Raise UrdfError for a driver that slides and has no way to go from the drawn pose."""
+    if not joint.shortname().startswith("JointModelP"):
+        return
+    name = str(model.names[joint.id])
+    lower, upper = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
+    if lower <= 0.0 <= upper and lower < upper:
+        return
+    problem = f"the driver slides from {lower:g} to {upper:g} m, the <limit> of its joint, and "
+    problem += "the drawn pose, 0, is outside" if lower < upper else "so not at all"
+    remedy = "write its travel from the drawn pose in m: lower, 0 or less, and upper, 0 or more"
+    raise UrdfError(description.file, document.called("joint", name), _line(description, name), problem, remedy)
 
 
 def _line(description: reader.Urdf, joint: str) -> int:

@@ -240,7 +240,7 @@ def refuse_overloaded_idle(rated: RatedStroke) -> None:
         worst = int(size.argmax())
         if size[worst] > capacity:
             raise PinpressError(
-                f"{what} of the idle press is {size[worst]:.6g} {unit} at crank angle {motion.crank_degrees[worst]:.6g} deg"
+                f"{what} of the idle press is {size[worst]:.6g} {unit} at crank angle {motion.shown_position[worst]:.6g} deg"
                 f" and {abs(rated.speed) / RPM:.6g} r/min, but the capacity is {capacity:.6g} {unit}: lower the speed, or raise"
                 " the capacity"
             )

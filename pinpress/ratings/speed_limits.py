@@ -241,7 +241,7 @@ def _squared_speed(turning: _TurningPress, fast: Motion, loading: _Loading) -> A
     worst = int(amount.argmax())
     if amount[worst] > loading.capacity:
         raise PinpressError(
-            f"{loading.name} is {amount[worst]:.6g} {loading.unit} at crank angle {fast.crank_degrees[worst]:.6g} deg at any speed, by"
+            f"{loading.name} is {amount[worst]:.6g} {loading.unit} at crank angle {fast.shown_position[worst]:.6g} deg at any speed, by"
             f" weights{' and loads' if turning.loads else ''}, but its capacity is {loading.capacity:.6g} {loading.unit}: raise the"
             " capacity, or lower the load"
         )

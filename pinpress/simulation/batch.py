@@ -158,12 +158,12 @@ def simulate_batch(
     if not _is_number(angle):
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
     speeds, start = _speeds(speed, (drive, flywheel, *loads)), number("angle", angle)
-    refuse_far("angle", np.array(start))
+    refuse_far("angle", np.array(start), press.driver_coordinates)
     drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     if isinstance(drive, PrescribedSpeed):
         raise PinpressError("a drive that prescribes the speed leaves nothing to simulate in scenarios: use simulate")
     refuse_many_turns(speeds, until, start)
-    plausibility.speeds("speed", speeds)
+    plausibility.speeds("speed", speeds, press.driver_coordinates[0])
     scenarios = _Scenarios(press, until, start, speeds, (drive, flywheel, *loads), states, tolerance)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         return _solved(scenarios, began)

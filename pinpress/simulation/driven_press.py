@@ -17,6 +17,7 @@ from ..common import plausibility
 from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
+from ..drives.motors import InductionMotor, InverterMotor, SlipClutchMotor
 from ..drives.protocol import Drive, corners_of
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics import applied_loads
@@ -243,6 +244,8 @@ def driven_press(press: Linkage, drive: object, flywheel: object, loads: Sequenc
         UnknownNameError: a load acts on a link that the linkage does not have.
     """
     _refuse_other_parts(drive, flywheel, clutch, brake)
+    if not press.driver_coordinates[0].turns:
+        _refuse_parts_that_turn(press.driver, {"drive": drive, "flywheel": flywheel, "clutch": clutch, "brake": brake})
     assert isinstance(drive, Drive | PrescribedSpeed | None)
     assert isinstance(flywheel, Flywheel | None)
     assert isinstance(clutch, Clutch | None)
@@ -282,6 +285,19 @@ def _refuse_other_parts(drive: object, flywheel: object, clutch: object, brake: 
         raise PinpressError("a drive that prescribes the crank's speed leaves nothing to clutch and brake: leave them out")
 
 
+def _refuse_parts_that_turn(driver: str, parts: Mapping[str, object]) -> None:
+    """Raise PinpressError for parts that need a shaft, on a driver that slides; ``parts``: by the names of their arguments."""
+    remedies = {
+        "flywheel": "give what turns behind a screw to its motor, Geared(motor, ratio=2 * pi / lead)",
+        "clutch": "leave it out, or give a drive of your own whose force is that of the clutch",
+        "brake": "leave it out, or give a drive of your own whose force is that of the brake",
+        "drive": "let it act through a screw, Geared(motor, ratio=2 * pi / lead); a cylinder's force is ConstantTorque [N]",
+    }
+    for name, part in parts.items():
+        if isinstance(part, Flywheel | Clutch | Brake | InductionMotor | InverterMotor | SlipClutchMotor):
+            raise PinpressError(f"driver {driver!r} slides, but {type(part).__name__} needs a shaft: {remedies[name]}")
+
+
 def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> DrivenPress:
     """A linkage with several drivers, drives and flywheels by the names of their joints. Raises as `driven_press`."""
     if clutch is not None or brake is not None:
@@ -292,6 +308,8 @@ def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Se
     coordinates, forces = _of_loads(press, loads)
     inertias = np.zeros(len(press.drivers))
     for k, (name, joint) in enumerate(zip(press.drivers, press.driver_indices, strict=True)):
+        if not press.driver_coordinates[k].turns:
+            _refuse_parts_that_turn(name, {"drive": drives.get(name), "flywheel": flywheels.get(name)})
         if name in flywheels:
             inertias[k] += flywheels[name].inertia
         if name in drives:

@@ -1,6 +1,10 @@
 """Why a simulation cannot go on, or has no answer: all reasons, with what to do."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from ..common.errors import SimulationError
+from ..linkage.linkage import Linkage
 
 REASONS = {
     "stalls": "the press stalls: it comes to rest, and the load holds it there against the drive",
@@ -9,7 +13,11 @@ REASONS = {
         "the inertia of linkage, flywheel and drive at the crank is {inertia:.6g} kg m2, so no torque determines the motion;"
         " give masses or a flywheel"
     ),
-    "runs against a lock": "the linkage locks: its crank turns only from {low:.6g} to {high:.6g} deg, and runs against that",
+    "runs against a lock": "the linkage locks: its crank turns only from {low} to {high}, and runs against that",
+    "runs against an end": (
+        "the driver slides only from {low} to {high}, where its limits are or the linkage locks, and runs against that: simulate a shorter"
+        " time, or give a drive that stops it before"
+    ),
     "stops at a lock": "the crank stops where the linkage locks, and the links go on: a brake cannot hold it",
     "loops open": "the loops do not close any more ({error}): the linkage locks, or the step is too long",
     "not finite": "a torque or force is not finite here, or the linkage locks: look at drive and loads",
@@ -51,3 +59,13 @@ def failure(reason: str, time: float | None = None, crank_angle: float | None = 
         details: values for the gaps in the sentence.
     """
     return SimulationError(REASONS[reason].format(**details), time, crank_angle, reason)
+
+
+@contextmanager
+def told_of(press: Linkage) -> Iterator[None]:
+    """A context whose failures say where the driver of this press is in its own unit."""
+    try:
+        yield
+    except SimulationError as error:
+        error.coordinate = press.driver_coordinates[0]
+        raise

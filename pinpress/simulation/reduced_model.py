@@ -17,7 +17,7 @@ import numpy as np
 
 from ..common.errors import SimulationError
 from ..common.numerics import NODES, gauss_rule, polynomial_root
-from ..common.quantities import Array
+from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import MOST_TURNS, periods_until_back
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
@@ -48,12 +48,14 @@ class ReducedModel:
             of its range [J], its derivative by the crank angle [N m], coordinates [m].
         period: crank angle after which all repeats itself [rad]; None where the crank cannot turn that far.
         evaluations: states of the linkage that were computed.
+        coordinate: what the crank angle is: of a driver that slides it is a position [m], and the reduced inertia a mass [kg].
     """
 
     borders: Array
     coefficients: Array
     period: float | None
     evaluations: int
+    coordinate: DriverCoordinate
 
     @cached_property
     def potential_range(self) -> float:
@@ -100,9 +102,11 @@ class ReducedModel:
 
 
 def lock_reached(model: ReducedModel, angle: float, time: float | None = None) -> SimulationError:
-    """The error of a motion that leaves the range of a model without a period: the linkage locks there."""
-    low, high = np.degrees([model.borders[0], model.borders[-1]])
-    return failure("runs against a lock", time, angle, low=low, high=high)
+    """The error of a motion that leaves the range of a model without a period: the linkage locks there, or its driver is at an end."""
+    coordinate = model.coordinate
+    reason = "runs against a lock" if coordinate.turns else "runs against an end"
+    low, high = f"{float(model.borders[0]) * coordinate.scale:.6g}", coordinate.shown(float(model.borders[-1]))
+    return failure(reason, time, angle, low=low, high=high)
 
 
 @per_linkage
@@ -126,7 +130,8 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     branch = press.branch_through_change_points
     period = None if branch.period is None else branch.period * _periods(press, branch.gain_per_period)
     low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
-    count = panels or max(2, math.ceil(PANELS * (high - low) / (2 * np.pi) - 1e-9))
+    turns = (high - low) / (2 * np.pi) if branch.coordinate.turns else 1.0
+    count = panels or max(2, math.ceil(PANELS * turns - 1e-9))
     borders, points = np.linspace(low, high, count + 1), 0
     starts, ends, coarser = borders[:-1], borders[1:], np.full(count, np.inf)
     done: list[tuple[Array, Array]] = []
@@ -146,7 +151,8 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
         coarser = np.tile(missed[~settled], 2)
     order = np.argsort(np.concatenate([starts for starts, _ in done]))
     borders = np.append(np.concatenate([starts for starts, _ in done])[order], high)
-    return ReducedModel(borders, _centred(np.concatenate([polynomials for _, polynomials in done]))[order], period, points)
+    coefficients = _centred(np.concatenate([polynomials for _, polynomials in done]))[order]
+    return ReducedModel(borders, coefficients, period, points, branch.coordinate)
 
 
 class _Sizes:

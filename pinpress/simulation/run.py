@@ -36,6 +36,7 @@ BALANCED = 1e-6  # energy error accepted of a run with steps by error, unless a 
 ROUNDED = 1e-6  # least size that energies are compared with, as a share of the potential energy
 ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # roundings of a stiff drive's angle and speed that may show in the energy
 ROUND = 1 + 1e-12  # rounding of times and turns
+BEYOND = 1e-9  # travel of a driver that slides, beyond its end, that is rounding [lengths of the linkage]
 STATES = 720  # states of a stroke in which extremes are looked for
 MOST_STROKES = 8  # most strokes that a summary lists in full
 FIRST_STROKES = 5  # of more strokes it lists so many first ones, and the last one
@@ -103,7 +104,9 @@ class Run(Motion):
     def columns(self) -> dict[str, Array]:
         """The motion's columns, followed by torque, speed and work of the drive, work of the loads, and losses in clutch and brake."""
         columns = super().columns()
-        columns |= {"drive_torque [N m]": self.drive_torque, "drive_speed [rad/s]": self.drive_speed}
+        efforts = [(f"drive_{each.effort}", each.effort_unit) for each in self.driver_coordinates]
+        speeds = [("drive_speed", each.heads[1][1]) for each in self.driver_coordinates]
+        columns |= tables.by_driver(efforts, self.drive_torque, self.drivers) | tables.by_driver(speeds, self.drive_speed, self.drivers)
         columns |= {"drive_work [J]": self.drive_work, "load_work [J]": self.load_work}
         return columns | ({"lost [J]": self.lost} if self.lost.any() else {})
 
@@ -122,6 +125,7 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     times = np.linspace(0.0, problem.until, state_count(points, trajectory.turns))
     sample = trajectory.at(times)
     motion = _closed(driven.press, times, sample)
+    _refuse_beyond_travel(driven.press, motion)
     error = _audited(problem, motion, sample)
     if len(driven.inertias) > 1:
         turning = _driver_speeds(driven, sample)
@@ -147,6 +151,17 @@ def _closed(press: Linkage, times: Array, sample: Sample) -> Motion:
     if len(position) == 1:
         return motion_through_change_points(press, position[0], speed[0], acceleration[0], times)
     return of_states(press, position, speed, acceleration, press.engine().gaps(position), times, press.turns_until_back)
+
+
+def _refuse_beyond_travel(press: Linkage, motion: Motion) -> None:
+    """Raise SimulationError where a driver that slides goes beyond its travel, which the equations of all joints do not know."""
+    if len(press.drivers) > 1 or press.driver_coordinates[0].turns:
+        return
+    ends = press.branch_through_change_points.angles
+    beyond = np.maximum(ends[0] - motion.crank_angle, motion.crank_angle - ends[-1]) > BEYOND * press.size
+    if beyond.any():
+        first = int(np.argmax(beyond))
+        raise reduced.lock_reached(reduced.reduced_model_of(press), float(motion.crank_angle[first]), float(motion.time[first]))
 
 
 def _driver_speeds(driven: DrivenPress, sample: Sample) -> Array:
@@ -511,7 +526,7 @@ def _torque(reactions: Reactions) -> list[str]:
     for name, at in (("largest", int(torque.argmax())), ("smallest", int(torque.argmin()))):
         lines.append(
             tables.entry(
-                name, scale.shown(float(torque[at])), scale.unit, f"at {motion.crank_degrees[at]:8.3f} deg, {motion.time[at]:.6f} s"
+                name, scale.shown(float(torque[at])), scale.unit, f"at {motion.shown_position[at]:8.3f} deg, {motion.time[at]:.6f} s"
             )
         )
     return lines

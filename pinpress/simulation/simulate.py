@@ -39,7 +39,7 @@ from ..loads import caller_laws
 from ..loads.link import Load
 from .angle_solver import MOST_PERIODS, NEAR, AngleSegment, nearly_at_rest
 from .driven_press import DrivenPress, driven_press, press_with_drives, refuse_unlisted_loads
-from .failures import failure
+from .failures import failure, told_of
 from .hybrid_system import HOLDING
 from .law_trials import asked_drive
 from .reduced_model import INERTIA, POTENTIAL, WEIGHT, ReducedModel, reduced_model_of
@@ -80,9 +80,10 @@ def simulate(
     Args:
         press: the linkage.
         duration: of the run [s].
-        speed: of the crank at the start [rad/s].
-        angle: of the crank at the start [rad].
-        drive: what turns the crank, see `pinpress.drives`; None: nothing.
+        speed: of the crank at the start [rad/s], of a driver that slides [m/s].
+        angle: of the crank at the start [rad], of a driver that slides its position [m].
+        drive: what turns the crank, see `pinpress.drives`; None: nothing. On a driver that slides a `ConstantTorque` is a force [N], and a
+            motor acts through a screw, ``Geared(motor, ratio=2 * pi / lead)`` with the lead in m a turn.
         flywheel: its inertia stands at the driver joint, on the drive's side of a clutch.
         clutch: between flywheel and crank; None: they turn together.
         brake: on the crank.
@@ -116,17 +117,17 @@ def simulate(
         refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
     drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
-    refuse_far("angle", angles)
+    refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
-    plausibility.speeds("speed", speeds)
-    with np.errstate(all="ignore"):  # what is not finite is refused where it arises
+    plausibility.speeds("speed", speeds, press.driver_coordinates[0])
+    with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
         driven = _driven(press, method, drive, flywheel, loads, clutch, brake)
         problem = _problem(driven, method, angles, speeds, until, tolerance, fixed)
         trajectory = march(problem, progress)
         run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))
     if (since := trajectory.standing) is not None:
         caution(
-            f"the press stands from {since:.6g} s to the end, at crank angle {np.degrees(run.crank_angle[-1]):.6g} deg: the load holds it"
+            f"the press stands from {since:.6g} s to the end, at {press.driver_coordinates[0].at(run.crank_angle[-1])}: the load holds it"
             " there against the drive"
         )
     return run
@@ -180,7 +181,8 @@ def _problem(
                 " inverse_dynamics"
             )
         if speeds[0] not in (0.0, prescribed.speed):
-            raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {prescribed.speed:g} rad/s: leave speed out")
+            unit = driven.press.driver_coordinates[0].heads[1][1]
+            raise PinpressError(f"speed is {speeds[0]:g}, but the drive prescribes {prescribed.speed:g} {unit}: leave speed out")
         method, speeds = "reduced", np.array([prescribed.speed])
     if method == "implicit" and step is not None:
         raise PinpressError("step is of the classical Runge-Kutta method: leave it out with method='implicit'")
@@ -225,7 +227,8 @@ def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> flo
     rest = next((segment for segment in trajectory.segments if isinstance(segment, StandstillSegment)), None)
     if rest is not None and _falls(driven, rest.state.angle):
         caution(
-            f"the press rests at an unstable equilibrium from {rest.start:.6g} s on, at crank angle {np.degrees(rest.state.angle):.6g} deg:"
+            f"the press rests at an unstable equilibrium from {rest.start:.6g} s on, at"
+            f" {press.driver_coordinates[0].at(rest.state.angle)}:"
             " it stays there as nothing pushes it, but the least push would send it down"
         )
         return None

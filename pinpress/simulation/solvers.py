@@ -22,7 +22,7 @@ from .driven_press import DrivenPress
 from .equations_of_motion import FullDynamics, ReducedDynamics
 from .failures import failure
 from .hybrid_system import HybridSystem, Mode
-from .reduced_model import INERTIA, POTENTIAL
+from .reduced_model import INERTIA, POTENTIAL, lock_reached
 from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
 
 if TYPE_CHECKING:
@@ -193,6 +193,13 @@ class OverTime:
             segment, y = integrate(system, mode, state.time, y, problem.until, settings, followed, self.progress)
         except SimulationError as error:
             least, where = _least_inertia(driven)
+            reached = error.crank_angle
+            if (
+                not driven.model.coordinate.turns
+                and reached is not None
+                and not driven.model.borders[0] < reached < driven.model.borders[-1]
+            ):
+                raise lock_reached(driven.model, reached, error.time) from error
             if least > 0 or isinstance(error, LawError):
                 raise
             angle = where if error.crank_angle is None else error.crank_angle

@@ -81,7 +81,12 @@ def steady_state(
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
     start, near, tolerance = number("angle", angle), _speed(speed), checked_tolerance(tolerance)
-    refuse_far("angle", np.array(start))
+    if not press.driver_coordinates[0].turns:
+        raise PinpressError(
+            f"driver {press.driver!r} of {press.name} slides to and fro and has no steady state: let it run with simulate, or prescribe its"
+            " motion with cycle or servo_cycle"
+        )
+    refuse_far("angle", np.array(start), press.driver_coordinates)
     refuse_unlisted_loads(loads)
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
     driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None)

@@ -89,10 +89,10 @@ def test_a_cycle_is_one_period(press, name, way):
     assert np.abs(np.array(back[1:-1]) - back[0]).min() > 1e-3
 
 
-def test_crank_degrees_are_those_of_the_period(press, name):
+def test_shown_position_are_those_of_the_period(press, name):
     whole = 360.0 * TURNS[name]
     motion = pp.servo_cycle(press, speed=SPEED, angle=np.radians([10.0, whole - 10.0, whole + 10.0, -10.0, 3 * whole + 20.0]))
-    np.testing.assert_allclose(motion.crank_degrees, [10.0, whole - 10.0, 10.0, whole - 10.0, 20.0], atol=1e-9)
+    np.testing.assert_allclose(motion.shown_position, [10.0, whole - 10.0, 10.0, whole - 10.0, 20.0], atol=1e-9)
 
 
 def test_dead_centres(press):

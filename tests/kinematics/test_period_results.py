@@ -225,7 +225,7 @@ def test_plots_over_the_period(press, name):
         assert over.along(motion.slide_position)[-1] == motion.slide_position[0]
         marked = _quarters(motion)
         assert [degrees for degrees, _ in marked] == list(range(0, 360 * turns, 90))
-        np.testing.assert_allclose([motion.crank_degrees[state] for _, state in marked], [degrees for degrees, _ in marked], atol=1e-9)
+        np.testing.assert_allclose([motion.shown_position[state] for _, state in marked], [degrees for degrees, _ in marked], atol=1e-9)
     run = pp.servo_cycle(press, speed=SPEED, angle=np.radians(np.arange(360 * turns + 50.0)))
     assert Over(run).abscissa.unit == "s"  # more than a period
     assert {state for _, state in _quarters(run)} <= set(range(50, 360 * turns + 50))  # of the last one
@@ -368,7 +368,7 @@ def test_a_linkage_that_is_never_back_has_no_dead_centres(folder):
             ask(press)
     some = pp.servo_cycle(press, speed=SPEED, angle=np.linspace(0.0, 20.0, 50))
     assert some.period_turns is None
-    np.testing.assert_allclose(some.crank_degrees, np.degrees(some.crank_angle))
+    np.testing.assert_allclose(some.shown_position, np.degrees(some.crank_angle))
 
 
 def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle(folder):

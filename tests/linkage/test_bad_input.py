@@ -227,9 +227,17 @@ def test_no_such_driver(tmp_path):
         assert str(caught.value) == f"no moving joint {name!r}{guess}; there are: O, P, slide_guide"
 
 
-def test_driver_must_turn():
-    with pytest.raises(pp.UrdfError, match="the driver does not turn") as caught:
-        pp.load("crank_slide", driver="slide_guide")
+@pytest.mark.parametrize(
+    ("limit", "problem"),
+    [
+        ('lower="0.1" upper="0.3"', "slides from 0.1 to 0.3 m, the <limit> of its joint, and the drawn pose, 0, is outside"),
+        ("", "slides from 0 to 0 m, the <limit> of its joint, and so not at all"),
+    ],
+)
+def test_driver_that_slides_needs_a_way_to_go(tmp_path, limit, problem):
+    path = written(tmp_path, edited(('lower="-0.01" upper="0.21"', limit)))
+    with pytest.raises(pp.UrdfError, match=problem) as caught:
+        pp.load(path, driver="slide_guide")
     assert (caught.value.element, caught.value.line) == ('<joint name="slide_guide">', line_of(CRANK_SLIDE, '<joint name="slide_guide"'))
 
 

@@ -14,7 +14,6 @@ SHORT = {  # modules that have fewer, and why
     "__main__.py": "`python -m pinpress`",
     "cli/check.py": "a command, as every other module there",
     "cli/new.py": "a command, as every other module there",
-    "common/quantities.py": "types of arrays and the unit of speed, which every room names",
     "measures.py": "a list of names, in measures.pyi",
     "video.py": "a list of names, in video.pyi",
 }

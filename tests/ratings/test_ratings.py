@@ -131,7 +131,7 @@ def test_an_overload_on_the_return_stroke_is_refused(speed):
     force = np.linalg.norm(pp.inverse_dynamics(press, motion).bearing_force["C"], axis=1)
     working = motion.slide_velocity < 0
     (low, at_low), (high, at_high) = sorted(
-        (force[side].max(), motion.crank_degrees[side][force[side].argmax()]) for side in (working, ~working)
+        (force[side].max(), motion.shown_position[side][force[side].argmax()]) for side in (working, ~working)
     )
     assert high > 1.5 * low
     with pytest.raises(pp.PinpressError, match="bearing 'C' of the idle press is") as refused:

@@ -60,7 +60,7 @@ class FrictionState(NamedTuple):
     Attributes:
         law: of the bearings.
         speeds: (bearings, n) speeds of the bearings [rad/s or m/s].
-        angle: (n,) crank angles [rad].
+        angle: (n,) crank angles [rad], of a driver that slides its positions [m].
     """
 
     law: FrictionLaw
@@ -78,7 +78,7 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     widest = gaps(plane, position, basis)
     if not widest.max() <= LOOSEST * plane.size:
         worst = int(widest.argmax())
-        raise other_linkage(float(position[plane.driver, worst]), float(widest[worst]))
+        raise other_linkage(float(position[plane.driver, worst]), float(widest[worst]), plane.coordinate)
     return basis
 
 
@@ -167,7 +167,8 @@ def _moments_about_normal(
     plane, moments = bodies.plane, open_tree.turning
     for (j, k), arm in zip(bodies.guided, open_tree.guided, strict=True):
         moments[j] -= plane.loops_of_joint[j][k] * (arm.conj() * pins[k]).imag
-    moments[plane.driver] = plane.sense[plane.driver] * torque
+    if plane.sense[plane.driver]:  # the force of a driver that slides is part of its bearing force
+        moments[plane.driver] = plane.sense[plane.driver] * torque
     if bodies.geared:
         meshed = plane.coupled.T @ coupling_multipliers
         for j in bodies.geared:
@@ -210,7 +211,7 @@ def _friction(
                 sizes[joint] = np.hypot(sizes[joint], axial[joint])
         return sizes
 
-    return friction.law.efforts(friction.speeds, radial, friction.angle)
+    return friction.law.efforts(friction.speeds, radial, friction.angle, plane.coordinate)
 
 
 def _resisted(plane: Plane, friction_efforts: Array) -> Array:
@@ -302,7 +303,7 @@ def _wanted_moments(bodies: Bodies, wanted: Sequence[int], result: Wrenches) -> 
     plane, moments = bodies.plane, {}
     meshed = plane.coupled.T @ result.coupling if any(j in bodies.geared for j in wanted) else result.coupling
     for place, j in enumerate(wanted):
-        if j == plane.driver:
+        if j == plane.driver and plane.sense[j]:
             moments[place] = plane.sense[j] * result.torque[0]
         if j in bodies.geared:
             moments[place] = moments.get(place, 0.0) + plane.sense[j] * meshed[j]

@@ -28,7 +28,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ...common.quantities import Array, ComplexArray
+from ...common.quantities import CRANK, RAM, Array, ComplexArray, DriverCoordinate
 from ..joints import Coupling, Entries, LoopJoint, Matrix, drawn_placements, joints_between, matrix, plain
 from ..joints import axes as joint_axes
 
@@ -143,6 +143,11 @@ class Plane:
     loops_of_joint: tuple[Mapping[int, float], ...]
     size: float
 
+    @property
+    def coordinate(self) -> DriverCoordinate:
+        """What the coordinate of the driver is."""
+        return CRANK if self.sense[self.driver] else RAM
+
     @cached_property
     def tolerance(self) -> float:
         """Gap at which a loop is closed to rounding [m]."""
@@ -210,7 +215,7 @@ def put_normal(plane: Plane, values: Array, out: Array) -> None:
 def build_plane(
     model: pin.Model, loops: Sequence[LoopJoint], couplings: Sequence[Coupling], driver: int, one_block: bool = False
 ) -> Plane | None:
-    """Constants of a linkage whose driver turns.
+    """Constants of a linkage with one driver.
 
     None where the linkage is not planar, or where its equations do not fall into blocks with as many unknown joints as equations, or fewer.
 
@@ -222,9 +227,12 @@ def build_plane(
         one_block: whether to solve all equations together.
     """
     place, directions, turning = _drawn_joints(model)
-    if _misalignment(directions, turning, driver) > PARALLEL or not all(_moves_in_plane(loop, place, directions[driver]) for loop in loops):
+    normal = _normal(directions, turning, driver)
+    if normal is None or _misalignment(directions, turning, normal) > PARALLEL:
         return None
-    tree, count = _planar_tree(model, place, directions, turning, driver), model.nv
+    if not all(_moves_in_plane(loop, place, normal) for loop in loops):
+        return None
+    tree, count = _planar_tree(model, place, directions, turning, normal), model.nv
     ends = [(tree.end(loop.joint1, loop.point1), tree.end(loop.joint2, loop.point2)) for loop in loops]
     gaps = [_difference(second.row, first.row) for first, second in ends]
     if any(abs(first.height - second.height) > PARALLEL * _length(gap) for (first, second), gap in zip(ends, gaps, strict=True)):
@@ -285,9 +293,14 @@ def _drawn_joints(model: pin.Model) -> tuple[list[pin.SE3], list[Array], list[bo
     return place, [p.rotation @ axis.direction for p, axis in zip(place[1:], found, strict=True)], [axis.turns for axis in found]
 
 
-def _misalignment(directions: Sequence[Array], turning: Sequence[bool], driver: int) -> float:
-    """Largest angle between a turning axis and the driver's, or between a sliding axis and the plane normal to the driver's [rad]."""
-    normal = directions[driver]
+def _normal(directions: Sequence[Array], turning: Sequence[bool], driver: int) -> Array | None:
+    """The axis of the driver, or of the first joint that turns where the driver slides; None where no joint turns."""
+    joint = driver if turning[driver] else next((j for j, turns in enumerate(turning) if turns), None)
+    return None if joint is None else directions[joint]
+
+
+def _misalignment(directions: Sequence[Array], turning: Sequence[bool], normal: Array) -> float:
+    """Largest angle between a turning axis and the normal, or between a sliding axis and the plane across the normal [rad]."""
     return max(
         float(np.linalg.norm(np.cross(d, normal)) if turns else abs(d @ normal)) for d, turns in zip(directions, turning, strict=True)
     )
@@ -343,10 +356,10 @@ class _PlanarTree(NamedTuple):
 
 
 def _planar_tree(
-    model: pin.Model, place: Sequence[pin.SE3], directions: Sequence[Array], turning: Sequence[bool], driver: int
+    model: pin.Model, place: Sequence[pin.SE3], directions: Sequence[Array], turning: Sequence[bool], normal: Array
 ) -> _PlanarTree:
     """The tree from what `_drawn_joints` found."""
-    normal, axes = _axes_of_plane(directions[driver])
+    normal, axes = _axes_of_plane(normal)
     parents = tuple(int(parent) - 1 for parent in list(model.parents)[1:])
     revolute, prismatic = (tuple(j for j in range(model.nv) if turning[j] is turns) for turns in (True, False))
     sense = np.array([np.sign(d @ normal) if t else 0.0 for d, t in zip(directions, turning, strict=True)])

@@ -73,6 +73,7 @@ class ForwardDynamics:
         """
         self._made_of = spatial, closed, rank, armature, name
         self.name, self.joints, self.driver, self.rank = name, tuple(spatial.model.names)[1:], spatial.drivers[0], rank
+        self.coordinate = spatial.coordinates[0]
         self.size, self.tolerance, self.still = spatial.size, spatial.tolerance, np.zeros(spatial.model.nv)
         self._make_tree(spatial, armature)
         by_loop = self._held_points(spatial, closed)
@@ -219,7 +220,8 @@ class ForwardDynamics:
             if gap <= self.tolerance or (gap > 0.5 * before and gap <= self._floor(at)):
                 break
             if steps == MOST_NEWTON_STEPS:
-                raise AssemblyError(f"the loops of {self.name} do not close near this state", float(x[self.driver]), gap, steps)
+                problem = f"the loops of {self.name} do not close near this state"
+                raise AssemblyError(problem, float(x[self.driver]), gap, steps, self.coordinate)
             at = at + self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.gaps, self.coupled.dot(at) - self.offsets)))
             steps += 1
         free = orthogonal[:, rank:]
@@ -276,7 +278,7 @@ class ForwardDynamics:
         left = free.T.dot(efforts - pin.rnea(model, data, x, v, result))
         root, rates, failed = self.posv(free.T.dot(mass.dot(free)), left)
         if failed or not min(root.diagonal().tolist()) > self.least:
-            problem = f"no mass resists a motion of {self.name} at crank angle {np.degrees(x[self.driver]):.6g} deg"
+            problem = f"no mass resists a motion of {self.name} at {self.coordinate.at(x[self.driver])}"
             raise self._trouble(
                 x, v, efforts, PinpressError(f"{problem}: give mass to the links that move there, or inertia to the driver")
             )
@@ -302,7 +304,8 @@ class ForwardDynamics:
         rank = self.rank
         if rank and not abs(factor[rank - 1, rank - 1]) > SMALLEST_MARGIN * abs(factor[0, 0]):
             smallest = float(abs(factor[rank - 1, rank - 1])) / (float(abs(factor[0, 0])) or 1.0)
-            locked = SingularityError(f"the loops of {self.name} lose equations: two assemblies meet", float(x[self.driver]), smallest)
+            problem = f"the loops of {self.name} lose equations: two assemblies meet"
+            locked = SingularityError(problem, float(x[self.driver]), smallest, self.coordinate)
             raise self._trouble(x, self.still, self.still, locked)
         return factor, pivots, self.orgqr(factor[:, : len(x)], scales)[0]
 
@@ -337,8 +340,8 @@ class ForwardDynamics:
         return otherwise
 
     def _overflow(self, x: Array) -> PinpressError:
-        where = f"at crank angle {np.degrees(x[self.driver]):.6g} deg"
-        return PinpressError(f"the motion of {self.name} {where} is too fast for floating point: lower speeds or efforts")
+        where = self.coordinate.at(x[self.driver])
+        return PinpressError(f"the motion of {self.name} at {where} is too fast for floating point: lower speeds or efforts")
 
     def _weight(self) -> float:
         """Weight of all links [N]; without gravity the force that accelerates them at 1 rad/s2."""

@@ -74,7 +74,7 @@ class _State:
         self.x, self.v, self.a = x, v, a
         self.rows = equations.at(x)
         if not np.abs(self.rows.gaps).max(initial=0.0) <= LOOSEST * spatial.size:
-            raise other_linkage(float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps))
+            raise other_linkage(float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps), spatial.coordinates[0])
         self.passive = PassiveJacobian(self.rows.columns, spatial)
         self.placements, self.wrenches = equations.placements, equations.wrenches
         self.rotations = [placement.rotation for placement in self.placements]
@@ -119,7 +119,8 @@ class _State:
             forces[: 3 * count] += self._tree_forces()
             return np.asarray(np.linalg.norm(np.cross(forces.reshape(-1, 3), directions), axis=1)[:, None])
 
-        efforts = law.efforts(speeds[:, None], radial, self.x[self.spatial.drivers[0]][None])[:, 0]
+        driver = self.x[self.spatial.drivers[0]][None]
+        efforts = law.efforts(speeds[:, None], radial, driver, self.spatial.coordinates[0])[:, 0]
         return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * speeds
 
     def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array, wanted: Sequence[int]) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ...common.quantities import Array
+from ...common.quantities import CRANK, RAM, Array, DriverCoordinate
 from ..joints import Axis, Coupling, LoopJoint, Slot, axes, configuration, data_of, drawn_placements, joints_between, slots
 
 PARALLEL_TO_ROUNDING = 1e-14  # sine of an angle that rounding leaves between parallel axes: an entry as small is zero
@@ -57,6 +57,11 @@ class SpatialModel:
     tolerance: float
     slots: tuple[Slot, ...]
     axes: tuple[Axis, ...]
+
+    @cached_property
+    def coordinates(self) -> tuple[DriverCoordinate, ...]:
+        """What the coordinates of the drivers are."""
+        return tuple(CRANK if self.axes[driver].turns else RAM for driver in self.drivers)
 
     @cached_property
     def on_loop(self) -> NDArray[np.bool_]:

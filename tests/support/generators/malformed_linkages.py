@@ -122,7 +122,12 @@ OPEN = [
 
 # Text, then element, line and problem of the first error, a UrdfError.
 DRIVERS = [
-    (changed((TRANSMISSION, TRANSMISSION.replace('"O"', '"guide"'))), '<joint name="guide">', LINE_GUIDE, "the driver does not turn"),
+    (
+        changed((TRANSMISSION, TRANSMISSION.replace('"O"', '"guide"')), ('lower="-1"', 'lower="0.1"')),
+        '<joint name="guide">',
+        LINE_GUIDE,
+        "the driver slides from 0.1 to 1 m, the <limit> of its joint, and the drawn pose, 0, is outside",
+    ),
 ]
 
 # Text, then element, line and problem of the first error, a UrdfError: axes that miss each other by less than the equations' rank shows.

@@ -1,0 +1,213 @@
+"""Presses whose driver slides: a hydraulic cylinder that swings between two pins, and the nut of a ball screw that pushes a toggle.
+
+Both have closed forms. The cylinder G-K turns a bell crank O by the law of cosines. The nut at height h spreads two equal links, of which
+one is hinged at the nut and the other at the slide, or see `toggle_height`.
+"""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import pinpress as pp
+from pinpress.common.quantities import RAM
+
+ARM, RETRACTED = 0.3, 0.5  # O to K; G to K as drawn [m]
+G = np.array([-0.5, 0.3])
+LEVER = np.array([0.2, 0.1])  # centre of mass of the bell crank as drawn [m]
+MASSES = {"barrel": 20.0, "piston": 10.0, "lever": 40.0}
+CENTRES = {"barrel": 0.2, "piston": -0.1}  # from G, from K, along the cylinder [m]
+
+BELL = """<robot name="bell_crank">
+<link name="frame"/>
+<link name="barrel"><inertial><origin xyz="0.2 0 0"/><mass value="20"/>
+  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.5"/></inertial></link>
+<link name="piston"><inertial><origin xyz="-0.1 0 0"/><mass value="10"/>
+  <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.2"/></inertial></link>
+<link name="lever"><inertial><origin xyz="0.2 0 0.1"/><mass value="40"/>
+  <inertia ixx="1" ixy="0" ixz="0" iyy="1.5" iyz="0" izz="1"/></inertial></link>
+<joint name="G" type="continuous"><parent link="frame"/><child link="barrel"/><origin xyz="-0.5 0 0.3"/><axis xyz="0 -1 0"/></joint>
+<joint name="cylinder" type="prismatic"><parent link="barrel"/><child link="piston"/><origin xyz="0.5 0 0"/><axis xyz="1 0 0"/>
+  <limit lower="-0.1" upper="0.15" effort="1e6" velocity="1"/></joint>
+<joint name="O" type="continuous"><parent link="frame"/><child link="lever"/><axis xyz="0 -1 0"/></joint>
+<loop_joint name="K" type="spherical"><link1 link="piston"/><link2 link="lever" xyz="0 0 0.3"/></loop_joint>
+<transmission name="drive"><joint name="cylinder"/></transmission>
+</robot>"""
+
+UPPER = LOWER = 0.4
+NUT = 0.1  # how far the nut stands beside the line of the toggle as drawn [m]
+
+# A horizontal screw pushes the knee of a toggle between the frame's pin U and the slide, by a link of no length: the nut carries a slot.
+TOGGLE = f"""<robot name="screw_toggle">
+<link name="frame"/>
+<link name="nut"><inertial><mass value="15"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+<link name="block"><inertial><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial></link>
+<link name="upper"><inertial><origin xyz="0 0 -0.2"/><mass value="12"/>
+  <inertia ixx="0.2" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.01"/></inertial></link>
+<link name="lower"><inertial><origin xyz="0 0 -0.2"/><mass value="12"/>
+  <inertia ixx="0.2" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.01"/></inertial></link>
+<link name="slide"><inertial><mass value="300"/><inertia ixx="5" ixy="0" ixz="0" iyy="5" iyz="0" izz="5"/></inertial></link>
+<joint name="screw" type="prismatic"><parent link="frame"/><child link="nut"/><axis xyz="1 0 0"/>
+  <origin xyz="{-NUT} 0 -0.3872983346207417"/><limit lower="-0.15" upper="0.09" effort="1e6" velocity="1"/></joint>
+<joint name="slot" type="prismatic"><parent link="nut"/><child link="block"/><axis xyz="0 0 1"/>
+  <limit lower="-1" upper="1" effort="1e6" velocity="1"/></joint>
+<joint name="U" type="continuous"><parent link="frame"/><child link="upper"/>
+  <origin rpy="0 {math.asin(NUT / UPPER)!r} 0"/><axis xyz="0 -1 0"/></joint>
+<joint name="K" type="continuous"><parent link="upper"/><child link="lower"/>
+  <origin xyz="0 0 {-UPPER}" rpy="0 {-2 * math.asin(NUT / UPPER)!r} 0"/><axis xyz="0 -1 0"/></joint>
+<joint name="slide_guide" type="prismatic"><parent link="frame"/><child link="slide"/><origin xyz="0 0 -0.7745966692414834"/>
+  <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1e6" velocity="10"/></joint>
+<loop_joint name="N" type="spherical"><link1 link="block"/><link2 link="lower"/></loop_joint>
+<loop_joint name="S" type="spherical"><link1 link="lower" xyz="0 0 {-LOWER}"/><link2 link="slide"/></loop_joint>
+<transmission name="drive"><joint name="screw"/></transmission>
+</robot>"""
+
+
+@pytest.fixture(scope="module")
+def bell(tmp_path_factory):
+    path = tmp_path_factory.mktemp("bell") / "bell.urdf"
+    path.write_text(BELL)
+    return pp.load(path)
+
+
+@pytest.fixture(scope="module")
+def toggle(tmp_path_factory):
+    path = tmp_path_factory.mktemp("toggle") / "toggle.urdf"
+    path.write_text(TOGGLE)
+    return pp.load(path)
+
+
+def lever_angle(travel):
+    """Angle of the bell crank from the drawn pose, positive counter-clockwise (x towards z), by the law of cosines."""
+    frame = np.linalg.norm(G)
+    at_o = np.arccos((frame**2 + ARM**2 - (RETRACTED + travel) ** 2) / (2 * frame * ARM))
+    return -(at_o - np.arccos((frame**2 + ARM**2 - RETRACTED**2) / (2 * frame * ARM)))
+
+
+def potential(travel):
+    """Potential energy of the cylinder's and the crank's weights [J]."""
+    angle = lever_angle(travel)
+    knee = ARM * np.array([-np.sin(angle), np.cos(angle)])
+    along = (knee - G[:, None]) / (RETRACTED + travel)
+    lever = np.sin(angle) * LEVER[0] + np.cos(angle) * LEVER[1]
+    heights = {"barrel": G[1] + CENTRES["barrel"] * along[1], "piston": knee[1] + CENTRES["piston"] * along[1], "lever": lever}
+    return 9.81 * sum(MASSES[name] * height for name, height in heights.items())
+
+
+def test_a_cylinder_turns_a_bell_crank_by_the_law_of_cosines(bell):
+    travel = np.linspace(-0.1, 0.15, 26)
+    motion = pp.servo_cycle(bell, travel, speed=0.2, acceleration=0.5)
+    lever = list(bell.joints).index("O")
+    np.testing.assert_allclose(motion.joint_position[:, lever], lever_angle(travel), rtol=0, atol=1e-13)
+    rate = (lever_angle(travel + 1e-5) - lever_angle(travel - 1e-5)) / 2e-5
+    np.testing.assert_allclose(motion.v[:, lever], 0.2 * rate, rtol=1e-7)
+    assert (bell.engines, bell.driver_coordinates) == (("plane", "pinocchio"), (RAM,))
+
+
+def test_the_force_of_a_resting_cylinder_is_the_slope_of_the_potential_energy(bell):
+    travel = np.linspace(-0.09, 0.14, 12)
+    forces = pp.inverse_dynamics(bell, pp.servo_cycle(bell, travel, speed=0.0, acceleration=0.0))
+    slope = (potential(travel + 1e-5) - potential(travel - 1e-5)) / 2e-5
+    np.testing.assert_allclose(forces.driving_torque, slope, rtol=1e-6)
+
+
+def test_the_slide_of_a_toggle_goes_down_as_its_screw_straightens_it(toggle):
+    travel = np.linspace(-0.15, 0.09, 13)
+    motion = pp.servo_cycle(toggle, travel, speed=0.0, acceleration=0.0)
+    np.testing.assert_allclose(motion.slide_position, -2 * np.sqrt(UPPER**2 - (travel - NUT) ** 2), rtol=0, atol=1e-13)
+    ends = pp.dead_centres(toggle)
+    assert (ends.top_angle, ends.bottom_angle, ends.turns) == (-0.15, 0.09, 1)
+    assert ends.stroke == pytest.approx(2 * np.sqrt(UPPER**2 - 0.01**2) - 2 * np.sqrt(UPPER**2 - 0.25**2), abs=1e-13)
+
+
+def test_dead_centres_within_the_travel_are_found(tmp_path):
+    path = tmp_path / "toggle.urdf"
+    path.write_text(TOGGLE.replace('upper="0.09"', 'upper="0.17"'))
+    press = pp.load(path)
+    ends = pp.dead_centres(press)  # through the straight toggle and on: the travel ends beyond bottom dead centre
+    assert ends.bottom_angle == pytest.approx(NUT, abs=1e-12)
+    assert ends.bottom_position == pytest.approx(-UPPER - LOWER, abs=1e-13)
+    with pytest.raises(pp.PinpressError, match="turns back within the driver's travel, so that a height belongs to several positions"):
+        pp.servo_cycle(press, height=np.linspace(0.01, 0.02, 8), time=np.linspace(0, 1, 8))
+
+
+@pytest.mark.parametrize("coefficient", [0.0, 0.08])
+def test_both_engines_agree_on_a_driver_that_slides(toggle, bell, coefficient):
+    pressing = [pp.loads.DeepDrawing(force=1e5, start=0.02)]
+    spring = pp.loads.SpringDamper("frame", "lever", stiffness=1e4, free_length=0.4, point1=(-0.6, 0, 0), point2=(0, 0, 0.2))
+    for press, loads in ((toggle, pressing), (bell, [spring])):
+        motion, guides = pp.cycle(press, 0.4, points=24), ("cylinder", "screw", "slot", "slide_guide")
+        friction = {
+            name: pp.loads.Friction(coefficient, radius=None if name in guides else 0.03, viscous=10.0 * coefficient)
+            for name in press.bearings
+        }
+        plane, space = (pp.inverse_dynamics(press, motion, loads=loads, friction=friction, engine=name) for name in ("plane", "pinocchio"))
+        scale = max(np.abs(force).max() for force in space.bearing_force.values())
+        np.testing.assert_allclose(plane.driving_torque, space.driving_torque, rtol=0, atol=1e-12 * scale)
+        for name in press.bearings:
+            np.testing.assert_allclose(plane.bearing_force[name], space.bearing_force[name], rtol=0, atol=1e-12 * scale)
+            np.testing.assert_allclose(plane.bearing_moment[name], space.bearing_moment[name], rtol=0, atol=1e-12 * scale)
+        assert np.abs(plane.power_residual).max() < 1e-12
+
+
+def test_a_cycle_goes_there_and_back_between_the_limits(bell):
+    motion = pp.cycle(bell, 0.2, points=100)
+    assert (motion.crank_angle[0], motion.crank_angle[50]) == (-0.1, 0.15)
+    assert motion.crank_speed[25] == pytest.approx(0.2)
+    assert motion.time[1] * 100 == pytest.approx(np.pi * 0.25 / 0.2)
+    derived = pp.servo_cycle(bell, motion.crank_angle, time=motion.time, period=100 * motion.time[1])
+    np.testing.assert_allclose(derived.crank_speed, motion.crank_speed, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(derived.crank_acceleration, motion.crank_acceleration, rtol=0, atol=1e-11)
+    back = pp.cycle(bell, -0.2, points=100)
+    np.testing.assert_allclose(back.crank_angle, np.roll(motion.crank_angle, 50), rtol=0, atol=1e-15)
+
+
+def test_columns_and_words_are_those_of_a_travel(bell):
+    motion = pp.cycle(bell, 0.2, points=8)
+    assert list(motion.columns())[:4] == ["time [s]", "driver_position [m]", "driver_speed [m/s]", "driver_acceleration [m/s2]"]
+    assert "driving_force [N]" in pp.inverse_dynamics(bell, motion).columns()
+    assert motion.title == "Motion of bell_crank: 8 states, driver at -100 to 150 mm"
+    assert motion.place(4) == "driver position 150 mm"
+    np.testing.assert_allclose(motion.shown_position, 1e3 * motion.crank_angle)
+
+
+def test_heights_over_time_give_the_positions_of_the_driver(toggle):
+    time = np.linspace(0.0, 1.0, 41)
+    heights = 0.05 * (1 + np.cos(np.pi * time)) / 2 + 0.001
+    motion = pp.servo_cycle(toggle, height=heights, time=time)
+    np.testing.assert_allclose(motion.slide_position - pp.dead_centres(toggle).bottom_position, heights, rtol=0, atol=1e-13)
+    with pytest.raises(pp.PinpressError, match="flank is given, but the driver of screw_toggle slides"):
+        pp.servo_cycle(toggle, height=heights, time=time, flank="down")
+
+
+def test_what_a_driver_that_slides_cannot_do_is_refused_by_name(bell):
+    only = "the driver slides from -100 mm to 150 mm only: keep the motion inside, or widen the <limit> of its joint"
+    with pytest.raises(pp.PinpressError, match=only):
+        pp.servo_cycle(bell, [0.0, 0.16], speed=0.1, acceleration=0.0)
+    with pytest.raises(pp.PinpressError, match="has no period: driver 'cylinder' slides to and fro"):
+        _ = bell.period_turns
+    with pytest.raises(pp.PinpressError, match=r"speed of the driver \[m/s\]: give one number for a period, cycle\(press, 0.1\)"):
+        pp.cycle(bell)
+    with pytest.raises(pp.PinpressError, match="the travel never ends"):
+        pp.cycle(bell, 0.0)
+    with pytest.warns(pp.PinpressWarning, match="speed is 200 m/s: if mm/s are meant, write 200e-3"):
+        pp.cycle(bell, 200.0, points=4)
+
+
+def test_a_lock_before_the_limits_is_said_in_millimetres(tmp_path):
+    path = tmp_path / "bell.urdf"
+    path.write_text(BELL.replace('upper="0.15"', 'upper="0.9"'))  # it is stretched at OG + OK = 0.883, 0.383 from the drawn pose
+    with pytest.raises(
+        pp.SingularityError, match=r"the driver slides only from -100 to 383\.\d* mm; .* \(driver position 383\.\d* mm"
+    ) as caught:
+        pp.cycle(pp.load(path), 0.1)
+    assert caught.value.crank_angle == pytest.approx(np.linalg.norm(G) + ARM - RETRACTED, abs=1e-4)
+
+
+def test_a_changed_press_keeps_its_travel(bell):
+    heavier = bell.with_inertias(bell.model.inertias)
+    assert heavier.branch is bell.branch
+    model = bell.model.copy()
+    model.upperPositionLimit[bell.slots[bell.driver_indices[0]].start] = 0.05
+    assert dataclasses.replace(bell, model=model).branch.angles[-1] == 0.05
