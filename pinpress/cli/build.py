@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import math
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..common import files
-from ..common.errors import PinpressError, PinTableError
-from ..kinematics.check import check
-from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+import numpy as np
+
+from ..common import files, tables
+from ..common.errors import PinpressError, PinpressWarning, PinTableError
+from ..kinematics.check import check, said_in_a_line
 from ..linkage.urdf.document import MOST_BYTES
 
 if TYPE_CHECKING:
@@ -61,9 +61,9 @@ def run(options: argparse.Namespace) -> int:
     press = draft.press()
     files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
-    print("\n".join([*_described(draft), *_moved(press), ""]))
     print(check(out))
-    print(f"\nwrote {out} and {sketch} of {press.name}")
+    print("\n".join([*_other_places(draft), *_estimates(draft)]))
+    print(f"wrote {out} and {sketch} of {press.name}")
     return 0
 
 
@@ -74,31 +74,28 @@ def _parameter(words: str) -> tuple[str, str]:
     return name, value
 
 
-def _described(draft: DrawnPress) -> list[str]:
-    lines = [
-        f"{draft.name}: {len(draft.parts.links)} links and the frame",
-        "",
-        "bearings, and on which link the force of which one is given",
-    ]
-    lines += [f"  {name:<24}{link1} > {link2}" for name, link1, link2 in draft.bearings()]
-    if others := list(draft.other_places()):
-        lines += ["", f"other places that the lengths of pins allow [{draft.unit}]"]
-        lines += [f"  {name:<24}({x:.6g}, {z:.6g}) in place of ({x0:.6g}, {z0:.6g})" for name, (x0, z0), (x, z) in others]
-    if estimates := list(draft.estimates()):
-        lines += ["", "estimated, as the table does not give it"]
-        lines += [f"  {link:<24}{words}" for link, words in estimates]
-    return lines
-
-
-def _moved(press: Linkage) -> list[str]:
-    """Stroke and dead centres, or why there are none."""
-    if press.slide is None:
+def _other_places(draft: DrawnPress) -> list[str]:
+    """What another side would have given, for each pin that lengths allow to be elsewhere."""
+    if not (others := list(draft.other_places())):
         return []
-    try:
-        ends = dead_centres(press)
-    except PinpressError as error:
-        return ["", f"the slide has no stroke: {error}"]
-    angles = ", ".join(
-        f"{name} at {math.degrees(angle):.2f} deg" for name, angle in (("top", ends.top_angle), ("bottom", ends.bottom_angle))
-    )
-    return ["", f"stroke {1e3 * ends.stroke:.3f} mm, {angles} of {press.driver}"]
+    rows = [["", f"is at [{draft.unit}]", "might be at", "with that"]]
+    for name, here, there in others:
+        places = [f"({x:.6g}, {z:.6g})" for x, z in np.round((here, there), 9) + 0.0]
+        rows.append([name, *places, _with_other_place(draft, name)])
+    return ["", "Other places that the lengths of pins allow, and the press that another side would make", *tables.fitted_words(rows)]
+
+
+def _with_other_place(draft: DrawnPress, pin: str) -> str:
+    """Stroke and least transmission angle with a pin in its other place, or why there are none."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PinpressWarning)
+        try:
+            facts = draft.with_other_place(pin).check().facts
+        except PinTableError as error:
+            return error.problem
+    return "no press" if facts is None else said_in_a_line(facts)
+
+
+def _estimates(draft: DrawnPress) -> list[str]:
+    rows = [[link, words] for link, words in draft.estimates()]
+    return ["", "Estimated, as the table does not give it", *tables.fitted_words(rows), ""] if rows else [""]

@@ -1,23 +1,27 @@
-"""`pinpress check`: everything that is wrong with a URDF, odd in it, or worth knowing."""
+"""`pinpress check`: how a press moves, and everything that is wrong with its file, odd in it, or worth knowing."""
 
 import argparse
 
-from ..kinematics.check import check
-from .options import add_open_option
+from ..common.errors import PinTableError
+from ..common.results import Records
+from ..kinematics.check import CheckResult, check
+from ..linkage.urdf.document import Finding
+from .options import FILE, add_open_option, names_table
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Put `check` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "check",
-        help="everything that is wrong with a URDF, odd in it, or worth knowing",
-        description="List what is wrong with a URDF, with line and remedy: names, numbers, inertias, how links are connected, whether\n"
-        "the loops close as drawn and the driver determines them; then what is odd in it, and what is worth knowing.",
+        help="stroke, dead centres and bearings of a press, and all that is wrong with its file or odd in it",
+        description="Say how a press moves: stroke, dead centres, sense of rotation, masses, bearings, transmission angles. List what is\n"
+        "wrong with its file, with line and remedy: names, numbers, inertias, how links are connected, whether the loops close as drawn\n"
+        "and the driver determines them; then what is odd in it, and what is worth knowing. Of a file with errors it says what it can.",
         epilog="exit code: 0 without errors (there may be warnings), 1 with errors, 2 for wrong usage",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("file", metavar="FILE", help="URDF file, or the name of a shipped press")
+    option("file", metavar="FILE", help=FILE)
     option("--driver", metavar="JOINT", action="append", help="driven joint; may be given several times")
     option("--slide", metavar="LINK", help="slide, where it is not the link called slide")
     add_open_option(parser)
@@ -33,6 +37,21 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: There is no such file, driver or slide.
     """
-    result = check(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open)
+    if names_table(options):
+        result = _of_table(options.file)
+    else:
+        result = check(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open)
     print(result)
     return 1 if result.errors else 0
+
+
+def _of_table(file: str) -> CheckResult:
+    from ..pin_table.building import draft  # with a parser that a URDF does without
+
+    try:
+        return draft(file).check()
+    except PinTableError as error:
+        if error.line is None:
+            raise  # there is no such file, or it is no table at all
+        finding = Finding("error", error.element or None, error.line, error.problem, error.remedy, error)
+        return CheckResult(error.file, Records(Finding, [finding]), None)

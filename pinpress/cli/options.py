@@ -34,11 +34,18 @@ def add_open_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--allow-open", action="store_true", help="close loops that are drawn open by more than a tenth of the linkage")
 
 
+def names_table(options: argparse.Namespace) -> bool:
+    """Whether the file is a pin table; raises PinpressError where an option is given that does not go with one."""
+    if not options.file.lower().endswith((".yaml", ".yml")):
+        return False
+    if options.driver is not None or options.slide is not None or options.allow_open:
+        raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver, --slide and --allow-open")
+    return True
+
+
 def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
     """The press that the options name, built from a pin table or loaded from a URDF; ``more`` goes to `load`."""
-    if options.file.lower().endswith((".yaml", ".yml")):
-        if options.driver is not None or options.slide is not None or options.allow_open:
-            raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver, --slide and --allow-open")
+    if names_table(options):
         from ..pin_table.building import build  # with a parser that a URDF does without
 
         return build(options.file, **more)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import math
 import os
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -11,19 +13,22 @@ import numpy as np
 
 from ..common import tables
 from ..common.arguments import typed
-from ..common.errors import UrdfError
+from ..common.errors import PinpressError, UrdfError
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..engines.joints import LoopJoint
 from ..engines.spatial.kinematics import rank as rank_of
 from ..linkage import assembly_checks, mobility
-from ..linkage.assembly_checks import short
+from ..linkage.assembly_checks import open_in_words
 from ..linkage.linkage import Linkage
 from ..linkage.loading import assembled, document_of, located
 from ..linkage.urdf import element_checks, reader
 from ..linkage.urdf.document import SEVERITIES, Document, Finding
+from .dyads import Dyad, least_transmission_angles
+from .main_data import MainData, main_data, main_lines
 
 WIDTH = 120  # of a line of text
+FLAT = math.radians(30.0)  # transmission angles below are told from the others
 WHOLE = ("<robot", "<model", "<mujoco")  # what is said of the file as a whole is said of none of its elements
 
 
@@ -49,6 +54,21 @@ class Closing(Record, units={"gap": "m", "misalignment": "rad"}):
 
 
 @dataclass(frozen=True, repr=False)
+class Place(Record):
+    """A joint or loop of a linkage.
+
+    Attributes:
+        name: of the joint or loop.
+        type: "pin", "guide" (on the frame), "slot" (on another link), or that of the loop: "spherical", "revolute" or "fixed".
+        between: names of the links; the force of the first on the second is given.
+    """
+
+    name: str
+    type: str
+    between: tuple[str, str]
+
+
+@dataclass(frozen=True, repr=False)
 class Facts(Record):
     """What the elements of a URDF make, put together.
 
@@ -61,6 +81,9 @@ class Facts(Record):
         mobility: degrees of freedom.
         engine: that computes it, "plane" or "pinocchio"; None where it cannot be loaded.
         closings: loops, then gear pairs. Those of a planar linkage close in the order of the joints that they determine.
+        bearings: joints and loops in the order of the drawing, see `Linkage.bearings_as_drawn`.
+        data: stroke, dead centres, masses and the like.
+        dyads: of a planar linkage, with their least transmission angles.
     """
 
     drivers: tuple[str, ...]
@@ -70,6 +93,9 @@ class Facts(Record):
     rank: int
     engine: str | None
     closings: Records[Closing] = field(repr=False)
+    bearings: Records[Place] = field(repr=False)
+    data: MainData = field(repr=False)
+    dyads: Records[Dyad] = field(repr=False)
 
     @property
     def mobility(self) -> int:
@@ -84,11 +110,13 @@ class CheckResult(Tabular):
         file: path of the URDF.
         findings: errors first, the one that `load` raises in front, then warnings, then notes.
         facts: None where the errors leave open what the elements make.
+        elements: what the file has in it, in words, where there are no facts.
     """
 
     file: str
     findings: Records[Finding]
     facts: Facts | None
+    elements: str = ""
 
     @property
     def errors(self) -> Records[Finding]:
@@ -115,6 +143,7 @@ class CheckResult(Tabular):
 
     def __str__(self) -> str:
         lines = [f"{self.file}: {_counted(self)}"]
+        lines += ["", f"  {self.elements}"] if self.elements else []
         if self.facts is not None:
             lines += ["", *_described(self.facts)]
         for severity in SEVERITIES:
@@ -127,7 +156,8 @@ class CheckResult(Tabular):
 def check(
     path: str | os.PathLike[str], driver: str | Sequence[str] | None = None, slide: str | None = None, *, allow_open: bool = False
 ) -> CheckResult:
-    """Find all errors of a URDF, of which `load` raises the first, and whatever else is odd in it or worth knowing.
+    """Find all errors of a URDF, of which `load` raises the first, and whatever else is odd in it or worth knowing; and say how the press
+    moves.
 
     Args:
         path: as of `load`.
@@ -141,18 +171,29 @@ def check(
         PinpressError: the slide is not guided by the frame, or a driver is named twice.
     """
     file = os.fspath(located(path))
-    findings, facts = [], None
     try:
         document = document_of(file)
-        findings += [*reader.errors(document), *document.remarks, *element_checks.remarks(document.robot)]
-        if all(finding.error is None for finding in findings):
-            found, facts = _put_together(document, driver, slide, allow_open)
-            findings += found
     except UrdfError as error:
         if not os.path.exists(file):
             raise
-        findings.append(Finding.of(error))
-    return CheckResult(file, Records(Finding, sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))), facts)
+        return CheckResult(file, Records(Finding, [Finding.of(error)]), None)
+    return check_document(file, document, driver, slide, allow_open)
+
+
+def check_document(
+    file: str, document: Document, driver: str | Sequence[str] | None = None, slide: str | None = None, allow_open: bool = False
+) -> CheckResult:
+    """`check` of what was read from a file."""
+    findings = [*reader.errors(document), *document.remarks, *element_checks.remarks(document.robot)]
+    facts = None
+    if all(finding.error is None for finding in findings):
+        try:
+            found, facts = _put_together(document, driver, slide, allow_open)
+            findings += found
+        except UrdfError as error:
+            findings.append(Finding.of(error))
+    ordered = sorted(findings, key=lambda finding: SEVERITIES.index(finding.severity))
+    return CheckResult(file, Records(Finding, ordered), facts, "" if facts else _counted_elements(document))
 
 
 def _put_together(
@@ -178,7 +219,37 @@ def _put_together(
         for k, each, joints in _in_order(press)
     )
     engine = None if errors else press.engine().name
-    return findings, Facts(press.drivers, press.slide, press.joints, len(press.drawn_gaps), rank, engine, Records(Closing, closings))
+    return findings, Facts(
+        press.drivers,
+        press.slide,
+        press.joints,
+        len(press.drawn_gaps),
+        rank,
+        engine,
+        Records(Closing, closings),
+        Records(Place, _places(press, description)),
+        main_data(press, moves=not errors),
+        Records(Dyad, []) if errors else _dyads(press),
+    )
+
+
+def _places(press: Linkage, description: reader.Urdf) -> Iterator[Place]:
+    joints = {joint.name: joint for joint in description.joints}
+    loops = {loop.name: loop for loop in description.loops}
+    for name in press.bearings_as_drawn:
+        if name in loops:
+            yield Place(name, loops[name].type, (loops[name].link1.link, loops[name].link2.link))
+            continue
+        joint = joints[name]
+        sliding = "guide" if press.model.parents[press.joints.index(name) + 1] == 0 else "slot"
+        yield Place(name, "pin" if press.axes[press.joints.index(name)].turns else sliding, (joint.parent, joint.child))
+
+
+def _dyads(press: Linkage) -> Records[Dyad]:
+    try:
+        return least_transmission_angles(press)
+    except PinpressError:  # not planar, or with several drivers
+        return Records(Dyad, [])
 
 
 def _in_order(press: Linkage) -> Iterator[tuple[int, mobility.Constraint, tuple[str, ...]]]:
@@ -196,26 +267,81 @@ def _counted(result: CheckResult) -> str:
     return ", ".join(numbers)
 
 
+def _counted_elements(document: Document) -> str:
+    """Links, joints and loops of a file that cannot be put together, and its masses as far as they are numbers."""
+    counts = [(len(document.robot.all(tag)), word) for tag, word in (("link", "link"), ("joint", "joint"), ("loop_joint", "loop"))]
+    masses = [mass.get("value") for link in document.robot.all("link") for part in link.all("inertial") for mass in part.all("mass")]
+    known = 0.0
+    for value in masses:
+        with contextlib.suppress(ValueError, TypeError):
+            known += max(float(value), 0.0) if math.isfinite(float(value)) else 0.0
+    named = ", ".join(f"{count} {word}{'' if count == 1 else 's'}" for count, word in counts)
+    scale = tables.scale("kg", [known])
+    return f"as far as it can be read: {named}, {scale.shown(known)} {scale.unit}"
+
+
 def _described(facts: Facts) -> list[str]:
-    independent = f"{facts.rank} of {facts.equations}" if facts.rank < facts.equations else f"{facts.rank}"
-    named = [
-        ("driver", ", ".join(facts.drivers)),
-        ("slide", facts.slide or "none"),
-        ("mobility", f"{facts.mobility}: {len(facts.joints)} joints, {independent} equations are independent"),
-        *([("engine", facts.engine)] if facts.engine else []),
+    lines = [*main_lines(facts.data, facts.drivers), *_mobility(facts), "", *_bearings(facts)]
+    if facts.dyads:
+        lines += ["", "Least transmission angles (between the two links of a dyad; best at 90 deg, at 0 they are in line and lock)"]
+        rows = [["", "joined to the rest by", "angle [deg]", "at crank [deg]", ""]]
+        for dyad in facts.dyads:
+            angles = [f"{np.degrees(angle) + 0.0:.2f}" for angle in (dyad.least_transmission_angle, dyad.crank_angle)]
+            flat = dyad.least_transmission_angle < FLAT
+            rows.append([dyad.bearing, ", ".join(dyad.ends), *angles, f"below {np.degrees(FLAT):.0f} deg, as in a knuckle" if flat else ""])
+        lines += tables.fitted_words(rows)
+    return lines
+
+
+def said_in_a_line(facts: Facts) -> str:
+    """How the press moves: its stroke, or why there is none, and the smallest of the transmission angles."""
+    data = facts.data
+    if facts.mobility != len(facts.drivers):
+        return f"mobility {facts.mobility}"
+    if data.turns_between is not None:
+        low, high = np.degrees(data.turns_between)
+        return f"locks: {facts.drivers[0]} turns only from {low:.2f} to {high:.2f} deg"
+    stroke = "no stroke" if data.stroke is None else f"stroke {1e3 * data.stroke:.3f} mm"
+    angles = [np.degrees(dyad.least_transmission_angle) for dyad in facts.dyads]
+    return f"{stroke}, least transmission angle {min(angles):.2f} deg" if angles else stroke
+
+
+def _mobility(facts: Facts) -> list[str]:
+    left = f"free motion{'' if facts.mobility == 1 else 's'}: {len(facts.joints)} joints"
+    if facts.equations:
+        left += f" less {facts.rank} equations of loops and gear pairs"
+        more = facts.equations - facts.rank
+        left += f" ({more} more {'is' if more == 1 else 'are'} redundant)" if more else ""
+    if facts.mobility != len(facts.drivers):
+        left += f"; but the number of drivers is {len(facts.drivers)}"
+    return [
+        tables.entry("mobility", f"{facts.mobility}", "", left),
+        *([tables.entry("engine", facts.engine)] if facts.engine else []),
     ]
-    lines = tables.table(named, [12, 0])
-    if not facts.closings:
-        return lines
-    rows = [("", "", "", "gap as drawn", "determines" if facts.engine == "plane" else "joints")]
+
+
+def _bearings(facts: Facts) -> list[str]:
+    """A table of bearings in the order of the drawing, each gear pair below the joint that follows in it."""
+    rows = [["", "", "force of - on", "as drawn", "determines" if facts.engine == "plane" else "joints of the loop"]]
     before: dict[tuple[str, ...], str] = {}
-    for each in facts.closings:
-        gaps = [f"{short(1e3 * each.gap)} mm"] * (each.type != "gear pair" or each.gap > 0)
-        gaps += [f"{short(np.degrees(each.misalignment))} deg"] * (each.type != "spherical")
-        together = before.setdefault(each.joints, each.name)
-        joints = ", ".join(each.joints) if together == each.name else f"(with {together})"
-        rows.append((each.name, each.type, " - ".join(each.between), ", ".join(gaps), joints or "nothing new"))
-    return [*lines, "", *tables.fitted_words(rows)]
+    closings = {each.name: each for each in facts.closings}
+    together = {each.name: before.setdefault(each.joints, each.name) for each in facts.closings}
+
+    def closed(each: Closing) -> list[str]:
+        first = together[each.name]
+        joints = ", ".join(each.joints) if first == each.name else f"(with {first})"
+        return [open_in_words(each.gap, each.misalignment, facts.data.size) or "closed", joints or "nothing new"]
+
+    for place in facts.bearings:
+        each = closings.get(place.name)
+        between = " - ".join(place.between)
+        if each is not None and each.type != "gear pair":
+            rows.append([place.name, f"{place.type} loop", between, *closed(each)])
+            continue
+        rows.append([place.name, place.type, between, "", "driver" if place.name in facts.drivers else ""])
+        if each is not None:
+            rows.append(["", "gear pair", " - ".join(each.between), *closed(each)])
+    return ["Bearings in the order of the drawing", *tables.fitted_words(rows)]
 
 
 def _said(file: str, finding: Finding) -> list[str]:

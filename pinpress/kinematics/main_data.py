@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -60,6 +61,8 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
     data = MainData(press.size, sum(masses[1:]), slide, sense_of_rotation(press))
     if press.slide is None or not moves:
         return data
+    if len(press.drivers) > 1:
+        return replace(data, no_stroke=f"{len(press.drivers)} drivers move the slide")
     try:
         ends = dead_centres(press)
     except PinpressError as error:
@@ -111,28 +114,35 @@ def directions(press: Linkage) -> tuple[str, str]:
     return ("down", "up") if axis[2] > UPRIGHT else ("to bottom dead centre", "to top dead centre")
 
 
-def main_lines(data: MainData, driver: str) -> list[str]:
+def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:
     """The main data in words, a line each."""
-    lines = []
-    if data.dead_centres is not None and data.forward_share is not None:
-        ends, forward = data.dead_centres, data.forward_share
-        lines += [
-            tables.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
-            tables.entry("top dead centre", f"{np.degrees(ends.top_angle):.3f}", "deg", f"of {driver}; at 0 deg it stands as drawn"),
-            tables.entry("bottom dead centre", f"{np.degrees(ends.bottom_angle):.3f}", "deg"),
-            tables.entry("as drawn", f"{1e3 * (data.drawn_height or 0.0) + 0.0:.3f}", "mm", "above bottom dead centre"),
-            tables.entry(
-                "from top to bottom", f"{100 * forward:.2f}", "%", f"of the time, {360 * ends.turns * forward:.2f} deg of the crank"
-            ),
-        ]
-    elif data.no_stroke is not None:
-        lines += [] if data.stroke is None else [tables.entry("way of the slide", f"{1e3 * data.stroke:.3f}", "mm", "as far as it turns")]
-        lines += [tables.entry("stroke", "none", "", data.no_stroke)]
     mass = tables.scale("kg", [data.moving_mass])
     slide = "" if data.slide_mass is None else f", slide {mass.shown(data.slide_mass)} {mass.unit}"
+    seen = "" if data.rotation.startswith("about") else ", seen with x to the right and z up"
     return [
-        *lines,
-        tables.entry("positive speed turns", data.rotation, "", "" if data.rotation.startswith("about") else "  (x to the right, z up)"),
+        *_stroke_lines(data, drivers[0]),
+        tables.entry("driver", ", ".join(drivers), "", f"a positive speed turns it {data.rotation}{seen}"),
         tables.entry("largest extent", f"{1e3 * data.size:.1f}", "mm", "of the bearings as drawn"),
         tables.entry("moving mass", mass.shown(data.moving_mass), mass.unit, f"all links but the frame{slide}"),
     ]
+
+
+def _stroke_lines(data: MainData, driver: str) -> list[str]:
+    if data.dead_centres is not None and data.forward_share is not None and data.drawn_height is not None:
+        ends, forward = data.dead_centres, data.forward_share
+        ways = (("from top to bottom", forward), ("from bottom to top", 1.0 - forward))
+        return [
+            tables.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
+            tables.entry("top dead centre", f"{np.degrees(ends.top_angle):.3f}", "deg", f"of {driver}, which is at 0 deg as drawn"),
+            tables.entry("bottom dead centre", f"{np.degrees(ends.bottom_angle):.3f}", "deg"),
+            tables.entry("slide as drawn", f"{1e3 * data.drawn_height + 0.0:.3f}", "mm", "above bottom dead centre"),
+            *(
+                tables.entry(way, f"{100 * part:.3f}", "%", f"of the time, {360 * ends.turns * part:.2f} deg of {driver}")
+                for way, part in ways
+            ),
+        ]
+    if data.stroke is not None and data.turns_between is not None:
+        low, high = np.degrees(data.turns_between)
+        between = f"while {driver} turns from {low:.3f} to {high:.3f} deg, where the linkage locks"
+        return [tables.entry("way of the slide", f"{1e3 * data.stroke:.3f}", "mm", between)]
+    return [] if data.no_stroke is None else [tables.entry("stroke", "none", "", data.no_stroke)]

@@ -28,6 +28,7 @@ UNSEEN = 1e-8  # axes that miss each other by less change the rank of no equatio
 BESIDE = 1e-3  # how far from the drawn pose the rank is looked at again [rad, lengths of the linkage]
 MASSLESS = 1e-13  # share of the inertia that the heaviest link might have, below which nothing resists a motion
 ROUNDED = 1e-2  # axes as near to parallel as this are meant to be parallel [rad]
+HARDLY_OPEN = 1e-7  # gaps below are not told as numbers [m]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
 FAR_OPEN = 0.01  # a loop drawn further open than this is hardly meant [lengths of the linkage, rad], nor is
 CLOSED_FAR = 0.05  # one that a joint has to move as far to close [rad or m]
@@ -77,15 +78,20 @@ def too_far_open(press: Linkage) -> Iterator[Finding]:
 
 
 def opening_in_words(press: Linkage, each: mobility.Constraint, gaps: Array) -> str:
-    """How far a loop or gear pair is open, in words."""
-    distance, angle = mobility.opening(press, each, gaps)
-    shown = [f"{short(1e3 * distance)} mm"] if distance > SEEN * press.size or angle <= SEEN else []
-    return " and ".join(shown + [f"{short(np.degrees(angle))} deg"] * (angle > SEEN))
+    """How far a loop or gear pair is open, in words; empty where it is closed to rounding."""
+    return open_in_words(*mobility.opening(press, each, gaps), press.size)
 
 
-def short(number: float) -> str:
-    """A number with three digits, or with all digits before the point; with one digit where it is rounding."""
-    return f"{number:.0f}" if 100 <= number < 1e9 else f"{number:.3g}" if number > SEEN else f"{number:.0e}"
+def open_in_words(distance: float, angle: float, size: float) -> str:
+    """A distance [m] and an angle [rad] in words, without what is rounding in a linkage of this size [m]."""
+    mm = "less than 0.0001 mm" if distance < min(OPEN * size, HARDLY_OPEN) else f"{_short(1e3 * distance)} mm"
+    apart = [mm] if distance > SEEN * size else []
+    return " and ".join(apart + [f"{_short(np.degrees(angle))} deg"] * (angle > SEEN))
+
+
+def _short(number: float) -> str:
+    """A number with three digits, or with all digits before the point."""
+    return f"{number:.0f}" if 100 <= number < 1e9 else f"{number:.3g}"
 
 
 def rounded(press: Linkage) -> str | None:
@@ -170,10 +176,14 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
             "error",
             mobility.element(press, each),
             each.by.line,
-            f"{problem}: {opening_in_words(press, each, rows.gaps)} apart as drawn",
+            f"{problem}: {_apart(opening_in_words(press, each, rows.gaps))}",
             remedy,
             error,
         )
+
+
+def _apart(opening: str) -> str:
+    return f"{opening} apart as drawn" if opening else "it is drawn closed, but the others cannot close beside it"
 
 
 def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
@@ -365,10 +375,12 @@ def _value(press: Linkage, joint: int, value: float) -> str:
 
 def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
     out_of_plane, further, among = mobility.redundancy(press, press.closed)
-    robot, shared = _robot(press), "is shared by least squares, reactions.indeterminate marks it"
+    robot, shared = _robot(press), "is shared by least squares: reactions.indeterminate marks it"
     if out_of_plane:
         problem = f"{_equations(out_of_plane)} redundant across the plane of the linkage, as in any with parallel pins"
-        yield Finding("note", robot, None, problem, f"what bearings carry across it {shared}")
+        yield Finding(
+            "note", robot, None, problem, f"redundant equations say again what others say; what bearings carry across the plane {shared}"
+        )
     if further:
         found = [*among, *(each for x in poses.T for each in mobility.redundancy(press, x).among)]
         where = "in the plane" if mobility.lies_in_plane(press) else "in space"

@@ -5,20 +5,22 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..common.errors import AssemblyError, PinTableError, SingularityError, caution, suggestion
+from ..common.errors import AssemblyError, PinTableError, SingularityError, UnknownNameError, caution, suggestion
 from ..common.quantities import Array
-from ..common.results import Tabular
+from ..common.results import Records, Tabular
 from ..common.tables import Columns
+from ..kinematics.check import CheckResult, check_document
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_text
+from ..linkage.urdf.document import Document, Finding
 from ..visual.shapes.appearance import bodies
 from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of
@@ -56,6 +58,7 @@ class DrawnPress(Tabular):
     links: tuple[Link, ...]
     parts: Parts
     tree: Tree
+    _table: Entry  # what it was drawn from
 
     @cached_property
     def urdf(self) -> bytes:
@@ -81,8 +84,16 @@ class DrawnPress(Tabular):
         Raises:
             PinpressError: what `load` raises.
         """
-        text = urdf_text(self.name, self._comment(), self.parts, self.tree)
-        return load_text(text, f"{self.file} as URDF", gravity=gravity)
+        return load_text(self._text(), f"{self.file} as URDF", gravity=gravity)
+
+    def check(self) -> CheckResult:
+        """How the press moves, and everything that is wrong with it, odd in it or worth knowing, as `pinpress.check` finds it."""
+        found = check_document(self.file, Document(f"{self.file} as URDF", self._text()))
+        findings = (replace(finding, line=None) for finding in found.findings)  # lines are of a URDF that nobody has seen
+        return replace(found, findings=Records(Finding, findings))
+
+    def _text(self) -> bytes:
+        return urdf_text(self.name, self._comment(), self.parts, self.tree)
 
     @property
     def title(self) -> str:
@@ -121,6 +132,27 @@ class DrawnPress(Tabular):
         for name, pin in self.pins.items():
             if pin.other is not None:
                 yield name, (pin.point[0] / unit, pin.point[2] / unit), (pin.other[0] / unit, pin.other[2] / unit)
+
+    def with_other_place(self, pin: str) -> DrawnPress:
+        """The press that another ``side`` gives, with a pin in its other place and those that are placed from it.
+
+        Args:
+            pin: name of one that `other_places` lists.
+
+        Raises:
+            UnknownNameError: the lengths of no such pin allow another place.
+            PinTableError: that makes no press.
+        """
+        places = {name: other for name, _, other in self.other_places()}
+        if pin not in places:
+            raise UnknownNameError("pin with another place", pin, places)
+        items = self._table.items("a table")
+        pins = dict(items["pins"].items("pins"))
+        entry = pins[pin]
+        near = Entry(tuple(Entry(each, entry.file, entry.line, entry.path) for each in places[pin]), entry.file, entry.line, entry.path)
+        kept = {key: each for key, each in entry.items("a pin").items() if key not in ("side", "near")}
+        pins[pin] = replace(entry, value=kept | {"near": near})
+        return _drawn(replace(self._table, value={**items, "pins": replace(items["pins"], value=pins)}))
 
     def _comment(self) -> str:
         return "\n".join(self._commented())
@@ -176,7 +208,11 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
     Warns:
         PinpressWarning: numbers that are hardly meant.
     """
-    entries = given_table(values) if table is None else _with_parameters(read_table(table), values)
+    return _drawn(given_table(values) if table is None else _with_parameters(read_table(table), values))
+
+
+def _drawn(entries: Entry) -> DrawnPress:
+    """The press that a table draws."""
     items = entries.items("keys: units, frame, pins, links and drive")
     for key, entry in items.items():
         if key not in KEYS:
@@ -199,7 +235,7 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
         parts = copied(parts, each, parameters, UNITS[unit])
     tree = build_tree(parts, entries)
     name = items["press"].text("a name") if "press" in items else "press"
-    return DrawnPress(name, entries.file, unit, pins, links, parts, tree)
+    return DrawnPress(name, entries.file, unit, pins, links, parts, tree, entries)
 
 
 def _positions(press: Linkage) -> Array:

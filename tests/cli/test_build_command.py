@@ -1,7 +1,10 @@
 """`pinpress new` and `pinpress build`: from a template to a URDF, a sketch and forces."""
 
+import math
+
 import pytest
 
+import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.pin_table.templates import TEMPLATES
 
@@ -21,10 +24,11 @@ def test_from_a_template_to_forces(folder, capsys):
     assert main(["new", "press.yaml", "--template", "knuckle"]) == 0
     assert main(["build", "press.yaml", "r=95"]) == 0
     said = capsys.readouterr().out
-    assert "upper > lower" in said
+    assert "upper - lower" in said
     assert "no errors" in said
-    assert "stroke 129." in said
-    assert "K                       (" in said  # the knee on the other side
+    assert "  stroke                         129." in said
+    assert "  K   (" in said  # the knee on the other side, with the stroke that it would give
+    assert "stroke 71.765 mm" in said.split("might be at")[1]
     assert sorted(path.name for path in folder.iterdir()) == ["press.svg", "press.urdf", "press.yaml"]
     outputs = []
     for file in ("press.urdf", "press.yaml"):
@@ -68,3 +72,39 @@ def test_what_is_refused(folder, capsys, words, said):
     assert main(words) == 2
     assert said in capsys.readouterr().err
     assert (folder / "there.svg").exists() == ("drawn" in said)
+
+
+def test_the_other_side_is_the_press_that_it_makes(folder, capsys):
+    """Stroke and least transmission angle are those of the table with the other side."""
+    assert main(["new", "press.yaml", "--template", "knuckle"]) == 0
+    assert main(["build", "press.yaml"]) == 0
+    said = capsys.readouterr().out.split("might be at")[1]
+    text = (folder / "press.yaml").read_text(encoding="utf-8")
+    (line,) = (line for line in text.splitlines() if line.lstrip().startswith("K:"))
+    (side,) = (word for word in ("up", "down", "left", "right") if f"side: {word}" in line)
+    other = {"up": "down", "down": "up", "left": "right", "right": "left"}[side]
+    (folder / "other.yaml").write_text(text.replace(line, line.replace(f"side: {side}", f"side: {other}")), encoding="utf-8")
+    press = pp.build("other.yaml")
+    least = min(dyad.least_transmission_angle for dyad in pp.measures.least_transmission_angles(press))
+    wanted = f"stroke {1e3 * pp.dead_centres(press).stroke:.3f} mm, least transmission angle {math.degrees(least):.2f} deg"
+    assert next(line for line in said.splitlines() if line.startswith("  K ")).endswith(wanted)
+    with pytest.raises(pp.UnknownNameError, match="there are: K, S"):
+        pp.pin_table.draft("press.yaml").with_other_place("O")
+
+
+def test_tables_are_checked(folder, capsys):
+    """The page is that of the URDF; an error of the table is a finding with its line."""
+    assert main(["new", "press.yaml", "--template", "crank-slide"]) == 0
+    capsys.readouterr()
+    assert main(["check", "press.yaml"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("press.yaml: no errors, no warnings, 1 note\n")
+    assert "  stroke                         200.000 mm" in said
+    text = (folder / "press.yaml").read_text(encoding="utf-8").replace("drive: ", "drive: Q")
+    (folder / "press.yaml").write_text(text, encoding="utf-8")
+    assert main(["check", "press.yaml"]) == 1
+    said = capsys.readouterr().out
+    line = 1 + next(k for k, line in enumerate(text.splitlines()) if line.startswith("drive"))
+    assert f"press.yaml:{line}: error: drive: " in said
+    assert main(["check", "missing.yaml"]) == 2
+    assert main(["check", "press.yaml", "--slide", "slide"]) == 2

@@ -27,7 +27,7 @@ OF_CALLERS = {
     "SweepTable",
     "SynthesisResult",
 }
-OF_WORDS = {"CheckResult", "Facts", "Finding"}
+OF_WORDS = {"CheckResult", "Facts", "Finding", "Place"}
 
 
 @pytest.fixture(params=KINDS, ids=lambda kind: kind.__name__)

@@ -27,6 +27,7 @@ MADE = {
     "BalancedPress",
     "ElasticDeadCentre",
     "DeadCentres",
+    "Dyad",
     "MotorDuty",
     "GuideReaction",
     "SlideCompliance",

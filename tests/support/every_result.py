@@ -108,7 +108,7 @@ def held():
 
 def checked():
     found = pp.check(press().file)
-    return found, *found.findings, found.facts, *found.facts.closings
+    return found, *found.findings, found.facts, *found.facts.closings, *found.facts.bearings, found.facts.data
 
 
 def shortest(trial):
