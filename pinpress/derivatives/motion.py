@@ -120,8 +120,9 @@ def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivo
         tangent = Tangent.of(states, rates, by)
         slide: tuple[Array | None, Array | None, Array | None] = (None, None, None)
         if press.slide is not None:
-            guide = press.slide_guide[0]
-            slide = tangent.position[guide] + guide_shift(plane, by, guide), tangent.v[guide], tangent.a[guide]
+            guide, _, sign = press.slide_guide
+            moved = tangent.position[guide] + guide_shift(plane, by, guide)
+            slide = sign * moved, sign * tangent.v[guide], sign * tangent.a[guide]
         result.append(MotionSensitivity(motion, (tangent.position - drawn.slope(by)).T, tangent.v.T, tangent.a.T, *slide, units))
     return tuple(result)
 

@@ -28,11 +28,11 @@ EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rou
 
 @dataclass(frozen=True, repr=False)
 class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "bottom_angle": "rad", "bottom_position": "m"}):
-    """Outermost turning points of the slide along its guide's axis over one period; of equally far ones the first. Of a press whose driver
+    """Outermost turning points of the slide over one period; of equally far ones the first. Of a press whose driver
     slides they are the outermost places of the slide within the driver's limits.
 
     Attributes:
-        top_angle: Angle of the driver joint at top dead centre, the far end along the axis (upwards in an upright press), within the period
+        top_angle: Angle of the driver joint at top dead centre, the upper end in an upright press, within the period
             [rad]; position of a driver that slides [m].
         top_position: Position of the slide at top dead centre [m].
         bottom_angle: Angle of the driver joint at bottom dead centre within the period [rad]; position of a driver that slides [m].
@@ -231,7 +231,7 @@ def slide_path(motion: SlideMotion) -> Curve:
 
 
 def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:
-    """The stroke against the guide's axis, or along it where it is not ``downwards``.
+    """The stroke against the slide's direction, or along it where it is not ``downwards``.
 
     Raises:
         PinpressError: as `slide_path`; also where the slide turns back more than twice in the period.

@@ -215,7 +215,7 @@ def plan_of(press: Linkage) -> PressPlan:
     model, at = press.model, poses(press, press.closed[None])
     links = {joint: press.link_of(joint) for joint in range(model.njoints)}
     if press.slide is not None:
-        links[press.slide_guide[0] + 1] = press.slide  # not one that it is welded to: positions are the slide's own
+        links[press.slide_guide.joint + 1] = press.slide  # not one that it is welded to: positions are the slide's own
     bodies = []
     for j, (name, axis, start) in enumerate(zip(press.joints, press.axes, press.closed, strict=True), 1):
         at_q, at_v = model.idx_qs[j], model.idx_vs[j]
