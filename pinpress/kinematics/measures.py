@@ -1,8 +1,8 @@
 """Measures of the slide's motion and of the angles between links, in which requirements on a press are stated.
 
 They are functions of a motion over one period at constant speed, as `cycle` gives it. The working stroke goes downwards, against
-the slide's direction; with ``downwards=False`` a measure is that of the other stroke. Heights [m] count from bottom dead centre,
-the outermost turning point against this direction. Between its states a motion is interpolated by quintics through positions, velocities and
+the slide's direction; with ``downwards=False`` a measure is that of the other stroke. Heights [m] count from bottom dead centre, the lowest
+turning point. Between its states a motion is interpolated by quintics through positions, velocities and
 accelerations: the measures of the shipped presses have errors of 1e-9 with 360 points and of 1e-5 with 45. A motion with too few states to
 be resolved to 1e-5 is refused.
 
