@@ -160,10 +160,7 @@ def check(
     moves.
 
     Args:
-        path: as of `load`.
-        driver: as of `load`.
-        slide: as of `load`.
-        allow_open: as of `load`.
+        path, driver, slide, allow_open: as of `load`.
 
     Raises:
         UrdfError: there is no such file.
