@@ -32,7 +32,7 @@ from ..engines.planar.model import Plane
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 
-STEP = 1e-30  # of the complex-step method: its square vanishes beside any number
+STEP = 1e-30  # step of the complex-step method: its square vanishes beside any number
 CONTRADICTED = 1e-9  # share of the displacement by which rounding may leave redundant equations open
 Pivots = Mapping[tuple[str, str], ArrayLike]
 """(bearing, link) -> position (3,) of the bearing in the link's own frame [m]."""

@@ -30,8 +30,8 @@ from .motion import Motion, bearing_points, poses
 from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
 from .slide_path import SlideMotion, Stroke, slide_path, working_stroke
 
-FINER = 8  # places for each state at which an angle's cosine or squared sine is worked out
-UNRESOLVED = 1e-9  # too few states: amplitude above which a harmonic in the last quarter of those that n states carry is not rounding
+FINER = 8  # places between two states at which an angle's cosine or squared sine is evaluated
+UNRESOLVED = 1e-9  # there are too few states if a harmonic in the last quarter of those that n states resolve has a larger amplitude
 
 
 def stroke(motion: SlideMotion) -> float:

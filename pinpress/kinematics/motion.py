@@ -23,8 +23,8 @@ from ..engines.joints import Slot, configuration
 from ..linkage.assembly import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage, SlideGuide
 
-POINTS = 360  # states of a turn, by default
-MOST_POINTS = 10**7  # states of one period: half a gigabyte for every quantity of a six-bar press
+POINTS = 360  # states of a turn by default
+MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -20,7 +20,7 @@ from .motion import Motion, motion_through_change_points, moved
 from .slide_path import EQUAL, ROUNDING, DeadCentres, dead_centres
 
 Flank = Literal["down", "up"]
-NODES = 361  # of a flank, between which the slide's path is inverted
+NODES = 361  # nodes of a flank, between which the slide's path is inverted
 
 
 @typed

@@ -20,10 +20,10 @@ from ..linkage.memo import per_linkage
 from .motion import motion_through_change_points
 from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
 
-SAME = 1e-9  # of a range: values that differ by less differ by rounding
-ROUNDING = 4 * float(np.finfo(float).eps)  # of a crank angle [rad]
-SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
-EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rounding
+SAME = 1e-9  # share of a range below which values differ by rounding
+ROUNDING = 4 * float(np.finfo(float).eps)  # rounding of a crank angle [rad]
+SAMPLES = 720  # crank angles of a turn; two dead centres closer than half a degree would be missed
+EQUAL = 1e-9  # share of the stroke below which slide positions differ by rounding
 
 
 @dataclass(frozen=True, repr=False)

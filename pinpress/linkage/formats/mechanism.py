@@ -18,8 +18,8 @@ from ..urdf.document import Document, Finding, Origin
 from ..urdf.text import tag
 
 # What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.
-UNLIMITED = 1000.0  # [rad or m], [rad/s or m/s]
-STRONGEST = 1e9  # [N m or N]
+UNLIMITED = 1000.0  # limit of position and velocity that is written where there is none [rad or m], [rad/s or m/s]
+STRONGEST = 1e9  # limit of effort that is written where there is none [N m or N]
 _MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
 
 

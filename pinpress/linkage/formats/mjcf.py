@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import mujoco
 
 WORLD = "world"
-SAME = 1e-9  # relative difference from which MuJoCo's inertia is not the tensor in the file, but made from shapes or changed
+SAME = 1e-9  # relative difference above which MuJoCo's inertia is not the tensor in the file, but made from shapes or changed
 _SHAPES = ("BOX", "SPHERE", "CYLINDER", "CAPSULE", "MESH")
 _EQUALITIES = ("connect", "weld", "joint", "tendon")
 _SEEN_GROUPS = 3  # MuJoCo shows shapes of groups 0 to 2; the others are mostly for collisions
