@@ -25,7 +25,7 @@ from . import assembly_checks, loading
 from .linkage import Linkage
 from .urdf import reader
 from .urdf.document import Document, Element, Finding
-from .urdf.text import Text, tag
+from .urdf.text import MOMENTS, Text, tag, written
 
 MOST_TEXTS = 4  # most texts that are tried until the numbers are met to the last bit; mostly the second does, or none
 ACCEPTED = 1e-12  # relative difference from the linkage that is accepted of a text
@@ -184,7 +184,6 @@ SOUND = 1e-9  # relative rounding accepted in principal moments of inertia; the 
 POSITION_LIMITS = {"lower": "lowerPositionLimit", "upper": "upperPositionLimit"}
 LIMITS = {"effort": "upperEffortLimit", "velocity": "upperVelocityLimit"}
 DYNAMICS = {"damping": "damping", "friction": "upperDryFrictionLimit"}
-_MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
 _FIRST = (1.0, 0.0, 0.0)  # axis of a loop's end about which the loop turns
 
 
@@ -235,7 +234,7 @@ def _origin(press: Linkage, joint: reader.Joint) -> pin.SE3:
 
 def _edit_joint(text: Text, element: Element, j: int, before: Linkage, now: Linkage, was: Axis, axis: Axis, slot: Slot) -> None:
     if not np.array_equal(axis.direction, was.direction):
-        text.set_child(element, "axis", {"xyz": _written(axis.direction)})
+        text.set_child(element, "axis", {"xyz": written(axis.direction)})
     for child, names, at in (("limit", POSITION_LIMITS, slot.start), ("limit", LIMITS, j), ("dynamics", DYNAMICS, j)):
         limits = {name: (getattr(before.model, array)[at], getattr(now.model, array)[at]) for name, array in names.items()}
         text.set_child(element, child, _changed(limits))
@@ -324,24 +323,24 @@ def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Ine
 
 def _edit_inertial(text: Text, inertial: Element, old: pin.Inertia, new: pin.Inertia) -> None:
     text.set(inertial.all("mass")[0], _changed({"value": (old.mass, new.mass)}))
-    origin = {} if np.array_equal(old.lever, new.lever) else {"xyz": _written(new.lever)}
+    origin = {} if np.array_equal(old.lever, new.lever) else {"xyz": written(new.lever)}
     if not np.array_equal(old.inertia, new.inertia):
         turned = any(any(element.numbers("rpy")) for element in inertial.all("origin"))
         origin |= {"rpy": "0 0 0"} if turned else {}
-        moments = {name: (np.nan if turned else old.inertia[i, j], new.inertia[i, j]) for name, i, j in _MOMENTS}
+        moments = {name: (np.nan if turned else old.inertia[i, j], new.inertia[i, j]) for name, i, j in MOMENTS}
         text.set(inertial.all("inertia")[0], _changed(moments))
     text.set_child(inertial, "origin", origin)
 
 
 def _inertial(inertia: pin.Inertia) -> str:
-    origin, mass = tag("origin", {"xyz": _written(inertia.lever)}), tag("mass", {"value": _written([inertia.mass])})
-    return tag("inertial", {}, origin + mass + tag("inertia", {name: _written([inertia.inertia[i, j]]) for name, i, j in _MOMENTS}))
+    origin, mass = tag("origin", {"xyz": written(inertia.lever)}), tag("mass", {"value": written([inertia.mass])})
+    return tag("inertial", {}, origin + mass + tag("inertia", {name: written([inertia.inertia[i, j]]) for name, i, j in MOMENTS}))
 
 
 def _inertia(inertial: Element) -> pin.Inertia:
     """The inertia of an ``<inertial>``, in the link's frame."""
     tensor = np.empty((3, 3))
-    for name, i, j in _MOMENTS:
+    for name, i, j in MOMENTS:
         tensor[i, j] = tensor[j, i] = inertial.all("inertia")[0].numbers(name)[0]
     place = pin.SE3.Identity()
     for origin in inertial.all("origin"):
@@ -380,14 +379,10 @@ def _sound(inertia: pin.Inertia) -> bool:
 
 def _changed_place(old: pin.SE3, new: pin.SE3) -> dict[str, str]:
     """The attributes of a placement that have changed, as text."""
-    xyz = {} if np.array_equal(old.translation, new.translation) else {"xyz": _written(new.translation)}
-    return xyz if np.array_equal(old.rotation, new.rotation) else xyz | {"rpy": _written(pin.rpy.matrixToRpy(new.rotation))}
+    xyz = {} if np.array_equal(old.translation, new.translation) else {"xyz": written(new.translation)}
+    return xyz if np.array_equal(old.rotation, new.rotation) else xyz | {"rpy": written(pin.rpy.matrixToRpy(new.rotation))}
 
 
 def _changed(numbers: Mapping[str, tuple[float, float]]) -> dict[str, str]:
     """The attributes whose old and new numbers differ, as text of the new ones."""
-    return {name: _written([new]) for name, (old, new) in numbers.items() if old != new}
-
-
-def _written(numbers: Iterable[float]) -> str:
-    return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"
+    return {name: written([new]) for name, (old, new) in numbers.items() if old != new}

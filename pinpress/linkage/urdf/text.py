@@ -5,10 +5,13 @@ from __future__ import annotations
 import codecs
 import html
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from xml.parsers import expat
 
 from .document import START_TAG, Document, Element
+
+MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
+"""Attributes of ``<inertia>``, and their rows and columns in the tensor."""
 
 _ATTRIBUTE = re.compile(rb"([^\s=\"'<>/]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
 _SPACE = re.compile(rb"\s*")
@@ -79,6 +82,11 @@ class Text:
 def tag(name: str, attributes: Mapping[str, str], content: str = "") -> str:
     """An element as text."""
     return f"<{name}{_attributes(attributes)}" + (f">{content}</{name}>" if content else "/>")
+
+
+def written(numbers: Iterable[float]) -> str:
+    """Numbers as the text of an attribute, to full precision."""
+    return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"
 
 
 def _attributes(attributes: Mapping[str, str]) -> str:
