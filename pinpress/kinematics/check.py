@@ -28,7 +28,7 @@ from .dyads import Dyad, least_transmission_angles
 from .main_data import MainData, main_data, main_lines
 
 WIDTH = 120  # characters of a line of text
-FLAT = math.radians(30.0)  # smaller transmission angles are listed
+FLAT = math.radians(30.0)  # smaller transmission angles are marked
 WHOLE = ("<robot", "<model", "<mujoco")  # elements that messages about the file as a whole do not name
 
 
