@@ -136,8 +136,8 @@ NOTES = """
   between 350 and 400 per min with three of those nine pads.
 - A force within the frame does not shake a rigid frame. Linkage and frame are rigid here except for the columns, so of the shock of piling
   the model shows the stretching between bed and crown, not the bending of the beams or the noise.
-- The stretching dies away after each stroke at any speed, as it does not depend on the resonance of the sway: this decay does not prove that
-  working speed and natural frequencies are apart.
+- The stretching dies away after each stroke at any speed, as it does not depend on the resonance of the sway: this decay does not prove
+  that working speed and natural frequencies are apart.
 """
 
 if __name__ == "__main__":
