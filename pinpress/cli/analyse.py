@@ -7,6 +7,7 @@ from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
+from ..dynamics.inputs import inputs
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
 from ..kinematics.motion import cycle
@@ -23,6 +24,7 @@ from .options import (
     add_trace_option,
     forces,
     load_press,
+    print_inputs,
     refuse_pages_without_folder,
     write_pages,
 )
@@ -81,6 +83,7 @@ def run(options: argparse.Namespace) -> int:
     took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
     further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
     print(tables.entry("time taken", f"{took[0]:.1f}", further))
+    print_inputs(inputs(reactions))
     if options.out is not None:
         before = None if options.before is None else _before(options)
         make_folder(options.out)

@@ -15,11 +15,12 @@ from ..balancing.result import BalancedPress
 from ..common.errors import PinpressError, suggestion
 from ..common.files import make_folder
 from ..common.quantities import RPM
+from ..dynamics.inputs import Inputs, motion_in_words, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.writing import write_urdf
 from . import part_specs
-from .options import add_force_options, add_out_option, add_press_options, add_refused_option, load_press, loads, say_written
+from .options import add_force_options, add_out_option, add_press_options, add_refused_option, load_press, loads, print_inputs, say_written
 from .units import quantity, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
@@ -113,9 +114,21 @@ def run(options: argparse.Namespace) -> int:
     if options.out is not None:
         make_folder(options.out)
     print(balanced)
+    print_inputs(_inputs(balanced, options))
     if options.out is not None:
         _write(balanced, options.out, options.report)
     return 0
+
+
+def _inputs(balanced: BalancedPress, options: argparse.Namespace) -> Inputs:
+    """What the balance was computed from, in words; regions and criteria as they were given."""
+    return [
+        *of_press(balanced.original),
+        *(("motion", motion_in_words(condition.motion)) for condition in balanced.conditions),
+        *of_loads(balanced.conditions[0].loads),
+        *((name, words) for name in ("region", "minimise", "limit") for words in getattr(options, name)),
+        stated(),
+    ]
 
 
 def _write(balanced: BalancedPress, folder: Path, with_report: bool) -> None:

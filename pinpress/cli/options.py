@@ -7,7 +7,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypedDict
 
+from ..common import tables
 from ..common.errors import PinpressError
+from ..dynamics.inputs import Inputs
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load, presses
@@ -158,6 +160,11 @@ def write_pages(
         report(press, reactions.motion, options.out / "report.html", reactions=reactions, traces=options.trace, before=before)
         pages.append("report.html")
     say_written(options.out, [*written, *pages])
+
+
+def print_inputs(rows: Inputs) -> None:
+    """Print what a result was computed from."""
+    print("\n".join(["", "Inputs", *tables.fitted_words(rows)]))
 
 
 def say_written(folder: Path, names: Sequence[str]) -> None:

@@ -6,10 +6,11 @@ from pathlib import Path
 
 from ..common.files import make_folder
 from ..common.quantities import RPM
-from ..ratings.permissible_force import Capacities
+from ..dynamics.inputs import Inputs, of_press, stated, written
+from ..ratings.permissible_force import UNITS, Capacities
 from ..ratings.rating import PressRatings, rate
 from . import part_specs
-from .options import add_out_option, add_press_options, load_press, say_written
+from .options import add_out_option, add_press_options, load_press, print_inputs, say_written
 from .units import quantity
 
 EPILOG = """\
@@ -78,9 +79,17 @@ def run(options: argparse.Namespace) -> int:
     if options.out is not None:
         make_folder(options.out)
     print(found)
+    speed = f"{options.speed:g} r/min, {'with' if options.at_speed else 'without'} weights and inertia forces"
+    print_inputs([*of_press(press), ("speed", speed), *_capacities(capacities), stated()])
     if options.out is not None:
         _write(found, options.out)
     return 0
+
+
+def _capacities(given: Capacities) -> Inputs:
+    """The capacities in words."""
+    rows = [(name.replace("_", " "), written(value, unit)) for name, unit in UNITS.items() if (value := getattr(given, name)) is not None]
+    return [*rows, *((f"bearing {name}", written(force, "N")) for name, force in given.bearings.items())]
 
 
 def _write(found: PressRatings, folder: Path) -> None:

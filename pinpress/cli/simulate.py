@@ -9,7 +9,7 @@ from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..simulation.run import Run, simulation_summary, stroke_duties
+from ..simulation.run import Run, inputs_of, simulation_summary, stroke_duties
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
@@ -24,6 +24,7 @@ from .options import (
     add_trace_option,
     load_press,
     loads,
+    print_inputs,
     progress,
     refuse_pages_without_folder,
     write_pages,
@@ -124,8 +125,9 @@ def run(options: argparse.Namespace) -> int:
     began = time.perf_counter()
     reactions = inverse_dynamics(press, done, loads=acting)
     took = time.perf_counter() - began
-    print(simulation_summary(press, done, reactions, _scene(options, done), options.steady))
+    print(simulation_summary(press, done, reactions, options.steady))
     print(tables.entry("time taken", f"{1e3 * done.stats.wall_time:.1f}", f"ms simulation, {1e3 * took:.1f} ms torque and forces"))
+    print_inputs(inputs_of(reactions))
     if options.out is not None:
         reactions.to_csv(options.out / "simulation.csv")
         stroke_duties(done).to_csv(options.out / "strokes.csv")
@@ -139,16 +141,3 @@ def _refuse_beside_steady(options: argparse.Namespace) -> None:
             raise PinpressError(f"--{name} does not go with --steady: leave it out, or give --duration in place of --steady")
     if options.speed == 0:
         raise PinpressError("--steady needs a --speed other than 0, about which the press runs, e.g. --speed 70")
-
-
-def _scene(options: argparse.Namespace, run: Run) -> list[tuple[str, str]]:
-    """The problem in words: start, drive and loads as given on the command line."""
-    angle = f"crank angle {options.angle:g} deg"
-    if options.steady:
-        begin = ("looked for near", f"{options.speed:g} r/min, from {angle} on")
-    else:  # a drive may have prescribed the speed
-        begin = ("from", f"{angle}, {run.crank_speed[0] / RPM:g} r/min")
-    asked = [("drive", options.motor), ("flywheel", options.flywheel), *(("load", words) for words in options.load)]
-    asked += [("spring", words) for words in options.spring]
-    asked += [("clutch", options.clutch), ("brake", options.brake)]
-    return [begin, *((name, words) for name, words in asked if words is not None)]

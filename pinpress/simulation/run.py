@@ -17,11 +17,13 @@ from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..drives.protocol import Drive
+from ..dynamics import inputs
 from ..dynamics.inverse_dynamics import Reactions
 from ..dynamics.summary import bearing_table, checks
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
 from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
+from ..loads.caller_laws import as_given
 from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointPosition
 from .failures import failure
@@ -436,14 +438,38 @@ def _crank(run: Run, sample: Sample) -> tuple[Array, Array]:
 # ------------------------------------------------------------------------------------------------------------------------------------- text
 
 
-def simulation_summary(press: Linkage, run: Run, reactions: Reactions, scene: Sequence[tuple[str, str]], steady: bool = False) -> str:
+def inputs_of(reactions: Reactions) -> inputs.Inputs:
+    """What reactions were computed from, in words, see `dynamics.inputs`; of a run with its start, drives and method."""
+    run = reactions.motion
+    if not isinstance(run, Run):
+        return inputs.inputs(reactions)
+    driven, stats = run.problem.driven, run.stats
+    first = run.driver_coordinates[0]
+    begin = first.at(float(np.ravel(run.crank_angle[0])[0]) + 0.0)
+    speed = inputs.written(float(np.ravel(run.crank_speed[0])[0]) + 0.0, f"{first.unit}/s")
+    start = f"simulated from {begin} at {speed}, {run.time[-1]:.6g} s, {len(run.time)} states"
+    several = [force.drive for force in driven.forces if force.drive is not None]
+    parts = {"drive": driven.drive or driven.prescribed, "flywheel": driven.flywheel, "clutch": driven.clutch, "brake": driven.brake}
+    given = [(name, inputs.described(as_given(part))) for name, part in parts.items() if part is not None]
+    given += [("drive", inputs.described(as_given(drive))) for drive in several]
+    if len(driven.inertias) > 1:
+        inertias = ", ".join(f"{inertia:.9g}" for inertia in driven.inertias)
+        given.append(("flywheels", f"{inertias} kg m2 with drives, at {', '.join(run.drivers)}"))
+    if not several and parts["drive"] is None:
+        given.insert(0, ("drive", "none"))
+    how = f", method {stats.method!r} by {', '.join(stats.solvers)}, " + (
+        f"tolerance {run.problem.tolerance:g}" if run.problem.step is None else f"step {run.problem.step:g} s"
+    )
+    return inputs.inputs(reactions, start, given, how)
+
+
+def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: bool = False) -> str:
     """Speeds, energies, the motor's torque, strokes and bearing forces of a run, and how well the equations are fulfilled.
 
     Args:
         press: the linkage.
         run: of one driver.
         reactions: inverse dynamics of this run under its loads; their driving torque is that of flywheel, drive, clutch and brake together.
-        scene: names and words that say what was simulated.
         steady: whether the run is one period of a steady state.
 
     Extremes of speed and of the motor's torque are those of 720 states a turn, works are exact; torques and forces of the crank and the
@@ -453,7 +479,6 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, scene: Se
     lines = [
         f"{press.name}: {'a period of its steady state, ' if steady else ''}{run.time[-1]:.6g} s, {len(run.crank_angle)} states,"
         f" method {run.stats.method!r}",
-        *tables.table(scene, [26, 0]),
         *_end(run, steady),
         *_speeds(whole, steady),
         *_work(whole),

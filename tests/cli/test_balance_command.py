@@ -52,7 +52,7 @@ def test_it_prints_the_balance_and_writes_nothing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *REGIONS, *ASKED) == f"{six_bar(70)}\n"
+    assert printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *REGIONS, *ASKED).startswith(f"{six_bar(70)}\n\nInputs\n")
     assert not list(tmp_path.iterdir())
 
 
@@ -61,7 +61,15 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, "zxn2_3000b", "--speed", 70, "--points", 120, *REGIONS, *ASKED, "--out", out, "--report")
     files = ["balanced.urdf", "balance.csv", "counterweights.csv", "report.html"]
     expected = six_bar(70)
-    assert text == f"{expected}\n\nwrote {', '.join(str(out / name) for name in files[:-1])} and {out / files[-1]}\n"
+    found, inputs = text.split("\n\nInputs\n")
+    assert found == str(expected)
+    for words in (
+        "press         zxn2_3000b,",
+        "motion        one period at 70 r/min",
+        *(f"region        {region}" for region in REGIONS[1::2]),
+    ):
+        assert words in inputs
+    assert inputs.endswith(f"\n\nwrote {', '.join(str(out / name) for name in files[:-1])} and {out / files[-1]}\n")
     assert sorted(path.name for path in out.iterdir()) == sorted(files)
     assert read(out / "balance.csv")["after"] == [repr(value) for value in expected.columns()["after"]]
     weights = read(out / "counterweights.csv")

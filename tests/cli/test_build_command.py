@@ -16,8 +16,8 @@ def folder(tmp_path, monkeypatch):
 
 
 def figures(text):
-    """What is printed below the file's name, without the time it took."""
-    return [line for line in text.splitlines()[1:] if "time taken" not in line]
+    """What is printed below the file's name, without the time it took and the inputs."""
+    return [line for line in text.split("\n\nInputs\n")[0].splitlines()[1:] if "time taken" not in line]
 
 
 def test_from_a_template_to_forces(folder, capsys):

@@ -36,10 +36,27 @@ def refused(capsys, *arguments):
 
 def test_it_prints_the_ratings_and_writes_nothing(capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
-    assert printed(capsys, *ASKED) == f"{library()}\n"
+    found, inputs = printed(capsys, *ASKED).split("\n\nInputs\n")
+    assert found == str(library())
+    for words in (
+        "press            zxn2_3000b,",
+        "speed            70 r/min, without weights",
+        "nominal force    3000 kN",
+        f"pinpress {pp.__version__}",
+    ):
+        assert words in inputs
     bearings = {"A": 2e6, "slide_guide": 1e6}
     more = library(at_speed=True, flywheel_inertia=2000.0, speed_drop=0.2, bearings=bearings, motor_power=75e3)
-    assert printed(capsys, *ASKED, *MORE, "--at-speed") == f"{more}\n"
+    found, inputs = printed(capsys, *ASKED, *MORE, "--at-speed").split("\n\nInputs\n")
+    assert found == str(more)
+    for words in (
+        "with weights",
+        "flywheel inertia      2000 kg m2",
+        "speed drop            0.2",
+        "motor power           75 kW",
+        "bearing A             2000 kN",
+    ):
+        assert words in inputs
     assert not list(tmp_path.iterdir())
 
 

@@ -1,0 +1,148 @@
+"""What a result was computed from, in words, so that a page or a printed summary can still be understood years later.
+
+Loads, drives and other parts are described by their class and fields, ``Blanking(force=1000 kN, start=6 mm, end=2 mm)``, in the units that
+press builders use; fields that are not given and have no default are left out.
+"""
+
+import datetime
+import hashlib
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..common import tables
+from ..common.errors import shown
+from ..common.parameters import declared
+from ..common.quantities import RPM
+from ..kinematics.motion import Motion
+from ..linkage import loading
+from ..linkage.linkage import Linkage
+from ..linkage.writing import is_as_read
+from ..loads.link import SpringDamper
+from .extremes import is_constant
+from .harmonics import is_cycle
+from .inverse_dynamics import Reactions
+
+FEW = 4  # numbers that are written out; of more their count and range
+DIGITS = 9
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+OTHER_UNITS = {"rad/s": ("r/min", 1 / RPM), "rad": ("deg", 180 / math.pi), "-": ("", 1.0)}
+
+Inputs = Sequence[tuple[str, str]]
+"""Names of inputs and what they are, in words."""
+
+
+def inputs(reactions: Reactions, motion: str = "", drives: Inputs = (), how: str = "") -> Inputs:
+    """Press and file, motion, loads, friction and stiffnesses of reactions, and by what and when they were stated.
+
+    Args:
+        reactions: The reactions.
+        motion: The motion in words, where they are not those of `motion_in_words`.
+        drives: What drives the press.
+        how: How the motion was found.
+    """
+    return [
+        *of_press(reactions._press),
+        ("motion", motion or motion_in_words(reactions.motion)),
+        *drives,
+        *of_loads(reactions.loads),
+        ("friction", _by_bearing(reactions.friction) or "none"),
+        *([("stiffness", _by_bearing(reactions.stiffness, "N/m"))] if reactions.stiffness else []),
+        stated(f"engine {reactions.engine!r}{how}"),
+    ]
+
+
+def stated(how: str = "") -> tuple[str, str]:
+    """By what a result was computed, and the day on which that is stated."""
+    version = sys.modules[__name__.partition(".")[0]].__version__  # of the package, which cannot be imported from its own modules
+    return "computed by", ", ".join(part for part in (f"pinpress {version}", how, f"on {datetime.date.today().isoformat()}") if part)
+
+
+def of_press(press: Linkage) -> Inputs:
+    """The press, the file that it is from, and gravity where it is not the usual one."""
+    drivers = ", ".join(press.drivers)
+    rows = [("press", f"{press.name}, driven at {drivers}, slide {press.slide or 'none'}"), ("file", _file_in_words(press))]
+    gravity = tuple(float(part) for part in press.model.gravity.linear)
+    return rows if gravity == STANDARD_GRAVITY else [*rows, ("gravity", f"{_numbers(np.array(gravity))} m/s2")]
+
+
+def _file_in_words(press: Linkage) -> str:
+    """The file with the first digits of its contents' SHA-256, and whether the press was changed after it was read."""
+    shipped = Path(press.file).stem in loading.presses() and str(loading.located(Path(press.file).stem)) == press.file
+    place = f"{Path(press.file).name}, shipped with pinpress" if shipped else press.file
+    changed = "" if is_as_read(press) else "; the press was changed after reading it"
+    return f"{place}, SHA-256 of the URDF {hashlib.sha256(press.text).hexdigest()[:16]}{changed}"
+
+
+def motion_in_words(motion: Motion) -> str:
+    """Speed, duration and number of states of a motion."""
+    states, first = f"{len(motion.crank_angle)} {'state' if len(motion.crank_angle) == 1 else 'states'}", motion.driver_coordinates[0]
+    unit = "rad/s" if first.turns else "m/s"
+    if motion.crank_speed.ndim == 1 and first.turns and is_constant(motion.crank_speed):
+        speed = written(motion.crank_speed[0], unit)
+        return f"one period at {speed}, {states}" if is_cycle(motion) else f"constant speed, {speed}, {states}"
+    fastest = f"prescribed, {first.part} at up to {written(np.abs(motion.crank_speed).max(), unit, 6)}"
+    return f"{fastest}, {states}" if motion._time is None else f"{fastest}, over {motion.time[-1] - motion.time[0]:.6g} s, {states}"
+
+
+def of_loads(loads: Sequence[object]) -> Inputs:
+    """Loads and springs as they were given, or that there are none."""
+    rows = [("spring" if isinstance(load, SpringDamper) else "load", described(load)) for load in loads]
+    return rows or [("loads", "none but weight")]
+
+
+def _by_bearing(given: Mapping[str, Any], unit: str = "") -> str:
+    """What bearings have, those that have the same together."""
+    names: dict[str, list[str]] = {}
+    for bearing, part in given.items():
+        names.setdefault(written(part, unit), []).append(bearing)
+    return "; ".join(f"{', '.join(bearings)}: {words}" for words, bearings in names.items())
+
+
+def described(part: object) -> str:
+    """A load, drive or other part in words: its class and its fields, with units where they are declared."""
+    if isinstance(part, str):  # it was described before it was sent here
+        return part
+    if not is_dataclass(part) or isinstance(part, type):
+        return shown(part)
+    words = []
+    for field in fields(part):
+        value, known = getattr(part, field.name), declared(field)
+        if value is not None:
+            words.append(f"{field.name}={written(value, '' if known is None else known.unit)}")
+    return f"{type(part).__name__}({', '.join(words)})"
+
+
+def written(value: object, unit: str, digits: int = DIGITS) -> str:
+    """A value in words, numbers with their unit. ``unit``: the SI unit of numbers, empty for none."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return described(value)
+    if isinstance(value, str | bool) or callable(value):
+        return value if isinstance(value, str) else getattr(value, "__qualname__", None) or shown(value)
+    try:
+        numbers = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        return shown(value)
+    in_unit, factor = _unit(unit, numbers)
+    return f"{_numbers(factor * numbers, digits)} {in_unit}".strip()
+
+
+def _unit(unit: str, numbers: Any) -> tuple[str, float]:
+    """The unit in which numbers are written, and how many of it an SI unit is."""
+    if unit in OTHER_UNITS:
+        return OTHER_UNITS[unit]
+    scale = tables.scale(unit, np.ravel(numbers).tolist())
+    return scale.unit, scale.factor
+
+
+def _numbers(values: Any, digits: int = DIGITS) -> str:
+    if values.ndim == 0:
+        return f"{float(values):.{digits}g}"
+    if values.size <= FEW:
+        return f"({', '.join(f'{value:.{digits}g}' for value in np.ravel(values))})"
+    return f"{' x '.join(map(str, values.shape))} numbers from {values.min():.{digits}g} to {values.max():.{digits}g}"
