@@ -4,6 +4,7 @@ python viz/foundation.py
 """
 
 import dataclasses
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,7 @@ def page(model: vibration.Vibration) -> str:
     listed = ["| mode | frequency | speed | damping ratio |", "|---|---:|---:|---:|"]
     for name, w, ratio in zip(modes.motion, modes.natural_frequency, modes.damping_ratio, strict=True):
         listed.append(f"| {name} | {w / 2 / np.pi:.2f} Hz | {w / pp.RPM:.0f} per min | {ratio:.3f} |")
-    parts = [INTRODUCTION, vibration.table(model.findings()), NOTES, "What the arrangement does, on the same mounts:\n", "\n".join(before)]
+    parts = [INTRODUCTION, table(model.findings()), NOTES, "What the arrangement does, on the same mounts:\n", "\n".join(before)]
     parts += [
         "\nModes of `jf75g_125`:\n",
         "\n".join(listed),
@@ -40,6 +41,12 @@ def page(model: vibration.Vibration) -> str:
         pads(real),
     ]
     return "\n".join(parts) + "\n"
+
+
+def table(findings: Iterable[vibration.Finding]) -> str:
+    """Findings in Markdown."""
+    lines = ["| Zhang 2007 says | pinpress gives | agrees |", "|---|---|---|"]
+    return "\n".join(lines + [f"| {each.says} | {each.gives} | {each.agrees} |" for each in findings])
 
 
 def standing(system: foundation.MountedPress) -> str:
@@ -52,7 +59,7 @@ def standing(system: foundation.MountedPress) -> str:
 
 
 def pads(system: foundation.MountedPress) -> str:
-    """How much the findings hang on the pads."""
+    """How much the findings depend on the pads."""
     lines = ["| pads | sway along x | 200 to 300 per min | 300 to 350 per min | at 350 per min |", "|---|---:|---:|---:|---:|"]
     for width in (0.15, 0.2, 0.25):
         for hardness in (55, 65, 75):
@@ -117,20 +124,20 @@ def picture(model: vibration.Vibration) -> Figure:
 INTRODUCTION = """# The JF75G-125 on 10 mm of rubber
 
 Zhang 2007, chapter 2, measured accelerations on the frame, on "ordinary rubber, 10 mm thick". It prints no data of the frame and no scale
-of the signals: what can be compared is what it found. Assumed (ours): bed of 8 t and crown of 7 t (with motor and flywheel), columns of
+of the signals, so only its findings can be compared. Assumed (ours): bed of 8 t and crown of 7 t (with motor and flywheel), columns of
 2.4 GN/m, four feet of 0.2 x 0.2 m on rubber of 65 Shore A, loss factor 0.15, dynamic by static stiffness 1.3; a flywheel balanced to
 G 1.6; piling with 50 kN, as under 100 kN a foot lifts off, where the linear model ends. Nothing is fitted: pads, masses and columns were
 chosen before the results were seen. The press is `jf75g_125`, with its counterweight. Written by `python viz/foundation.py`, which also
 draws [the picture](foundation.png).
 """
 NOTES = """
-- The resonance is that of swaying on the rubber, far softer in shear than in compression. Where it lies, and so how strongly the vibration
-  grows towards 350 per min, is decided by hardness and size of the pads, which nobody printed: see the last table. That it lies between
-  350 and 400 per min is so with three of those nine pads.
-- A force within the frame shakes no rigid frame, and linkage and frame are rigid here but for the columns: of the shock of piling the
-  model has the stretching between bed and crown, none of the bending of the beams or the noise.
-- The stretching dies away after a stroke wherever the speed lies beside the sway's resonance, as the two have nothing to do with each
-  other: this decay is no proof that working speed and natural frequencies are apart.
+- The resonance is that of swaying on the rubber, which is far softer in shear than in compression. Hardness and size of the pads, which the
+  thesis does not print, decide where it lies, and so how strongly the vibration grows towards 350 per min: see the last table. It lies
+  between 350 and 400 per min with three of those nine pads.
+- A force within the frame does not shake a rigid frame. Linkage and frame are rigid here except for the columns, so of the shock of piling
+  the model shows the stretching between bed and crown, not the bending of the beams or the noise.
+- The stretching dies away after each stroke at any speed, as it does not depend on the resonance of the sway: this decay does not prove
+  that working speed and natural frequencies are apart.
 """
 
 if __name__ == "__main__":

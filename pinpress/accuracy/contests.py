@@ -1,12 +1,12 @@
-"""Contests of `compare`: methods with settings, the work that is timed, and the errors of its answer; and the contests of inverse dynamics.
+"""Contests of `compare`: methods with settings, the work that is timed, and the errors of its answer.
 
 Run times can be compared because contestants take turns, so that other work of the machine slows all of them.
 
-The contest of inverse dynamics is a period at constant speed, from crank angles to the driving torque and every bearing force. A second one
-compares the proximal settings of Pinocchio's constraint dynamics by accelerations and loop forces at states of a turn. Redundant equations
-(every planar pin has one, across the plane) make the matrix of constraint dynamics singular. Its proximal parameter mu regularises the
-matrix, and iterations remove the error by mu: with too small a mu rounding is divided by it, with too large a mu the iterations do not
-converge.
+The contests of inverse dynamics stand here. The first is a period at constant speed, from crank angles to the driving torque and every
+bearing force. The second compares the proximal settings of Pinocchio's constraint dynamics by accelerations and loop forces at states of a
+turn. Redundant equations (every planar pin has one, across the plane) make the matrix of constraint dynamics singular. Its proximal
+parameter mu regularises the matrix, and iterations remove the error by mu: with too small a mu rounding is divided by it, with too large a
+mu the iterations do not converge.
 """
 
 import gc
@@ -31,9 +31,9 @@ from ..simulation.reduced_model import reduced_model_of
 from .measurements import INVERSE_DYNAMICS, PROXIMAL, PROXIMAL_STATES, Measurement
 from .peers.peer import Answer, Peer
 
-TURN = 0.02  # time of a contestant's calls before the next one's turn: its first call finds data and code evicted from the cache [s]
+TURN = 0.02  # duration of a contestant's turn; its first call finds data and code evicted from the cache [s]
 PATIENCE = 2.0  # time after which a contestant that has been timed gets no more turns [s]
-STATES = 48  # of a turn, in which forward dynamics gives the accelerations back
+STATES = 48  # states of a period in which forward dynamics gives the accelerations back
 PARAMETERS = (0.0, *(10.0**k for k in range(-14, -1)))
 ITERATIONS = (1, 5, 20)
 SKIPPED = (
@@ -111,63 +111,51 @@ def measured(contestants: Sequence[Contestant], repeats: int, done: Callable[[],
 
 
 def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: Sequence[Peer]) -> Contest:
-    """Both engines and the peers.
+    """The contest of both engines and the peers.
 
     The engines of a planar press share no equation and judge each other. The torque of a press in space is judged by forward dynamics,
     which gives the accelerations back under it.
     """
-    engines = press.engines
+    engines, planar = press.engines, len(press.engines) > 1
     answers = {engine: _solved(press, speed, points, engine) for engine in engines}
-    judges = {"plane": answers["pinocchio"], "pinocchio": answers[engines[0]]}
-    torque, peak = peak_of(answers["pinocchio"].driving_torque), peak_force(answers["pinocchio"].bearing_force)
-    returned = 0.0 if len(engines) > 1 else _returned(press, answers["pinocchio"])
+    spatial, first = answers["pinocchio"], answers[engines[0]]
+    peak_torque, largest_force = peak_of(spatial.driving_torque), peak_force(spatial.bearing_force)
+    returned = 0.0 if planar else _returned(press, spatial)
 
-    def judged(judge: Reactions, answer: Reactions) -> Errors:
+    def errors(judge: Reactions, answer: Reactions) -> Errors:
         return Errors(
-            _off(answer.driving_torque, judge.driving_torque, torque) if len(engines) > 1 else returned,
-            force_error(answer.bearing_force, judge, peak) if len(engines) > 1 else None,
+            _off(answer.driving_torque, judge.driving_torque, peak_torque) if planar else returned,
+            force_error(answer.bearing_force, judge, largest_force) if planar else None,
             float(answer.motion.closure_error.max()),
             float(np.abs(answer.power_residual).max()),
             points,
         )
 
-    def by_peer(answer: Answer) -> Errors:
-        truth = answers[engines[0]]
-        return Errors(
-            _off(answer.torque, truth.driving_torque, torque), force_error(answer.force, truth, peak, determined=True), evaluations=points
-        )
+    def errors_of_peer(answer: Answer) -> Errors:
+        force = force_error(answer.force, first, largest_force, determined=True)
+        return Errors(_off(answer.torque, first.driving_torque, peak_torque), force, evaluations=points)
 
-    angle = answers[engines[0]].motion.crank_angle
-    setting = f"{points} crank angles"
-    own = [
-        Contestant(
-            INVERSE_DYNAMICS,
-            engine,
-            setting,
-            points,
-            partial(_solved, press, speed, points, engine),
-            partial(judged, judges[engine]),
-        )
-        for engine in engines
+    contestant = partial(Contestant, INVERSE_DYNAMICS, setting=f"{points} crank angles", number=points)
+    entries = [
+        contestant(engine, work=partial(_solved, press, speed, points, engine), errors=partial(errors, judge))
+        for engine, judge in zip(engines, (spatial, first), strict=False)
     ]
-    others = [
-        Contestant(INVERSE_DYNAMICS, peer.name, setting, points, partial(peer.inverse_dynamics, angle, speed), by_peer)
+    entries += [
+        contestant(peer.name, work=partial(peer.inverse_dynamics, first.motion.crank_angle, speed), errors=errors_of_peer)
         for peer in peers
         if peer.inverse
     ]
-    if len(engines) > 1:
-        agreement = judged(answers["pinocchio"], answers["plane"])
-        certificate, certified_by = max(agreement.error, agreement.force_error or 0.0), "engines plane and pinocchio"
-    else:
-        certificate, certified_by = returned, "torque and forward dynamics under it"
-    return Contest(INVERSE_DYNAMICS, (*own, *others), certificate, certified_by)
+    if not planar:
+        return Contest(INVERSE_DYNAMICS, tuple(entries), returned, "torque and forward dynamics under it")
+    agreement = errors(spatial, first)
+    return Contest(INVERSE_DYNAMICS, tuple(entries), max(agreement.error, agreement.force_error or 0.0), "engines plane and pinocchio")
 
 
 def proximal_contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     """Settings of `constraintDynamics`, among them the one that method `constraint` takes.
 
-    The crank turns with a flywheel and without torque. The reference are null-space accelerations, in which there is no mu; those of the
-    reduced equation have to be the same.
+    The crank turns with a flywheel and without torque. The reference is the accelerations by the null space of the loops, which need no mu;
+    the reduced equation must give the same.
     """
     crank = press.driver_indices[0]
     armature = np.zeros(press.model.nv)
@@ -229,7 +217,7 @@ def peak_force(forces: Mapping[str, Array]) -> float:
 
 
 def peak_of(values: Array) -> float:
-    """The largest magnitude among values; 1 where all are zero, to which no error can be relative."""
+    """The largest magnitude among values; 1 where all are zero, as no error can be relative to zero."""
     return float(np.abs(values).max()) or 1.0
 
 

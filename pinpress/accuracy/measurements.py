@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 FREE_RUN, CLUTCH, DIE, SPEED_LAW = SCENES = ("free run", "clutch and blanking", "elastic die", "stiff speed law")
 INVERSE_DYNAMICS, PROXIMAL, TABLE = "inverse dynamics", "proximal settings", "reduced table"
 GROUPS = (INVERSE_DYNAMICS, *SCENES, PROXIMAL, TABLE)
-PROXIMAL_STATES = 24  # of a turn, that proximal settings are measured in
-UNITS = {  # what `seconds` and `error` of a group are
+PROXIMAL_STATES = 24  # states of a turn in which proximal settings are measured
+UNITS = {  # meaning of `seconds` and `error` of a group
     INVERSE_DYNAMICS: ("of a turn", "of the driving torque, of its peak"),
     **dict.fromkeys(SCENES, ("of the run and the forces at its end", "of the crank angle at its end [rad]")),
     PROXIMAL: (f"of {PROXIMAL_STATES} states", "of the joint accelerations, of their peak"),
@@ -37,18 +37,18 @@ class Measurement(Record, units={"seconds": "s", "loop_gap": "m"}):
     """One method with one setting. A quantity that it does not have is None.
 
     Attributes:
-        group: one of `GROUPS`.
+        group: One of `GROUPS`.
         method: "plane", "reduced", ..., or a peer with its version.
-        setting: in words.
-        number: the setting: a tolerance, a step [s], a proximal parameter, a number of samples.
-        seconds: least run time, of what `UNITS` says [s].
-        error: largest error, of what `UNITS` says.
-        force_error: largest error of a bearing force, as a share of the largest peak of any [-].
-        loop_gap: largest distance between the two sides of a loop [m].
-        energy_error: of the power balance, as a share of the peak power, or of the energy at the end, as a share of the kinetic energy at
-            the start [-].
-        evaluations: crank angles, evaluations of the equation of motion, or samples.
-        problem: what the method answered instead, where there is no error; else empty.
+        setting: The setting in words.
+        number: The setting as a number: a tolerance, a step [s], a proximal parameter or a number of samples.
+        seconds: Least run time; `UNITS` says of what [s].
+        error: Largest error; `UNITS` says of what.
+        force_error: Largest error of a bearing force, as a share of the largest peak of any [-].
+        loop_gap: Largest distance between the two sides of a loop [m].
+        energy_error: Error of the power balance, as a share of the peak power, or of the energy at the end, as a share of the kinetic
+            energy at the start [-].
+        evaluations: Number of crank angles, of evaluations of the equation of motion, or of samples.
+        problem: Message of the method where there is no error; else empty.
     """
 
     group: str
@@ -72,14 +72,14 @@ class WorkPrecision(Tabular):
     """Error against run time of everything that is offered for a press, and of its peers, measured in one run.
 
     Attributes:
-        press_name: name of the press.
-        scene: what was computed, in words.
-        machine: on what, in words.
-        scenes: group of a simulation -> that scene in words.
-        certificates: group -> difference of the two independent methods whose agreement makes the reference, in the unit of its errors.
-        certified_by: group -> which two these are.
-        measurements: in the order of `GROUPS`.
-        skipped: a line for each that could not be measured, with the reason.
+        press_name: Name of the press.
+        scene: What was computed, in words.
+        machine: The computer, in words.
+        scenes: Group of a simulation -> its scene in words.
+        certificates: Group -> difference of the two independent methods whose agreement makes the reference, in the unit of its errors.
+        certified_by: Group -> names of these two methods.
+        measurements: All measurements, in the order of `GROUPS`.
+        skipped: A line for each method that could not be measured, with the reason.
     """
 
     press_name: str
@@ -96,7 +96,7 @@ class WorkPrecision(Tabular):
         return Records(Measurement, (m for m in self.measurements if m.group == group and method in (None, m.method)))
 
     def fastest(self, group: str, error: float) -> Records[Measurement]:
-        """Of every method of a group that reaches an error the fastest measurement that does, the fastest first."""
+        """The fastest measurement of each method of a group that reaches an error, the fastest first."""
         best: dict[str, Measurement] = {}
         for m in sorted(self.of(group), key=lambda m: m.seconds):
             if m.error is not None and m.error <= error:
@@ -128,16 +128,16 @@ class WorkPrecision(Tabular):
 def plot(measured: WorkPrecision) -> Figure:
     """Draw error against run time, of inverse dynamics and of every scene, and what settings do to the error.
 
-    The error of a scene is that of the crank angle at its end; under a stiff speed law, which leaves that no choice, that of the bearing
-    forces. Then come loop gaps of the free run, error against the proximal parameter of constraint dynamics, and against the number of
-    samples of the reduced table. Errors of torque, forces and accelerations are shares of their peaks, those of a table of its range. Grey
-    lines show to what the reference is known.
+    The error of a scene is that of the crank angle at its end; under a stiff speed law, which fixes the crank angle, it is that of the
+    bearing forces. Further panels show loop gaps of the free run, error against the proximal parameter of constraint dynamics, and error
+    against the number of samples of the reduced table. Errors of torque, forces and accelerations are shares of their peaks, those of a
+    table are shares of its range. Grey lines show how far the reference is known.
 
     Args:
-        measured: what `compare` returns.
+        measured: Result of `compare`.
 
     Raises:
-        PinpressError: not a `WorkPrecision`; Matplotlib is not installed.
+        PinpressError: It is no `WorkPrecision`, or Matplotlib is not installed.
     """
     looks = _looks(measured)
     with drawing(HEIGHT) as figure:
@@ -188,7 +188,7 @@ def _cells(row: Measurement) -> tuple[str, ...]:
 
 
 def _settings(axes: Axes, measured: WorkPrecision, group: str) -> list[Any]:
-    """Lines of error over the setting, one a method."""
+    """Draw lines of error over the setting, one a method."""
     lines = []
     for k, method in enumerate(_methods(measured, group)):
         look = {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k], "zorder": 3 + k}
@@ -198,7 +198,7 @@ def _settings(axes: Axes, measured: WorkPrecision, group: str) -> list[Any]:
 
 
 def _known(axes: Axes, measured: WorkPrecision, group: str) -> None:
-    """A line at what the reference is known to."""
+    """Draw a line at the error to which the reference is known."""
     if group in measured.certificates:
         axes.axhline(measured.certificates[group], color=GREY, linewidth=0.8, zorder=0)
 
@@ -211,7 +211,7 @@ def _ticks(axes: Axes, counts: Sequence[int]) -> None:
 
 
 def _looks(measured: WorkPrecision) -> dict[str, dict[str, Any]]:
-    """A colour for what pinpress, and what every other program offers; a marker for each of its methods; fixed steps dashed."""
+    """A colour for each family of methods, a marker for each method, and dashes for fixed steps."""
     methods = [method for group in (INVERSE_DYNAMICS, *SCENES) for method in _methods(measured, group)]
     families: dict[str, str] = {}
     looks: dict[str, dict[str, Any]] = {}

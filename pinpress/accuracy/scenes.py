@@ -1,7 +1,7 @@
-"""Scenes of `compare`: what a press runs through in simulations, made for any press from a speed, a flywheel and a duration.
+"""Scenes of `compare`: runs of a press, made for any press from a speed, a flywheel and a duration.
 
-A free run is smooth, and everything is easy there. A press at work is not: a clutch slips and grips, a blank breaks, a die is met, a drive
-holds its speed so hard that it forgets a disturbance within microseconds.
+A free run is smooth and easy for every method. A press at work is not: a clutch slips and grips, a blank breaks, the slide meets a die, and
+a drive holds its speed so hard that it forgets a disturbance within microseconds.
 """
 
 import math
@@ -25,22 +25,22 @@ from .measurements import CLUTCH, DIE, FREE_RUN, SPEED_LAW
 RATED = 1485 * RPM  # speed of the motor [rad/s]
 PERIODS = 2.0  # turns in which the motor at its rated power gives the flywheel's energy
 BLANKED = 0.2  # share of the flywheel's energy that the blank takes
-HEIGHTS = (0.03, 0.01)  # in strokes above bottom dead centre: between these the blank is cut
-RISE = 0.1  # of a turn: in which the clutch builds up its torque
-STRONGER = 2.0  # torque of the clutch, beside the largest of the blank
+HEIGHTS = (0.03, 0.01)  # heights above bottom dead centre between which the blank is cut [strokes]
+RISE = 0.1  # time in which the clutch builds up its torque [turns]
+STRONGER = 2.0  # torque of the clutch, divided by the largest of the blank [-]
 DIE_STIFFNESS = 1e10  # [N/m]
-COMPRESSED = 0.02  # share of the flywheel's energy that the die takes up, and gives back
-FORGETS = 1e-6  # of a turn: time constant of the stiff speed law, nearly
-SLOWER = 0.99  # speed at which that begins, beside the one it holds
+COMPRESSED = 0.02  # share of the flywheel's energy that the die takes up and gives back
+FORGETS = 1e-6  # approximate time constant of the stiff speed law [turns]
+SLOWER = 0.99  # initial speed under the stiff speed law, divided by the speed that it holds [-]
 
 
 @dataclass(frozen=True)
 class SpeedLaw(SpeedTorqueDrive):
-    """A drive that holds a speed: torque ``gain`` times the difference. It has no inertia.
+    """A drive without inertia that holds a speed by a torque in proportion to the difference.
 
     Attributes:
-        gain: [N m s/rad].
-        speed: that it holds [rad/s].
+        gain: Torque by difference of speed [N m s/rad].
+        speed: Speed that it holds [rad/s].
     """
 
     gain: float
@@ -60,20 +60,20 @@ class SpeedLaw(SpeedTorqueDrive):
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A run that all methods of simulation are asked for.
+    """A run that all methods of simulation compute.
 
     Attributes:
-        group: one of `measurements.SCENES`.
-        words: what happens.
-        turn: about how long a turn takes [s].
-        duration: of the run [s].
-        angle: of the crank at the start [rad].
-        speed: of the crank at the start [rad/s].
-        flywheel: on the crank, or before the clutch.
-        drive: what turns the crank; None where nothing does.
-        clutch: between flywheel and crank; None where they are one.
-        loads: process loads.
-        certifying: the two methods of simulation that make the reference.
+        group: One of `measurements.SCENES`.
+        words: The scene in words.
+        turn: Approximate duration of a turn [s].
+        duration: Duration of the run [s].
+        angle: Crank angle at the start [rad].
+        speed: Crank speed at the start [rad/s].
+        flywheel: Flywheel on the crank, or before the clutch.
+        drive: Drive of the crank; None where there is none.
+        clutch: Clutch between flywheel and crank; None where they turn together.
+        loads: Process loads.
+        certifying: The two methods of simulation that make the reference.
     """
 
     group: str
@@ -90,7 +90,7 @@ class Scene:
 
     @property
     def inertia(self) -> float:
-        """Of flywheel and drive on the crank's shaft [kg m2]."""
+        """Moment of inertia of flywheel and drive on the crank's shaft [kg m2]."""
         return float(self.flywheel.inertia) + (0.0 if self.drive is None else float(self.drive.inertia))
 
     def push(self, height: float, rate: float) -> float:
@@ -112,7 +112,7 @@ class Scene:
 
 
 def free_run(speed: float, flywheel: float, duration: float) -> Scene:
-    """Without torque, weights on, from crank angle 0."""
+    """A run without torque, with weights, from crank angle 0."""
     words = f"from {speed / RPM:g} r/min with a flywheel of {flywheel:.4g} kg m2, {duration:.4g} s"
     return Scene(FREE_RUN, words, 2 * math.pi / abs(speed), duration, 0.0, speed, Flywheel(flywheel), certifying=("constraint", "reduced"))
 
@@ -121,7 +121,7 @@ def build_scene(press: Linkage, group: str, speed: float, flywheel: float, durat
     """The scene of a group.
 
     Raises:
-        PinpressError: a press without slide, or whose slide has no dead centres, has no such scene.
+        PinpressError: The press has no slide, or a slide without dead centres, and so no such scene.
     """
     if group == FREE_RUN:
         return free_run(speed, flywheel, duration)
@@ -130,16 +130,15 @@ def build_scene(press: Linkage, group: str, speed: float, flywheel: float, durat
         gain = 10.0 ** round(math.log10(flywheel / (FORGETS * turn)))
         words = f"torque {gain:.0e} N m s/rad times what the crank lags behind {speed / RPM:g} r/min, from {1 - SLOWER:.0%} below"
         return Scene(group, words, turn, duration, 0.0, SLOWER * speed, wheel, SpeedLaw(gain, speed))
+    motor = Geared(InductionMotor(rated_power=energy / (PERIODS * turn), rated_speed=RATED), ratio=RATED / speed)
+    driven = f"a motor of {energy / (PERIODS * turn) / 1e3:.3g} kW"
     found = dead_centres(press)
-    stroke, power = found.top_position - found.bottom_position, energy / (PERIODS * turn)
-    motor = Geared(InductionMotor(rated_power=power, rated_speed=RATED), ratio=RATED / speed)
-    driven = f"a motor of {power / 1e3:.3g} kW"
     if group == DIE:
         height = math.sqrt(2 * COMPRESSED * energy / DIE_STIFFNESS)
         words = f"{driven} and a die of {DIE_STIFFNESS:.0e} N/m, {1e3 * height:.3g} mm above bottom dead centre"
         return Scene(group, words, turn, duration, 0.0, speed, wheel, motor, loads=(ElasticDie(height, DIE_STIFFNESS),))
     assert group == CLUTCH
-    start, end = (height * stroke for height in HEIGHTS)
+    start, end = (height * (found.top_position - found.bottom_position) for height in HEIGHTS)
     force = BLANKED * energy * 0.5 * math.pi / (start - end)
     torque = STRONGER * force * _lever(press, start)
     words = (
@@ -152,7 +151,7 @@ def build_scene(press: Linkage, group: str, speed: float, flywheel: float, durat
 
 
 def _lever(press: Linkage, height: float) -> float:
-    """Slide travel by crank angle, the largest below a height above bottom dead centre [m]."""
+    """Largest slide travel by crank angle below a height above bottom dead centre [m]."""
     table, bottom = reduced_model_of(press), dead_centres(press).bottom_position
     angles = np.linspace(table.borders[0], table.borders[-1], 721)
     values, slopes = table.at(angles)

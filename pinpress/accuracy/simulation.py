@@ -23,16 +23,21 @@ from .scenes import Scene
 
 METHODS = ("reduced", "implicit", "constraint")
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
-STEPS = (40, 80, 160, 320, 640)  # of the classical Runge-Kutta method, per turn
-PANELS = (1, 2, 3, 4, 6, 8, 11, 16, 22, 32)  # of a reduced table
+STEPS = (40, 80, 160, 320, 640)  # steps of the classical Runge-Kutta method per turn
+PANELS = (1, 2, 3, 4, 6, 8, 11, 16, 22, 32)  # numbers of panels of a reduced table
 PACE = 60 / 70  # length of a turn for which the steps of peers are meant [s]
-BETWEEN = 997  # crank angles at which a table is looked at
-STATES = 121  # of the reference, in which forces have their peaks; the first one, in which a stiff drive gives a blow, does not count
+BETWEEN = 997  # crank angles at which the error of a table is found
+STATES = 121  # states of the reference in which forces have their peaks; the first one, in which a stiff drive gives a blow, does not count
 UNSTABLE = f"fixed steps are left out in the {SPEED_LAW}: they are stable only below the time in which it forgets"
 
 
 class Ended(NamedTuple):
-    """A run and the forces in its last state."""
+    """A run and the forces in its last state.
+
+    Attributes:
+        run: The run.
+        last: Reactions in its last state.
+    """
 
     run: Run
     last: Reactions

@@ -27,8 +27,8 @@ from .peers.peer import Peer, Solver
 from .scenes import Scene, build_scene
 from .simulation import simulation_contest, table_contest
 
-TURNS = 2.0  # of the runs
-HEAVY = 4.0  # times the linkage's largest reduced inertia: a flywheel that carries it on
+TURNS = 2.0  # length of the runs
+HEAVY = 4.0  # inertia of the default flywheel, which keeps the linkage turning, in its largest reduced inertias
 PEERS = {  # package that must be installed, our module and class
     "hand script": ("numpy", "six_bar_press", "HandScript"),
     "MuJoCo": ("mujoco", "mujoco_press", "Mujoco"),
@@ -52,10 +52,10 @@ def compare(
 ) -> WorkPrecision:
     """Measure all methods for a press, and this press in other programs where they are installed (`peers`).
 
-    Inverse dynamics of a period at constant speed by both engines. Simulations by all methods over tolerances and steps: a free run from
-    crank angle 0, weights on; a start by a clutch under a motor, and a blank; a stiff elastic die, met under a motor; a drive that holds
-    the speed so hard that the equation is stiff. The proximal settings of constraint dynamics. The number of samples of the reduced table.
-    Run times are the least of several rounds in which all take turns.
+    It measures inverse dynamics of a period at constant speed by both engines; simulations by all methods over tolerances and steps; the
+    proximal settings of constraint dynamics; and the number of samples of the reduced table. The simulations are a free run from crank
+    angle 0 with weights; a start by a clutch under a motor, and a blank; a stiff elastic die under a motor; and a drive that holds the
+    speed so hard that the equation is stiff. Run times are the least of several rounds in which all take turns.
 
     Args:
         press: A linkage with one driver.

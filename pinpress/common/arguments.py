@@ -125,8 +125,8 @@ def _check(name: str, value: object, kind: _Kind) -> None:
 
 _Shape = tuple[int | None, ...]  # None: any length along that axis
 
-SMALLEST, LARGEST = 1e-12, 1e12  # of a size, in SI units: squares of what is smaller or larger lose meaning
-_DEEPEST = 32  # levels of nested lists; NumPy itself stops at 64 axes, or at 32
+SMALLEST, LARGEST = 1e-12, 1e12  # range of sizes in SI units: squares of smaller or larger ones lose meaning
+_DEEPEST = 32  # most levels of nested lists; NumPy itself stops at 64 axes, or at 32
 _SORTS = {
     "b": "truth values",
     "c": "complex numbers",

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
-INTERRUPTED = 130  # as shells have it: 128 and the signal's number
+INTERRUPTED = 130  # exit code of a command that Ctrl-C ended, as in shells: 128 + the signal's number
 
 
 def ended(program: str, run: Callable[[], int]) -> int:

@@ -16,8 +16,8 @@ from .errors import PinpressError
 from .quantities import Array
 
 EQUAL, AT_MOST, CONE = "equal", "at most", "cone"
-TOLERANCE = 1e-12  # that the solver aims at, for programs scaled to numbers about one
-PROVED = 1e-8  # largest residual of the optimality conditions with which a solution is one
+TOLERANCE = 1e-12  # tolerance that the solver aims at, for programs scaled to numbers about one
+PROVED = 1e-8  # largest residual of the optimality conditions that is accepted
 
 
 @dataclass(frozen=True, eq=False, repr=False)

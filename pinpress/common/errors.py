@@ -10,9 +10,9 @@ from typing import Any
 
 from .quantities import CRANK, DriverCoordinate
 
-_LONGEST_SHOWN = 200  # characters of a value in a message
-_LONGEST_WHOLE_NUMBER = 200  # bits
-_LONGEST_NAME = 200  # characters of a name that alternatives are suggested for: comparing longer ones takes long
+_LONGEST_SHOWN = 200  # most characters of a value in a message
+_LONGEST_WHOLE_NUMBER = 200  # most bits of a whole number in a message
+_LONGEST_NAME = 200  # most characters of a name that alternatives are suggested for: comparing longer ones takes long
 
 
 class PinpressError(Exception):

@@ -23,18 +23,19 @@ from scipy.special import roots_jacobi
 from .quantities import Array
 
 STAGES = 7
-ROUNDS = 12  # of Newton's method in a step
-SETTLED = 1e-2  # error left by Newton's method, beside the tolerance
-LOOSER = 100.0  # times the tolerance, for integrals along the motion
-ROUNDED = 0.5  # correction, beside the tolerance, that may be rounding
-ASIDE = (-7e-14, 3e-14)  # shares by which a state is changed to see how rates round off
-ROUNDINGS = 10.0  # that stiff forces pass on: no step is shortened for so many
-SLOWEST = 0.9  # share of a correction that the next one may have
-SAFETY = 0.9  # of a step beside the one that would meet the tolerance
-LEAST_CHANGE, MOST_CHANGE = 0.1, 8.0  # of the step's length at once
-FAILED = 0.25  # of the step's length, where Newton's method does not converge
-FURTHEST = 3.0  # step, beside the one before, up to which that one's polynomial is a good first guess
-BESIDE, STANDING = 1e-7, 1e-12  # change of an entry for a slope, beside itself or its size, and beside its size where it is zero
+ROUNDS = 12  # most rounds of Newton's method in a step
+SETTLED = 1e-2  # error that Newton's method may leave, as a share of the tolerance
+LOOSER = 100.0  # multiple of the tolerance for integrals along the motion
+ROUNDED = 0.5  # share of the tolerance below which a correction may be rounding
+ASIDE = (-7e-14, 3e-14)  # relative changes of a state that show how the rates are rounded
+ROUNDINGS = 10.0  # multiple of the rounding that stiff forces pass on: no step is shortened for less
+SLOWEST = 0.9  # largest ratio of a correction to the one before with which Newton's method goes on
+SAFETY = 0.9  # share of the step that would just meet the tolerance
+LEAST_CHANGE, MOST_CHANGE = 0.1, 8.0  # factors by which a step may differ from the one before
+FAILED = 0.25  # factor by which a step is shortened where Newton's method does not converge
+FURTHEST = 3.0  # ratio of a step to the one before up to which that one's polynomial is a good first guess
+# Change of an entry for a slope, relative to the smaller of itself and its size, and relative to its size where it is zero.
+BESIDE, STANDING = 1e-7, 1e-12
 EPS = float(np.finfo(float).eps)
 
 

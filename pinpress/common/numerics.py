@@ -11,8 +11,8 @@ import numpy as np
 
 from .quantities import Array
 
-NODES = 14  # of the quadrature; the polynomials through its nodes have one degree less
-MOST_STEPS = 60  # of Newton's method: as many halve a bracket down to rounding
+NODES = 14  # nodes of the quadrature; the polynomials through them have one degree less
+MOST_STEPS = 60  # most steps of Newton's method: as many halvings narrow a bracket down to rounding
 ValueAndSlope = Callable[[Array], tuple[Any, Any]]
 """Places (m,) -> values and derivatives of a function there, (m,) each. They may be complex; decisions are made on their real parts."""
 

@@ -21,7 +21,7 @@ from .arguments import finite_numbers, is_whole_number, typed
 from .errors import PinpressError, shown
 from .frozen import Frozen
 
-_KEY = "pinpress.parameter"  # in the metadata of a dataclass's field
+_KEY = "pinpress.parameter"  # key in the metadata of a dataclass's field
 
 _SIGNS: Mapping[str, Callable[[Any], Any]] = {
     "finite": np.isfinite,

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 Column: TypeAlias = NDArray[Any] | Sequence[object]
 Columns: TypeAlias = Mapping[str, Column]
 
-MOST_ROWS, MOST_COLUMNS = 20, 20  # shown of a table in a notebook
+MOST_ROWS, MOST_COLUMNS = 20, 20  # most rows and columns of a table in a notebook
 GAP = "..."  # stands for what is left out of a long table
-_NAME, _NUMBER, _UNIT = 26, 12, 7  # letters of an `entry`
+_NAME, _NUMBER, _UNIT = 26, 12, 7  # widths of the columns of an `entry`
 
 _DIGITS = 5  # of the largest number of a `Scale`
 _ROUNDING = 1e-9  # share of the largest number below which a number is rounding

@@ -32,7 +32,7 @@ from ..engines.planar.model import Plane
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 
-STEP = 1e-30  # of the complex-step method: its square vanishes beside any number
+STEP = 1e-30  # step of the complex-step method: its square vanishes beside any number
 CONTRADICTED = 1e-9  # share of the displacement by which rounding may leave redundant equations open
 Pivots = Mapping[tuple[str, str], ArrayLike]
 """(bearing, link) -> position (3,) of the bearing in the link's own frame [m]."""
@@ -120,8 +120,9 @@ def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivo
         tangent = Tangent.of(states, rates, by)
         slide: tuple[Array | None, Array | None, Array | None] = (None, None, None)
         if press.slide is not None:
-            guide = press.slide_guide[0]
-            slide = tangent.position[guide] + guide_shift(plane, by, guide), tangent.v[guide], tangent.a[guide]
+            guide, _, sign = press.slide_guide
+            moved = tangent.position[guide] + guide_shift(plane, by, guide)
+            slide = sign * moved, sign * tangent.v[guide], sign * tangent.a[guide]
         result.append(MotionSensitivity(motion, (tangent.position - drawn.slope(by)).T, tangent.v.T, tangent.a.T, *slide, units))
     return tuple(result)
 

@@ -100,14 +100,14 @@ def pushes(plane: Plane, press: Linkage, motion: Motion, loads: Sequence[Load], 
         for each in applied:
             if each.joint:
                 slope = _force_slope(load, press, motion, height, velocity) if isinstance(load, ProcessLoad) else 0.0
-                result.append(_push(plane, each, slope, braced))
+                result.append(_push(plane, each, slope, braced, press.slide_guide.sign if braced else 1.0))
     return result
 
 
-def _push(plane: Plane, load: AppliedForce, slope: Array | float, braced: bool) -> Push:
+def _push(plane: Plane, load: AppliedForce, slope: Array | float, braced: bool, sign: float) -> Push:
     body = load.joint - 1
     arm = complex(*(plane.frames[body] @ load.point)[:2])
-    guide = plane.directions[plane.prismatic.index(body), 0] if braced else 0.0
+    guide = sign * plane.directions[plane.prismatic.index(body), 0] if braced else 0.0
     force = to_complex(plane, load.force)
     return Push(body, arm, force, slope * guide * np.ones_like(force), braced)
 

@@ -44,7 +44,7 @@ def asked(loads: Sequence[Load]) -> list[Load]:
 def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[AppliedForce]:
     """Loads as arrays over the motion.
 
-    A process load acts by its intervals for downward travel where the slide moves against its guide's axis, else by those for upward
+    A process load acts by its intervals for downward travel where the slide moves against the slide's direction, else by those for upward
     travel. Where the slide rests, its travel counts as upward, so that a load of the working stroke has ended at bottom dead centre.
 
     Raises:
@@ -70,11 +70,11 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[App
 
 
 def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -> list[AppliedForce]:
-    """A force (n,) [N] along the guide's axis at the slide's origin, and the opposite force on the frame in the same line of action."""
-    guide, _ = press.slide_guide
+    """A force (n,) [N] along `Linkage.slide_direction` at the slide's origin, and its opposite on the frame in one line of action."""
+    guide = press.slide_guide.joint
     placement = press.model.jointPlacements[guide + 1]  # in the world, as the frame carries the guide
     origin = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
-    force = along[:, None] * (placement.rotation @ press.axes[guide].direction)
+    force = along[:, None] * press.slide_direction
     # The slide's origin moves along the axis: where it was drawn is a point of the frame in its line of action.
     return [AppliedForce(guide + 1, origin, force), AppliedForce(0, placement.act(origin), -force)]
 
@@ -107,8 +107,8 @@ def _intervals(load: ProcessLoad) -> list[tuple[bool, ForceInterval]]:
 
 def _heights(press: "Linkage", motion: "Motion", zero: float) -> tuple[Array, Array]:
     """Heights (n,) of the slide above a slide position [m], and its velocities along the guide's axis (n,) [m/s]."""
-    guide, offset = press.slide_guide
-    return motion.joint_position[:, guide] + (offset - zero), motion.v[:, guide]
+    guide, offset, sign = press.slide_guide
+    return sign * motion.joint_position[:, guide] + (offset - zero), sign * motion.v[:, guide]
 
 
 def _force_in(name: str, interval: ForceInterval, height: Array, velocity: Array) -> Array:

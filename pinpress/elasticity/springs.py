@@ -144,8 +144,7 @@ def internal_forces(press: Linkage, springs: Sequence[Part], motion: Motion, rea
     """
     lines = bearing_points(press, poses(press, motion.joint_position)) if any(part.kind == "rod" for part in springs) else np.empty(0)
     across = _in_plane(press)
-    guide = press.slide_guide[0]
-    axis = press.model.jointPlacements[guide + 1].rotation @ press.axes[guide].direction
+    axis = press.slide_direction
     found = []
     for part in springs:
         if part.kind == "shaft":

@@ -161,9 +161,7 @@ class HeldPress:
     @cached_property
     def unit(self) -> list[Array]:
         """Internal forces under 1 N on the slide along its guide [N, N m]."""
-        guide, _ = self.press.slide_guide
-        axis = self.press.model.jointPlacements[guide + 1].rotation @ self.press.axes[guide].direction
-        return self.under(str(self.press.slide), axis, np.zeros(3))
+        return self.under(str(self.press.slide), self.press.slide_direction, np.zeros(3))
 
     def under(self, link: str, direction: Array, point: Array) -> list[Array]:
         """Internal forces that 1 N adds, which are linear in loads [N, N m].

@@ -27,9 +27,9 @@ from ..linkage.urdf.document import SEVERITIES, Document, Finding
 from .dyads import Dyad, least_transmission_angles
 from .main_data import MainData, main_data, main_lines
 
-WIDTH = 120  # of a line of text
-FLAT = math.radians(30.0)  # transmission angles below are told from the others
-WHOLE = ("<robot", "<model", "<mujoco")  # what is said of the file as a whole is said of none of its elements
+WIDTH = 120  # characters of a line of text
+FLAT = math.radians(30.0)  # smaller transmission angles are marked
+WHOLE = ("<robot", "<model", "<mujoco")  # elements that messages about the file as a whole do not name
 
 
 @dataclass(frozen=True, repr=False)
@@ -160,10 +160,7 @@ def check(
     moves.
 
     Args:
-        path: as of `load`.
-        driver: as of `load`.
-        slide: as of `load`.
-        allow_open: as of `load`.
+        path, driver, slide, allow_open: as of `load`.
 
     Raises:
         UrdfError: there is no such file.

@@ -18,18 +18,18 @@ from ..common.quantities import Array, DriverCoordinate
 from ..linkage.assembly import refuse_far
 from .sampled_column import FEWEST, SampledColumn
 
-KEPT = 1e6  # roundings of time that a step must have, for its length to be known
-AMISS = 0.05  # part of a motion by which columns of fewer states than `FEWEST` may miss each other
-LEAST = 1e-3  # of the largest rate: as it is printed
-CLOSED = 1e-6  # of a step, by which a motion may end beside the end of its period
-SEAM = 1e-4, 1e-2  # of a turn, and of the largest speed, by which the last state of a closed motion may differ from the first
-NOISY, COARSE = 0.03, 0.05  # uncertainty beside the size of derivatives, from which noise and too long steps make much of them
-NOISE_SHARE = 8.0, 5.0  # times the uncertainty of a first and of a second derivative: its error by white noise
-UNCLEAR = 0.5  # roughness beside the size of derivatives, from which single states are uncertain
-SLIGHT = 0.1  # of the square of a speed: an acceleration that moves a press little beside what its speed does
-MOST_ROUNDS = 60  # to find the time of states
-SETTLED = 1e-13  # change of a step of time that is none
-UNSURE = 0.1  # of a step of time, by which the trapezoidal rule and the spline differ where time is not determined
+KEPT = 1e6  # least length of a step, in roundings of time, with which the step is known
+AMISS = 0.05  # share of a motion by which columns of fewer states than `FEWEST` may contradict each other
+LEAST = 1e-3  # share of the largest rate that counts as digits lost in printing
+CLOSED = 1e-6  # share of a step by which a motion may miss the end of its period
+SEAM = 1e-4, 1e-2  # shares of a turn, and of the largest speed, by which the last state of a closed motion may differ from the first
+NOISY, COARSE = 0.03, 0.05  # uncertainties of derivatives, as shares of their size, above which noise and long steps dominate them
+NOISE_SHARE = 8.0, 5.0  # factors from the uncertainty of a first and of a second derivative to its error by white noise
+UNCLEAR = 0.5  # roughness of derivatives, as a share of their size, above which single states are uncertain
+SLIGHT = 0.1  # share of the square of a speed: a smaller acceleration moves a press little compared with its speed
+MOST_ROUNDS = 60  # most rounds in which the times of states are found
+SETTLED = 1e-13  # relative change of a step of time that ends these rounds
+UNSURE = 0.1  # share of a step of time by which trapezoidal rule and spline differ where time is not determined
 
 
 class Drivers(NamedTuple):

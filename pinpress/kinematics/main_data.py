@@ -11,11 +11,10 @@ from ..common import tables
 from ..common.errors import PinpressError
 from ..common.results import Record
 from ..engines.joints import drawn_placements
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import UPRIGHT, Linkage
 from .motion import motion_through_change_points
 from .slide_path import DeadCentres, dead_centres
 
-UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which it is said to move up and down
 ALONG = 0.999  # cosine between two directions that are taken for one in words
 POINTS = 721  # crank angles at which the travel of a slide without dead centres is looked for
 
@@ -57,7 +56,7 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
         moves: Whether its motion can be looked at; it cannot where its loops do not close.
     """
     masses = [float(inertia.mass) for inertia in press.model.inertias]
-    slide = None if press.slide is None else masses[press.slide_guide[0] + 1]
+    slide = None if press.slide is None else masses[press.slide_guide.joint + 1]
     data = MainData(press.size, sum(masses[1:]), slide, sense_of_rotation(press))
     if press.slide is None or not moves:
         return data
@@ -109,9 +108,7 @@ def forward_share(ends: DeadCentres, speed: float = 1.0) -> float:
 
 def directions(press: Linkage) -> tuple[str, str]:
     """Words for the slide's ways to bottom and to top dead centre: "down" and "up" where it moves so."""
-    guide, _ = press.slide_guide
-    axis = press.model.jointPlacements[guide + 1].rotation @ press.axes[guide].direction
-    return ("down", "up") if axis[2] > UPRIGHT else ("to bottom dead centre", "to top dead centre")
+    return ("down", "up") if press.slide_direction[2] > UPRIGHT else ("to bottom dead centre", "to top dead centre")
 
 
 def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:

@@ -21,10 +21,10 @@ from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure
 from ..engines.joints import Slot, configuration
 from ..linkage.assembly import closed, followed_from, refuse_far
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, SlideGuide
 
-POINTS = 360  # states of a turn, by default
-MOST_POINTS = 10**7  # states of one period: half a gigabyte for every quantity of a six-bar press
+POINTS = 360  # states of a turn by default
+MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,10 +46,10 @@ class Motion(Tabular):
         q: (n, nq) Pinocchio's configurations.
         closure_error: (n,) largest distance between the two sides of a loop [m].
         time: (n,) time of the states [s]. Reading it raises PinpressError for states that have no time, see `servo_cycle`.
-        slide_position: (n,) position of the slide link's origin along its guide's axis in world coordinates, positive along the axis
-            (upwards) [m]. Reading it, or velocity or acceleration, raises PinpressError where the linkage has no slide.
-        slide_velocity: (n,) velocity of the slide along this axis [m/s].
-        slide_acceleration: (n,) acceleration of the slide along this axis [m/s2].
+        slide_position: (n,) position of the slide link's origin along its guide in world coordinates, positive upwards (see
+            `Linkage.slide_direction`) [m]. Reading it, or velocity or acceleration, raises PinpressError where the linkage has no slide.
+        slide_velocity: (n,) velocity of the slide in this direction [m/s].
+        slide_acceleration: (n,) acceleration of the slide in this direction [m/s2].
         period_turns: Turns of the crank in a period, see `Linkage.period_turns`; None where the linkage has no period, or several drivers.
     """
 
@@ -66,7 +66,7 @@ class Motion(Tabular):
     closure_error: Array
     _time: Array | None
     _slots: tuple[Slot, ...]
-    _guide: tuple[int, float] | None
+    _guide: SlideGuide | None
     period_turns: int | None
     # Not taken over by dataclasses.replace: a motion with other positions must not keep the basis of this one.
     _closed_as: tuple[Linkage, ComplexArray] | None = field(default=None, init=False)
@@ -95,8 +95,8 @@ class Motion(Tabular):
 
     @cached_property
     def slide_position(self) -> Array:
-        guide, offset = self._slide()
-        return read_only(self.joint_position[:, guide] + offset)
+        guide, offset, sign = self._slide()
+        return read_only(sign * self.joint_position[:, guide] + offset)
 
     @property
     def shown_position(self) -> Array:
@@ -112,11 +112,11 @@ class Motion(Tabular):
 
     @property
     def slide_velocity(self) -> Array:
-        return self.v[:, self._slide()[0]]
+        return self._along_slide(self.v)
 
     @property
     def slide_acceleration(self) -> Array:
-        return self.a[:, self._slide()[0]]
+        return self._along_slide(self.a)
 
     def columns(self) -> dict[str, Array]:
         """Time, drivers, slide and closure error as (n,) columns under their names with units. Of a driver that slides they are
@@ -140,8 +140,12 @@ class Motion(Tabular):
         """
         tables.write_mat(path, self.columns() | {"q": self.q, "v": self.v, "a": self.a})
 
-    def _slide(self) -> tuple[int, float]:
-        """Index in v of the slide's guide, and the slide's position in the drawn pose [m]."""
+    def _along_slide(self, rates: Array) -> Array:
+        """(n,) rates of the slide, of those of all joints."""
+        guide, _, sign = self._slide()
+        return rates[:, guide] if sign > 0 else read_only(-rates[:, guide])
+
+    def _slide(self) -> SlideGuide:
         if self._guide is None:
             raise PinpressError(f"{self.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
         return self._guide

@@ -22,7 +22,7 @@ from ..common.quantities import Array, ComplexArray
 
 MISSED = 1e-5  # accepted error of the end-corrected trapezoidal rule from state to state [share of the quantity's range]; measures err less
 UNEQUAL = 1e-9  # difference of crank angle steps [rad], or share by which crank speeds differ, up to which they are equal
-ROUNDING = 4 * float(np.finfo(float).eps)  # of a place
+ROUNDING = 4 * float(np.finfo(float).eps)  # rounding of a place
 
 Numbers = NDArray[np.float64] | NDArray[np.complex128]
 

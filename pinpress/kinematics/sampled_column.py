@@ -15,19 +15,19 @@ import numpy as np
 
 from ..common.quantities import Array, ComplexArray
 
-FEWEST = 6  # states that a quintic takes: with fewer there is nothing to compare a derivative with
-EQUAL = 1e-9  # part of a step by which equal steps may differ
+FEWEST = 6  # least states for a quintic spline: with fewer a derivative cannot be compared
+EQUAL = 1e-9  # share of a step by which equal steps may differ
 LAST = 4  # the last quarter of the harmonics tells whether they have died away
-CORNER, JUMP = 120.0, 400.0  # times the differences of quintic and cubic spline, of derivatives and of integrals over a step
-DIFFERENCES = 3.0  # times those from central differences and from the trapezoidal rule
-BENT = 3.0  # times what slopes or values differ from those on a line between their neighbours: a corner's part is larger, and a jump's
-NOISE = 35.0  # times the median difference of both splines: six standard deviations of white noise
-STEPPED = 12.0  # times the largest difference of both splines: what steps of a rounded column are no larger than
-AT_ENDS = 4.0  # times as much at the first and the last state, beside which a corner is seen from one side alone
-ABOUT = 3  # states to either side in which a corner or a jump is seen
+CORNER, JUMP = 120.0, 400.0  # multiples of the difference between quintic and cubic spline, in derivatives and in integrals over a step
+DIFFERENCES = 3.0  # multiple of the difference from central differences and from the trapezoidal rule
+BENT = 3.0  # multiple of the difference of slopes or values from a line between their neighbours: that of a corner or jump is larger
+NOISE = 35.0  # multiple of the median difference between the two splines: six standard deviations of white noise
+STEPPED = 12.0  # multiple of the largest difference between the two splines that steps of a rounded column do not exceed
+AT_ENDS = 4.0  # factor at the first and the last state, where a corner is seen from one side alone
+ABOUT = 3  # states on either side in which a corner or a jump shows
 ROUNDING = 64 * float(np.finfo(float).eps)
-SAME = 1e-9  # of the values: differences that are rounding
-SHOWN = 100  # differences of which a common step is found
+SAME = 1e-9  # share of the values below which differences are rounding
+SHOWN = 100  # differences from which a common step is found
 
 
 @dataclass(frozen=True, eq=False)

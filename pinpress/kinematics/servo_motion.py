@@ -20,7 +20,7 @@ from .motion import Motion, motion_through_change_points, moved
 from .slide_path import EQUAL, ROUNDING, DeadCentres, dead_centres
 
 Flank = Literal["down", "up"]
-NODES = 361  # of a flank, between which the slide's path is inverted
+NODES = 361  # nodes of a flank, between which the slide's path is inverted
 
 
 @typed
@@ -69,7 +69,7 @@ def servo_cycle(
         period: Time after which the motion begins again, a whole number of turns on [s]: it is closed. The last state may be at its end,
             where the first comes again, or one step before. By default the motion is not closed.
         height: (n,) of the slide above bottom dead centre [m].
-        flank: "down": the crank angles at which the slide goes down, against its guide's axis, where the crank turns positively; "up": the
+        flank: "down": the crank angles at which the slide goes down where the crank turns positively; "up": the
             others. It is left out where the driver slides, and moves the slide all one way. One word is that of the first state off the
             dead centres: at a state in a dead centre the crank goes on to the other flank, where the slide turns back elsewhere it turns
             back itself. A sequence has a word for each state.

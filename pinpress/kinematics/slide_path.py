@@ -20,19 +20,19 @@ from ..linkage.memo import per_linkage
 from .motion import motion_through_change_points
 from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
 
-SAME = 1e-9  # of a range: values that differ by less differ by rounding
-ROUNDING = 4 * float(np.finfo(float).eps)  # of a crank angle [rad]
-SAMPLES = 720  # per turn; two dead centres closer than half a degree would be taken for none
-EQUAL = 1e-9  # of the stroke: slide positions that differ by less differ by rounding
+SAME = 1e-9  # share of a range below which values differ by rounding
+ROUNDING = 4 * float(np.finfo(float).eps)  # rounding of a crank angle [rad]
+SAMPLES = 720  # crank angles of a turn; two dead centres closer than half a degree would be missed
+EQUAL = 1e-9  # share of the stroke below which slide positions differ by rounding
 
 
 @dataclass(frozen=True, repr=False)
 class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "bottom_angle": "rad", "bottom_position": "m"}):
-    """Outermost turning points of the slide along its guide's axis over one period; of equally far ones the first. Of a press whose driver
+    """Outermost turning points of the slide over one period; of equally far ones the first. Of a press whose driver
     slides they are the outermost places of the slide within the driver's limits.
 
     Attributes:
-        top_angle: Angle of the driver joint at top dead centre, the far end along the axis (upwards in an upright press), within the period
+        top_angle: Angle of the driver joint at top dead centre, the upper end in an upright press, within the period
             [rad]; position of a driver that slides [m].
         top_position: Position of the slide at top dead centre [m].
         bottom_angle: Angle of the driver joint at bottom dead centre within the period [rad]; position of a driver that slides [m].
@@ -231,7 +231,7 @@ def slide_path(motion: SlideMotion) -> Curve:
 
 
 def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:
-    """The stroke against the guide's axis, or along it where it is not ``downwards``.
+    """The stroke against the slide's direction, or along it where it is not ``downwards``.
 
     Raises:
         PinpressError: as `slide_path`; also where the slide turns back more than twice in the period.

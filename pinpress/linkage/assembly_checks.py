@@ -13,7 +13,7 @@ from ..common.errors import AssemblyError, PinpressError, SingularityError, Urdf
 from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.engine import ACCEPTED
-from ..engines.joints import LoopJoint, configuration, data_of, drawn_placements
+from ..engines.joints import LoopJoint, configuration, data_of
 from ..engines.planar.model import PARALLEL
 from ..engines.spatial.kinematics import PassiveJacobian, rank, singular_values
 from ..engines.spatial.model import Rows
@@ -34,7 +34,6 @@ FAR_OPEN = 0.01  # a loop drawn further open than this is hardly meant [lengths 
 CLOSED_FAR = 0.05  # one that a joint has to move as far to close [rad or m]
 TOO_FAR_OPEN = 0.1  # a loop drawn further open than this is closed only where it is asked for [lengths of the linkage, rad]
 LONGEST_STROKE = 5.0  # that a slide has [m]
-DOWNWARDS, BELOW = 0.9, 0.25  # cosine of an axis that points down; distance of a slide below its crank [lengths of the linkage]
 OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
 HARDLY = 1.0  # a driver that turns by less hardly moves the linkage [deg]
 SAMPLES = 720  # crank angles of a turn at which limits are looked at
@@ -277,13 +276,12 @@ def remarks(press: Linkage, robot: "Element", allow_open: bool) -> Iterator[Find
     yield from _engine(press)
 
 
-def severe(press: Linkage, robot: "Element", centres: bool = True) -> Iterator[Finding]:
+def severe(press: Linkage, centres: bool = True) -> Iterator[Finding]:
     """The warnings that `load` issues: those found quickly, about files that hardly describe the linkage that was meant. ``centres``:
     whether centres of mass are looked at."""
     far = np.abs(press.closed - press.as_drawn).max() > CLOSED_FAR
     yield from _drawn_open(press, _loops(_open_beyond(press, OPEN if far else FAR_OPEN)))
     yield from units_remarks(press, centres)
-    yield from _slide_axis(press, robot)
 
 
 def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:
@@ -299,7 +297,7 @@ def _stroke(press: Linkage, robot: "Element") -> Iterator[Finding]:
         branch = press.branch
     except PinpressError:
         return  # this is said of the driver
-    guide, _ = press.slide_guide
+    guide = press.slide_guide.joint
     angles = np.linspace(branch.angles[0], branch.angles[-1], SAMPLES)
     stroke = float(np.ptp(predict(branch, angles)[guide]))
     if stroke > LONGEST_STROKE:
@@ -309,18 +307,12 @@ def _stroke(press: Linkage, robot: "Element") -> Iterator[Finding]:
 
 
 def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """The warning of a slide that hangs below its crank and has an axis that points down, so that top and bottom are exchanged."""
-    gravity = float(np.linalg.norm(press.model.gravity.linear))
-    if press.slide is None or gravity == 0.0:
-        return
-    guide, _ = press.slide_guide
-    place = press.model.jointPlacements[guide + 1]
-    axis = place.rotation @ press.axes[guide].direction
-    crank = drawn_placements(press.model)[press.driver_indices[0] + 1].translation
-    if axis @ press.model.gravity.linear > DOWNWARDS * gravity and axis @ (place.translation - crank) > BELOW * press.size:
-        joint = next(joint for joint in robot.all("joint") if joint.get("name") == press.joints[guide])
-        problem = f"the axis of slide {press.slide!r} points down, away from the crank: its top is taken for its bottom dead centre"
-        yield Finding("warning", str(joint), joint.line, problem, "turn the <axis> round, so that it points up")
+    """The note of an upright slide whose axis points down."""
+    if press.slide is not None and press.slide_guide.sign < 0:
+        name = press.joints[press.slide_guide.joint]
+        joint = next(joint for joint in robot.all("joint") if joint.get("name") == name)
+        problem = f"the axis points down; positions, speeds and forces of slide {press.slide!r} count upwards all the same"
+        yield Finding("note", str(joint), joint.line, problem, f"only the coordinate of joint {name!r} itself counts along its axis")
 
 
 def _drawn_open(press: Linkage, those: list[mobility.Constraint]) -> Iterator[Finding]:

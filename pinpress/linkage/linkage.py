@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -30,7 +30,22 @@ from .urdf.document import Document
 if TYPE_CHECKING:
     from ..engines.spatial.forward_dynamics import ForwardDynamics
 
+UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which it goes up and down
 EVEN = 1e-9  # unbalance of a shaft that is rounding, as a share of its moment of inertia, or of its mass times the linkage's size
+
+
+class SlideGuide(NamedTuple):
+    """How the slide's position follows from that of its guide's joint: position = sign x joint coordinate + offset.
+
+    Attributes:
+        joint: place of the guide in v.
+        offset: the slide's position where the coordinate is zero [m].
+        sign: 1, or -1 where the slide goes up and the guide's axis points down: `Linkage.slide_direction`.
+    """
+
+    joint: int
+    offset: float
+    sign: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -226,8 +241,8 @@ class Linkage(Frozen):
 
     @property
     @per_linkage
-    def slide_guide(self) -> tuple[int, float]:
-        """Place of the slide's guide in v, and the slide's position along the guide in the drawn pose [m].
+    def slide_guide(self) -> SlideGuide:
+        """The slide's guide, and how the slide's position follows from it.
 
         Raises:
             PinpressError: the linkage has no slide.
@@ -238,7 +253,19 @@ class Linkage(Frozen):
         guide = frame.parentJoint - 1
         place = self.model.jointPlacements[frame.parentJoint]  # in the world, as the frame carries the guide
         axis = place.rotation @ self.axes[guide].direction
-        return guide, float(axis @ place.act(frame.placement.translation))
+        sign = -1.0 if axis[2] < -UPRIGHT else 1.0
+        return SlideGuide(guide, sign * float(axis @ place.act(frame.placement.translation)), sign)
+
+    @property
+    def slide_direction(self) -> Array:
+        """(3,) unit vector in world axes along which the slide's position grows: upwards where its guide is upright, wherever its axis
+        points; of an inclined or horizontal slide along the guide's axis.
+
+        Raises:
+            PinpressError: the linkage has no slide.
+        """
+        guide, _, sign = self.slide_guide
+        return np.asarray(sign * (self.model.jointPlacements[guide + 1].rotation @ self.axes[guide].direction))
 
     @property
     @per_linkage(of_geometry=True)

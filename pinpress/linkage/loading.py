@@ -57,7 +57,7 @@ def load(
 
     Warns:
         PinpressWarning: a linkage that is hardly meant: a loop drawn open by more than a hundredth of the linkage's size; lengths, angles,
-            masses or inertias that are hardly in SI units; a slide's axis that points down; what a file of another format says and is not
+            masses or inertias that are hardly in SI units; what a file of another format says and is not
             read. `check` says more.
     """
     return _loaded(document_of(located(path)), driver, slide, gravity, allow_open)
@@ -84,7 +84,7 @@ def _loaded(
     if not allow_open:
         refuse_errors(assembly_checks.too_far_open(press), command)
     severe = (finding for finding in document.remarks if finding.severity == "warning")
-    for finding in (*severe, *assembly_checks.severe(press, document.robot, centres)):
+    for finding in (*severe, *assembly_checks.severe(press, centres)):
         caution(finding.message(press.file))
     return press
 

@@ -17,7 +17,7 @@ import pinocchio as pin
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
 
-_MODEL, _AS_BUILT, _KEPT = "model", "_as_built", "_kept"  # in the linkage's __dict__
+_MODEL, _AS_BUILT, _KEPT = "model", "_as_built", "_kept"  # keys in the linkage's __dict__
 
 P = TypeVar("P")
 T = TypeVar("T")

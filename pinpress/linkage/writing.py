@@ -1,7 +1,7 @@
-"""From a `Linkage` back to a URDF: the text it was read from, with the numbers that have changed, and kept to the byte elsewhere.
+"""From a `Linkage` back to a URDF: the text from which it was read, in which only the numbers that have changed are replaced.
 
-What is written is read again before it reaches its place. Where Pinocchio rounds what it reads (it multiplies a centre of mass by the mass
-and divides by it again), the number is written that loads to the wanted one.
+The text is loaded again before it replaces the file. Where Pinocchio rounds what it reads (it multiplies a centre of mass by the mass and
+divides by it again), the number is written that loads to the wanted one.
 """
 
 from __future__ import annotations
@@ -25,36 +25,43 @@ from . import assembly_checks, loading
 from .linkage import Linkage
 from .urdf import reader
 from .urdf.document import Document, Element, Finding
-from .urdf.text import Text, tag
+from .urdf.text import MOMENTS, Text, tag, written
 
-MOST_TEXTS = 4  # tried to meet the numbers to the last bit; the second mostly does, or none
-ACCEPTED = 1e-12  # relative difference from the linkage with which a text is still it
+MOST_TEXTS = 4  # most texts that are tried until the numbers are met to the last bit; mostly the second does, or none
+ACCEPTED = 1e-12  # relative difference from the linkage that is accepted of a text
 
-_UNSAID = ("armature", "rotorInertia", "rotorGearRatio")  # a URDF has nothing to say it with
+_UNSAID = ("armature", "rotorInertia", "rotorGearRatio")  # arrays of the model for which URDF has no element
 
 
 @typed
 def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     """Write a linkage, perhaps a changed one, as a URDF that loads to the same numbers, and return its path.
 
-    The text it was read from is kept to the byte (visuals, comments, elements of other programs) but for the numbers in which ``press``
-    differs: inertias, placements of joints, of welded links and of loops, axes, limits, gear pairs, drivers, the name. A changed linkage is
-    made by ``dataclasses.replace(press, model=..., loops=...)``. A revolute loop keeps its ``<axis>``: the frames of its ends turn.
+    The text from which the linkage was read is kept to the byte (visuals, comments, elements of other programs), except for the numbers in
+    which ``press`` differs: inertias, placements of joints, of welded links and of loops, axes, limits, gear pairs, drivers, the name. A
+    changed linkage is made by ``dataclasses.replace(press, model=..., loops=...)``. A revolute loop keeps its ``<axis>``: the frames of its
+    ends turn.
 
-    Masses, positions and limits load to the last bit, and centres of mass but for it; inertia tensors to 3e-16 of their largest component
-    and turned frames to 2e-15, because Pinocchio computes them from what it reads. What is a sum over links that are welded together may
-    be off by a last bit too. Of limits of effort, velocity and friction the upper ones count.
+    Masses, positions and limits load to the last bit, and centres of mass to the last but one. Inertia tensors load to 3e-16 of their
+    largest component and turned frames to 2e-15, because Pinocchio computes them from what it reads. Sums over links that are welded
+    together may also differ in the last bit. Of limits of effort, velocity and friction the upper ones are written.
 
-    Such links are one body. Where its inertia has changed, the heaviest of them takes the difference and the others keep what the text
-    says; where no body has the inertia that is then left for the heaviest, the next takes the difference; where that is so for each, the
-    heaviest takes all and the others lose their ``<inertial>``.
+    Welded links are one body. Where its inertia has changed, the heaviest link takes the difference and the others keep what the text says.
+    If no body could have the inertia that is then left for the heaviest, the next one takes the difference; if that is so for each of them,
+    the heaviest takes all and the others lose their ``<inertial>``.
 
-    A URDF says nothing of gravity, nor which link is the slide: give `load` both again. The file is replaced only once it is complete.
+    A URDF does not say gravity, nor which link is the slide: give `load` both again. The file is replaced only once it is complete.
+
+    Args:
+        press: the linkage.
+        path: of the file.
 
     Raises:
-        PinpressError: other links, joints, loops or gear pairs than in the text; what a URDF cannot hold, such as an armature; a path that
-            cannot be written.
-        UrdfError, AssemblyError, SingularityError: `load` would refuse the file.
+        PinpressError: links, joints, loops or gear pairs are others than in the text; a URDF cannot hold a change, such as an armature; the
+            path cannot be written.
+        UrdfError: `load` would refuse the file.
+        AssemblyError: `load` would refuse the file.
+        SingularityError: `load` would refuse the file.
     """
     unwritten = f"{path_of('path', path)} (not written)"  # the file's name in errors
     template = press.document
@@ -88,13 +95,14 @@ def is_as_read(press: Linkage) -> bool:
 
 
 def _read(text: bytes, file: str) -> Document:
-    """A text as if it stood in that file; raises its first error."""
+    """A text as the document of a file; raises the first error in its elements."""
     document = Document(file, text)
     _raise_first(reader.errors(document))
     return document
 
 
 def _raise_first(findings: Iterable[Finding]) -> None:
+    """Raise the first error as it is: no command lists the others of a file that is not written."""
     for finding in findings:
         if finding.error is not None:
             raise finding.error
@@ -104,7 +112,7 @@ def _raise_first(findings: Iterable[Finding]) -> None:
 
 
 def _check(press: Linkage, before: Linkage) -> None:
-    """Raises where a linkage differs from what it was before in something that is no number, or is not finite."""
+    """Raise PinpressError where a linkage differs from that ``before`` in more than numbers, or has numbers that are not finite."""
     was = _structure(before)
     for what, now in _structure(press).items():
         if now != was[what]:
@@ -117,6 +125,7 @@ def _check(press: Linkage, before: Linkage) -> None:
 
 
 def _structure(press: Linkage) -> dict[str, object]:
+    """All that `write_urdf` cannot change, by name."""
     model, known = press.model, [link for link in press.links if press.model.existFrame(link, pin.BODY)]
     return {
         "joints": (tuple(model.names), tuple(model.parents)),
@@ -128,7 +137,7 @@ def _structure(press: Linkage) -> dict[str, object]:
 
 
 def _gaps(press: Linkage, reached: Linkage) -> dict[str, float]:
-    """In what linkages of one structure differ, and by how much, relative to the size of such things."""
+    """Quantities in which linkages of one structure differ, and by how much, relative to the sizes of these quantities."""
     gaps = {}
     for (what, wanted, size), (_, got, _) in zip(_contents(press), _contents(reached), strict=True):
         if not np.array_equal(wanted, got):
@@ -137,7 +146,7 @@ def _gaps(press: Linkage, reached: Linkage) -> dict[str, float]:
 
 
 def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
-    """What a URDF says of a linkage: arrays with their names and sizes, to which rounding is relative; 0 where nothing is rounded."""
+    """All numbers that a URDF holds of a linkage: names, arrays, and sizes to which rounding is relative; 0 where nothing is rounded."""
     model = press.model
     places = [*model.jointPlacements, *(placement(press, link) for link in press.links)]
     lengths = {
@@ -165,7 +174,7 @@ def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
 
 
 def _corrected(aim: Linkage, wanted: Linkage, reached: Linkage) -> Linkage:
-    """An aim that is moved by what it missed."""
+    """The linkage to write next, so that the ``wanted`` one is loaded: the ``aim`` written before, moved by what it missed."""
     model = aim.model.copy()
     for j, (want, got) in enumerate(zip(wanted.model.inertias, reached.model.inertias, strict=True)):
         inertia, place = model.inertias[j], model.jointPlacements[j]
@@ -180,17 +189,16 @@ def _corrected(aim: Linkage, wanted: Linkage, reached: Linkage) -> Linkage:
     return dataclasses.replace(aim, model=model, loops=loops)
 
 
-SOUND = 1e-9  # relative rounding of principal moments of inertia; the reader takes a thousand times as much
+SOUND = 1e-9  # relative rounding accepted in principal moments of inertia; the reader accepts a thousand times as much
 # Arrays of the model, by the attributes that they are read from.
 POSITION_LIMITS = {"lower": "lowerPositionLimit", "upper": "upperPositionLimit"}
 LIMITS = {"effort": "upperEffortLimit", "velocity": "upperVelocityLimit"}
 DYNAMICS = {"damping": "damping", "friction": "upperDryFrictionLimit"}
-_MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
-_FIRST = (1.0, 0.0, 0.0)  # the axis of a loop's end about which it turns
+_FIRST = (1.0, 0.0, 0.0)  # axis of a loop's end about which the loop turns
 
 
 def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
-    """The URDF's text with the numbers of ``now``, but for those that are the same ``before``, as the text was read."""
+    """The URDF's text with the numbers of ``now`` wherever they differ from those ``before``, of the linkage as the text loads."""
     text, description = Text(document), reader.describe(document)
     if now.name != before.name:
         text.set(text.robot, {"name": now.name})
@@ -221,7 +229,7 @@ def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
 
 
 def placement(press: Linkage, link: str) -> pin.SE3:
-    """Of a link, in the frame of the joint that carries it."""
+    """Placement of a link in the frame of the joint that carries it."""
     return press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
 
 
@@ -236,7 +244,7 @@ def _origin(press: Linkage, joint: reader.Joint) -> pin.SE3:
 
 def _edit_joint(text: Text, element: Element, j: int, before: Linkage, now: Linkage, was: Axis, axis: Axis, slot: Slot) -> None:
     if not np.array_equal(axis.direction, was.direction):
-        text.set_child(element, "axis", {"xyz": _written(axis.direction)})
+        text.set_child(element, "axis", {"xyz": written(axis.direction)})
     for child, names, at in (("limit", POSITION_LIMITS, slot.start), ("limit", LIMITS, j), ("dynamics", DYNAMICS, j)):
         limits = {name: (getattr(before.model, array)[at], getattr(now.model, array)[at]) for name, array in names.items()}
         text.set_child(element, child, _changed(limits))
@@ -254,14 +262,14 @@ def _edit_loop(text: Text, element: Element, loop: reader.Loop, k: int, before: 
 
 
 def _ends(press: Linkage, loop: reader.Loop, bearing: LoopJoint, axis: tuple[float, float, float]) -> tuple[pin.SE3, pin.SE3]:
-    """Placements of a loop's ends in the frames of their links, where the loop turns about this axis of theirs."""
-    turned = pin.Quaternion.FromTwoVectors(np.array(_FIRST), np.array(axis)).matrix()  # as `load` has it
+    """Placements of a loop's ends in the frames of their links; ``axis``: of the ends, about which the loop turns."""
+    turned = pin.Quaternion.FromTwoVectors(np.array(_FIRST), np.array(axis)).matrix()  # as `load` turns it
     end1, end2 = pin.SE3(bearing.rotation1 @ turned.T, bearing.point1), pin.SE3(bearing.rotation2 @ turned.T, bearing.point2)
     return placement(press, loop.link1.link).inverse() * end1, placement(press, loop.link2.link).inverse() * end2
 
 
 def _edit_drivers(text: Text, before: Sequence[str], now: Sequence[str]) -> None:
-    """Transmissions stay where they are, with what is in them, and name the drivers one after the other."""
+    """Let the transmissions, which keep their places and contents, name the drivers one after the other."""
     if tuple(now) == tuple(before):
         return
     transmissions = text.robot.all("transmission")
@@ -283,7 +291,14 @@ def _edit_drivers(text: Text, before: Sequence[str], now: Sequence[str]) -> None
 
 @dataclass(frozen=True, eq=False)
 class _Link:
-    """A link, its placement in its body ``before`` and ``now``, and what the text says of its inertia, in the link's frame."""
+    """A link.
+
+    Attributes:
+        element: its ``<link>``.
+        before: its placement in its body as the text loads.
+        now: its placement in its body, as wanted.
+        inertia: its inertia in the text, in the link's frame.
+    """
 
     element: Element
     before: pin.SE3
@@ -296,7 +311,7 @@ def _link(element: Element, before: pin.SE3, now: pin.SE3) -> _Link:
 
 
 def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Inertia) -> None:
-    """Let the inertias of links that are welded together, or of one link, have the sum ``now``, in the joint's frame."""
+    """Let the inertias of one link, or of links that are welded together, have the sum ``now``, in the joint's frame."""
     heavy = sorted((link for link in links if link.inertia), key=lambda link: -link.inertia.mass)
     if not heavy:
         text.append(links[0].element, _inertial(_moved(now, links[0].now.inverse())))
@@ -318,24 +333,24 @@ def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Ine
 
 def _edit_inertial(text: Text, inertial: Element, old: pin.Inertia, new: pin.Inertia) -> None:
     text.set(inertial.all("mass")[0], _changed({"value": (old.mass, new.mass)}))
-    origin = {} if np.array_equal(old.lever, new.lever) else {"xyz": _written(new.lever)}
+    origin = {} if np.array_equal(old.lever, new.lever) else {"xyz": written(new.lever)}
     if not np.array_equal(old.inertia, new.inertia):
         turned = any(any(element.numbers("rpy")) for element in inertial.all("origin"))
         origin |= {"rpy": "0 0 0"} if turned else {}
-        moments = {name: (np.nan if turned else old.inertia[i, j], new.inertia[i, j]) for name, i, j in _MOMENTS}
+        moments = {name: (np.nan if turned else old.inertia[i, j], new.inertia[i, j]) for name, i, j in MOMENTS}
         text.set(inertial.all("inertia")[0], _changed(moments))
     text.set_child(inertial, "origin", origin)
 
 
 def _inertial(inertia: pin.Inertia) -> str:
-    origin, mass = tag("origin", {"xyz": _written(inertia.lever)}), tag("mass", {"value": _written([inertia.mass])})
-    return tag("inertial", {}, origin + mass + tag("inertia", {name: _written([inertia.inertia[i, j]]) for name, i, j in _MOMENTS}))
+    origin, mass = tag("origin", {"xyz": written(inertia.lever)}), tag("mass", {"value": written([inertia.mass])})
+    return tag("inertial", {}, origin + mass + tag("inertia", {name: written([inertia.inertia[i, j]]) for name, i, j in MOMENTS}))
 
 
 def _inertia(inertial: Element) -> pin.Inertia:
-    """Of an ``<inertial>``, in the link's frame."""
+    """The inertia of an ``<inertial>``, in the link's frame."""
     tensor = np.empty((3, 3))
-    for name, i, j in _MOMENTS:
+    for name, i, j in MOMENTS:
         tensor[i, j] = tensor[j, i] = inertial.all("inertia")[0].numbers(name)[0]
     place = pin.SE3.Identity()
     for origin in inertial.all("origin"):
@@ -345,25 +360,26 @@ def _inertia(inertial: Element) -> pin.Inertia:
 
 
 def _rest(total: pin.Inertia, others: Iterable[tuple[pin.Inertia, pin.SE3]], place: pin.SE3) -> pin.Inertia:
-    """What others, so placed, leave of a body's inertia for the link with this placement, in its frame."""
+    """The inertia that is left for the link with this ``place``, in its frame: the ``total`` of the body less ``others``, given with
+    theirs."""
     for inertia, at in others:
         total = total - _moved(inertia, at)
     return _moved(total, place.inverse())
 
 
 def _moved(inertia: pin.Inertia, place: pin.SE3) -> pin.Inertia:
-    """``place.act(inertia)``, but exact for no motion."""
+    """``place.act(inertia)``, but exact where the place is the identity."""
     return _body(inertia.mass, place.act(inertia.lever), place.rotation @ inertia.inertia @ place.rotation.T)
 
 
 def _body(mass: float, lever: Array, tensor: Array) -> pin.Inertia:
-    body = pin.Inertia.Zero()  # Pinocchio's constructor refuses what rounding makes of a thin rod; here the reader judges
+    body = pin.Inertia.Zero()  # Pinocchio's constructor would refuse the rounded tensor of a thin rod; here the reader judges it
     body.mass, body.lever, body.inertia = mass, lever, (tensor + tensor.T) / 2
     return body
 
 
 def _sound(inertia: pin.Inertia) -> bool:
-    """Whether some body has this inertia."""
+    """Whether a body can have this inertia."""
     smallest, middle, largest = np.linalg.eigvalsh(inertia.inertia)
     return bool(inertia.mass > 0 and smallest + middle >= (1 - SOUND) * largest)  # so the smallest is not negative either
 
@@ -372,15 +388,11 @@ def _sound(inertia: pin.Inertia) -> bool:
 
 
 def _changed_place(old: pin.SE3, new: pin.SE3) -> dict[str, str]:
-    """The attributes of a placement that are not the same any more."""
-    xyz = {} if np.array_equal(old.translation, new.translation) else {"xyz": _written(new.translation)}
-    return xyz if np.array_equal(old.rotation, new.rotation) else xyz | {"rpy": _written(pin.rpy.matrixToRpy(new.rotation))}
+    """The attributes of a placement that have changed, as text."""
+    xyz = {} if np.array_equal(old.translation, new.translation) else {"xyz": written(new.translation)}
+    return xyz if np.array_equal(old.rotation, new.rotation) else xyz | {"rpy": written(pin.rpy.matrixToRpy(new.rotation))}
 
 
 def _changed(numbers: Mapping[str, tuple[float, float]]) -> dict[str, str]:
-    """Of attributes with their old and new numbers, those that are not the same any more."""
-    return {name: _written([new]) for name, (old, new) in numbers.items() if old != new}
-
-
-def _written(numbers: Iterable[float]) -> str:
-    return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"
+    """The attributes whose old and new numbers differ, as text of the new ones."""
+    return {name: written([new]) for name, (old, new) in numbers.items() if old != new}

@@ -1,9 +1,10 @@
 """Process loads: forces between slide and bolster, as functions of the slide's height and direction of travel; and the protocol that they
 and a caller's own follow (`ProcessLoad`): intervals of force over the height.
 
-They act along the slide's guide axis; on the slide positive along the axis, on the frame the opposite. The slide works against the axis,
-downwards in an upright press, so a positive force resists the working stroke. Heights [m] are slide positions above a datum: the load's
-``datum`` (a slide position [m]), by default that of bottom dead centre. Magnitudes may be arrays (S,), one value a scenario.
+They act along the slide's guide; on the slide positive in the direction of its position (`Linkage.slide_direction`), upwards in an upright
+press, on the frame the opposite. The slide works against it, downwards, so a positive force resists the working stroke. Heights [m] are
+slide positions above a datum: the load's ``datum`` (a slide position [m]), by default that of bottom dead centre. Magnitudes may be arrays
+(S,), one value a scenario.
 
 The load cases are those of Zhang 2007 (JF75G-125), 5.7, as functions of height instead of time: a press slows down under its load, and
 windows in time then miss the stroke that they were made for.
@@ -329,7 +330,7 @@ class ProcessLoad(Protocol):
         """Slide position from which heights are measured [m]; None for that of bottom dead centre."""
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
-        """The intervals on the way down (against the guide's axis) or up; disjoint, no force outside them.
+        """The intervals on the way down (against the slide's direction) or up; disjoint, no force outside them.
 
         Where both are equal, with the very same laws, the direction of travel does not matter.
         """

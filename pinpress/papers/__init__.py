@@ -4,7 +4,7 @@
     python -m pinpress.papers kong2025               # one
     python -m pinpress.papers --out docs             # pages with figures
 
-Each document is a module with a function `page`; what a page is made of stands in `pages`.
+Each document is a module with a function `page`; the classes of which a page consists stand in `pages`.
 """
 
 from importlib import import_module
@@ -16,7 +16,7 @@ DOCUMENTS = ("kong2025", "zhang2007", "chen2002")
 
 
 def reproduced(document: str) -> Page:
-    """The page of a document, worked out.
+    """Work out the page of a document.
 
     Args:
         document: one of `DOCUMENTS`.

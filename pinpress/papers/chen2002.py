@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 SPEED = 7.54  # of the crank [rad/s]
 POINTS = 720
-DRAWN = 0.120  # that are to be drawn at even speed [m]
-STROKE, RATIO = 0.400, 1.5  # as asked for [m, -]
+DRAWN = 0.120  # length that is to be drawn at even speed [m]
+STROKE, RATIO = 0.400, 1.5  # as the paper asks for [m, -]
 HALF = math.pi / 2 * (RATIO - 1) / (RATIO + 1)  # half of the angle between the bar's ends, (11)
 FORMULA, SOLVER = "formula", "independent solver"
 AXIS = (1.0, 0.0, 0.0)  # of the ram's guide
@@ -105,7 +105,7 @@ def _pressure(trial: Trial) -> float:
 
 
 def largest_pressure(press: Linkage, motion: Motion) -> float:
-    """Between coupler and guide, over the turn [deg]."""
+    """The largest pressure angle between coupler and guide over a turn [deg]."""
     at = bearing_positions(press, motion)
     return math.degrees(pressure_angle(motion, at["E"], at["D"], AXIS))
 
@@ -190,7 +190,8 @@ def _uniform(press: Linkage, motion: Motion) -> Entry:
         Row("least drop of speed over any 120 mm [%]", "3.69", 100 * speed_variation(motion, DRAWN), 0.2, None, SOLVER),
     )
     reason = (
-        "The paper claims at least 120 mm at a nearly uniform speed, from 60 to 120 deg. The travel is so; how uniform it is is not said."
+        "The paper claims at least 120 mm at a nearly uniform speed, from 60 to 120 deg. The travel agrees; how uniform the speed is, the"
+        " paper does not say."
     )
     return Entry(("Uniform section",), "travel at even speed", CURVES, rows, reason)
 
@@ -220,10 +221,8 @@ def _objective(press: Linkage, motion: Motion) -> Entry:
 
     reason = (
         "The objective is degenerate: stroke and K fix the mean speed, l1 only scales crank and centre distance together, and f falls"
-        " with l4 without"
-        " end. Any solver stops at the upper bound of l4, which the paper leaves out; 220 mm is an optimum only if it was that bound."
-        " From bound to"
-        " infinity f falls by 0.03 %."
+        " with l4 without end. Any solver stops at the upper bound of l4, which the paper leaves out; 220 mm is an optimum only if it was"
+        " that bound. From bound to infinity f falls by 0.03 %."
     )
     caption = "Cross: l4 as printed; dashes: the limit."
     return Entry(("(22), (23)",), "objective and its optimum", NOT, rows, reason, "chen2002_objective", shown, caption)
@@ -238,7 +237,7 @@ def _even(motion: Motion, found: list[SynthesisResult]) -> Entry:
             Row(f"its h, up to {degrees} deg [mm]", "", 1e3 * best.variables["h"], places=0),
         ]
     reason = (
-        "What the press is for: speed as even as may be over the 120 mm that are drawn, with free l4 and h under a limit of the pressure"
-        " angle. It has an optimum of its own, little better than the paper's lengths: the guide bar decides."
+        "The purpose of the press: a speed as even as possible over the 120 mm that are drawn, with free l4 and h under a limit of the"
+        " pressure angle. This objective has an optimum, little better than the paper's lengths: the guide bar decides."
     )
     return Entry(("Even speed",), "objective with an optimum", BEYOND, tuple(rows), reason)

@@ -1,8 +1,8 @@
 """Kong X. et al. 2025, Forging and Stamping Technology 50(2), 195-203: the six-bar press ZXN2-3000(B), before and after partial balancing.
 
-The moments of inertia are ours, as the paper prints none; the press is not fitted to the tables. What would bring it nearer to them is
-worked out beside (`_equation_18`). The paper's signs: M_b, the moment that balances the crank, is
-minus the driving torque, and the forces in A are those of the crank on the frame; x to the right, y up.
+The moments of inertia are ours, as the paper prints none; the press is not fitted to the tables. `_equation_18` works out what would bring
+it nearer to them. The paper's signs: M_b, the moment that balances the crank, is minus the driving torque; the forces in A act from the
+crank on the frame; x points to the right, y up.
 """
 
 from collections.abc import Sequence
@@ -50,21 +50,27 @@ PINS = ("A", "B", "C", "D", "E", "F")
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """The press before or after balancing, over one turn."""
+    """The press before or after balancing, over one turn.
+
+    Attributes:
+        press: The press.
+        motion: One turn at 70 strokes/min.
+        reactions: Reactions to it.
+    """
 
     press: Linkage
     motion: Motion
-    result: Reactions
+    reactions: Reactions
 
     @property
     def moment(self) -> Array:
         """M_b (n,), with the paper's sign [N m]."""
-        return -self.result.driving_torque
+        return -self.reactions.driving_torque
 
     @property
     def on_frame(self) -> Array:
         """Force in A (n, 3), of the crank on the frame [N]."""
-        return -self.result.bearing_force["A"]
+        return -self.reactions.bearing_force["A"]
 
     def columns(self) -> dict[str, Array]:
         """The curves of tables 2 and 3."""
@@ -92,9 +98,8 @@ def page() -> Page:
         "Kong X. et al. 2025, Forging and Stamping Technology 50(2), 195-203 (in Chinese): kinematics, driving torque and bearing forces"
         " of a 3000 kN press at 70 strokes/min, before and after partial balancing by counterweights on crank and rod. `zxn2_3000b` and"
         " `zxn2_3000b_balanced`; the moments of inertia, which the paper does not print, are named in these files; gravity, not printed"
-        " either, is 9.81 m/s2. The motion comes out,"
-        " the forces do not. The most informative result is what brings them nearer: [(18)](#18-the-weight-that-it-leaves-out). Written by"
-        " `python -m pinpress.papers kong2025`.",
+        " either, is 9.81 m/s2. The motion agrees, the forces do not. The most informative result is what brings them nearer:"
+        " [(18)](#18-the-weight-that-it-leaves-out). Written by `python -m pinpress.papers kong2025`.",
         (
             _motor(),
             Entry(("Fig. 2",), "kinematic model and photograph", NO_RESULT),
@@ -183,7 +188,7 @@ def _masses(before: State, after: State) -> Entry:
         (m1, c1), (m2, c2) = body(before, joint), body(after, joint)
         rows += [Row(f"mass of the {link} [kg]", mass, m2), Row(f"centre of mass of the {link} from its first pin [m]", centre, c2)]
         words.append(f"{m2 - m1:.3f} kg at {(m2 * c2 - m1 * c1) / (m2 - m1):.4f} m on the {link}")
-    reason = f"Taken over. They are counterweights of {words[0]} and {words[1]}."
+    reason = f"Taken over. The differences are counterweights of {words[0]} and {words[1]}."
     return Entry(("Table 1",), "masses and centres of mass after balancing", DATA, tuple(rows), reason)
 
 
@@ -199,8 +204,11 @@ def _table(number: str, title: str, names: tuple[str, ...], before: State, after
             ]
         change = 100 * (np.ptp(curves[1]) / np.ptp(curves[0]) - 1)
         rows.append(Row(f"{name}, change of the range [%]", REDUCTION[name], float(change), places=2))
-    whose = " It does not say on whom the force acts: ours is the crank's on the frame, which is much nearer than the opposite."
-    return Entry((number,), title, NOT, tuple(rows), WHY_NOT + (whose if ACROSS in names else ""))
+    direction = (
+        " The paper does not say on which body the force acts; ours acts from the crank on the frame, which is much nearer than the"
+        " opposite."
+    )
+    return Entry((number,), title, NOT, tuple(rows), WHY_NOT + (direction if ACROSS in names else ""))
 
 
 TURNING = ("B", "D", "E")  # joints of the links whose inertias matter at constant crank speed: coupler, rocker, rod
@@ -208,12 +216,12 @@ TURNING = ("B", "D", "E")  # joints of the links whose inertias matter at consta
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What the curves of tables 2 and 3 are the sum of, in the order of `PRINTED`: forces are linear in weights and inertias.
+    """The summands of the curves of tables 2 and 3, in the order of `PRINTED`; forces are linear in weights and inertias.
 
     Attributes:
-        rest: (3, n) of a press without inertias and without the crank's weight.
-        weight: (3, n) of the crank's weight G1.
-        inertia: (3, 3, n) of the shipped inertias of the links in `TURNING`.
+        rest: (3, n) curves of a press without inertias and without the crank's weight.
+        weight: (3, n) share of the crank's weight G1.
+        inertia: (3, 3, n) shares of the shipped inertias of the links in `TURNING`.
     """
 
     rest: Array
@@ -236,9 +244,9 @@ def rms_deviation(pair: Sequence[Parts], weight: float, shares: ArrayLike) -> fl
     """Root mean square of the deviations of the twelve extremes in tables 2 and 3, each by the printed range before balancing [%].
 
     Args:
-        pair: before and after balancing.
-        weight: share of the crank's weight that is there.
-        shares: of the shipped inertias that are there: coupler, rocker, rod before and rod after balancing.
+        pair: Parts before and after balancing.
+        weight: Factor of the crank's weight.
+        shares: (4,) factors of the shipped inertias of coupler, rocker, rod before and rod after balancing.
     """
     coupler, rocker, rod, balanced_rod = np.asarray(shares, dtype=float).tolist()
     deviations = []
@@ -261,7 +269,7 @@ def least_deviation(pair: Sequence[Parts], weight: float) -> float:
 
 
 def _equation_18(before: State, after: State) -> Entry:
-    """How near the tables one comes without the crank's weight, which (18) leaves out, and without inertias, which the paper omits."""
+    """The deviation from the tables without the crank's weight, which (18) leaves out, and without inertias, which the paper omits."""
     pair = [parts(each) for each in (before, after)]
     rows: list[Row] = []
     for words, weight in (("with G1", 1.0), ("without G1", 0.0)):
@@ -310,7 +318,7 @@ def _torque_figure(before: State, after: State) -> Entry:
         Row("M_b at bottom dead centre, before [N m]", "", float(before.moment[bottom]), places=0),
         Row("its slope there, by the steepest [%]", "", float(100 * slope[bottom] / slope.max()), places=1),
     )
-    reason = f"Its numbers are those of table 2. {WHY_NOT} That the torque changes slowly at bottom dead centre is so."
+    reason = f"Its numbers are those of table 2. {WHY_NOT} The torque does change slowly at bottom dead centre."
     caption = "Dashes: the extremes of table 2."
     return Entry(("Fig. 5",), "driving torque before and after balancing", NOT, rows, reason, "kong2025_torque", shown, caption)
 
@@ -321,7 +329,7 @@ def _bearings(before: State, after: State) -> Entry:
         for bearing in PINS:
             for axis, words in ((0, "x"), (2, "y")):
                 curves = {
-                    when: (each.motion.time, each.result.bearing_force[bearing][:, axis] / 1e3)
+                    when: (each.motion.time, each.reactions.bearing_force[bearing][:, axis] / 1e3)
                     for when, each in (("before", before), ("after", after))
                 }
                 panels.append(Panel(f"{bearing}, F{words} [kN]", curves))
@@ -330,17 +338,17 @@ def _bearings(before: State, after: State) -> Entry:
     rows = []
     for bearing in PINS:
         for axis, words in ((0, "x"), (2, "vertical")):
-            ranges = [float(np.ptp(each.result.bearing_force[bearing][:, axis])) for each in (before, after)]
+            ranges = [float(np.ptp(each.reactions.bearing_force[bearing][:, axis])) for each in (before, after)]
             rows.append(Row(f"{bearing}, {words}, change of the range [%]", "", 100 * (ranges[1] / ranges[0] - 1), places=2))
     bottom = int(before.motion.slide_position.argmin())
     for bearing in "ABC":
-        size = np.linalg.norm(before.result.bearing_force[bearing], axis=1)
+        size = np.linalg.norm(before.reactions.bearing_force[bearing], axis=1)
         rows.append(Row(f"{bearing}, force at bottom dead centre by its peak [%]", "", float(100 * size[bottom] / size.max()), places=1))
         rows.append(Row(f"{bearing}, smallest force by its peak [%]", "", float(100 * size.min() / size.max()), places=1))
     reason = (
-        f"No numbers are printed but those of table 3. {WHY_NOT} That A alone changes much is so; that the forces in all bearings fall"
-        " (conclusion 4) is not: the ranges in B, C, D and E rise by a quarter to a third of a percent, while in F nothing changes."
-        " At bottom dead centre the forces in A, B and C are small, but smallest they are at another crank angle."
+        f"No numbers are printed except those of table 3. {WHY_NOT} It is true that only A changes much, but not that the forces in all"
+        " bearings fall (conclusion 4): the ranges in B, C, D and E rise by a quarter to a third of a percent, and in F nothing changes."
+        " At bottom dead centre the forces in A, B and C are small, but they are smallest at another crank angle."
     )
     caption = "Forces of parent on child, in C and F of link 1 on link 2; x across, y up."
     return Entry(("Fig. 6",), "forces in the bearings A to F", NOT, tuple(rows), reason, "kong2025_bearings", shown, caption)
@@ -352,7 +360,7 @@ def _claims(before: State, after: State) -> Entry:
         return float(across), float(up)
 
     centre = change(_centre_of_mass(before.press), _centre_of_mass(after.press))
-    force = change(before.result.shaking_force, after.result.shaking_force)
+    force = change(before.reactions.shaking_force, after.reactions.shaking_force)
     rows = (
         Row("range of the centre of mass, x, change [%]", "-52.2437", centre[0], 0.2),
         Row("range of the centre of mass, y, change [%]", "-8.9392", centre[1]),
@@ -361,14 +369,14 @@ def _claims(before: State, after: State) -> Entry:
     )
     reason = (
         "These follow from lengths, masses and centres of mass alone, whatever the inertias and the weight. The paper quotes them from its"
-        " reference [20]. Two come out, as far as the printed centres of mass go: rounded to 0.1 mm, they leave 0.1 % of the first and 0.7"
-        " % of the last. The other two are off by 3 and 4 % of themselves."
+        " reference [20]. Two of them agree as far as the printed centres of mass allow: rounded to 0.1 mm, these leave 0.1 % of the first"
+        " and 0.7 % of the last open. The other two differ by 3 and 4 %."
     )
     return Entry(("Reference [20]",), "what the balancing does to centre of mass and shaking force", PARTLY, rows, reason)
 
 
 def _centre_of_mass(press: Linkage, points: int = 720) -> Array:
-    """Of all that moves, (points, 3) over a turn [m]."""
+    """The centre of mass of all that moves, (points, 3) over a turn [m]."""
     data = press.model.createData()
     return np.array([pin.centerOfMass(press.model, data, q).copy() for q in cycle(press, SPEED, points=points).q])
 
@@ -377,7 +385,7 @@ def _moments(before: State, after: State) -> Entry:
     weightless = [state(name, gravity=0.0) for name in ("zxn2_3000b", "zxn2_3000b_balanced")]
     named = (("inertia alone", weightless), ("with the weights", (before, after)))
     rows = tuple(
-        Row(f"range of the shaking moment about D, {words}, {when} [N m]", "", float(np.ptp(each.result.shaking_moment[:, 1])), places=0)
+        Row(f"range of the shaking moment about D, {words}, {when} [N m]", "", float(np.ptp(each.reactions.shaking_moment[:, 1])), places=0)
         for words, pair in named
         for when, each in zip(("before", "after"), pair, strict=True)
     )
@@ -385,7 +393,7 @@ def _moments(before: State, after: State) -> Entry:
     again = inverse_dynamics(press := with_counterweights(before.press, paper), cycle(press, SPEED, points=720))
     ours = float(np.ptp(again.shaking_moment[:, 1]))
     rows += (Row("the same, by counterweights as point masses, after [N m]", "", ours, places=0),)
-    reason = "The paper says nothing of the shaking moment. It falls too; inertias are ours, so it is no more certain than they are."
+    reason = "The paper does not mention the shaking moment. It falls too, as far as our inertias can say."
     return Entry(("Shaking moment",), "range about the rocker's pivot", BEYOND, rows, reason)
 
 

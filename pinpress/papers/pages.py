@@ -1,4 +1,4 @@
-"""What a page of results is made of, and how it is written: a document's numbers and figures, ours beside them, and why they differ."""
+"""Pages of results: the numbers and figures of a document, ours beside them, and why they differ."""
 
 import io
 import os
@@ -37,12 +37,12 @@ class Row:
 
     Attributes:
         quantity: what it is, with its unit.
-        theirs: as it is printed; empty where nothing is.
-        ours: None where it is not defined.
+        theirs: the number as it is printed; empty where none is.
+        ours: our number or words; None where it is not defined.
         within: largest deviation [%] that counts as reproduced, 0 where theirs is zero and ours must be; None where the number is not
             claimed to be reproduced.
         places: decimals of ours; None: as many as are printed.
-        source: whose number theirs is, where it is not the document's: "formula", "independent solver".
+        source: origin of theirs where it is not the document: "formula", "independent solver".
     """
 
     quantity: str
@@ -60,7 +60,7 @@ class Row:
 
     @property
     def number(self) -> float | None:
-        """Theirs; None where it is none."""
+        """Theirs as a number; None where it is none."""
         try:
             return float(self.theirs.replace(" ", ""))
         except ValueError:
@@ -68,7 +68,7 @@ class Row:
 
     @property
     def deviation(self) -> float | None:
-        """Of ours from theirs, in percent of theirs."""
+        """Deviation of ours from theirs, in percent of theirs; None where it is not defined."""
         if self.number is None or self.number == 0.0 or self.ours is None or isinstance(self.ours, str):
             return None
         return 100 * (self.ours - self.number) / abs(self.number)
@@ -81,7 +81,7 @@ class Row:
         return self.ours == 0.0 if self.deviation is None else abs(self.deviation) <= self.within
 
     def cells(self) -> tuple[str, str, str, str, str]:
-        """Quantity, theirs, ours, deviation, tolerance."""
+        """Cells of the row in a table: quantity, theirs, ours, deviation, tolerance."""
         theirs = f"{self.theirs} ({self.source})" if self.source else self.theirs
         deviation = "" if self.deviation is None else f"{round(self.deviation, 2) + 0.0:+.2f} %".replace("+0.00", "0.00")
         return (
@@ -107,11 +107,11 @@ class Entry:
         numbers: as the document numbers them, e.g. "Table 2".
         title: what they show.
         kind: one of `KINDS`.
-        rows: its numbers.
-        reason: why it is not reproduced, or what is to be said of it.
+        rows: the numbers.
+        reason: why it is not reproduced, or other remarks.
         figure: name of our figure; empty where there is none.
-        draw: draws our figure.
-        caption: below the figure.
+        draw: function that draws our figure.
+        caption: text below the figure.
     """
 
     numbers: tuple[str, ...]
@@ -129,7 +129,7 @@ class Entry:
         return ", ".join(self.numbers)
 
     def markdown(self, folder: str) -> str:
-        """Heading, reason, table and figure; ``folder``: of the figures."""
+        """Heading, reason, table and figure; ``folder`` is the folder of the figures."""
         parts = [f"### {self.label}: {self.title}", f"{self.kind[0].upper()}{self.kind[1:]}. {self.reason}".strip()]
         if self.rows:
             parts.append(table(("", "document", "pinpress", "deviation", "tolerance"), (row.cells() for row in self.rows)))
@@ -155,12 +155,12 @@ class Erratum:
 
 @dataclass(frozen=True)
 class Page:
-    """All of a document.
+    """All tables and figures of a document.
 
     Attributes:
-        name: of the page's file, without its suffix.
-        title: of the page.
-        introduction: what the document is, and which presses are its.
+        name: name of the page's file, without its suffix.
+        title: title of the page.
+        introduction: what the document is, and which presses come from it.
         entries: its tables and figures, in their order.
         errata: its mistakes.
     """
@@ -173,11 +173,11 @@ class Page:
 
     @property
     def rows(self) -> tuple[Row, ...]:
-        """Of all entries."""
+        """Rows of all entries."""
         return tuple(row for entry in self.entries for row in entry.rows)
 
     def markdown(self, folder: str = "figures") -> str:
-        """The page as Markdown; ``folder``: of the figures, from the page."""
+        """The page as Markdown; ``folder`` is the folder of the figures, as seen from the page."""
         shown = [entry for entry in self.entries if entry.kind != NO_RESULT]
         held = [row for row in self.rows if row.holds]
         printed = sum(not row.source for row in held)
@@ -215,7 +215,7 @@ class Page:
 
 
 def _small(figure: "Figure") -> bytes:
-    """A figure as PNG for a page on a screen, where those of `plots.save` are for print. The same figure gives the same bytes."""
+    """A figure as PNG for a screen, while `plots.save` writes for print. The same figure gives the same bytes."""
     from matplotlib import style  # optional, and slow to import
 
     content = io.BytesIO()
@@ -241,11 +241,11 @@ class Panel:
     """One pair of axes.
 
     Attributes:
-        label: of the upright axis, with its unit.
+        label: label of the upright axis, with its unit.
         curves: name -> (x, y), both (n,).
         levels: values of the upright axis that the document prints.
-        points: (x, y) that the document prints.
-        logarithmic: whether the upright axis is.
+        points: points (x, y) that the document prints.
+        logarithmic: whether the upright axis is logarithmic.
     """
 
     label: str
@@ -260,7 +260,7 @@ def draw(across: str, panels: Sequence[Panel], high: float = 4.2, columns: int =
 
     Args:
         across: label of the axis that all panels share.
-        panels: row by row.
+        panels: the panels, row by row.
         high: height of each panel [cm].
         columns: number of panels in a row.
     """

@@ -34,9 +34,9 @@ def page() -> Page:
         "Zhang 2007: the high-speed press JF75G-125",
         "Zhang X. 2007, master thesis, Southeast University, Nanjing (in Chinese): vibration measurements, balancing arrangements,"
         " equations of motion and ADAMS models of a 1250 kN press at 300 strokes/min. `jf75g_125_plain`, `jf75g_125` and"
-        " `jf75g_125_symmetric`. The thesis prints no lengths; ours are inferred, with reasons in these files, so that what depends on"
-        " them can agree only as far as they do. We read the thesis in a transcription: what may be its mistake is marked `as our text"
-        " reads`. Gravity is not printed, ours 9.80665 m/s2. Written by `python -m pinpress.papers zhang2007`.",
+        " `jf75g_125_symmetric`. The thesis prints no lengths; ours are inferred, with reasons in these files, so numbers that depend on"
+        " lengths can agree only as far as these do. We read the thesis in a transcription: what may be a mistake of the transcription is"
+        " marked `as our text reads`. Gravity is not printed; ours is 9.80665 m/s2. Written by `python -m pinpress.papers zhang2007`.",
         (
             Entry(figures(1, 1, 4), "presses of others", NO_RESULT),
             Entry(figures(2, 1, 6), "photograph, scheme, CAD model, instruments, measuring points", NO_RESULT),
@@ -53,13 +53,13 @@ def page() -> Page:
 
 
 def _vibration() -> Entry:
-    """Chapter 2: what it finds by accelerometers on the frame, on 10 mm of rubber, at 200 to 400 r/min."""
+    """Chapter 2: what accelerometers on the frame showed, on 10 mm of rubber, at 200 to 400 r/min."""
     model = zhang2007_vibration.Vibration()
     rows = tuple(Row(f"{one.place}: {one.says}", "in words", f"{one.gives}. Agrees: {one.agrees}") for one in model.findings())
     reason = (
         "The curves are voltages behind amplifiers without a scale in m/s2, and the frame's mass and the stiffness of its mounts are not"
         " printed: only what the thesis says of them in words can be compared. Ours is a frame of bed and crown on columns, on four rubber"
-        " pads, all of it assumed; `viz/foundation.md` names the assumptions, and what hangs on them."
+        " pads, all of it assumed; `viz/foundation.md` names the assumptions and shows how much depends on them."
     )
     numbers = (*figures(2, 7, 15), "Fig. 2-17", "Fig. 2-18")
     caption = "Ours: acceleration of the top beam, idle."
@@ -162,7 +162,7 @@ def _complete(plain: Linkage, before: Reactions) -> Entry:
     )
     reason = (
         "The thesis has formulas without an example. Ours: counterweights at 0.30 m on the rod and 0.15 m on the crank. As our text"
-        " reads, m' has the rod's mass m2 where m_B belongs, all that hangs on the crank pin, and nearly doubles the force."
+        " reads, m' has the rod's mass m2 in place of m_B, the mass of all that hangs on the crank pin, and nearly doubles the force."
     )
     return Entry(("Fig. 3-4",), "complete balancing", FORMULAS, rows, reason)
 
@@ -178,7 +178,7 @@ def _approximate(plain: Linkage, before: Reactions) -> Entry:
     def first_order(weight: Counterweight) -> tuple[float, float]:
         after = turning(with_counterweights(plain, [weight]))
         changes = {(c.quantity, c.order): c.after for c in classical.compare_harmonics(before, after)}
-        return tuple(clean(changes[f"force {way} the slide", 1], force) for way in ("along", "across"))  # type: ignore[return-value]
+        return clean(changes["force along the slide", 1], force), clean(changes["force across the slide", 1], force)
 
     along, across = first_order(whole)
     rows = (
@@ -188,7 +188,7 @@ def _approximate(plain: Linkage, before: Reactions) -> Entry:
         Row("half of m'': first order along the slide [N]", f"{force / 2:.1f}", first_order(half)[0], 0.1, None, FORMULA),
         Row("half of m'': first order across the slide [N]", f"{force / 2:.1f}", first_order(half)[1], 0.1, None, FORMULA),
     )
-    reason = "Formulas without an example; counterweight at 0.15 m. What is taken away along the slide appears across it."
+    reason = "Formulas without an example; counterweight at 0.15 m. The force that is taken away along the slide appears across it."
     return Entry(("Fig. 3-5",), "approximate balancing", FORMULAS, rows, reason)
 
 
@@ -225,7 +225,7 @@ def _guides(plain: Linkage, before: Reactions) -> Entry:
     wrong = (Row("peak of X4, the force in the slide's guide, by (3.5.24) [N]", f"{simple:.0f}", guide, None, None, FORMULA),)
     why = (
         "At constant crank speed, (3.5.20)-(3.5.25) take the angular accelerations of the rods and the accelerations of their mass centres"
-        " for zero, which they are not, and turn the sign that gravity has in (3.5.3) and (3.5.6). What is left of X4 is gravity's alone."
+        " as zero, which they are not, and turn the sign that gravity has in (3.5.3) and (3.5.6). Only gravity is left in X4."
     )
     return Entry(("Fig. 3-7 (captioned 4-6)",), "forces of the opposed arrangement", NOT, wrong, why)
 
@@ -240,7 +240,7 @@ def _symmetric(opposed: Reactions, symmetric: Reactions) -> Entry:
         Row("range of the vertical shaking force, opposed [N]", "", float(np.ptp(opposed.shaking_force[:, 2])), places=2),
         Row("the same, symmetric [N]", "", float(np.ptp(symmetric.shaking_force[:, 2])), places=2),
     )
-    reason = "The thesis says it in words: no lateral force and no tilting moment. The vertical force stays as it is."
+    reason = "The thesis says in words that there is no lateral force and no tilting moment. The vertical force stays as it is."
     return Entry(("Fig. 3-8",), "symmetric arrangement", FORMULAS, rows, reason)
 
 

@@ -3,7 +3,7 @@
 The objective (5-14), the search of table 5-1, and the press before and after it, figure 5-11 and table 5-2.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,6 +46,7 @@ SEARCH = (
     (113.32, 1045, "139.65"),
     (113.31, 1045, "139.07"),
 )
+QUANTITIES = ("vertical maximum", "vertical minimum", "vertical range", "lateral maximum", "lateral minimum", "lateral range")
 # Table 5-2: r/min -> maximum, minimum, range of the vertical force, then of the lateral one [N]
 BEFORE = {
     300: ("1162.795", "-65789.563", "66952.358", "3496.454", "-3498.509", "6994.963"),
@@ -62,22 +63,22 @@ SOLVER = "independent solver"
 
 
 def presses() -> dict[str, Linkage]:
-    """The plain, the opposed and the symmetric press under this gravity (the thesis prints none), by the names that are shipped."""
+    """The plain, the opposed and the symmetric press by their names, under our gravity, as the thesis prints none."""
     return {f"jf75g_125{kind}": load(f"jf75g_125{kind}", gravity=(0, 0, -GRAVITY)) for kind in ("_plain", "", "_symmetric")}
 
 
 def turning(press: Linkage, speed: float = SPEED) -> Reactions:
-    """A turn at constant speed [rad/s]."""
+    """Reactions of a turn at constant speed [rad/s]."""
     return inverse_dynamics(press, cycle(press, speed, points=POINTS))
 
 
 def weight(press: Linkage) -> float:
-    """Of all that moves [N]."""
+    """Weight of all that moves [N]."""
     return GRAVITY * float(sum(inertia.mass for inertia in press.model.inertias))
 
 
 def clean(value: float, peak: float) -> float:
-    """Zero for what is rounding beside a peak."""
+    """The value, zero where it is rounding beside a peak."""
     return value if abs(value) > 1e-9 * abs(peak) else 0.0
 
 
@@ -88,8 +89,17 @@ def entries(given: Mapping[str, Linkage]) -> tuple[Entry, ...]:
 
 
 def ranges(press: Linkage, masses: Array) -> Array:
-    """Ranges (k,) of the vertical force of the opposed press at 300 strokes/min [N], with masses (k, 2) of its auxiliary rod and
-    counterweight [kg]. Forces are linear in both, so that three presses tell them all."""
+    """Ranges of the vertical force of the opposed press at 300 strokes/min with other masses.
+
+    Forces are linear in the masses, so that three presses are enough for all.
+
+    Args:
+        press: The opposed press.
+        masses: (k, 2) masses of its auxiliary rod and counterweight [kg].
+
+    Returns:
+        (k,) ranges [N].
+    """
     corners = ((100.0, 1000.0), (120.0, 1000.0), (100.0, 1100.0))
     force, with_rod, with_counterweight = (turning(with_masses(press, *each)).shaking_force[:, 2] for each in corners)
     rod, counterweight = (with_rod - force) / 20.0, (with_counterweight - force) / 100.0
@@ -97,7 +107,7 @@ def ranges(press: Linkage, masses: Array) -> Array:
 
 
 def with_masses(press: Linkage, rod: float, counterweight: float) -> Linkage:
-    """The opposed press with other masses [kg] of auxiliary rod (of the same shape) and counterweight."""
+    """The opposed press with other masses of its auxiliary rod, whose shape stays, and of its counterweight [kg]."""
     old = {link: press.model.inertias[press.model.getJointId(joint)] for link, joint in JOINTS.items()}
     change, lever = rod - old["auxiliary_rod"].mass, old["auxiliary_rod"].lever
     shape = old["auxiliary_rod"].inertia[1, 1] / old["auxiliary_rod"].mass
@@ -191,41 +201,22 @@ def _idle(press: Linkage) -> Entry:
 
 
 def _comparison(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
+    # The original's forces include the weights of what moves, as the shaking force does, and of the flywheel, the improved press's none.
     flywheel = FLYWHEEL_MASS * GRAVITY
-    rows: list[Row] = []
-    grown: list[float] = []
-    asked: list[Row] = []  # weight on which the printed extremes lie
-    # the original's with the weight of what moves, which the shaking force holds, and of the flywheel; the improved one's without any
-    for press, words, printed, lift in (
-        (plain, "original", BEFORE, -flywheel),
-        (symmetric, "improved", AFTER, weight(symmetric)),
-    ):
-        for rpm, theirs in printed.items():
-            result = turning(press, rpm * RPM)
-            peak = max(float(np.abs(force).max()) for force in result.bearing_force.values())
-            axes = result.shaking_force[:, 2] + lift, result.shaking_force[:, 0]
-            values = [float(extreme(axis)) for axis in axes for extreme in (np.max, np.min, np.ptp)]
-            named = zip(_QUANTITIES, theirs, values, strict=True)
-            rows += [Row(f"{words}, {rpm} r/min, {what} [N]", number, clean(value, peak)) for what, number, value in named]
-            grown.append(values[2])
-            if press is plain:
-                inertia_alone = values[0] + values[1] + 2 * (flywheel + weight(plain))
-                middle = 0.5 * (inertia_alone - float(theirs[0]) - float(theirs[1]))
-                asked.append(Row(f"original, {rpm} r/min, weight by the middle of the printed extremes [N]", "", middle, places=0))
-    theirs_grown = float(BEFORE[400][2]) / float(BEFORE[300][2])
-    rows.append(Row("original, vertical range at 400 by that at 300 r/min", f"{theirs_grown:.3f}", grown[2] / grown[0]))
-    rows += asked
-    rows.append(Row("weight of what moves in the original [N]", "", weight(plain), places=0))
-    rows.append(Row("weight of the flywheel [N]", "", flywheel, places=0))
-    force = turning(plain).shaking_force[:, 2]
-    for words, lift in (("without the weight of the flywheel", 0.0), ("without any weight", weight(plain))):
-        rows.append(Row(f"original, 300 r/min, vertical maximum {words} [N]", BEFORE[300][0], float(force.max()) + lift))
-        rows.append(Row(f"original, 300 r/min, vertical minimum {words} [N]", BEFORE[300][1], float(force.min()) + lift))
-    balanced = turning(opposed).shaking_force
-    rows.append(Row("original with its counterweight, 300 r/min, vertical range [N]", BEFORE[300][2], float(np.ptp(balanced[:, 2]))))
-    rows.append(Row("original with its counterweight, 300 r/min, lateral range [N]", BEFORE[300][5], float(np.ptp(balanced[:, 0]))))
+    original, improved = _extremes(plain, BEFORE, -flywheel), _extremes(symmetric, AFTER, weight(symmetric))
+    growth = float(BEFORE[400][2]) / float(BEFORE[300][2])
+    rows = (
+        *_extreme_rows("original", BEFORE, original),
+        *_extreme_rows("improved", AFTER, improved),
+        Row("original, vertical range at 400 by that at 300 r/min", f"{growth:.3f}", original[400][2] / original[300][2]),
+        *_printed_weights(original, flywheel + weight(plain)),
+        Row("weight of what moves in the original [N]", "", weight(plain), places=0),
+        Row("weight of the flywheel [N]", "", flywheel, places=0),
+        *_with_less_weight(plain),
+        *_with_counterweight(opposed),
+    )
     reason = (
-        "What the original is in this table, the thesis does not say. By Fig. 2-2 and the joints of 5.3 (3) and (4) it has a counterweight"
+        "The thesis does not say what the original in this table is. By Fig. 2-2 and the joints of 5.3 (3) and (4) it has a counterweight"
         " on an opposed crank-slider, which would leave 119 N of the vertical range (last rows), not 67 kN. That size alone suggests a"
         " crank-slider without counterweight, and the rows assume one. Nor does the thesis say which weights its forces include. Ours of"
         " the original include the weight of what moves and of the 940 kg flywheel, 32 kN together, because the middle of the printed"
@@ -234,14 +225,41 @@ def _comparison(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
         " at 300 r/min, and less and less so at 350 and 400: forces of inertia grow with the square of the speed, by 1.778 from 300 to 400"
         " r/min, the thesis' by 1.556, its lateral ones by 1.148. The improved press contradicts table 5-1 (see Fig. 5-11)."
     )
-    return Entry(("Table 5-2",), "shaking force before and after", NOT, tuple(rows), reason)
+    return Entry(("Table 5-2",), "shaking force before and after", NOT, rows, reason)
 
 
-_QUANTITIES = (
-    "vertical maximum",
-    "vertical minimum",
-    "vertical range",
-    "lateral maximum",
-    "lateral minimum",
-    "lateral range",
-)
+def _extremes(press: Linkage, speeds: Iterable[int], lift: float) -> dict[int, list[float]]:
+    """Speed [r/min] -> `QUANTITIES` of the shaking force [N], after a constant is added to the vertical force."""
+    found = {}
+    for rpm in speeds:
+        reactions = turning(press, rpm * RPM)
+        peak = max(float(np.abs(force).max()) for force in reactions.bearing_force.values())
+        axes = reactions.shaking_force[:, 2] + lift, reactions.shaking_force[:, 0]
+        found[rpm] = [clean(float(extreme(axis)), peak) for axis in axes for extreme in (np.max, np.min, np.ptp)]
+    return found
+
+
+def _extreme_rows(name: str, printed: Mapping[int, Sequence[str]], ours: Mapping[int, Sequence[float]]) -> Iterator[Row]:
+    for rpm, theirs in printed.items():
+        for quantity, number, value in zip(QUANTITIES, theirs, ours[rpm], strict=True):
+            yield Row(f"{name}, {rpm} r/min, {quantity} [N]", number, value)
+
+
+def _printed_weights(original: Mapping[int, Sequence[float]], included: float) -> Iterator[Row]:
+    """The weights on which the middles of the printed extremes lie; ours include weights of this size [N]."""
+    for rpm, (highest, lowest, *_) in BEFORE.items():
+        middle = 0.5 * (original[rpm][0] + original[rpm][1] + 2 * included - float(highest) - float(lowest))
+        yield Row(f"original, {rpm} r/min, weight by the middle of the printed extremes [N]", "", middle, places=0)
+
+
+def _with_less_weight(plain: Linkage) -> Iterator[Row]:
+    force = turning(plain).shaking_force[:, 2]
+    for words, lift in (("without the weight of the flywheel", 0.0), ("without any weight", weight(plain))):
+        yield Row(f"original, 300 r/min, vertical maximum {words} [N]", BEFORE[300][0], float(force.max()) + lift)
+        yield Row(f"original, 300 r/min, vertical minimum {words} [N]", BEFORE[300][1], float(force.min()) + lift)
+
+
+def _with_counterweight(opposed: Linkage) -> Iterator[Row]:
+    force = turning(opposed).shaking_force
+    yield Row("original with its counterweight, 300 r/min, vertical range [N]", BEFORE[300][2], float(np.ptp(force[:, 2])))
+    yield Row("original with its counterweight, 300 r/min, lateral range [N]", BEFORE[300][5], float(np.ptp(force[:, 0])))

@@ -58,12 +58,12 @@ def motion_entries(given: Mapping[str, Linkage]) -> tuple[Entry, ...]:
 
 
 def load_entries(press: Linkage) -> tuple[Entry, ...]:
-    """Figures 5-8 to 5-10 and 5-12 to 5-15, of the symmetric press."""
+    """Figures 5-8 to 5-10 and 5-12 to 5-15, for the symmetric press."""
     return (_laws(), _step(), *_cases(press))
 
 
 def motor(set_speed: float = SET) -> SlipClutchMotor:
-    """The YCT280-4A; its primary speed is ours."""
+    """The motor YCT280-4A of table 4-1; its primary speed is ours."""
     return SlipClutchMotor(rated_torque=189.0, primary_speed=PRIMARY, top_speed=TOP, set_speed=set_speed)
 
 
@@ -121,7 +121,7 @@ def _run(press: Linkage) -> Entry:
 
 
 def laws(force: float) -> dict[str, ProcessLoad]:
-    """The load cases with this largest force [N], at slide heights in place of windows in time."""
+    """The load cases by name, with this largest force [N], over slide heights instead of windows in time."""
     height = 0.5 * 0.015 * (1 + 0.05) * (SPEED * 0.0025) ** 2  # 2.5 ms before bottom dead centre
     return {
         "piling": ConstantForce(force, height),
@@ -231,7 +231,7 @@ _WHY = {
 
 
 def _windows(press: Linkage) -> tuple[Row, ...]:
-    """Both readings of the window of 5.7.4: what the sine is at its end, and the crank radius that follows from a sheet of 5 mm."""
+    """Both readings of the window of 5.7.4: the sine at its end, and the crank radius that follows from a sheet of 5 mm."""
     turn = cycle(press, SPEED, points=7200)
     heights, down = turn.slide_position - turn.slide_position[0], turn.slide_velocity < 0
     when = [float(np.interp(-height, -heights[down], turn.time[down])) for height in (START_HEIGHT, BREAK_HEIGHT)]

@@ -1,9 +1,9 @@
 """Chapter 2 of Zhang 2007: vibration of the frame on 10 mm of rubber, its findings in words beside those of a model.
 
-The thesis prints no data of the frame. All of it is assumed here (ours): what can be compared is what it found.
+The thesis prints no data of the frame, so all data of it are assumed here; only findings can be compared.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -50,7 +50,14 @@ STEP = 1e-4  # of a run under piling [s]: a sixtieth of the stretching's period
 
 
 class Finding(NamedTuple):
-    """Where the thesis says what, what the model gives, and whether that agrees."""
+    """A finding of the thesis beside ours, in words.
+
+    Attributes:
+        place: Figure or section of the thesis.
+        says: What the thesis finds.
+        gives: What the model gives.
+        agrees: Whether both agree.
+    """
 
     place: str
     says: str
@@ -60,7 +67,7 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Vibration:
-    """The presses of the thesis on their mounts, and how they vibrate; computed when first asked for."""
+    """The presses of the thesis on their mounts and their vibration, computed when first asked for."""
 
     @cached_property
     def machines(self) -> dict[str, MountedPress]:
@@ -68,7 +75,7 @@ class Vibration:
 
     @cached_property
     def over(self) -> dict[str, SpeedResponse]:
-        """Idle, over the range of speeds."""
+        """Response of each idle press over `SPEEDS`."""
         return {name: foundation.over_speeds(system, SPEEDS, points=POINTS) for name, system in self.machines.items()}
 
     @cached_property
@@ -88,61 +95,67 @@ class Vibration:
         return motion
 
     def top_beam(self, name: str) -> Array:
-        """Acceleration of the top beam, rms, at `SPEEDS` [m/s2]."""
+        """(speeds,) rms acceleration of the top beam of a press at `SPEEDS` [m/s2]."""
         return np.asarray(np.linalg.norm(self.over[name].rms["top beam"], axis=1))
 
     def findings(self) -> tuple[Finding, ...]:
-        """Those of chapter 2."""
-        system, modes = self.machines[REAL], foundation.modes(self.machines[REAL])
-        alone, moving = _size(flywheel_alone(system)), _size(self.idle.rms("top beam"))
+        """The findings of chapter 2, beside ours."""
+        return (*self._idle_findings(), self._piling(), *self._advice())
+
+    def _idle_findings(self) -> Iterator[Finding]:
+        alone, moving = _size(flywheel_alone(self.machines[REAL])), _size(self.idle.rms("top beam"))
+        yield Finding(
+            "Fig. 2-7",
+            "flywheel alone, 350 per min: vibration very small",
+            f"{alone:.2g} m/s² rms on the top beam, {moving / alone:.0f} times less than with the slide",
+            "yes",
+        )
         two, three, most = np.interp((200, 300, 350), SPEEDS / RPM, self.top_beam(REAL))
+        yield Finding(
+            "Figs. 2-8 to 2-15",
+            "idle, to 300 per min: not yet marked; 350: strong",
+            f"{three / two:.1f} times from 200 to 300 (square of the speed: 2.25), {most / three:.1f} times from 300 to 350 (1.36)",
+            "yes, with these pads",
+        )
         across = self.idle.rms("top beam")[0] / moving
-        ends = ", ".join(f"{point} {_size(self.idle.rms(point)):.3f}" for point in POINTS)
-        seen, damped = _decay(system, self.struck)
+        yield Finding(
+            "Figs. 2-12 to 2-15",
+            "idle: signals like a sine, the machine sways",
+            f"higher harmonics {100 * _distortion(self.idle):.2g} % of the first on the top beam; {across:.3f} of it along x, across"
+            " the machine",
+            "yes",
+        )
+        places = ", ".join(f"{point} {_size(self.idle.rms(point)):.3f}" for point in POINTS)
+        yield Finding("Figs. 2-12 to 2-15", "the top beam moves more than columns and lower beam", f"{places} m/s²", "yes, a little")
+        both = "the same on both sides: no motor stands aside in our frame"
+        yield Finding("Figs. 2-8 to 2-11", "the motor's side moves more", both, "no")
+
+    def _piling(self) -> Finding:
+        seen, damped = _decay(self.machines[REAL], self.struck)
+        return Finding(
+            "Figs. 2-17, 2-18",
+            "piling: dies away after every stroke",
+            f"logarithmic decrement of the stretching {seen:.3f}, of the mode's damping {damped:.3f}",
+            "yes",
+        )
+
+    def _advice(self) -> Iterator[Finding]:
+        modes = foundation.modes(self.machines[REAL])
         lowest, stretching = (modes.natural_frequency[k] / (2 * np.pi) for k in (0, modes.motion.index("stretching")))
+        yield Finding(
+            "2.3.4",
+            "so the speed is far from the natural frequencies",
+            f"lowest {lowest:.2f} Hz, {60 * lowest:.0f} per min",
+            f"no: what rings is the stretching, at {stretching:.0f} Hz",
+        )
         soft = foundation.isolate(self.machines["plain"].press, WHOLE, SPRINGS, speeds=SPEEDS[WORKING], transmitted=0.6)
         through = self.over["plain"].transmitted[: WORKING.stop].max()
-        return (
-            Finding(
-                "Fig. 2-7",
-                "flywheel alone, 350 per min: vibration very small",
-                f"{alone:.2g} m/s² rms on the top beam, {moving / alone:.0f} times less than with the slide",
-                "yes",
-            ),
-            Finding(
-                "Figs. 2-8 to 2-15",
-                "idle, to 300 per min: not yet marked; 350: strong",
-                f"{three / two:.1f} times from 200 to 300 (square of the speed: 2.25), {most / three:.1f} times from 300 to 350 (1.36)",
-                "yes, with these pads",
-            ),
-            Finding(
-                "Figs. 2-12 to 2-15",
-                "idle: signals like a sine, the machine sways",
-                f"higher harmonics {100 * _distortion(self.idle):.2g} % of the first on the top beam; {across:.3f} of it along x, across"
-                " the machine",
-                "yes",
-            ),
-            Finding("Figs. 2-12 to 2-15", "the top beam moves more than columns and lower beam", f"{ends} m/s²", "yes, a little"),
-            Finding("Figs. 2-8 to 2-11", "the motor's side moves more", "the same on both sides: no motor stands aside in our frame", "no"),
-            Finding(
-                "Figs. 2-17, 2-18",
-                "piling: dies away after every stroke",
-                f"logarithmic decrement of the stretching {seen:.3f}, of the mode's damping {damped:.3f}",
-                "yes",
-            ),
-            Finding(
-                "2.3.4",
-                "so the speed is far from the natural frequencies",
-                f"lowest {lowest:.2f} Hz, {60 * lowest:.0f} per min",
-                f"no: what rings is the stretching, at {stretching:.0f} Hz",
-            ),
-            Finding(
-                "2.3.4",
-                "rubber or springs below keep it from the floor",
-                f"rubber of 10 mm: {through:.2f} of the shaking force of the plain press comes through at most; for 0.6 between 200 and 400"
-                f" per min: {soft.stiffness[2] / 1e6:.2f} MN/m together, {1e3 * soft.sag:.0f} mm of sag",
-                "springs yes, this rubber no",
-            ),
+        yield Finding(
+            "2.3.4",
+            "rubber or springs below keep it from the floor",
+            f"rubber of 10 mm: {through:.2f} of the shaking force of the plain press comes through at most; for 0.6 between 200 and 400"
+            f" per min: {soft.stiffness[2] / 1e6:.2f} MN/m together, {1e3 * soft.sag:.0f} mm of sag",
+            "springs yes, this rubber no",
         )
 
     def draw(self) -> "Figure":
@@ -157,7 +170,7 @@ def standing(press: Linkage, pad: RubberPad = PAD) -> MountedPress:
 
 
 def flywheel_alone(system: MountedPress) -> Array:
-    """Acceleration (3,), rms, of the top beam by the flywheel's unbalance, a force that turns in the x-z plane, on a press that stands."""
+    """(3,) rms acceleration of the top beam of a press at rest by the flywheel's unbalance, a force that turns in the x-z plane [m/s2]."""
     still = system.press.with_inertias([pin.Inertia.Zero() for _ in system.press.model.inertias])
 
     def force(motion: Motion) -> Array:
@@ -169,20 +182,14 @@ def flywheel_alone(system: MountedPress) -> Array:
     return foundation.steady_response(standing(still), result, points=POINTS).rms("top beam")
 
 
-def table(rows: Iterable[Finding]) -> str:
-    """Findings in Markdown."""
-    lines = ["| Zhang 2007 says | pinpress gives | agrees |", "|---|---|---|"]
-    return "\n".join(lines + [f"| {row.says} | {row.gives} | {row.agrees} |" for row in rows])
-
-
 def _distortion(motion: FrameMotion) -> float:
-    """Root of the sum of squares of the higher harmonics of the top beam's acceleration along x by the first."""
+    """Root of the sum of squares of the higher harmonics of the top beam's acceleration along x, divided by the first harmonic [-]."""
     harmonics = np.abs(np.fft.rfft(motion.acceleration["top beam"][:, 0]))
     return float(np.sqrt((harmonics[2:] ** 2).sum()) / harmonics[1])
 
 
 def _decay(system: MountedPress, motion: FrameMotion) -> tuple[float, float]:
-    """Logarithmic decrement of the stretching in the five periods after a blow, seen in the signal and of the mode's damping ratio."""
+    """Logarithmic decrement of the stretching, from the signal in five periods after a blow, and from the mode's damping ratio."""
     modes = foundation.modes(system)
     place = modes.motion.index("stretching")
     modal = motion.coordinates @ (system.mass @ modes.shapes[:, place])

@@ -190,9 +190,8 @@ def permissible_eccentricity(
 
 
 def _slide_guide(press: Linkage) -> tuple[str, Array]:
-    """Name of the slide's bearing in its guide, and the guide's axis (3,) in world axes."""
-    guide, _ = press.slide_guide
-    return press.joints[guide], press.model.jointPlacements[guide + 1].rotation @ press.axes[guide].direction
+    """Name of the slide's bearing in its guide, and `Linkage.slide_direction`."""
+    return press.joints[press.slide_guide.joint], press.slide_direction
 
 
 def _rotation(press: Linkage) -> Array:

@@ -142,7 +142,7 @@ def rate(
     """Find the force that a press may exert over its working stroke, and the speed at which it may run.
 
     The permissible force is the smallest of F_N, C / |ds/dtheta|, E / h and the forces that the bearings permit. A nominal height h_N
-    stands for the torque C = F_N |ds/dtheta| at h_N. The working stroke is the one against the guide's axis, downwards in an upright press.
+    stands for the torque C = F_N |ds/dtheta| at h_N. The working stroke goes downwards, against the slide's direction.
     Friction is left out, because with it forces are not affine in the process force.
 
     Args:

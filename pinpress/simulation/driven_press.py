@@ -57,21 +57,23 @@ class JointPosition:
 
     Attributes:
         joint: its place in v.
-        offset: added to the joint's own position.
+        offset: where the joint's own coordinate is zero.
+        sign: 1, or -1 where it counts against the joint's own coordinate.
     """
 
     joint: int
     offset: float = 0.0
+    sign: float = 1.0
 
     def over(self, press: Linkage, motion: Motion) -> Array:
-        return motion.joint_position[:, self.joint] + self.offset
+        return self.sign * motion.joint_position[:, self.joint] + self.offset
 
     def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
-        return float(x[self.joint]) + self.offset, float(v[self.joint])
+        return self.sign * float(x[self.joint]) + self.offset, self.sign * float(v[self.joint])
 
     def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
         result = np.zeros(len(x))
-        result[self.joint] = force
+        result[self.joint] = self.sign * force
         return result
 
 

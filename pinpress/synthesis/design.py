@@ -29,7 +29,7 @@ from ..engines.planar.bodies import Bodies, build_bodies
 from ..engines.planar.inverse_dynamics import inverse_dynamics
 from ..engines.planar.model import Plane, to_complex, to_world
 from ..kinematics.motion import Motion, of_states
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, SlideGuide
 from ..loads.link import Load
 
 SHARED = "several bearings share forces that rigid-body mechanics leaves open, so their derivatives are not known: use driving_torque"
@@ -254,18 +254,18 @@ class Design:
         )
         if press.slide is None:
             return motion
-        guide, offset = press.slide_guide
-        offset += float(drawn[guide, 0]) + guide_shift(self.plane, shift(press, self.start.plane, self.moved), guide)
-        return replace(motion, _guide=(guide, offset))
+        guide, offset, sign = press.slide_guide
+        offset += sign * (float(drawn[guide, 0]) + guide_shift(self.plane, shift(press, self.start.plane, self.moved), guide))
+        return replace(motion, _guide=SlideGuide(guide, offset, sign))
 
     def _motion_towards(self, place: int, h: float) -> Motion:
         motion, slope, by = self.motion, self._tangents[place], self._by[place]
         drawn = slope.position[:, :1]
         guided = motion._guide
         if guided is not None:
-            guide, offset = guided
-            moved = float(drawn[guide, 0]) + guide_shift(self.plane, by, guide)
-            guided = guide, cast("float", offset + 1j * h * moved)
+            guide, offset, sign = guided
+            moved = sign * (float(drawn[guide, 0]) + guide_shift(self.plane, by, guide))
+            guided = SlideGuide(guide, cast("float", offset + 1j * h * moved), sign)
         return replace(
             motion,
             joint_position=_complex(motion.joint_position, h, (slope.position - drawn).T),

@@ -18,8 +18,6 @@ from pinpress.cli.main import main
 
 URDF = Path(__file__).resolve().parents[2] / "urdf"
 CRANK_SLIDE = (URDF / "crank_slide.urdf").read_text(encoding="utf-8")
-GUIDE_AXIS = '<origin xyz="0 0 -0.500"/><axis xyz="0 0 1"/>'
-LIMITS = 'lower="-0.01" upper="0.21"'
 TURN = 2 * np.pi
 
 
@@ -115,35 +113,6 @@ def test_a_long_stroke_is_warned_of_by_check(tmp_path):
     (found,) = (found for found in pp.check(press.file).warnings if "limit" not in found.problem)
     assert found.problem == "slide 'slide' goes 8 m to and fro"
     assert found.element == '<joint name="slide_guide">'
-
-
-def test_a_slide_whose_axis_points_down_is_warned_of(tmp_path):
-    """Its top dead centre is where the crank is straight down, which is the bottom."""
-    with pytest.warns(pp.PinpressWarning, match=r"the axis of slide 'slide' points down.*turn the <axis> round") as caught:
-        press = load(tmp_path, (GUIDE_AXIS, GUIDE_AXIS.replace("0 0 1", "0 0 -1")), (LIMITS, 'lower="-0.21" upper="0.01"'))
-    assert [warning.filename for warning in caught] == [__file__]
-    assert f'{press.file}:{press_line(press, "slide_guide")}: <joint name="slide_guide">' in str(caught[0].message)
-    assert pp.dead_centres(press).top_angle == pytest.approx(0.0, abs=1e-9)
-    assert [found.remedy for found in pp.check(press.file).warnings] == ["turn the <axis> round, so that it points up"]
-
-
-def press_line(press, joint):
-    lines = press.text.decode().splitlines()
-    return 1 + next(k for k, line in enumerate(lines) if f'<joint name="{joint}"' in line)
-
-
-@pytest.mark.parametrize(
-    ("axis", "gravity"),
-    [
-        pytest.param("0 0 1", (0.0, 0.0, 9.81), id="presses upwards: below is above"),
-        pytest.param("0 0 -1", (9.81, 0.0, 0.0), id="lies on its side"),
-        pytest.param("0 0 -1", (0.0, 0.0, 0.0), id="weightless"),
-    ],
-)
-def test_only_gravity_says_what_is_down(tmp_path, axis, gravity):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        load(tmp_path, (GUIDE_AXIS, GUIDE_AXIS.replace("0 0 1", axis)), (LIMITS, 'lower="-0.21" upper="0.21"'), gravity=gravity)
 
 
 @pytest.mark.parametrize("rod", ["0.370", "0.393"])

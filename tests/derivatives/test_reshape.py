@@ -74,8 +74,8 @@ def test_a_changed_linkage_is_written_and_loads_to_the_same_motion(name, tmp_pat
 def test_joint_limits_keep_their_place_counted_from_the_new_pose():
     press = texts.shipped("zxn2_3000b")
     changed = reshaped(press, {("slide_guide", "frame"): (0.02, 0, -0.957), ("F", "rod"): (0.5, 0, 0)})
-    guide, offset = press.slide_guide
-    new_offset = changed.slide_guide[1]
+    guide, offset, _ = press.slide_guide
+    new_offset = changed.slide_guide.offset
     place = press.model.joints[guide + 1].idx_q
     moved = 0.957 - 0.9579409746502484  # of the zero of the guide itself, which was given another place
     for limits in ("lowerPositionLimit", "upperPositionLimit"):

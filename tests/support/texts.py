@@ -1,5 +1,6 @@
 """Linkages for tests from texts of URDF, and by name; each is read once."""
 
+import re
 import tempfile
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,17 @@ def load(text, folder, gravity=(0.0, 0.0, -9.81)):
 def shipped(name, gravity=(0.0, 0.0, -9.81)):
     """A shipped press: a linkage is read-only, so that tests can share one, and what it has found out about itself."""
     return pp.load(name, gravity=gravity)
+
+
+def guide_turned_round(name):
+    """The text of a shipped press with the axis of its slide's guide turned round, and its limits exchanged."""
+    text = shipped(name).text.decode()
+    joint = re.search(r'<joint name="slide_guide".*?</joint>', text, re.DOTALL)[0]
+    lower, upper = (re.search(rf'{end}="([^"]*)"', joint)[1] for end in ("lower", "upper"))
+    other = joint.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>')
+    other = other.replace(f'lower="{lower}" upper="{upper}"', f'lower="{-float(upper)}" upper="{-float(lower)}"')
+    assert other.count("0 0 -1") == 1
+    return text.replace(joint, other)
 
 
 NOTHING = '<inertial><mass value="0"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>'

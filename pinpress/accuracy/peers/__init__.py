@@ -1,4 +1,4 @@
 """The same press in other programs, whose answers and run times are set beside those of pinpress.
 
-Nothing of theirs is imported before it is asked for.
+Other programs are imported only when a peer is made.
 """

@@ -1,18 +1,17 @@
 """A planar press in Exudyn: rigid bodies in the plane (x to the right, y for the press's z), about their centres of mass, and its joints.
 
 Every joint is an equation with a Lagrange multiplier, which is its force. Inverse dynamics is a dynamic run over the turn with the crank
-held at its speed by a constraint of velocities, one step an angle, sensors on all joints; its error falls with the square of the number of
-angles.
+held at its speed by a constraint of velocities, one step an angle, with sensors on all joints; its error falls with the square of the
+number of angles.
 
-Tried on the ZXN2-3000(B), and left: generalised alpha (less exact in the same time, and with radius 1 its forces oscillate), Newton's
-method to 1e-12 (no more exact, and slower) and to 1e-8 (forces of single states off), a Jacobian kept as long as it converges (slower),
-and Newmark with index 2 (the trapezoidal rule). The initial accelerations of each state, solved anew at every angle, are more exact than
-a run, but of positions and velocities that must be closed before.
-
-The sparse linear solver is slower. `sys.exudynFast` (without range checks) gains less than a tenth. The explicit integrators refuse joints.
+These were tried on the ZXN2-3000(B) and left: generalised alpha (less exact in the same time, and with radius 1 its forces oscillate),
+Newton's method to 1e-12 (no more exact, and slower) and to 1e-8 (forces of single states are off), a Jacobian kept as long as it converges
+(slower), and Newmark with index 2 (the trapezoidal rule). The initial accelerations of each state, solved anew at every angle, are more
+exact than a run, but they need positions and velocities that are closed before. The sparse linear solver is slower. `sys.exudynFast`
+(without range checks) gains less than a tenth. The explicit integrators refuse joints.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -32,7 +31,7 @@ from ..scenes import Scene, SpeedLaw
 from .peer import Answer, End, steps_of
 
 NEWTON = 1e-10  # relative tolerance; at 1e-8 the forces of single states are off
-RADIUS = 0.9  # of generalised alpha: with 1 stiff forces ring, with 0.6 it errs twenty times as much
+RADIUS = 0.9  # spectral radius of generalised alpha: with 1 stiff forces ring, with 0.6 errors are twenty times as large
 FLAT = (0, 2)  # axes of the press's plane in the world
 
 
@@ -41,14 +40,15 @@ class System:
     """A planar press in Exudyn.
 
     Attributes:
-        container: Exudyn's, to be kept together with ``mbs``.
+        container: Exudyn's container, to be kept together with ``mbs``.
         mbs: Exudyn's system of bodies.
-        bodies: in Pinocchio's order of joints, the ground first.
-        nodes: as ``bodies``; the ground has None.
-        joints: name of a joint or loop -> number of its object.
-        centres: (joints + 1, 3) of mass in the joints' frames [m].
-        rotations: (joints + 1, 3, 3) of these in the drawn pose of the tree.
-        signs: (joints + 1,) by which an angle about a joint's axis turns counter-clockwise in the plane; 0 where it slides.
+        bodies: Bodies in Pinocchio's order of joints, the ground first.
+        nodes: Nodes of the bodies; None for the ground.
+        joints: Name of a joint or loop -> number of its object.
+        centres: (joints + 1, 3) centres of mass in the joints' frames [m].
+        rotations: (joints + 1, 3, 3) rotations of these frames in the drawn pose of the tree.
+        signs: (joints + 1,) signs of the angles about the joints' axes, positive where they turn counter-clockwise in the plane; 0 for
+            joints that slide.
         drawn: (joints + 1, 3) centres of mass in the world in the drawn pose of the tree [m].
     """
 
@@ -71,7 +71,7 @@ def build(press: Linkage) -> System:
     """The bodies, weights and joints of a planar press, not yet assembled.
 
     Raises:
-        PinpressError: a linkage that is not planar, has gear pairs or more equations than it needs.
+        PinpressError: The linkage is not planar, has gear pairs, or has more equations than it needs.
     """
     plane = press.plane_or_refuse(f"only planar linkages are compared in it, and {press.name} is not planar")
     if press.couplings:
@@ -80,42 +80,52 @@ def build(press: Linkage) -> System:
         raise PinpressError(f"loops of {press.name} hold each other, and its equations are then singular")
     tree, data = press.model, press.model.createData()
     pin.forwardKinematics(tree, data, pin.neutral(tree))
-    container = exudyn.SystemContainer()
-    mbs = container.AddSystem()
-    bodies, nodes = [mbs.AddObject(items.ObjectGround())], [None]
     places = list(data.oMi)
     places[0] = pin.SE3.Identity()
     centres = np.array([np.zeros(3), *(inertia.lever for inertia in list(tree.inertias)[1:])])
     drawn = np.array([place.act(centre) for place, centre in zip(places, centres, strict=True)])
     rotations = np.array([place.rotation for place in places])
+    signs = [0.0] + [-float((r @ a.direction)[1]) * a.turns for r, a in zip(rotations[1:], press.axes, strict=True)]
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    bodies, nodes = _add_bodies(mbs, tree, rotations, drawn)
+    joints: dict[str, Any] = {}
+    system = System(container, mbs, bodies, nodes, joints, centres, rotations, np.array(signs), drawn)
+    joints.update(_added_joints(press, system))
+    return system
+
+
+def _add_bodies(mbs: Any, tree: pin.Model, rotations: Array, drawn: Array) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """Add bodies with their weights; return bodies and nodes as in `System`."""
+    bodies, nodes = [mbs.AddObject(items.ObjectGround())], [None]
     for j in range(1, tree.njoints):
         inertia = tree.inertias[j]
         about = float((rotations[j] @ inertia.inertia @ rotations[j].T)[1, 1])
         nodes.append(mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[*drawn[j][list(FLAT)].tolist(), 0.0])))
         bodies.append(mbs.AddObject(items.ObjectRigidBody2D(mass=inertia.mass, inertia=about, nodeNumber=nodes[j])))
-        weight = items.LoadForceVector(
-            markerNumber=_marker(mbs, bodies[j], np.zeros(3)), loadVector=_flat(inertia.mass * tree.gravity.linear)
-        )
-        mbs.AddLoad(weight)
-    signs = [0.0] + [-float((r @ a.direction)[1]) * a.turns for r, a in zip(rotations[1:], press.axes, strict=True)]
-    joints: dict[str, Any] = {}
-    system = System(container, mbs, tuple(bodies), tuple(nodes), joints, centres, rotations, np.array(signs), drawn)
+        centre = _marker(mbs, bodies[j], np.zeros(3))
+        mbs.AddLoad(items.LoadForceVector(markerNumber=centre, loadVector=_flat(inertia.mass * tree.gravity.linear)))
+    return tuple(bodies), tuple(nodes)
+
+
+def _added_joints(press: Linkage, system: System) -> Iterator[tuple[str, Any]]:
+    """Add joints and loops; yield their names and objects."""
+    tree, mbs = press.model, system.mbs
     for j, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True), start=1):
         ends = [system.marker(tree.parents[j], tree.jointPlacements[j].translation), system.marker(j, np.zeros(3))]
         if axis.turns:
-            joints[name] = mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
+            yield name, mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
         else:
-            x, y, _ = along = _flat(rotations[j] @ axis.direction)
+            x, y, _ = along = _flat(system.rotations[j] @ axis.direction)
             rail = items.ObjectJointPrismatic2D(markerNumbers=ends, axisMarker0=along, normalMarker1=[-y, x, 0.0])
-            joints[name] = mbs.AddObject(rail)
+            yield name, mbs.AddObject(rail)
     for loop in press.loops:
         ends = [system.marker(loop.joint1, loop.point1), system.marker(loop.joint2, loop.point2)]
-        joints[loop.name] = mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
-    return system
+        yield loop.name, mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
 
 
 def begin(press: Linkage, system: System, angle: float, speed: float) -> None:
-    """Set the initial state of an assembled system: closed, at a crank angle [rad] and speed [rad/s]."""
+    """Set the initial state of an assembled system, closed, at a crank angle [rad] and speed [rad/s]."""
     state = servo_cycle(press, angle=[angle], speed=[speed])
     tree, data = press.model, press.model.createData()
     pin.forwardKinematics(tree, data, state.q[0], state.v[0])
@@ -132,7 +142,7 @@ def begin(press: Linkage, system: System, angle: float, speed: float) -> None:
 
 
 def settings(duration: float, steps: int) -> Any:
-    """For a run in silence, without files, with the best of its integrators."""
+    """Settings of a run without output or files, with steps of equal length."""
     made = exudyn.SimulationSettings()
     made.solution.file.write = False
     made.solution.solverInformationFileName = ""
@@ -149,9 +159,13 @@ def settings(duration: float, steps: int) -> Any:
 
 
 def solve(system: System, made: Any, solver: Any = exudyn.DynamicSolverType.TrapezoidalIndex2) -> None:
-    """Run a system; SimulationError where Exudyn finds no solution."""
+    """Run a system.
+
+    Raises:
+        SimulationError: Exudyn finds no solution.
+    """
     loud = exudyn.config.printToConsole
-    exudyn.config.printToConsole = False  # it says there what the error says here
+    exudyn.config.printToConsole = False  # it would print what the error says here
     try:
         done = system.mbs.SolveDynamic(made, solverType=solver, showHints=False)
     except exudyn.ExudynError as error:
@@ -163,7 +177,7 @@ def solve(system: System, made: Any, solver: Any = exudyn.DynamicSolverType.Trap
 
 
 class Exudyn:
-    """A `Peer`; see the module."""
+    """A `Peer`: a planar press in Exudyn."""
 
     inverse = True
     left_out: ClassVar[Mapping[str, str]] = {CLUTCH: "its steps do not end where a clutch grips"}
@@ -173,7 +187,7 @@ class Exudyn:
         """Make the systems.
 
         Raises:
-            PinpressError: as `build`; a crank that does not turn on the frame.
+            PinpressError: As `build`, or the crank does not turn on the frame.
         """
         self._driver = press.driver_indices[0] + 1
         self._free, self._driven = build(press), build(press)
@@ -233,8 +247,11 @@ class Exudyn:
         return self._end(system, (sum(self._energies(inertia, lambda get: get())) - kinetic - potential) / kinetic)
 
     def run(self, scene: Scene, step: float) -> End:
-        """See `Peer`: a stiff law is a damper, the motor and the loads are connectors with functions of ours. Under a stiff law the
-        trapezoidal rule rings, and the forces with it: there by generalised alpha."""
+        """See `Peer`.
+
+        A stiff law is a damper; motor and loads are connectors with functions of ours. Under a stiff law the trapezoidal rule and its
+        forces ring, so that generalised alpha takes its place.
+        """
         system = build(self._press)
         mbs, drive = system.mbs, scene.drive
         ground = mbs.AddNode(items.NodePointGround())
@@ -269,10 +286,10 @@ class Exudyn:
         return self._end(system, None)
 
     def _slide(self, system: System) -> tuple[int, float]:
-        """Pinocchio's joint of the slide, and the slide's height above bottom dead centre where its centre of mass is as drawn [m].
+        """Pinocchio's joint of the slide, and its height above bottom dead centre where the centre of mass is as drawn [m].
 
         Raises:
-            PinpressError: a slide that is no body on an upright guide.
+            PinpressError: The slide is no body on an upright guide.
         """
         press, heights = self._press, []
         joint = next((j for j in range(1, press.model.njoints) if not system.signs[j]), 0)
@@ -327,8 +344,12 @@ class Exudyn:
 
 
 def _upright(multipliers: Array, turned: Array | None) -> Array:
-    """(n, 3) forces in world axes, parent on child, of Exudyn's (n, 2 or 3), which it gives on the parent; those of a guide in the axes of
-    its slider, which is turned by (n,) [rad]."""
+    """(n, 3) forces of parent on child in world axes [N].
+
+    Args:
+        multipliers: (n, 2 or 3) forces of child on parent in Exudyn's plane; those of a guide in the axes of its slider [N].
+        turned: (n,) angle of that slider [rad]; None for a pin.
+    """
     flat = -(multipliers[:, 0] + 1j * multipliers[:, 1])
     if turned is not None:
         flat = flat * np.exp(1j * turned)

@@ -1,16 +1,16 @@
 """A press in MuJoCo: its motion, forces and free runs.
 
-MuJoCo's constraints are soft, and what it computes by itself is therefore no answer here. `mj_inverse` finds no force in loops that are
-exactly closed, and gives the torque of the open tree. So its expert takes Jacobians, mass matrix, bias and accelerations from MuJoCo and
-solves the exact equations of the loops in NumPy, of all crank angles at once where that can be.
+MuJoCo's constraints are soft, so its own answers cannot be compared: `mj_inverse` finds no force in loops that are exactly closed, and
+gives the torque of the open tree. An expert takes Jacobians, mass matrix, bias and accelerations from MuJoCo and solves the exact equations
+of the loops in NumPy, for all crank angles at once where that is possible.
 
-Free runs in two ways. `MujocoSteps` has `mj_step` with RK4 and the stiffest equalities that are stable: omega = 0.5 / step, critically
-damped (0.2 and 1 err more; Euler and implicitfast fail; a higher impedance changes nothing, more than two iterations of the Newton solver
-only take time). The loops' stiffness goes with the step, so that its error falls with the square of the step even by RK4, and the loops
-stay open. `Mujoco` has the classical RK4 with projection on MuJoCo's own terms: slower a step, but of order 4 and on the loops. `pinpress
-accuracy` shows where they cross.
+There are two ways to run freely. `MujocoSteps` takes `mj_step` with RK4 and the stiffest equalities that are stable: omega = 0.5 / step,
+critically damped (0.2 and 1 err more; Euler and implicitfast fail; a higher impedance changes nothing, and more than two iterations of the
+Newton solver only take time). The stiffness of the loops goes with the step, so that its error falls with the square of the step even by
+RK4, and the loops stay open. `Mujoco` takes the classical RK4 with projection on MuJoCo's own terms: each step is slower, but of order 4
+and closed. `pinpress accuracy` shows where they cross.
 
-Bearing forces: of the open tree by `mj_rnePostConstraint` (``cfrc_int``), plus what the loops add. Letting MuJoCo add these from
+Bearing forces are those of the open tree by `mj_rnePostConstraint` (``cfrc_int``) plus what the loops add. Letting MuJoCo add these from
 ``efc_force`` gives the same to rounding. Where loops hold each other, the forces that this leaves open are those with the least sum of
 squared loop forces, not pinpress's.
 """
@@ -34,11 +34,11 @@ from ..measurements import CLUTCH, DIE, SPEED_LAW
 from ..scenes import Scene
 from .peer import Answer, End, steps_of
 
-SAMPLES = 512  # of a turn, walked when the model is made: where Newton's method starts later
-CLOSED = 1e-11  # [m, rad] largest last Newton step; the Jacobian is of the state before it
+SAMPLES = 512  # states of the turn that is walked when the model is made; Newton's method starts from them later
+CLOSED = 1e-11  # largest last Newton step, whose Jacobian is of the state before it [m, rad]
 MOST_NEWTON_STEPS = 12
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
-Effort = Callable[[Array, Array], Array | float]  # of joint coordinates and rates (nv,)
+Effort = Callable[[Array, Array], Array | float]  # efforts (nv,) by joint coordinates and rates (nv,)
 
 
 def free(x: Array, v: Array) -> float:
@@ -47,7 +47,7 @@ def free(x: Array, v: Array) -> float:
 
 
 class Mujoco:
-    """A `Peer`; see the module."""
+    """A `Peer`: a press with exact loops on the terms of MuJoCo."""
 
     inverse, how = True, " + NumPy"
     left_out: ClassVar[Mapping[str, str]] = {
@@ -60,8 +60,8 @@ class Mujoco:
         """Make the model.
 
         Raises:
-            PinpressError: several drivers, no loops or one that holds rotations, a body that MuJoCo refuses, a crank that does not turn
-                fully.
+            PinpressError: The press has several drivers, no loops, a loop that holds rotations, a body that MuJoCo refuses, or a crank that
+                does not turn fully.
         """
         if len(press.drivers) > 1:
             raise PinpressError(f"it is compared on one driver, {press.name} has {len(press.drivers)}")
@@ -80,7 +80,7 @@ class Mujoco:
         self._sites = [site for pair in self._ends for site in pair]
         self._load(press.closed)
         rows = self._data.efc_J.reshape(-1, self._model.nv)
-        self._kept = np.flatnonzero(np.abs(rows).max(axis=1) > RANK)  # no equation in the plane sees the pins' third one
+        self._kept = np.flatnonzero(np.abs(rows).max(axis=1) > RANK)  # the third equation of a pin in the plane has no effect
         self._square = len(self._kept) == len(self._passive)
         self._turns, self._series = self._walked()
 
@@ -97,7 +97,7 @@ class Mujoco:
         return self._run(angle, speed, inertia, duration, step, free)
 
     def run(self, scene: Scene, step: float) -> End:
-        """See `Peer`; the same steps, over the edges of loads too."""
+        """See `Peer`; steps as of a free run, also over the edges of loads."""
         return self._run(scene.angle, scene.speed, scene.inertia, scene.duration, step, self._working(scene))
 
     def _run(self, angle: float, speed: float, inertia: float, duration: float, step: float, effort: Effort) -> End:
@@ -143,7 +143,7 @@ class Mujoco:
         return effort
 
     def _start(self, angle: float, speed: float, inertia: float) -> tuple[Array, Array]:
-        """Joint coordinates and rates (nv,) at the start of a free run, the flywheel put on."""
+        """Joint coordinates and rates (nv,) at the start of a free run, after the flywheel is put on."""
         self._model.dof_armature[self._driver] = inertia
         mujoco.mj_setConst(self._model, self._data)
         at = np.array([float(angle)])
@@ -159,21 +159,21 @@ class Mujoco:
         return End(float(x[self._driver]), float(v[self._driver]), gap, error, {name: f[0] for name, f in force.items()})
 
     def _load(self, x: Array, v: Array | None = None) -> None:
-        """Where all bodies are, the mass matrix and the loops' Jacobian, and rates, at joint coordinates (nv,) and rates (nv,)."""
+        """Compute places of the bodies, mass matrix, the loops' Jacobian and rates at joint coordinates (nv,) and rates (nv,)."""
         data = self._data
         data.qpos[:] = x
         mujoco.mj_fwdPosition(self._model, data)
-        data.efc_force[:] = 0.0  # else `mj_rnePostConstraint` counts what is left there
+        data.efc_force[:] = 0.0  # else `mj_rnePostConstraint` counts old values
         if v is not None:
             data.qvel[:] = v
             mujoco.mj_comVel(self._model, data)
 
     def _columns(self) -> Array:
-        """(rows, nv) Jacobian of the loops' gaps, then of gear pairs, of the loaded state."""
+        """(rows, nv) Jacobian of the loops' gaps, then of gear pairs, in the loaded state."""
         return np.asarray(self._data.efc_J.reshape(-1, self._model.nv)[self._kept])
 
     def _site_accelerations(self, into: Array) -> None:
-        """(2 loops, 6) of the ends at zero joint accelerations, of the loaded state."""
+        """Write accelerations of the loops' ends (2 loops, 6) at zero joint accelerations, in the loaded state."""
         model, data = self._model, self._data
         data.qacc[:] = 0.0
         mujoco.mj_rnePostConstraint(model, data)
@@ -181,7 +181,7 @@ class Mujoco:
             mujoco.mj_objectAcceleration(model, data, mujoco.mjtObj.mjOBJ_SITE, site, row, 0)
 
     def _drift(self, sites: Array) -> Array:
-        """(n, rows) accelerations of the gaps, from those (n, 2 loops, 6) of the ends."""
+        """(n, rows) accelerations of the gaps from those of the ends (n, 2 loops, 6)."""
         apart = sites[:, ::2, 3:] - sites[:, 1::2, 3:]
         rows = np.zeros((len(sites), 3 * len(self._ends) + len(self._press.couplings)))
         rows[:, : 3 * len(self._ends)] = apart.reshape(len(sites), -1)
@@ -195,13 +195,13 @@ class Mujoco:
         return self._drift(sites)
 
     def _solve(self, matrix: Array, right: Array) -> Array:
-        """(n, m) from (n, k, m) and (n, k); least squares where loops hold each other."""
+        """Solutions (n, m) of systems (n, k, m) with right sides (n, k), by least squares where loops hold each other."""
         if self._square:
             return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
         return np.asarray((np.linalg.pinv(matrix) @ right[..., None])[..., 0])
 
     def _rates(self, columns: Array, drift: Array, driver: float) -> Array:
-        """(n, nv) joint rates, or accelerations with the drift (n, rows), with this one of the driver."""
+        """(n, nv) joint rates, or accelerations with the drift (n, rows), for a given one of the driver."""
         rates = np.full((len(columns), self._model.nv), float(driver))
         rates[:, self._passive] = self._solve(columns[:, :, self._passive], -columns[:, :, self._driver] * driver - drift)
         return rates
@@ -303,7 +303,7 @@ class Mujoco:
 
 
 class MujocoSteps(Mujoco):
-    """The same, its free runs by MuJoCo's own `mj_step` with RK4 and soft loops as stiff as the step allows."""
+    """A `Peer` whose free runs take MuJoCo's own `mj_step` with RK4, with soft loops as stiff as the step allows."""
 
     inverse, how = False, ", mj_step"
     left_out: ClassVar[Mapping[str, str]] = {**Mujoco.left_out, DIE: "its loops are softer than the die"}
@@ -320,7 +320,7 @@ class MujocoSteps(Mujoco):
         first = np.empty(mujoco.mj_stateSize(model, STATE))
         mujoco.mj_getState(model, data, first, STATE)
         before = mujoco.get_mju_user_warning()
-        mujoco.set_mju_user_warning(lambda message: None)  # it would print it, and write a log; the error below says it
+        mujoco.set_mju_user_warning(lambda message: None)  # MuJoCo would print it and write a log; the error below says it
         try:
             states, _ = rollout.rollout(model, data, first[None], nstep=count)
         finally:

@@ -1,4 +1,4 @@
-"""What peers answer and what is asked of them: the same press in other programs, beside which pinpress is measured.
+"""The interface of peers: the same press in other programs, beside which pinpress is measured.
 
 All answers have the signs of `Reactions`.
 """
@@ -18,8 +18,8 @@ class Answer:
     """Inverse dynamics over n crank angles.
 
     Attributes:
-        torque: (n,) on the driver joint, along its axis [N m].
-        force: name of a joint or loop -> (n, 3), action of parent on child (of a loop: of link1 on link2), world axes [N].
+        torque: (n,) torque on the driver joint, along its axis [N m].
+        force: Name of a joint or loop -> (n, 3) force of parent on child (of a loop: of link1 on link2), world axes [N].
     """
 
     torque: Array
@@ -28,16 +28,16 @@ class Answer:
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """Where a run ends.
+    """The last state of a run.
 
     Attributes:
-        crank_angle: of the driver joint, unwrapped [rad].
-        crank_speed: of the driver joint [rad/s].
-        loop_gap: largest distance between the two sides of a bearing that the peer closes by an equation [m]; None where it has none.
-        energy_error: kinetic and potential energy less that at the start, relative to the kinetic energy at the start [-]; None where it
-            is not kept.
-        force: name of a joint or loop -> (3,), as of `Answer` [N].
-        evaluations: of the equation of motion, where they are counted.
+        crank_angle: Angle of the driver joint, unwrapped [rad].
+        crank_speed: Speed of the driver joint [rad/s].
+        loop_gap: Largest distance between the two sides of a bearing that the peer closes by an equation [m]; None where it has none.
+        energy_error: Kinetic and potential energy minus that at the start, divided by the kinetic energy at the start [-]; None where
+            energy is not kept.
+        force: Name of a joint or loop -> (3,) force as of `Answer` [N].
+        evaluations: Number of evaluations of the equation of motion, where they are counted.
     """
 
     crank_angle: float
@@ -52,10 +52,10 @@ class Peer(Protocol):
     """A press made in another program.
 
     Attributes:
-        name: of the program, with its version.
-        inverse: whether it has inverse dynamics of its own to be compared.
-        steps: fixed steps worth measuring in a run of some turns at 70 strokes/min, largest first; none where it cannot run [s].
-        left_out: group of a scene, beside the free run, that it is not for -> why.
+        name: Name of the program, with its version.
+        inverse: Whether it has inverse dynamics of its own to be compared.
+        steps: Fixed steps worth measuring in a run of some turns at 70 strokes/min, largest first; none where it cannot run [s].
+        left_out: Group of a scene (other than the free run) that it cannot run -> why.
     """
 
     name: str
@@ -66,41 +66,49 @@ class Peer(Protocol):
     def left_out(self) -> Mapping[str, str]: ...
 
     def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
-        """One turn at constant speed, or a part of one, without process loads, weights included.
+        """Inverse dynamics of a turn at constant speed, or of a part of one, with weights and without process loads.
 
         Args:
-            angle: (n,) of the crank, in equal steps [rad].
-            speed: of the crank, with the sign of the steps [rad/s].
+            angle: (n,) crank angles in equal steps [rad].
+            speed: Crank speed, with the sign of the steps [rad/s].
 
         Raises:
-            PinpressError: the peer finds no answer.
+            PinpressError: The peer finds no answer.
         """
 
     def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
         """Let the press run without torque.
 
         Args:
-            angle: of the crank at the start [rad].
-            speed: of the crank at the start [rad/s].
-            inertia: of a flywheel on the crank's shaft [kg m2].
-            duration: [s].
-            step: [s]; it is shortened until the duration is a whole number of steps.
+            angle: Crank angle at the start [rad].
+            speed: Crank speed at the start [rad/s].
+            inertia: Moment of inertia of a flywheel on the crank's shaft [kg m2].
+            duration: Duration of the run [s].
+            step: Step, which is shortened until the duration is a whole number of steps [s].
 
         Raises:
-            PinpressError: the peer finds no answer, or cannot run.
+            PinpressError: The peer finds no answer, or cannot run.
         """
 
     def run(self, scene: Scene, step: float) -> End:
-        """Let the press run through a scene that is not ``left_out``. Args and Raises as of `free_run`."""
+        """Let the press run through a scene that is not ``left_out``.
+
+        Args:
+            scene: The scene.
+            step: Step, which is shortened until the duration is a whole number of steps [s].
+
+        Raises:
+            PinpressError: The peer finds no answer, or cannot run.
+        """
 
 
 class Solver(Protocol):
     """An integrator of SciPy on a press's equation of motion in closed form, as an expert writes it for this one press.
 
     Attributes:
-        name: of the integrator.
-        tolerances: that are worth measuring.
-        left_out: group of a scene that it is not for -> why.
+        name: Name of the integrator.
+        tolerances: Tolerances that are worth measuring.
+        left_out: Group of a scene that it cannot run -> why.
     """
 
     @property
@@ -111,9 +119,9 @@ class Solver(Protocol):
     def left_out(self) -> Mapping[str, str]: ...
 
     def prepared(self, scene: Scene) -> Callable[[float], End]:
-        """What finds the end of a scene to a tolerance; it raises a PinpressError where the integrator gives up."""
+        """A function that finds the end of a scene to a tolerance. It raises a PinpressError where the integrator gives up."""
 
 
 def steps_of(duration: float, step: float) -> int:
-    """How many equal steps, none longer than ``step``, make up a duration."""
+    """Number of equal steps, none longer than ``step``, that make up a duration."""
     return max(1, int(np.ceil(duration / step * (1 - 1e-9))))

@@ -72,7 +72,7 @@ class HandScript:
         """Take the script's press.
 
         Raises:
-            PinpressError: another press than the script's.
+            PinpressError: It is another press than the script's.
         """
         shipped = ("zxn2_3000b", "zxn2_3000b_balanced")
         own = load(press.name) if press.name in shipped else None
@@ -95,7 +95,15 @@ class HandScript:
 
 
 class Reduced(NamedTuple):
-    """At a crank angle: reduced inertia [kg m2] and its slope, slope of the potential energy [N m], slide position [m] and its slope."""
+    """The press at a crank angle; slopes are derivatives by the crank angle.
+
+    Attributes:
+        inertia: Reduced inertia [kg m2].
+        inertia_slope: Its slope [kg m2/rad].
+        weight: Slope of the potential energy [N m].
+        slide: Slide position [m].
+        lever: Slope of the slide position [m].
+    """
 
     inertia: float
     inertia_slope: float
@@ -105,7 +113,7 @@ class Reduced(NamedTuple):
 
 
 def reduced(angle: float, balanced: bool) -> Reduced:
-    """The press at a crank angle, its crank turning at 1 rad/s."""
+    """The press at a crank angle [rad], worked out at a crank speed of 1 rad/s."""
     m1, p1, j1 = CRANK[balanced]
     m4, p4, j4 = ROD[balanced]
     b1x, b1y = L1 * math.cos(angle), L1 * math.sin(angle)
@@ -149,7 +157,12 @@ def reduced(angle: float, balanced: bool) -> Reduced:
 
 @dataclass(frozen=True, eq=False)
 class SixBarEquation:
-    """A `Solver`: the integrator of SciPy with this name, on the press as it is or balanced."""
+    """A `Solver`: an integrator of SciPy on the closed form of the press.
+
+    Attributes:
+        integrator: One of `INTEGRATORS`.
+        balanced: Whether it is the balanced press.
+    """
 
     integrator: str
     balanced: bool
@@ -167,15 +180,15 @@ class SixBarEquation:
         return {SPEED_LAW: UNSTABLE} if self.integrator == "DOP853" else {}
 
     def prepared(self, scene: Scene) -> Callable[[float], End]:
-        """See `Solver`: the edges of the loads are found beforehand. The crank turns one way, the positive one, and the clutch, once
-        it holds, holds."""
+        """See `Solver`. The edges of the loads are found beforehand. The crank turns in the positive direction only, and the clutch holds
+        after it has gripped."""
         at = partial(reduced, balanced=self.balanced)
         return partial(self._run, scene, at, *_edges(scene.loads, at))
 
     def _run(
         self, scene: Scene, at: Callable[[float], Reduced], edges: Array, acting: Callable[[float], tuple[Push, ...]], tolerance: float
     ) -> End:
-        """Raises SimulationError where the integrator gives up, or the crank turns the other way."""
+        """Run to the end of a scene. Raises SimulationError where the integrator gives up or the crank turns back."""
         slips = scene.clutch is not None
         time, evaluations = 0.0, 0
         own = scene.speed if scene.flywheel.speed is None else scene.flywheel.speed
@@ -205,7 +218,7 @@ class SixBarEquation:
 
 
 def _edges(loads: Sequence[ProcessLoad], at: Callable[[float], Reduced]) -> tuple[Array, Callable[[float], tuple[Push, ...]]]:
-    """Crank angles (n,) from 0 to 2 pi at which a load begins or ends, and what acts at an angle between them."""
+    """Crank angles (n,) from 0 to 2 pi at which a load begins or ends, and a function for the loads that act at an angle between them."""
     angles = np.linspace(0.0, 2 * math.pi, SAMPLES).tolist()
     if not loads:
         return np.zeros(0), lambda angle: ()
@@ -231,7 +244,7 @@ def _edges(loads: Sequence[ProcessLoad], at: Callable[[float], Reduced]) -> tupl
 
 
 def _acceleration(scene: Scene, state: Reduced, pushes: tuple[Push, ...], speed: float) -> float:
-    """Of the crank, turning with flywheel and drive [rad/s2]."""
+    """Acceleration of the crank, which turns with flywheel and drive [rad/s2]."""
     torque, inertia = 0.0, state.inertia + float(scene.flywheel.inertia)
     if scene.drive is not None:
         torque, inertia = float(scene.drive.torque(speed)), inertia + float(scene.drive.inertia)
@@ -246,7 +259,7 @@ def _turning(scene: Scene, at: Callable[[float], Reduced], pushes: tuple[Push, .
 
 
 def _slipping(scene: Scene, at: Callable[[float], Reduced], pushes: tuple[Push, ...], time: float, y: Any) -> list[float]:
-    """Crank and flywheel on the two sides of a clutch that slips."""
+    """Rates of crank and flywheel on the two sides of a clutch that slips."""
     angle, speed, own = y.tolist()
     state, clutch = at(angle), scene.clutch
     assert clutch is not None

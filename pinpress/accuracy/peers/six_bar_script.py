@@ -1,8 +1,8 @@
-"""The ZXN2-3000(B) six-bar press written out by hand with NumPy: a peer of pinpress and the tests' independent oracle.
+"""The ZXN2-3000(B) six-bar press written out by hand with NumPy: a peer of pinpress and an independent solution for the tests.
 
-What a good engineer writes for this one press, who eliminates the unknowns by hand: both loops closed as triangles, without iteration;
-velocities and accelerations by Cramer's rule; then the driving torque and thirteen pin force components body by body, from the slide to
-the crank; everything batched over the crank angles. No code is shared with pinpress.
+A good engineer who writes a script for this one press eliminates the unknowns by hand: both loops are closed as triangles, without
+iteration; velocities and accelerations follow by Cramer's rule; then the driving torque and thirteen pin force components, body by body,
+from the slide to the crank; all crank angles at once. No code is shared with pinpress.
 
 Source: Kong et al. 2025, Forging and Stamping Technology 50(2), 195-203; the moments of inertia are inferred (the paper prints none).
 
@@ -12,6 +12,8 @@ F_ij is the force of body i on body j: 0 frame, 1 crank, 2 coupler, 3 rocker, 4 
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,18 +36,72 @@ ROD = {False: (277.68, 0.2400, 5.33), True: (333.216, 0.1924, 9.105)}
 UNKNOWNS = ("tau", "F01x", "F01y", "F21x", "F21y", "F23x", "F23y", "F03x", "F03y", "F43x", "F43y", "F54x", "F54y", "F05x")
 
 
-def closure(bx: Array, by: Array) -> tuple[Array, Array, Array, Array, Array, Array, Array]:
-    """Close both loops at every crank angle at once, each as a triangle with two known sides.
+class Vectors(NamedTuple):
+    """Vectors along the links, x and y, each of shape (n,) [m].
+
+    Attributes:
+        b1x: A to B, x.
+        b1y: A to B, y.
+        b2x: B to C, x.
+        b2y: B to C, y.
+        b3x: D to C, x.
+        b3y: D to C, y.
+        e3x: D to E, x.
+        e3y: D to E, y.
+        b4x: E to F, x.
+        b4y: E to F, y.
+        slide: Height of F above D.
+        across: Cross product of BC and DC [m2].
+    """
+
+    b1x: Array
+    b1y: Array
+    b2x: Array
+    b2y: Array
+    b3x: Array
+    b3y: Array
+    e3x: Array
+    e3y: Array
+    b4x: Array
+    b4y: Array
+    slide: Array
+    across: Array
+
+
+def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: bool = False) -> dict[str, Array]:
+    """Motion, driving torque and pin forces of the press at given crank angles.
 
     Args:
-        bx, by: the crank pin B seen from D, shape (n,) [m].
+        theta1: Crank angle, shape (n,), 0 along +x, counter-clockwise [rad].
+        omega1: Crank speed, shape (n,) or scalar [rad/s].
+        alpha1: Crank acceleration, shape (n,) or scalar [rad/s2].
+        balanced: Whether the paper's counterweights are on the crank and on the rod.
 
     Returns:
-        x and y of C from D, of E from D, of F from E, and the height of the slide pin F, each of shape (n,) [m].
+        Arrays of shape (n,): theta2..theta4 [rad], omega2..omega4 [rad/s], alpha2..alpha4 [rad/s2]; slide_position of F above D [m],
+        slide_velocity [m/s], slide_acceleration [m/s2], positive upwards; tau [N m] and the force components named in `UNKNOWNS` [N].
 
     Raises:
-        ArithmeticError: a loop cannot be closed: coupler and rocker do not reach each other, or the rod does not reach the slide's line.
+        ArithmeticError: A loop cannot be closed: coupler and rocker do not reach each other, or the rod does not reach the slide's line.
     """
+    theta1 = np.atleast_1d(np.asarray(theta1, dtype=float))
+    omega1 = np.broadcast_to(np.asarray(omega1, dtype=float), theta1.size)
+    alpha1 = np.broadcast_to(np.asarray(alpha1, dtype=float), theta1.size)
+    links = closure(theta1)
+    angles = {
+        "theta2": np.arctan2(links.b2y, links.b2x),
+        "theta3": np.arctan2(links.b3y, links.b3x),
+        "theta4": np.arctan2(links.b4y, links.b4x),
+    }
+    rates, squares = _rates(links, omega1, alpha1)
+    forces = _forces(links, rates, squares, alpha1, balanced)
+    return forces | angles | {"slide_position": links.slide} | rates
+
+
+def closure(theta1: Array) -> Vectors:
+    """Close both loops at every crank angle (n,) at once, each as a triangle with two known sides."""
+    b1x, b1y = L1 * np.cos(theta1), L1 * np.sin(theta1)
+    bx, by = AX + b1x, AY + b1y  # B from D
     square = bx * bx + by * by
     along = 0.5 * (L31 * L31 - L2 * L2 + square) / square  # C = along B + beside (B turned by a quarter)
     beside = L31 * L31 / square - along * along
@@ -56,34 +112,14 @@ def closure(bx: Array, by: Array) -> tuple[Array, Array, Array, Array, Array, Ar
         drop = np.sqrt(L4 * L4 - ex * ex)  # the other root has the slide above E
     if not np.isfinite(drop).all():
         raise ArithmeticError("a loop cannot be closed: the links are too short")
-    return cx, cy, ex, ey, -ex, -drop, ey - drop
+    b2x, b2y = cx - bx, cy - by
+    return Vectors(b1x, b1y, b2x, b2y, cx, cy, ex, ey, -ex, -drop, ey - drop, b2x * cy - b2y * cx)
 
 
-def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: bool = False) -> dict[str, Array]:
-    """Motion, driving torque and pin forces of the press at given crank angles.
-
-    Args:
-        theta1: crank angle, shape (n,), 0 along +x, counter-clockwise [rad].
-        omega1: crank speed, shape (n,) or scalar [rad/s].
-        alpha1: crank acceleration, shape (n,) or scalar [rad/s2].
-        balanced: with the paper's counterweights on the crank and on the rod.
-
-    Returns:
-        Arrays of shape (n,): theta2..theta4 [rad], omega2..omega4 [rad/s], alpha2..alpha4 [rad/s2]; slide_position of F above D [m],
-        slide_velocity [m/s], slide_acceleration [m/s2], positive upwards; tau [N m] and the force components named in `UNKNOWNS` [N].
-    """
-    theta1 = np.atleast_1d(np.asarray(theta1, dtype=float))
-    n = theta1.size
-    omega1 = np.broadcast_to(np.asarray(omega1, dtype=float), n)
-    alpha1 = np.broadcast_to(np.asarray(alpha1, dtype=float), n)
-
-    b1x, b1y = L1 * np.cos(theta1), L1 * np.sin(theta1)  # B from A
-    bx, by = AX + b1x, AY + b1y  # from D
-    b3x, b3y, e3x, e3y, b4x, b4y, y = closure(bx, by)  # C from D, E from D, F from E
-    b2x, b2y = b3x - bx, b3y - by  # C from B
-
+def _rates(links: Vectors, omega1: Array, alpha1: Array) -> tuple[dict[str, Array], tuple[Array, ...]]:
+    """Angular speeds and accelerations of coupler, rocker and rod with the motion of the slide, and the squares of the four speeds."""
+    b1x, b1y, b2x, b2y, b3x, b3y, e3x, e3y, b4x, b4y, _, across = links
     # omega2 k x BC - omega3 k x DC = right: 2x2, by Cramer's rule; then the slide's line gives omega4, and the slide's speed follows.
-    across = b2x * b3y - b2y * b3x
     right_x, right_y = omega1 * b1y, -omega1 * b1x
     omega2 = (right_x * b3x + right_y * b3y) / across
     omega3 = (right_x * b2x + right_y * b2y) / across
@@ -96,7 +132,16 @@ def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: b
     alpha4 = -(alpha3 * e3y + w3 * e3x + w4 * b4x) / b4y
     velocity = omega3 * e3x + omega4 * b4x
     acceleration = alpha3 * e3x - w3 * e3y + alpha4 * b4x - w4 * b4y
+    slide = {"slide_velocity": velocity, "slide_acceleration": acceleration}
+    rates = {"omega2": omega2, "omega3": omega3, "omega4": omega4, "alpha2": alpha2, "alpha3": alpha3, "alpha4": alpha4}
+    return slide | rates, (w1, w2, w3, w4)
 
+
+def _forces(links: Vectors, rates: dict[str, Array], squares: tuple[Array, ...], alpha1: Array, balanced: bool) -> dict[str, Array]:
+    """Driving torque and pin forces, body by body, from the slide to the crank."""
+    b1x, b1y, b2x, b2y, b3x, b3y, e3x, e3y, b4x, b4y, _, across = links
+    alpha2, alpha3, alpha4 = rates["alpha2"], rates["alpha3"], rates["alpha4"]
+    w1, w2, w3, w4 = squares
     m1, p1, j1 = CRANK[balanced]
     m4, p4, j4 = ROD[balanced]
     f1, f2, f4 = p1 / L1, P2 / L2, p4 / L4  # centres of mass as parts of AB, BC, EF
@@ -115,7 +160,7 @@ def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: b
     k4 = f4 * (b4x * n4y - b4y * n4x) + j4 * alpha4
 
     # The slide, then moments of the rod about E; coupler and rocker together, moments about B and D; then the crank.
-    f54y = -M5 * (acceleration + GRAVITY)
+    f54y = -M5 * (rates["slide_acceleration"] + GRAVITY)
     f54x = (b4x * f54y - k4) / b4y
     f43x, f43y = f54x - n4x, f54y - n4y
     k3 = k3 - (e3x * f43y - e3y * f43x)
@@ -124,20 +169,15 @@ def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: b
     f03x, f03y = n3x - f23x - f43x, n3y - f23y - f43y
     f01x, f01y = n1x - f21x, n1y - f21y
     tau = k1 - b1x * f21y + b1y * f21x
-
     forces = (tau, f01x, f01y, f21x, f21y, f23x, f23y, f03x, f03y, f43x, f43y, f54x, f54y, f54x)
-    result = dict(zip(UNKNOWNS, forces, strict=True))
-    angles = {"theta2": np.arctan2(b2y, b2x), "theta3": np.arctan2(b3y, b3x), "theta4": np.arctan2(b4y, b4x)}
-    result |= angles | {"slide_position": y, "slide_velocity": velocity, "slide_acceleration": acceleration}
-    result |= {"omega2": omega2, "omega3": omega3, "omega4": omega4, "alpha2": alpha2, "alpha3": alpha3, "alpha4": alpha4}
-    return result
+    return dict(zip(UNKNOWNS, forces, strict=True))
 
 
 def world_forces(result: dict[str, Array]) -> dict[str, Array]:
-    """Pin and guide forces under the URDF's joint names.
+    """Pin and guide forces by the URDF's joint names.
 
     Args:
-        result: what `six_bar` returned.
+        result: Result of `six_bar`.
 
     Returns:
         For each of A, B, C, D, E, F and slide_guide the force of the joint's parent (a loop's link1) on its child (link2), in world

@@ -23,14 +23,13 @@ from ...linkage import loading
 from ...linkage.linkage import Linkage
 from ...linkage.urdf import reader
 from ...linkage.urdf.document import Document, check_command, refuse_errors
-from ...linkage.urdf.text import tag
+from ...linkage.urdf.text import MOMENTS, tag
 from ..counterweights import combined, rigid_body
 from .crank_slider import CENTRED, CrankSlider, as_crank_slider
 
 SPARE = 0.1  # of the auxiliary crank radius: the counterweight's limits are this far beyond its travel
 SIDES = ("left", "right")
 BELOW_ROUNDING = 1e-15  # of a quantity's size: what turned frames leave of a zero
-_MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
 
 
 @typed
@@ -215,7 +214,7 @@ def plan_of(press: Linkage) -> PressPlan:
     model, at = press.model, poses(press, press.closed[None])
     links = {joint: press.link_of(joint) for joint in range(model.njoints)}
     if press.slide is not None:
-        links[press.slide_guide[0] + 1] = press.slide  # not one that it is welded to: positions are the slide's own
+        links[press.slide_guide.joint + 1] = press.slide  # not one that it is welded to: positions are the slide's own
     bodies = []
     for j, (name, axis, start) in enumerate(zip(press.joints, press.axes, press.closed, strict=True), 1):
         at_q, at_v = model.idx_qs[j], model.idx_vs[j]
@@ -428,7 +427,7 @@ def _link(name: str, inertia: pin.Inertia, size: float) -> str:
         return tag("link", {"name": name})
     origin, mass = tag("origin", {"xyz": _written(inertia.lever, size)}), tag("mass", {"value": _written([inertia.mass])})
     largest = float(np.abs(inertia.inertia).max())
-    moments = tag("inertia", {name: _written([inertia.inertia[i, j]], largest) for name, i, j in _MOMENTS})
+    moments = tag("inertia", {name: _written([inertia.inertia[i, j]], largest) for name, i, j in MOMENTS})
     return tag("link", {"name": name}, tag("inertial", {}, origin + mass + moments))
 
 

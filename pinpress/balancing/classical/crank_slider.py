@@ -322,9 +322,7 @@ def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -
     normal = press.plane_or_refuse(f"{press.name} is not planar: look at the harmonics of its shaking force one axis at a time").normal
     if not abs(other - speed) <= SAME_SPEED * speed:
         raise PinpressError("before and after are at different speeds, and forces grow with the speed squared: use one speed for both")
-    guide, _ = press.slide_guide
-    at = poses(press, press.closed[None])
-    along = at.rotation[guide + 1, 0] @ press.axes[guide].direction
+    at, along = poses(press, press.closed[None]), press.slide_direction
     axes = np.array([along, np.cross(normal, along)])
     shaft = at.position[press.driver_indices[0] + 1, 0]
     (first, least1), (second, least2) = (_amplitudes(each, axes, normal, shaft, orders) for each in (before, after))

@@ -23,7 +23,7 @@ from .mechanism import Loop, loop_element
 
 BALL, BUSHING, SPRING = "drake:ball_constraint", "drake:linear_bushing_rpy", "drake:linear_spring_damper"
 Said = Callable[[Element], str]
-"""What an element says: a name, or numbers."""
+"""Returns the name or the numbers in an element, as text."""
 
 _LOOPS = (BALL, BUSHING, "loop", "constraint")
 _REFUSED = {
@@ -34,7 +34,7 @@ _REFUSED = {
 
 
 def plain(document: Document) -> Document:
-    """The same URDF with the loops of other dialects as ``<loop_joint>``; itself where it has none."""
+    """The same URDF with loops of other dialects written as ``<loop_joint>``; the document itself where it has none."""
     robot, file = document.robot, document.file
     for element in robot.all(*_REFUSED):
         refuse(file, element, "cannot be read", _REFUSED[element.tag])
@@ -116,10 +116,10 @@ def bushing_ends(file: str, element: Element) -> list[Element]:
 
 
 def bushing_axis(file: str, element: Element, said: Said) -> Array | None:
-    """(3,) the axis of the pin that a bushing stands for, in its frames; None of a ball joint. Bushings elastic in other ways are refused.
+    """(3,) axis of the pin that a bushing stands for, in its frames; None for a ball joint; raises UrdfError where it is neither.
 
-    Torques are about x, y, z (roll, pitch, yaw), forces along them. A pin holds all three directions and two or none of the rotations; what
-    holds nothing has neither stiffness nor damping.
+    Torques are about x, y, z (roll, pitch, yaw), forces along them. A pin holds all three directions and two rotations, a ball joint no
+    rotation; a rotation without stiffness and damping is not held.
     """
     values: Mapping[tuple[str, str], Array] = {
         (kind, word): numbers(file, found, said(found), 3)
@@ -139,13 +139,13 @@ def bushing_axis(file: str, element: Element, said: Said) -> Array | None:
 
 
 def bushing_remark(origin: Origin) -> Finding:
-    """What is lost of a bushing."""
+    """The warning that a bushing is read as a rigid bearing."""
     problem = "it is read as a rigid bearing: its stiffness and damping are not"
     return remark("warning", origin, problem, "write a ball constraint or <loop_joint>, if that is meant")
 
 
 def spring_remark(element: Element) -> Finding:
-    """A spring between bodies."""
+    """The warning that a spring between bodies is not read."""
     return remark("warning", element, "a spring between bodies is not read", "give it as a load: loads=[SpringDamper(...)]")
 
 
@@ -153,7 +153,7 @@ def spring_remark(element: Element) -> Finding:
 
 
 def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]) -> Loop:
-    """The frame of a loop is given in both links; ``type`` is that of a joint, and ``axis`` stands in that frame."""
+    """A loop of URDF+: its frame is given in both links, ``type`` is that of a joint, and ``axis`` is given in that frame."""
     kind = {"continuous": "revolute", "ball": "spherical"}.get(element.get("type"), element.get("type"))
     if kind not in LOOP_TYPES:
         said = f"type {kind!r} closes no loop here" if kind else "has no type"
@@ -175,7 +175,7 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
 
 
 def _gazebo_joint(file: str, robot: Element, joint: Element, taken: set[str]) -> Loop:
-    """A joint of SDF: its frame is posed in the child's, and it is closed as drawn."""
+    """A joint of SDF as a loop: its pose is that in the frame of the child, and it is closed as drawn."""
     kind = {"ball": "spherical", "continuous": "revolute"}.get(joint.get("type"), joint.get("type"))
     if kind not in LOOP_TYPES:
         said = f"a {kind} joint closes no loop here" if kind else "has no type"
@@ -223,5 +223,5 @@ def _placed(file: str, origin: Element) -> pin.SE3:
 
 
 def _called(element: Element, name: str) -> Origin:
-    """An element as messages name it, though it may have no name."""
+    """The origin of an element; one without a name gets that of its loop."""
     return Origin(f'<{element.tag} name="{element.get("name")}">' if element.get("name") else f"<{element.tag}> {name}", element.line)

@@ -1,10 +1,8 @@
-"""What readers ask of the elements of a file: numbers, directions and poses in their text, the one child of a tag; and how they refuse and
-remark on them."""
+"""What the readers of all formats need: numbers, directions, poses and single children of elements, and errors and remarks about them."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Collection, Iterable
 from typing import NoReturn
 
@@ -13,12 +11,11 @@ import pinocchio as pin
 
 from ...common.errors import UrdfError, shown, suggestion
 from ...common.quantities import Array
-from ..urdf.document import Element, Finding, Origin
+from ..urdf.document import NUMBER, Element, Finding, Origin
 
 ALONE = "write the linkage of the press alone"
-LARGEST = 1e12  # that is computed with
-_DIGITS = 4  # decimals from which an angle that is a quarter turn to all of them is one: 1.5708
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+LARGEST = 1e12  # largest number that is computed with
+_DIGITS = 4  # least decimals of an angle that is read as a quarter turn if it is one to all of them: 1.5708
 
 
 def refuse(file: str, element: Element | Origin, problem: str, remedy: str) -> NoReturn:
@@ -34,7 +31,7 @@ def remark(severity: str, element: Element | Origin, problem: str, remedy: str) 
 
 
 def origin_of(element: Element | Origin) -> Origin:
-    """Where an element of a file is, and what messages call it: by its own name, or by that of the next element around it which has one."""
+    """Line of an element, and its name in messages: its own, or with that of the next element around it which has one."""
     if isinstance(element, Origin):
         return element
     named: Element | None = element
@@ -46,10 +43,10 @@ def origin_of(element: Element | Origin) -> Origin:
 
 
 def numbers(file: str, element: Element, text: str, count: int) -> Array:
-    """(count,) the numbers in a text of an element; refused where it has not as many, or they are not finite and of a sensible size."""
+    """(count,) the numbers in a text of an element; raises UrdfError where they are more or fewer, not finite, or out of range."""
     words = text.split()
     for word in words:
-        if not _NUMBER.fullmatch(word) or not math.isfinite(float(word)):
+        if not NUMBER.fullmatch(word) or not math.isfinite(float(word)):
             refuse(file, element, f"{shown(word)} is not a finite number", "write plain numbers, decimals after a point, spaces in between")
         if abs(float(word)) > LARGEST:
             refuse(file, element, f"{word} is out of range", f"write SI units; {LARGEST:g} is the largest number")
@@ -59,7 +56,7 @@ def numbers(file: str, element: Element, text: str, count: int) -> Array:
 
 
 def direction(file: str, element: Element, text: str) -> Array:
-    """(3,) a direction of length 1."""
+    """(3,) the direction in a text of an element, of length 1; raises UrdfError where it is zero."""
     found = numbers(file, element, text, 3)
     length = float(np.linalg.norm(found))
     if length == 0:
@@ -68,7 +65,7 @@ def direction(file: str, element: Element, text: str) -> Array:
 
 
 def optional(file: str, element: Element, tag: str) -> Element | None:
-    """The one child with this tag, None where there is none; a second is refused."""
+    """The only child with this tag; None where there is none; raises UrdfError where there are two."""
     found = element.all(tag)
     if len(found) > 1:
         refuse(file, found[1], f"a second <{tag}> in one <{element.tag}>", "keep one of them")
@@ -76,7 +73,7 @@ def optional(file: str, element: Element, tag: str) -> Element | None:
 
 
 def needed(file: str, element: Element, tag: str) -> Element:
-    """The one child with this tag."""
+    """The only child with this tag; raises UrdfError where there is none, or two."""
     found = optional(file, element, tag)
     if found is None:
         refuse(file, element, f"has no <{tag}>", f"write <{tag}> in this <{element.tag}>")
@@ -84,7 +81,7 @@ def needed(file: str, element: Element, tag: str) -> Element:
 
 
 def refuse_unknown(file: str, element: Element, known: Iterable[str]) -> None:
-    """Refuse a child that is none of these, and has no namespace prefix."""
+    """Raise UrdfError where a child is none of these, and has no namespace prefix."""
     words = list(known)
     for child in element.children:
         if child.tag not in words and ":" not in child.tag:
@@ -93,7 +90,7 @@ def refuse_unknown(file: str, element: Element, known: Iterable[str]) -> None:
 
 
 def unused(name: str, taken: Collection[str]) -> str:
-    """A name like this that is not taken."""
+    """This name, or with a number behind it where it is taken."""
     found, count = name, 1
     while found in taken:
         count += 1
@@ -102,13 +99,13 @@ def unused(name: str, taken: Collection[str]) -> str:
 
 
 def pose_of(file: str, element: Element) -> pin.SE3:
-    """The pose of an element in the frame that it is in."""
+    """The pose in an element's ``<pose>``, identity where it has none."""
     found = optional(file, element, "pose")
     return pin.SE3.Identity() if found is None else pose_and_rounding(file, found)[0]
 
 
 def pose_and_rounding(file: str, pose: Element) -> tuple[pin.SE3, bool]:
-    """A ``<pose>``, and whether angles in it were quarter turns in rounded digits."""
+    """The pose in a ``<pose>``, and whether it has angles that were read as quarter turns."""
     count = 7 if pose.get("rotation_format") == "quat_xyzw" else 6
     if not pose.text.strip():
         return pin.SE3.Identity(), False
@@ -124,7 +121,7 @@ def pose_and_rounding(file: str, pose: Element) -> tuple[pin.SE3, bool]:
 
 
 def _quarter_turns(word: str) -> float:
-    """An angle [rad]; one that is a quarter turn, or some, to its last digit but for a half of it, is that."""
+    """An angle [rad]; one that equals a multiple of a quarter turn to half of its last digit is that multiple."""
     value, decimals = float(word), len(word.partition(".")[2])
     if "e" in word.lower() or decimals < _DIGITS:
         return value

@@ -15,12 +15,11 @@ import pinocchio as pin
 
 from ...common.quantities import Array
 from ..urdf.document import Document, Finding, Origin
-from ..urdf.text import tag
+from ..urdf.text import MOMENTS, tag, written
 
 # What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.
-UNLIMITED = 1000.0  # [rad or m], [rad/s or m/s]
-STRONGEST = 1e9  # [N m or N]
-_MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
+UNLIMITED = 1000.0  # limit of position and velocity that is written where there is none [rad or m], [rad/s or m/s]
+STRONGEST = 1e9  # limit of effort that is written where there is none [N m or N]
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,8 +254,8 @@ def _link(link: Link) -> Iterator[Line]:
     yield f"  {_opening('link', {'name': link.name})}", link.origin
     if link.inertia is not None:
         inertia, moments = link.inertia, link.inertia.tensor
-        values = {name: _written([moments[i, j]]) for name, i, j in _MOMENTS}
-        content = _origin(inertia.place) + tag("mass", {"value": _written([inertia.mass])}) + tag("inertia", values)
+        values = {name: written([moments[i, j]]) for name, i, j in MOMENTS}
+        content = _origin(inertia.place) + tag("mass", {"value": written([inertia.mass])}) + tag("inertia", values)
         yield f"    {tag('inertial', {}, content)}", inertia.origin
     for shape in link.shapes:
         content = _origin(shape.place) + tag("geometry", {}, tag(shape.tag, shape.attributes))
@@ -272,19 +271,19 @@ def _joint(joint: Joint) -> Iterator[Line]:
     yield f"  {_opening('joint', {'name': joint.name, 'type': kind})}", joint.origin
     yield f"    {tag('parent', {'link': joint.parent})}{tag('child', {'link': joint.child})}{_origin(joint.place)}", joint.origin
     if joint.type != "fixed":
-        yield f"    {tag('axis', {'xyz': _written(joint.axis)})}", joint.origin
+        yield f"    {tag('axis', {'xyz': written(joint.axis)})}", joint.origin
         if kind != "continuous":
             lower, upper = joint.limits or (-UNLIMITED, UNLIMITED)
             effort = STRONGEST if joint.effort is None else joint.effort
             velocity = UNLIMITED if joint.velocity is None else joint.velocity
             values = {"lower": lower, "upper": upper, "effort": effort, "velocity": velocity}
-            yield f"    {tag('limit', {name: _written([value]) for name, value in values.items()})}", joint.origin
+            yield f"    {tag('limit', {name: written([value]) for name, value in values.items()})}", joint.origin
         if joint.damping or joint.friction:
             values = {"damping": joint.damping, "friction": joint.friction}
-            yield f"    {tag('dynamics', {name: _written([value]) for name, value in values.items()})}", joint.origin
+            yield f"    {tag('dynamics', {name: written([value]) for name, value in values.items()})}", joint.origin
     if joint.follow is not None:
         follow = joint.follow
-        ratio = {"multiplier": _written([follow.multiplier]), "offset": _written([follow.offset])}
+        ratio = {"multiplier": written([follow.multiplier]), "offset": written([follow.offset])}
         yield f"    {tag('mimic', {'joint': follow.leader} | ratio)}", follow.origin
     yield "  </joint>", joint.origin
 
@@ -293,7 +292,7 @@ def loop_element(loop: Loop) -> str:
     """Its ``<loop_joint>``."""
     content = "".join(tag(f"link{k}", {"link": link} | _placed(place)) for k, (link, place) in enumerate(loop.ends, 1))
     if loop.axis is not None:
-        content += tag("axis", {"xyz": _written(loop.axis)})
+        content += tag("axis", {"xyz": written(loop.axis)})
     return tag("loop_joint", {"name": loop.name, "type": loop.type}, content)
 
 
@@ -308,18 +307,14 @@ def _origin(place: pin.SE3) -> str:
 
 def _placed(place: pin.SE3) -> dict[str, str]:
     turned = not np.array_equal(place.rotation, np.eye(3))
-    return {"xyz": _written(place.translation)} | ({"rpy": _written(pin.rpy.matrixToRpy(place.rotation))} if turned else {})
-
-
-def _written(numbers: Sequence[float] | Array) -> str:
-    return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"
+    return {"xyz": written(place.translation)} | ({"rpy": written(pin.rpy.matrixToRpy(place.rotation))} if turned else {})
 
 
 def capsule(place: pin.SE3, radius: float, length: float, colour: Sequence[float] | None) -> tuple[Shape, ...]:
     """The shapes of a capsule, which URDF has not; ``length``: between the centres of its spherical ends, along z."""
     ends = (place * pin.SE3(np.eye(3), np.array([0.0, 0.0, side * length / 2])) for side in (-1, 1))
-    size = {"radius": _written([radius])}
+    size = {"radius": written([radius])}
     return (
-        Shape(place, "cylinder", size | {"length": _written([length])}, colour),
+        Shape(place, "cylinder", size | {"length": written([length])}, colour),
         *(Shape(end, "sphere", size, colour) for end in ends),
     )

@@ -18,6 +18,7 @@ import pinocchio as pin
 from ...common.errors import PinpressError, UrdfError
 from ...common.quantities import Array
 from ..urdf.document import Document, Element, Finding, Origin
+from ..urdf.text import written
 from .elements import refuse, remark, unused
 from .mechanism import Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     import mujoco
 
 WORLD = "world"
-SAME = 1e-9  # relative difference from which MuJoCo's inertia is not the tensor in the file, but made from shapes or changed
+SAME = 1e-9  # relative difference above which MuJoCo's inertia is not the tensor in the file, but made from shapes or changed
 _SHAPES = ("BOX", "SPHERE", "CYLINDER", "CAPSULE", "MESH")
 _EQUALITIES = ("connect", "weld", "joint", "tendon")
 _SEEN_GROUPS = 3  # MuJoCo shows shapes of groups 0 to 2; the others are mostly for collisions
@@ -206,10 +207,10 @@ class _Reader:
         place = self._inside(body, model.body_ipos[body], model.body_iquat[body])
         tensor = np.diag(model.body_inertia[body])
         xx, yy, zz, xy, xz, yz = self.bodies[body].fullinertia
-        written = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        in_file = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         compiled = place.rotation @ tensor @ place.rotation.T
-        if np.abs(written - compiled).max() <= SAME * np.abs(compiled).max():  # NaN where the file has none
-            return Inertia(mass, pin.SE3(np.eye(3), place.translation), written, origin)
+        if np.abs(in_file - compiled).max() <= SAME * np.abs(compiled).max():  # NaN where the file has none
+            return Inertia(mass, pin.SE3(np.eye(3), place.translation), in_file, origin)
         return Inertia(mass, place, tensor, origin)
 
     def _shapes(self, body: int) -> Iterator[Shape]:
@@ -222,11 +223,11 @@ class _Reader:
             place = self._inside(body, model.geom_pos[geom], model.geom_quat[geom])
             size, kind, colour = model.geom_size[geom], model.geom_type[geom], tuple(model.geom_rgba[geom])
             if kind == box:
-                yield Shape(place, "box", {"size": _text(2 * size)}, colour)
+                yield Shape(place, "box", {"size": written(2 * size)}, colour)
             elif kind == sphere:
-                yield Shape(place, "sphere", {"radius": _text(size[:1])}, colour)
+                yield Shape(place, "sphere", {"radius": written(size[:1])}, colour)
             elif kind == cylinder:
-                yield Shape(place, "cylinder", {"radius": _text(size[:1]), "length": _text(2 * size[1:2])}, colour)
+                yield Shape(place, "cylinder", {"radius": written(size[:1]), "length": written(2 * size[1:2])}, colour)
             elif kind == capsules:
                 yield from capsule(place, float(size[0]), 2 * float(size[1]), colour)
             else:
@@ -397,10 +398,6 @@ def _rotation(quaternion: Array) -> Array:
     """(3, 3) of a quaternion, w first."""
     w, x, y, z = (float(part) for part in quaternion)
     return np.asarray(pin.Quaternion(w, x, y, z).normalized().matrix())
-
-
-def _text(numbers: Array) -> str:
-    return " ".join(repr(float(number)) for number in numbers)
 
 
 def _all(element: Element, tag: str) -> list[Element]:

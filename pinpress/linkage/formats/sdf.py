@@ -1,9 +1,9 @@
 """SDF, the format of Gazebo: models of links and joints that need not be a tree (sdformat.org/spec, versions 1.4 to 1.12).
 
-A link may be the child of several joints: those that make the tree are chosen here, and the others close loops. Names of links and joints
-are kept. The bindings of SDF's own library on PyPI are for Python 3.11 alone, and Pinocchio's wheels are built without it
-(`WITH_SDFORMAT`), so it is read here: the elements that make a linkage; those that say nothing of its mechanics are passed over, and all
-others are refused by name.
+A link may be the child of several joints: the joints of the tree are chosen here, and the others close loops. Names of links and joints
+are kept. SDF is read here because the bindings of its own library on PyPI are for Python 3.11 alone, and Pinocchio's wheels are built
+without it (`WITH_SDFORMAT`). Elements that make a linkage are read, those that say nothing of its mechanics are passed over, and all others
+are refused by name.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .mechanism import Edge, Follow, Inertia, Joint, Link, Loop, Mechanism, Shap
 
 WORLD = "world"
 _MODEL = "__model__"
-_NONE = 1e16  # what SDF writes for no limit
+_NONE = 1e16  # value by which SDF says that there is no limit
 
 _KNOWN = {  # elements that are read or say nothing of the mechanics
     "sdf": "model world light actor",
@@ -44,7 +44,7 @@ _KNOWN = {  # elements that are read or say nothing of the mechanics
     "mimic": "multiplier offset reference",
 }
 _TURNING = ("revolute", "continuous")
-_CHAINS = {"ball": 3, "universal": 2, "revolute2": 2}  # of so many revolute joints, where they are not cut
+_CHAINS = {"ball": 3, "universal": 2, "revolute2": 2}  # numbers of revolute joints that make such a joint of the tree
 _UNREAD = {
     "screw": "write a prismatic joint",
     "planar": "write two prismatic joints and a revolute one, with links between them",
@@ -53,14 +53,23 @@ _UNREAD = {
 
 
 def read(document: Document) -> Document:
-    """The URDF that says the same as an SDF; raises UrdfError where it says something else than a linkage."""
+    """The URDF that says the same as an SDF; raises UrdfError where that is no linkage."""
     root = tree(document.file, document.text.decode("utf-8-sig").encode(), with_text=True)
     return as_document(document.file, _Reader(document.file, root).mechanism(), f"SDF {root.get('version')}")
 
 
 @dataclass(frozen=True, eq=False)
 class _Bearing:
-    """A joint of the file: what it connects, and its place in the model."""
+    """A joint of the file.
+
+    Attributes:
+        element: its ``<joint>``.
+        name: of the joint.
+        type: of the joint in SDF.
+        parent: name of its parent link.
+        child: name of its child link.
+        place: its pose in the model.
+    """
 
     element: Element
     name: str
@@ -71,7 +80,7 @@ class _Bearing:
 
 
 class _Reader:
-    """One model of a file."""
+    """Reads the one model of a file that moves."""
 
     def __init__(self, file: str, root: Element) -> None:
         self.file = file
@@ -147,7 +156,7 @@ class _Reader:
     # --------------------------------------------------------------------------------------------------------------------------- places
 
     def _own_pose(self, element: Element) -> pin.SE3:
-        """The pose of an element in the frame that it is relative to."""
+        """The pose of an element, in the frame to which it is relative."""
         found = optional(self.file, element, "pose")
         if found is None:
             return pin.SE3.Identity()
@@ -158,7 +167,7 @@ class _Reader:
         return place
 
     def place(self, name: str, at: Element) -> pin.SE3:
-        """Of a link, joint or frame in the model, by its name; ``at``: the element that names it."""
+        """The pose of a link, joint or frame in the model, by its name; ``at``: the element that names it."""
         if name in (_MODEL, ""):
             return pin.SE3.Identity()
         if name == WORLD:
@@ -180,11 +189,11 @@ class _Reader:
 
     @cached_property
     def _searched(self) -> list[str]:
-        """Names whose places are being found."""
+        """Names whose poses are being searched."""
         return []
 
     def _relative_to(self, element: Element) -> str:
-        """Name of the frame that the pose of an element is relative to."""
+        """Name of the frame to which the pose of an element is relative."""
         for pose in element.all("pose"):
             if pose.get("frame"):
                 refuse(self.file, pose, "frame=... of SDF 1.5 and 1.6 has no meaning that programs agree on", "leave it out, or use 1.7")
@@ -195,7 +204,7 @@ class _Reader:
         return element.get("attached_to") if element.tag == "frame" else _MODEL
 
     def _link_of(self, name: str, at: Element) -> str:
-        """Name of the link that a frame is fixed to."""
+        """Name of the link to which a frame is fixed; ``at``: the element that names it."""
         seen: list[str] = []
         while name not in self.links and name not in (WORLD, *seen):
             seen.append(name)
@@ -248,7 +257,8 @@ class _Reader:
         return Mechanism(name, (*links, *chains), tuple(joints), tuple(loops), drivers, tuple(self.remarks), origin)
 
     def _root(self, bearings: Sequence[_Bearing]) -> tuple[str, Joint | None]:
-        """The world, if joints connect it; or the link that is no joint's child, and what holds it if it is not at the origin."""
+        """Name of the root link, and the joint that holds it: the world, if joints connect it, without such a joint; else the link that is
+        no joint's child, with a fixed joint if it is not at the origin."""
         if any(WORLD in (bearing.parent, bearing.child) for bearing in bearings):
             return WORLD, None
         children = {bearing.child for bearing in bearings}
@@ -275,14 +285,14 @@ class _Reader:
         return _Bearing(element, name, kind, ends[0], ends[1], self.place(name, element))
 
     def _frame(self, link: str, carrier: _Bearing | None) -> pin.SE3:
-        """Of a link as URDF has it: as in the file, but for its origin, which is that of the joint about which it turns."""
+        """The frame of a link as URDF has it: that in the file, with its origin moved to that of the joint about which it turns."""
         place = self.place(link, self.links[link])
         if carrier is None or carrier.type not in (*_TURNING, *_CHAINS):
             return place
         return pin.SE3(place.rotation, carrier.place.translation)
 
     def _axis(self, bearing: _Bearing, tag: str = "axis") -> Array:
-        """(3,) in the model's frame."""
+        """(3,) axis of a joint in the model's frame."""
         element = needed(self.file, bearing.element, tag)
         refuse_unknown(self.file, element, _KNOWN["axis"].split())
         xyz = optional(self.file, element, "xyz")
@@ -299,7 +309,7 @@ class _Reader:
     def _joint(
         self, bearing: _Bearing, parent: str, child: str, frames: Mapping[str, pin.SE3], turned_round: bool
     ) -> tuple[list[Joint], list[Link]]:
-        """A joint of the tree; of one that turns about several axes, a joint for each and links without mass between them."""
+        """A joint of the tree. One that turns about several axes becomes a joint for each, with links without mass between them."""
         place, origin = frames[parent].inverse() * frames[child], origin_of(bearing.element)
         sign = -1.0 if turned_round else 1.0
         if bearing.type == "fixed":
@@ -347,7 +357,7 @@ class _Reader:
         return max(lower, -1e9), min(upper, 1e9)
 
     def _chain(self, bearing: _Bearing, parent: str, child: str, place: pin.SE3, axes: Array) -> tuple[list[Joint], list[Link]]:
-        """Revolute joints in the place of one that turns about several axes."""
+        """Revolute joints in place of one that turns about several axes, and the links between them."""
         origin, joints, links = origin_of(bearing.element), [], []
         for k, axis in enumerate(axes):
             last = k == len(axes) - 1
@@ -383,7 +393,8 @@ class _Reader:
     # ------------------------------------------------------------------------------------------------------------------------ gear pairs
 
     def _mimic(self, bearing: _Bearing, axis: Element) -> Follow | None:
-        """``<mimic>`` of SDF 1.11: multiplier (leader - reference) + offset; or ``<drake:mimic joint multiplier offset>``."""
+        """The gear pair of a joint: ``<mimic>`` of SDF 1.11, multiplier (leader - reference) + offset; or ``<drake:mimic joint multiplier
+        offset>``."""
         found = optional(self.file, axis, "mimic")
         if found is not None:
             refuse_unknown(self.file, found, _KNOWN["mimic"].split())
@@ -400,9 +411,9 @@ class _Reader:
     def _with_gears(
         self, joints: list[Joint], geared: Mapping[str, _Bearing], carried: Mapping[str, _Bearing], frames: Mapping[str, pin.SE3]
     ) -> list[Joint]:
-        """Joints with what gearboxes couple.
+        """The joints, with gear pairs for gearboxes.
 
-        The angle of the child about axis2 is -ratio times that of the parent about axis, both from the reference body.
+        The angle of the child about axis2 is -ratio times that of the parent about axis, both relative to the reference body.
         """
         by_name = {joint.name: joint for joint in joints}
         for gearbox in geared.values():
@@ -429,7 +440,7 @@ class _Reader:
     # ---------------------------------------------------------------------------------------------------------------------------- links
 
     def _link(self, name: str, element: Element, inside: pin.SE3) -> Link:
-        """A link; ``inside``: its frame in the file, seen from that which it has here."""
+        """A link; ``inside``: pose of its frame in the file, in the frame that it has here."""
         refuse_unknown(self.file, element, _KNOWN["link"].split())
         if self._true(element, "kinematic"):
             refuse(self.file, element.all("kinematic")[0], "a kinematic link does not obey mechanics", "remove <kinematic>")
@@ -517,7 +528,7 @@ class _Reader:
             yield Loop(name, "spherical" if axis is None else "revolute", (ends[0], ends[1]), axis, origin_of(element))
 
     def _drivers(self, joints: set[str]) -> Iterator[tuple[str, Origin]]:
-        """Joints that a plugin of Gazebo moves: SDF itself has no drivers."""
+        """Joints that a plugin of Gazebo moves, because SDF itself has no drivers."""
         seen: set[str] = set()
         for plugin in self.model.all("plugin"):
             for element in plugin.all("joint_name"):
@@ -541,5 +552,5 @@ _MIMIC = (("multiplier", "1"), ("offset", "0"))
 
 
 def _rank(kind: str) -> int:
-    """Which joints the tree takes first: those that cannot close a loop, then those that hold more; balls are pins to cut at."""
+    """Rank in which the tree takes a joint: first those that cannot close a loop, then those that hold more, and balls last."""
     return {"prismatic": 0, "universal": 0, "revolute2": 0, "fixed": 1, "ball": 3}.get(kind, 2)

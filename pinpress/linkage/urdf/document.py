@@ -23,15 +23,15 @@ SEVERITIES = ("error", "warning", "note")
 # that is none to be refused at once.
 MOST_BYTES = 20_000_000
 MOST_ELEMENTS = 100_000
-MOST_ATTRIBUTES = 100  # of one element
-MOST_CHARACTERS = 1000  # of a name or value
-DEEPEST_ELEMENTS = 200  # levels of elements; Pinocchio's parser stops at 500
+MOST_ATTRIBUTES = 100  # most attributes of one element
+MOST_CHARACTERS = 1000  # most characters of a name or value
+DEEPEST_ELEMENTS = 200  # most levels of elements; Pinocchio's parser stops at 500
 
 _TEXTS = ("link", "joint", "filename")  # attributes that hold no numbers; all others that are asked for hold one, but
 _COUNTS = {"xyz": 3, "rpy": 3, "size": 3, "scale": 3, "rgba": 4}
 # Pinocchio's parser takes neither "1_0" nor "nan" nor digits of other scripts, all of which Python's float() does.
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-_START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
 _REFERENCE = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(\w+));")
 _ENTITIES = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
 _ATTRIBUTE = re.compile(r"([^\s=\"']+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
@@ -43,13 +43,13 @@ class Element:
     Attributes:
         tag: its name.
         attributes: their texts by their names.
-        line: where its start tag begins.
-        parent: the element that it is in, None of the root.
-        children: the elements in it.
-        start: the byte at which its start tag begins.
-        end: the byte at which its end tag begins.
-        text: the characters directly in it, where they were asked for.
-        origin: what messages call it, where it was written from an element of another format; else None.
+        line: line in which its start tag begins.
+        parent: the element that contains it; None of the root.
+        children: the elements that it contains.
+        start: byte at which its start tag begins.
+        end: byte at which its end tag begins.
+        text: the characters directly in it, if `tree` was asked for them.
+        origin: its name in messages, if it was written from an element of another format; else None.
     """
 
     def __init__(self, tag: str, attributes: dict[str, str], line: int, parent: Element | None, start: int) -> None:
@@ -60,7 +60,7 @@ class Element:
         self.origin: str | None = None
 
     def get(self, name: str) -> str:
-        """The attribute, empty where it is missing."""
+        """The text of an attribute, empty where it is missing."""
         return self.attributes.get(name, "")
 
     def all(self, *tags: str) -> list[Element]:
@@ -68,22 +68,22 @@ class Element:
         return [child for child in self.children if child.tag in tags]
 
     def numbers(self, name: str) -> tuple[float, ...]:
-        """The numbers of an attribute; none where it is missing or not what it should be."""
+        """The numbers of an attribute; none where it is missing or has a `fault`."""
         return () if name not in self.attributes or self.fault(name) else tuple(map(float, self.get(name).split()))
 
     def fault(self, name: str) -> str | None:
-        """Why an attribute does not hold its numbers, in the way that Pinocchio's parser reads them; None if it does."""
+        """Why an attribute does not hold as many numbers as it should, as Pinocchio's parser reads them; None if it does."""
         if name in _TEXTS:
             return None
         count = _COUNTS.get(name, 1)
         words = [word for word in self.get(name).split(" ") if word] if count > 1 else [self.get(name)]
         for word in words:
-            if not _NUMBER.fullmatch(word) or not math.isfinite(float(word)):
+            if not NUMBER.fullmatch(word) or not math.isfinite(float(word)):
                 return f"{shown(word)} is not a finite number"
         return None if len(words) == count else f"{len(words)} numbers, not {count}"
 
     def __str__(self) -> str:
-        """``<link name="crank">``, or ``<mass> of <link name="crank">``; of another format, the element that it was written from."""
+        """``<link name="crank">``, or ``<mass> of <link name="crank">``; if it was written from another format, its ``origin``."""
         if self.origin is not None:
             return self.origin
         shown = f'<{self.tag} name="{self.get("name")}">' if "name" in self.attributes else f"<{self.tag}>"
@@ -94,11 +94,11 @@ class Element:
 
 
 class Origin(NamedTuple):
-    """An element of another format, or of another dialect, that elements of a URDF were written from.
+    """An element of another format, or of another dialect, from which elements of a URDF were written.
 
     Attributes:
-        element: as messages call it, e.g. ``<body name="crank">``.
-        line: of that element in its file.
+        element: its name in messages, e.g. ``<body name="crank">``.
+        line: its line in its file.
     """
 
     element: str
@@ -110,12 +110,12 @@ class Finding(Record):
     """One thing found in a URDF, or in its linkage: `load` raises the first error, `check` lists all findings.
 
     Attributes:
-        severity: "error" (the linkage is not loaded), "warning" (it is loaded, but hardly what was meant) or "note" (worth knowing).
+        severity: "error" (the linkage is not loaded), "warning" (it is loaded, but hardly meant so) or "note" (worth knowing).
         element: the XML element, e.g. ``<joint name="A">``; None where the finding is about the file as a whole.
         line: line of this element in the file; None where there is none.
         problem: what was found.
         remedy: what to write or to do; empty where nothing need be done.
-        error: the exception that `load` raises if this is the first error; None for warnings and notes.
+        error: the exception that `load` raises if this is the first error; None of warnings and notes.
     """
 
     severity: str
@@ -126,7 +126,7 @@ class Finding(Record):
     error: PinpressError | None = field(default=None, compare=False, repr=False)
 
     def message(self, file: str) -> str:
-        """All of it, as the message of a UrdfError puts it."""
+        """The whole finding in the form of a UrdfError's message."""
         place = file if self.line is None else f"{file}:{self.line}"
         return f"{place}: {self.element}: {self.problem}; {self.remedy}"
 
@@ -141,10 +141,10 @@ class Document:
 
     Attributes:
         file: path of the file.
-        text: its content as read, UTF-8, perhaps with a byte order mark; of a file in another format, what it is as URDF.
-        origins: of such a file, what elements of the text were written from, by their lines and the tag of the element under ``<robot>``
-            that they are or are in ("robot" of the root).
-        remarks: warnings and notes of what such a file says and a URDF cannot.
+        text: its content as read, UTF-8, perhaps with a byte order mark; of a file in another format, the URDF made from it.
+        origins: of such a file, from which of its elements those of the text were written, by line in the text and tag of the element under
+            ``<robot>`` that they are or are in ("robot" for the root).
+        remarks: warnings and notes about what such a file says and a URDF cannot.
     """
 
     file: str
@@ -161,7 +161,7 @@ class Document:
         return root
 
     def called(self, tag: str, name: str) -> str:
-        """What messages call the element under ``<robot>`` of this tag and name, or ``<robot>`` itself."""
+        """Name in messages of the element under ``<robot>`` with this tag and name, or of ``<robot>`` itself."""
         if self.origins:
             for element in (self.robot, *self.robot.all(tag)):
                 if element.tag == tag and element.get("name") == name and element.origin is not None:
@@ -173,7 +173,7 @@ class Document:
 
 
 def parse(path: str | os.PathLike[str]) -> Document:
-    """The elements of a URDF; raises UrdfError where it is no URDF at all."""
+    """The document in a file; raises UrdfError where its root is not ``<robot>``, or it cannot be read."""
     found = Document(files.path_of("path", path), read(path))
     if found.robot.tag != "robot":
         raise UrdfError(found.file, str(found.robot), found.robot.line, "the root element is not <robot>", "give a URDF file")
@@ -181,7 +181,7 @@ def parse(path: str | os.PathLike[str]) -> Document:
 
 
 def read(path: str | os.PathLike[str]) -> bytes:
-    """The text of a file, UTF-8, perhaps with a byte order mark; raises UrdfError where it is none, or cannot be read."""
+    """The text of a file, UTF-8, perhaps with a byte order mark; raises UrdfError where it is not UTF-8, or cannot be read."""
     file = files.path_of("path", path)
     try:
         text = files.read(path, MOST_BYTES)
@@ -201,9 +201,18 @@ def read(path: str | os.PathLike[str]) -> bytes:
 
 
 def tree(file: str, document: bytes, with_text: bool = False) -> Element:
-    """The root element of an XML document, UTF-8; raises UrdfError, with ``file`` in its message, where it is too large or no XML."""
-    # The encoding is given, because Pinocchio reads UTF-8 whatever the XML declaration says. Expat as it is here knows no namespaces, as
-    # Pinocchio does not, and so takes <drake:...> without its xmlns:drake.
+    """The root element of an XML document in UTF-8.
+
+    Args:
+        file: path of the file, for errors.
+        document: the text.
+        with_text: whether the elements keep the characters in them.
+
+    Raises:
+        UrdfError: the document is too large, or no XML.
+    """
+    # The encoding is given, because Pinocchio reads UTF-8 whatever the XML declaration says. Expat ignores namespaces here, as Pinocchio
+    # does, and so accepts <drake:...> without its xmlns:drake.
     parser = expat.ParserCreate("utf-8")
     opened: list[Element] = []
     roots: list[Element] = []
@@ -251,7 +260,7 @@ def tree(file: str, document: bytes, with_text: bool = False) -> Element:
 
 
 def refuse_errors(findings: Iterable[Finding], command: str) -> None:
-    """Raise the first error, if there is one; its message says how many more there are, and that ``command`` lists them."""
+    """Raise the first error among findings. Its message says how many more there are, and that ``command`` lists them."""
     errors = [finding.error for finding in findings if finding.error is not None]
     if len(errors) > 1:
         errors[0].args = (f"{errors[0]} ({len(errors) - 1} more: {command} lists them)",)
@@ -268,7 +277,7 @@ def check_command(file: str, drivers: Iterable[str] = (), slide: str | None = No
 
 
 def _name_origins(element: Element, origins: Mapping[tuple[int, str], Origin], tag: str) -> None:
-    """Give an element and all that is in it the lines and names of what they were written from; ``tag``: see `Document.origins`."""
+    """Give an element and all that it contains the lines and names of their origins; ``tag``: see `Document.origins`."""
     origin = origins.get((element.line, tag))
     if origin is not None:
         element.origin, element.line = origin
@@ -277,11 +286,11 @@ def _name_origins(element: Element, origins: Mapping[tuple[int, str], Origin], t
 
 
 def _broken(document: bytes, start: int) -> dict[str, str]:
-    """The attributes of the tag that starts there which have tabs or line breaks in them, with these.
+    """Those attributes of the tag at byte ``start`` that contain tabs or line breaks, with these.
 
-    XML reads those as spaces, but Pinocchio's parser does not, and fails on or drops a number with a line break in it.
+    XML reads them as spaces. Pinocchio's parser does not: it fails on a number with a line break in it, or drops it.
     """
-    tag = _START_TAG.match(document, start)
+    tag = START_TAG.match(document, start)
     found = _ATTRIBUTE.findall(tag[0].decode()) if tag and re.search(rb"[\t\r\n]", tag[0]) else ()
     values = {name: double or single for name, double, single in found}
     return {
@@ -290,13 +299,13 @@ def _broken(document: bytes, start: int) -> dict[str, str]:
 
 
 def _meant(reference: re.Match[str]) -> str:
-    """The character that a reference such as ``&#10;`` or ``&lt;`` means."""
+    """The character that a reference such as ``&#10;`` or ``&lt;`` stands for."""
     hexadecimal, decimal, name = reference.groups()
     return _ENTITIES[name] if name else chr(int(hexadecimal, 16) if hexadecimal else int(decimal))
 
 
 def _too_large(count: int, tag: str, attributes: Mapping[str, str]) -> str | None:
-    """What there is too much of in the ``count``th element of a file; None where it is not."""
+    """What is too large in the ``count``th element of a file; None where nothing is."""
     if count > MOST_ELEMENTS:
         return f"has more than {MOST_ELEMENTS} elements"
     if len(attributes) > MOST_ATTRIBUTES:

@@ -1,8 +1,8 @@
-"""What can be wrong with the elements of a URDF, from the single number to the gear pairs (`problems`), and with its links as bodies: how
-joints and loops connect them, and their inertia (`link_problems`); and what is allowed but hardly meant, or not heard (`remarks`).
+"""Checks of the elements of a URDF: `problems` from single numbers to gear pairs; `link_problems` of the links as bodies, of how joints and
+loops connect them and of their inertia; `remarks` about what is allowed but hardly meant, or has no effect.
 
-Every check yields the elements at fault and goes on, so that a file's problems can be listed together; none may therefore rely on another
-having passed.
+Every check yields the elements at fault and goes on, so that all problems of a file can be listed together. Therefore no check may rely on
+another one having passed.
 """
 
 import math
@@ -21,8 +21,8 @@ _UNSUPPORTED_JOINT_TYPES = {
     "floating": "write the joints that guide the link, or close it with <loop_joint>",
 }
 
-# What may stand in each element: one, "?" for at most one, "*" for any number. Anything else is a misspelling. An element without an entry
-# is not looked into.
+# Children of each element: one of each, "?" for at most one, "*" for any number. Any other child is an error. The children of an element
+# without an entry are not checked.
 _CHILDREN = {
     "robot": "link* joint* loop_joint* material* transmission*",
     "link": "inertial? visual* collision*",
@@ -34,7 +34,7 @@ _CHILDREN = {
     "joint": "origin? parent child axis? limit? dynamics? calibration? safety_controller? mimic?",
     "loop_joint": "link1 link2 axis?",
 }
-# The same of attributes.
+# Attributes of each element, in the same notation.
 _ATTRIBUTES = {
     "origin": "xyz? rpy?",
     "parent": "link",
@@ -56,7 +56,8 @@ _ATTRIBUTES = {
     "color": "rgba",
     "texture": "filename",
 }
-# What other programs (ROS, Gazebo, Bullet, Drake, MuJoCo) write and Pinocchio does not read; so is all that has a namespace prefix.
+# Elements and attributes that other programs (ROS, Gazebo, Bullet, Drake, MuJoCo) write and Pinocchio does not read. Those with a namespace
+# prefix count among them.
 _FOREIGN = {
     "robot": "gazebo ros2_control mujoco sensor fixed_frame frame",
     "link": "sensor self_collision_checking verbose velocity contact audio_source",
@@ -66,15 +67,15 @@ _FOREIGN = {
 }
 _QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")  # what is computed with, and
 _LARGEST = 1e12  # may have powers and products in floating point
-_LEAST_RATIO = 1e-7  # of a gear pair, or of a rack [m/rad]
+_LEAST_RATIO = 1e-7  # least ratio of a gear pair, or of a rack [m/rad]
 _OPEN_TO_ATTRIBUTES = ("dynamics", "calibration", "safety_controller", "mesh", "color", "texture")  # nothing here enters the mechanics
 
-# How large a URDF may be: the largest that comes with pinpress has 13 joints and 4 loops.
+# Most elements of a URDF: the largest that comes with pinpress has 13 joints and 4 loops.
 MOST = {"link": 1000, "joint": 1000, "loop_joint": 500, "transmission": 500, "material": 1000}
-DEEPEST_JOINTS = 500  # from the root on; Pinocchio's parser calls itself for each, and at 2 kB of stack a call ends the process after 2000
+DEEPEST_JOINTS = 500  # most joints from the root to a link: Pinocchio's parser calls itself for each, and ends the process after 2000
 
 Problem = tuple[Element, str, str]
-"""The element at fault, what is wrong, what to write."""
+"""The element at fault, the problem, and the remedy."""
 
 
 def problems(robot: Element) -> Iterator[Problem]:
@@ -99,7 +100,7 @@ def problems(robot: Element) -> Iterator[Problem]:
 
 
 def _content_problems(element: Element) -> Iterator[Problem]:
-    """Elements and attributes that are unknown, missing, twice there, or not the numbers they should be."""
+    """Elements and attributes that are unknown, missing, repeated, or not the numbers they should be."""
     tag = element.tag
     if tag in _ATTRIBUTES:
         yield from _attribute_problems(element)
@@ -226,7 +227,7 @@ def _mimic_problems(robot: Element) -> Iterator[Problem]:
 
 
 def _gear_ring_problems(robot: Element) -> Iterator[Problem]:
-    """Of joints that mimic each other in a ring: what one turns by must come back to it unchanged."""
+    """Problems of joints that mimic each other in a ring: the turn of a joint must come back to it unchanged."""
     leaders = {joint.get("name"): (mimic.get("joint"), mimic) for joint in robot.all("joint") for mimic in joint.all("mimic")[:1]}
     seen: set[str] = set()
     for name in leaders:
@@ -237,7 +238,7 @@ def _gear_ring_problems(robot: Element) -> Iterator[Problem]:
         seen.update(path)
         ring = path[path.index(name) :] if name in path else []
         if len(ring) < 2:
-            continue  # one that mimics itself has been said to
+            continue  # a joint that mimics itself is reported by `_mimic_problems`
         multiplier, offset = 1.0, 0.0
         for follower in reversed(ring):  # in the end, the first one = multiplier x itself + offset
             (ratio,), (shift,) = (leaders[follower][1].numbers(word) or (start,) for word, start in (("multiplier", 1.0), ("offset", 0.0)))
@@ -267,7 +268,7 @@ def names(robot: Element, tag: str) -> list[str]:
 
 
 def size_problems(robot: Element) -> Iterator[Problem]:
-    """What there is too much of in a URDF."""
+    """Elements of which a URDF has too many."""
     remedy = "write the linkage of the press alone"
     for tag, most in MOST.items():
         found = robot.all(tag)
@@ -279,7 +280,7 @@ def size_problems(robot: Element) -> Iterator[Problem]:
 
 
 def _too_deep(joints: list[Element]) -> Iterator[Element]:
-    """Joints that too many others are above."""
+    """Joints that have too many others between them and the root."""
     below: dict[str, list[tuple[str, Element]]] = {}
     for joint in joints:
         for parent in joint.all("parent")[:1]:
@@ -320,7 +321,7 @@ def _tree_problems(robot: Element) -> Iterator[Problem]:
             yield joint, f"its child {child!r} is already the child of joint {carriers[child]!r}", remedy
         carriers.setdefault(child, joint.get("name"))
     if unsound:
-        return  # what the joints connect is not known
+        return  # it is not known what the joints connect
 
     elements = {link.get("name"): link for link in robot.all("link")}
     roots, bodies = [link for link in links if link not in carriers], bodies_of(robot)
@@ -360,7 +361,7 @@ def _inertia_problems(robot: Element) -> Iterator[Problem]:
 
 
 def _connected(robot: Element, bodies: dict[str, str]) -> Counter[str]:
-    """How many bearings, of joints and loops, every body has."""
+    """Number of bearings, joints and loops, of every body."""
     found: Counter[str] = Counter()
     for element in robot.all("joint", "loop_joint"):
         if element.get("type") != "fixed" or element.tag == "loop_joint":
@@ -370,7 +371,7 @@ def _connected(robot: Element, bodies: dict[str, str]) -> Counter[str]:
 
 
 def _idealised(inertial: Element, body: str, connected: Counter[str]) -> bool:
-    """Whether an inertia of no mass is that of a link meant to have none: of a cross piece or rod between two bearings."""
+    """Whether an inertia without mass is meant: that of a cross piece or rod between two bearings."""
     return connected[body] > 1 and not any(principal_moments(tensor) != (0.0, 0.0, 0.0) for tensor in inertial.all("inertia"))
 
 
@@ -401,7 +402,7 @@ def _tensor_problem(inertia: Element) -> str | None:
     """
     principal = principal_moments(inertia)
     if not principal:
-        return None  # said elsewhere
+        return None  # `_attribute_problems` reports it
     tolerance = 1e-6 * max(map(abs, principal))
     shown = ", ".join(f"{moment:.6g}" for moment in principal)
     if principal[0] < -tolerance:
@@ -412,7 +413,7 @@ def _tensor_problem(inertia: Element) -> str | None:
 
 
 def _end_problems(element: Element, tag1: str, tag2: str, links: Sequence[str]) -> Iterator[Problem]:
-    """Of the two links that a joint or loop connects."""
+    """Problems of the two links that a joint or loop connects."""
     for end in element.all(tag1, tag2):
         name = end.get("link")
         if name and name not in links:

@@ -1,7 +1,7 @@
 """Links, joints, loops and drivers of a URDF, and errors in its elements.
 
-Pinocchio drops much of what it cannot read and carries on: a misspelt ``<axis>`` becomes the x axis, a mass "2,5" no inertia at all. So
-`element_checks` first checks everything that enters the mechanics; Pinocchio then reads all of a file that passes.
+Pinocchio drops much of what it cannot read and carries on: a misspelt ``<axis>`` becomes the x axis, a mass "2,5" no inertia at all.
+Therefore `element_checks` first checks everything that enters the mechanics, so that Pinocchio then reads all of a file that passes.
 """
 
 import itertools
@@ -12,7 +12,7 @@ from ...common.errors import UrdfError
 from . import element_checks
 from .document import Document, Element, Finding, check_command, parse, refuse_errors
 
-MOST_ERRORS = 100  # that are listed: each may compare a name with all others, which takes time
+MOST_ERRORS = 100  # most errors that are listed: each may compare a name with all others, which takes time
 
 
 @dataclass(frozen=True)
@@ -53,10 +53,10 @@ class Loop:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A ``<mimic>``: the joint's coordinate is multiplier x coordinate of the leader + offset.
+    """A gear pair, ``<mimic>``: the joint's coordinate is multiplier x coordinate of the leader + offset.
 
     Attributes:
-        leader: name of the joint that is mimicked.
+        leader: name of the joint that is followed.
         multiplier: ratio of the coordinates.
         offset: [rad or m].
         line: line of the element.
@@ -127,7 +127,7 @@ def checked(path: str | os.PathLike[str]) -> Document:
 
 
 def errors(document: Document) -> list[Finding]:
-    """Errors in the elements of a URDF, before its links are put together: all of them, or the first `MOST_ERRORS`."""
+    """Errors in the elements of a URDF, before its links are assembled: all of them, or the first `MOST_ERRORS`."""
     robot = document.robot
     problems = list(element_checks.size_problems(robot))
     if not problems:  # checking everything in a file that is too large would take long

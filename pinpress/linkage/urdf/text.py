@@ -1,22 +1,24 @@
-"""Edits of a URDF's text that leave the rest of it as it is, to the byte; and elements as text."""
+"""Edits of a URDF's text that leave the rest of it unchanged to the byte, and elements as text."""
 
 from __future__ import annotations
 
 import codecs
 import html
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from xml.parsers import expat
 
-from .document import Document, Element
+from .document import START_TAG, Document, Element
 
-_START_TAG = re.compile(rb"<(?:[^\"'>]|\"[^\"]*\"|'[^']*')*>")
+MOMENTS = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
+"""Attributes of ``<inertia>``, and their rows and columns in the tensor."""
+
 _ATTRIBUTE = re.compile(rb"([^\s=\"'<>/]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
 _SPACE = re.compile(rb"\s*")
 
 
 class Text:
-    """A document and the edits of it; these do not show in its elements, only in what `edited` gives."""
+    """A document and edits of it. The elements do not change; `edited` returns the changed text."""
 
     def __init__(self, document: Document) -> None:
         self.robot = document.robot
@@ -26,7 +28,7 @@ class Text:
         self._edits: list[tuple[int, int, str]] = []
 
     def set(self, element: Element, attributes: Mapping[str, str]) -> None:
-        """Give an element these attributes, in place of those that it has by their names."""
+        """Give an element these attributes, which replace those of the same names."""
         start, opened, _ = self._spans[element]
         present = {match[1].decode(): match.span(2) for match in _ATTRIBUTE.finditer(self._text, start, opened)}
         for name, value in attributes.items():
@@ -38,14 +40,14 @@ class Text:
                 self._edits.append((end, end, _attributes({name: value})))
 
     def set_child(self, element: Element, child: str, attributes: Mapping[str, str]) -> None:
-        """Give the one child of this tag these attributes, if any; make it where there is none."""
+        """Give the one child with this tag these attributes; add it where there is none and attributes are given."""
         if element.all(child):
             self.set(element.all(child)[0], attributes)
         elif attributes:
             self.append(element, tag(child, attributes))
 
     def append(self, parent: Element, element: str) -> None:
-        """Put an element behind the last child of its parent, on a line of its own where the first child has one."""
+        """Add an element behind the last child of its parent, on a line of its own if the first child has one."""
         _, opened, end = self._spans[parent]
         if opened == end:  # <link name="a"/>
             self._edits.append((self._last_of_tag(opened), end, f">{element}</{parent.tag}>"))
@@ -55,17 +57,17 @@ class Text:
             self._edits.append((place, place, (space[0].decode() if space and parent.children else "") + element))
 
     def remove(self, element: Element) -> None:
-        """Take an element out, with the white space before it."""
+        """Remove an element with the white space before it."""
         start, _, end = self._spans[element]
         self._edits.append((len(self._text[:start].rstrip()), end, ""))
 
     def replace(self, element: Element, new: str) -> None:
-        """Put something in the place of an element, and as many line breaks behind it as the element had, so that all lines stay."""
+        """Replace an element, with as many line breaks behind the new one as the old one had, so that line numbers stay."""
         start, _, end = self._spans[element]
         self._edits.append((start, end, new + "\n" * self._text.count(b"\n", start, end)))
 
     def edited(self) -> bytes:
-        """The document with all that was done to it."""
+        """The text with all edits."""
         pieces, done = [self._mark], 0
         for start, end, new in sorted(self._edits, key=lambda edit: edit[:2]):
             pieces += [self._text[done:start], new.encode(errors="replace")]
@@ -73,13 +75,18 @@ class Text:
         return b"".join([*pieces, self._text[done:]])
 
     def _last_of_tag(self, opened: int) -> int:
-        """Where the last attribute of the start tag ends that ends there."""
+        """Byte at which the last attribute of a start tag ends; ``opened``: byte at which the tag ends."""
         return len(self._text[:opened].removesuffix(b">").removesuffix(b"/").rstrip())
 
 
 def tag(name: str, attributes: Mapping[str, str], content: str = "") -> str:
-    """An element."""
+    """An element as text."""
     return f"<{name}{_attributes(attributes)}" + (f">{content}</{name}>" if content else "/>")
+
+
+def written(numbers: Iterable[float]) -> str:
+    """Numbers as the text of an attribute, to full precision."""
+    return " ".join(repr(float(number) + 0.0) for number in numbers)  # + 0.0: no "-0.0"
 
 
 def _attributes(attributes: Mapping[str, str]) -> str:
@@ -87,20 +94,20 @@ def _attributes(attributes: Mapping[str, str]) -> str:
 
 
 def _elements(element: Element) -> Iterator[Element]:
-    """An element and all that is in it, in the order of their start tags."""
+    """An element and all that it contains, in the order of their start tags."""
     yield element
     for child in element.children:
         yield from _elements(child)
 
 
 def _spans(document: bytes) -> list[tuple[int, int, int]]:
-    """Of each element, in the order of their start tags: where that tag begins and ends, and where the element ends."""
+    """For each element, in the order of start tags: bytes at which its start tag begins and ends, and at which the element ends."""
     parser = expat.ParserCreate("utf-8")
     spans: list[tuple[int, int, int]] = []
     open_elements: list[int] = []
 
     def start(*ignored: object) -> None:
-        found = _START_TAG.match(document, parser.CurrentByteIndex)
+        found = START_TAG.match(document, parser.CurrentByteIndex)
         last = found.end() if found else 0
         open_elements.append(len(spans))
         spans.append((parser.CurrentByteIndex, last, last))

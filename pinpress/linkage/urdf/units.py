@@ -14,7 +14,9 @@ from .element_checks import bodies_of, principal_moments
 Point = tuple[float, ...]
 
 LARGEST = 50.0  # length of a linkage above which it is hardly meant [m]
-DENSEST = 1e6  # that a link, or the cube about a linkage, may be [kg/m3]: a hundred times as dense as metal; grams make millions
+DENSEST = 1e7  # that a link may be [kg/m3], hundreds of times as dense as any metal: a wrong unit makes millions
+HEAVY = 1e4  # mass of a linkage that is likely, however small it is [kg]
+HEAVIEST = 1e6  # mass of a linkage by the cube of its size [kg/m3]: that of heavy slides over short cranks is a tenth of this
 SHORT = 0.5  # a link with pins closer together counts as so long [lengths of the linkage]
 OUTSIDE, OUTSIDE_ON_FRAME = 3.0, 5.0  # how far the mass of a link may be from its pins [its length; lengths of the linkage]
 GYRATION = 5.0  # radius of gyration of a link [its length]
@@ -33,7 +35,7 @@ def remarks(robot: Element, size: float, mass: float, centres: bool = True) -> I
         mass: that moves [kg].
         centres: whether centres of mass are looked at.
     """
-    heavy = mass > DENSEST * size**3
+    heavy = mass > max(HEAVY, HEAVIEST * size**3)
     if size > LARGEST:
         yield _warning(robot, f"the linkage is {size:.4g} m long", "write lengths in metres, 0.001 for a millimetre")
     if heavy:

@@ -1,0 +1,112 @@
+"""World z says what is up: a guide whose axis points down makes the same press as one whose axis points up."""
+
+import re
+import warnings
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support import texts
+
+import pinpress as pp
+
+PRESSES = ("crank_slide", "zxn2_3000b")
+
+
+@pytest.fixture(scope="module", params=PRESSES)
+def both(request, tmp_path_factory):
+    return texts.shipped(request.param), texts.load(texts.guide_turned_round(request.param), tmp_path_factory.getbasetemp())
+
+
+def same(first, second, tolerance=1e-9):
+    first, second = np.asarray(first), np.asarray(second)
+    assert_allclose(second, first, rtol=0, atol=tolerance * max(np.abs(first).max(), 1e-12))
+
+
+def test_the_slide_moves_alike(both):
+    up, down = both
+    assert (up.slide_guide.sign, down.slide_guide.sign) == (1.0, -1.0)
+    assert up.slide_direction.tolist() == down.slide_direction.tolist() == [0.0, 0.0, 1.0]
+    first, second = (pp.cycle(press, speed=7.0, points=36) for press in both)
+    for name in ("slide_position", "slide_velocity", "slide_acceleration"):
+        same(getattr(first, name), getattr(second, name))
+    same(first.joint_position[:, up.slide_guide.joint], -second.joint_position[:, down.slide_guide.joint])
+    ends, others = (pp.dead_centres(press) for press in both)
+    same([ends.top_angle, ends.top_position, ends.bottom_angle, ends.bottom_position], [*vars(others).values()][:4])
+    assert ends.top_position > ends.bottom_position
+
+
+@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+def test_loads_act_at_the_lower_end(both, engine):
+    load = pp.loads.DeepDrawing(1e5, 0.02), pp.loads.ElasticDie(0.005, 1e7, 1e4), pp.loads.TimeForce(lambda time: 1e3 + 0.0 * time)
+    motions = [pp.cycle(press, speed=7.0, points=36) for press in both]
+    first, second = (pp.inverse_dynamics(press, motion, load, engine=engine) for press, motion in zip(both, motions, strict=True))
+    for name in ("driving_torque", "shaking_force"):
+        same(getattr(first, name), getattr(second, name))
+    for bearing in first.bearing_force:
+        same(first.bearing_force[bearing], second.bearing_force[bearing])
+
+
+@pytest.mark.parametrize("method", ["reduced", "constraint"])
+def test_runs_are_alike(both, method):
+    loads = [pp.loads.DeepDrawing(1e4, 0.02), pp.loads.ElasticDie(0.005, 1e6, 1e3)]
+    runs = [
+        pp.simulate(press, 0.6, speed=12.0, flywheel=pp.drives.Flywheel(2e3), loads=loads, method=method, points=25, tolerance=1e-9)
+        for press in both
+    ]
+    same(runs[0].slide_position, runs[1].slide_position, 1e-6)
+    same(runs[0].crank_speed, runs[1].crank_speed, 1e-6)
+    assert runs[0].crank_speed[-1] < 12.0
+
+
+def test_elastic_presses_and_gibs_are_alike(both):
+    stiffness = pp.elasticity.Stiffness(bearings={"slide_guide": 1e9}, frame=1e9)
+    found = [pp.elasticity.compliance(press, stiffness, angle=[0.5, 2.0, 4.0]) for press in both]
+    same(found[0].compliance, found[1].compliance)
+    same(found[0].height, found[1].height)
+    gibs = pp.ratings.Guide(length=0.5, width=0.2, middle=0.1)
+    motions = [pp.cycle(press, speed=7.0, points=12) for press in both]
+    pressures = [
+        pp.ratings.eccentric_load(press, motion, force=1e5, offset=(0.1, 0.0, 0.0), guide=gibs)
+        for press, motion in zip(both, motions, strict=True)
+    ]
+    same(pressures[0].tilting_moment, pressures[1].tilting_moment)
+    same(pressures[0].pressure, pressures[1].pressure)
+
+
+def test_derivatives_are_alike(both):
+    bearing, link = next(iter(pp.derivatives.pivot_positions(both[0])))
+    changes = []
+    for press in both:
+        motion = pp.cycle(press, speed=7.0, points=24)
+        changes += pp.derivatives.motion_derivatives(press, motion, [{(bearing, link): (0.3, 0.0, 0.1)}])
+    for name in ("slide_position", "slide_velocity", "slide_acceleration"):
+        same(getattr(changes[0], name), getattr(changes[1], name))
+
+
+def test_check_says_so(both):
+    assert not pp.check(both[1].file).warnings
+    assert "the axis points down; positions, speeds and forces of slide 'slide' count upwards all the same" in [
+        note.problem for note in pp.check(both[1].file).notes
+    ]
+
+
+@pytest.mark.parametrize(("lean", "sign"), [(0.0, -1.0), (40.0, -1.0), (50.0, 1.0), (90.0, 1.0)])
+def test_of_inclined_slides_the_axis_counts(tmp_path, lean, sign):
+    """A crank-slide turned about y by an angle as a whole, its guide's axis downwards."""
+    text, turn = texts.guide_turned_round("crank_slide"), np.radians(lean)
+    for joint in ("O", "slide_guide"):
+        part = re.search(rf'<joint name="{joint}".*?</joint>', text, re.DOTALL)[0]
+        z = -0.5 * (joint == "slide_guide")
+        pitch = turn + (0.5 * np.pi if joint == "O" else 0.0)
+        place = f'<origin xyz="{float(z * np.sin(turn))!r} 0 {float(z * np.cos(turn))!r}" rpy="0 {float(pitch)!r} 0"/>'
+        text = text.replace(part, re.sub(r"<origin[^>]*/>", place, part))
+    file = tmp_path / "inclined.urdf"
+    file.write_text(text, encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        inclined = pp.load(file)
+    assert inclined.slide_guide.sign == sign
+    down = pp.cycle(inclined, speed=1.0, points=8)
+    way = down.joint_position[:, inclined.slide_guide.joint]
+    assert_allclose(np.diff(down.slide_position), sign * np.diff(way), atol=1e-12)
