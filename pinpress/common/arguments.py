@@ -1,8 +1,8 @@
-"""Checks of arguments: objects of the library, sequences, mappings, functions, True or False by the annotations of a public function
-(`typed`); one number, a whole number or an array of numbers where the function asks.
+"""Checks of arguments. `typed` checks objects of the library, sequences, mappings, functions and truth values by the annotations of a
+public function; numbers, whole numbers and arrays are checked by functions that it calls.
 
-NumPy takes for numbers what was hardly meant as such: it drops masks and imaginary parts, reads texts, dates and truth values, and turns
-None into nan. Here all these are refused, by the name of the argument.
+NumPy accepts as numbers what was hardly meant so: it drops masks and imaginary parts, reads texts, dates and truth values, and turns None
+into nan. Here all these are refused, with the name of the argument.
 """
 
 import inspect
@@ -35,7 +35,7 @@ MAKERS = {
     "Frame": "Frame",
     "RubberPad": "RubberPad",
 }
-"""Classes whose objects are checked, and what makes them."""
+"""Classes whose objects are checked, and the functions that make them, for messages."""
 
 _OTHERS: dict[str, Callable[[Any], bool]] = {
     "None": lambda value: value is None,
@@ -48,16 +48,21 @@ _OTHERS["Iterable"] = _OTHERS["Sequence"]
 
 
 class _Kind(NamedTuple):
-    """What a parameter takes: names of the library's classes, and of what else may be given."""
+    """What a parameter accepts.
+
+    Attributes:
+        classes: names of the library's classes.
+        others: keys of `_OTHERS`.
+    """
 
     classes: tuple[str, ...]
     others: tuple[str, ...]
 
 
 def typed(function: Function) -> Function:
-    """A function that raises PinpressError where an argument is nothing of what its parameter is annotated with.
+    """Decorate a function so that it raises PinpressError where an argument does not agree with the annotation of its parameter.
 
-    Numbers, texts and users' own laws are checked where they are used.
+    Numbers, texts and users' own laws are not checked here, but where they are used.
     """
     parameters = inspect.signature(function).parameters
     kinds = {name: kind for name, parameter in parameters.items() if (kind := _kind(_evaluated(parameter.annotation, function)))}
@@ -76,13 +81,13 @@ def typed(function: Function) -> Function:
 
 
 def expect(name: str, value: object, kind: type, maker: str) -> None:
-    """Raise PinpressError where an argument is of another kind than it must be; ``maker``: what makes one."""
+    """Raise PinpressError where an argument is not of this kind; ``maker``: the function that makes one, for the message."""
     if not isinstance(value, kind):
         raise PinpressError(f"{name} is a {type(value).__name__}, no {kind.__name__}: give what {maker} returns")
 
 
 def _evaluated(annotation: object, function: Callable[..., Any]) -> object:
-    """What an annotation means that is kept as it is written; its text where a name in it is there for type checkers alone."""
+    """The value of an annotation that is kept as text; the text itself where it has a name that only type checkers know."""
     if not isinstance(annotation, str):
         return annotation
     try:
@@ -92,8 +97,8 @@ def _evaluated(annotation: object, function: Callable[..., Any]) -> object:
 
 
 def _kind(annotation: object) -> _Kind | None:
-    """What an annotation asks for; None where it names something that is not looked into here."""
-    # Python 3.10 takes Sequence[float] for a class.
+    """What an annotation asks for; None where it names something that is not checked here."""
+    # In Python 3.10 Sequence[float] is a class.
     text = annotation.__name__ if isinstance(annotation, type) and get_origin(annotation) is None else str(annotation)
     if "Sequence[float]" in text:
         return None  # a vector
@@ -142,17 +147,17 @@ _SORTS = {
 def suitable_numbers(
     name: str, given: object, wanted: str, shape: _Shape | None = (), suits: Callable[[Array], Any] = lambda values: True
 ) -> Array:
-    """What is given as a new array of finite numbers, for callers that say what they want.
+    """The argument as a new array of finite numbers, for callers that say what they want.
 
     Args:
         name: of the argument, for the message.
         given: a number, an array, or nested sequences of numbers.
         wanted: what to give instead, for the message.
-        shape: that the array must have, one number by default; None for any length along an axis, or for any shape.
-        suits: whether all values, which have this shape and are finite, can be used.
+        shape: of the array, one number by default; None stands for any length along an axis, or for any shape.
+        suits: returns whether values of this shape, which are finite, can be used.
 
     Raises:
-        PinpressError: it is anything else.
+        PinpressError: the argument is anything else.
     """
     values = finite_numbers(given)
     if values is None or not (shape is None or _has_shape(values, shape)) or not np.all(suits(values)):
@@ -161,7 +166,7 @@ def suitable_numbers(
 
 
 def number(name: str, value: object, positive: bool = False) -> float:
-    """The value as a finite number, named in the `PinpressError` where it is none."""
+    """The argument as a finite number; raises PinpressError where it is none, or not ``positive`` as asked for."""
     if positive:
         return float(suitable_numbers(name, value, "one finite number, positive", suits=lambda found: found > 0))
     return float(suitable_numbers(name, value, "one finite number"))
@@ -174,7 +179,7 @@ def is_number(value: object) -> bool:
 
 
 def positive(what: str, value: object, unit: str) -> float:
-    """A size as a number; raises PinpressError where it is not positive, or so small or large that its squares lose meaning."""
+    """A size as a number; raises PinpressError where it is not positive, or outside the range from `SMALLEST` to `LARGEST`."""
     wanted = f"a positive number [{unit}], from {SMALLEST:g} to {LARGEST:g}"
     return float(suitable_numbers(what, value, wanted, suits=lambda size: (size >= SMALLEST) & (size <= LARGEST)))
 
@@ -204,11 +209,11 @@ def numbers(name: str, values: object, shape: _Shape | None = None) -> Array:
     Args:
         name: of the argument, for the messages.
         values: a number, an array, or nested sequences of numbers.
-        shape: that the array must have, None for any length along an axis; by default any shape.
+        shape: of the array, in which None stands for any length along an axis; by default any shape.
 
     Raises:
-        PinpressError: masked, complex or ragged values, texts, truth values, dates, anything that is no number or not finite, or another
-            shape.
+        PinpressError: the values are masked, complex or ragged, texts, truth values, dates or anything else that is no finite number, or
+            have another shape.
     """
     array = any_numbers(name, values, shape)
     if shape is not None and not _has_shape(array, shape):
@@ -220,7 +225,7 @@ def numbers(name: str, values: object, shape: _Shape | None = None) -> Array:
 
 
 def any_numbers(name: str, values: object, shape: _Shape | None = None) -> Array:
-    """The values as a new array of numbers, infinite ones and NaN too; raises as `numbers` does where they are none. ``shape``: for the
+    """The values as a new array of numbers, which may be infinite or NaN; raises as `numbers` where they are none. ``shape``: for the
     message."""
     array = _array(values)
     if isinstance(array, str):
@@ -229,7 +234,7 @@ def any_numbers(name: str, values: object, shape: _Shape | None = None) -> Array
 
 
 def finite_numbers(values: object) -> Array | None:
-    """The values as a new array of finite numbers; None where `numbers` refuses them: for callers that say more about what they want."""
+    """The values as a new array of finite numbers; None where `numbers` would refuse them, for callers with messages of their own."""
     array = _array(values)
     return None if isinstance(array, str) or not np.isfinite(array).all() else array
 
@@ -273,7 +278,7 @@ def _array(values: Any) -> Array | str:
 
 
 def _odd(values: Iterable[Any], level: int = 1) -> bool:
-    """Whether nested lists and tuples hold what NumPy would turn into numbers without a word, or more levels than any array has."""
+    """Whether nested lists and tuples hold what NumPy would turn into numbers without a warning, or have more levels than any array."""
     return level > _DEEPEST or any(
         _odd(value, level + 1) if isinstance(value, list | tuple) else isinstance(value, bool | np.bool_ | np.ma.MaskedArray)
         for value in values

@@ -1,7 +1,7 @@
-"""How a command ends: with an exit code and at most a line on stderr, never a traceback.
+"""How a command ends: with an exit code and at most one line on stderr, never with a traceback.
 
-Ctrl-C may come while modules are still imported, before there is anything to catch it: this one is imported first, and lets it end the
-command.
+Ctrl-C may come while modules are still being imported and nothing catches it yet. Therefore this module is imported first, and lets Ctrl-C
+end the command.
 """
 
 import os
@@ -17,10 +17,10 @@ INTERRUPTED = 130  # exit code of a command that Ctrl-C ended, as in shells: 128
 def ended(program: str, run: Callable[[], int]) -> int:
     """Run a command to its end, its output written out. Warnings of ours are lines on stderr.
 
-    Returns its exit code; 2 where the input is at fault, or the output cannot be written; 0 where nobody reads it any more, as with
-    ``| head``; 130 after Ctrl-C.
+    Returns its exit code: 2 where the input is at fault or the output cannot be written, 0 where nobody reads the output any more, as with
+    ``| head``, 130 after Ctrl-C.
     """
-    from .errors import PinpressError  # only once Ctrl-C is seen to
+    from .errors import PinpressError  # not at the top: Ctrl-C must be handled before anything else is imported
 
     if signal.getsignal(signal.SIGINT) is _end_at_once:
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -39,7 +39,7 @@ def ended(program: str, run: Callable[[], int]) -> int:
     except KeyboardInterrupt:
         return _refused(program, "interrupted", INTERRUPTED)
     except OSError as error:
-        if error.filename is not None:  # not of the output: a defect of ours
+        if error.filename is not None:  # it is not about the output, but a defect of pinpress
             raise
         _silence()
         return _refused(program, f"cannot write the output: {error.strerror or error}", 2)
@@ -74,7 +74,7 @@ def _refused(program: str, words: str, code: int) -> int:
 
 
 def _silence() -> None:
-    """What is left of the output goes nowhere: Python would try to write it at its end, and complain."""
+    """Discard the rest of the output, which Python would otherwise try to write when it ends, with an error message."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)
@@ -86,7 +86,7 @@ def _end_at_once(*_: object) -> None:
 
 
 def _is_command() -> bool:
-    """Whether this program is the command. While Python imports the package of ``python -m pinpress``, the program's name is -m."""
+    """Whether this program is the command. While ``python -m pinpress`` imports the package, the program's name is -m."""
     name = sys.argv[0] if getattr(sys, "argv", None) else ""
     return name == "-m" or os.path.splitext(os.path.basename(name))[0] == "pinpress"
 

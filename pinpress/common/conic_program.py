@@ -2,8 +2,8 @@
 
     minimise cost @ x  with  bound - coefficients @ x  in a cone, for each `Rows`
 
-The proof of the optimum is worked out again from what the solver returns. The dual variables z, of the same rows, prove it:
-cost + sum(coefficients' z) = 0 with all z in their dual cones makes -sum(bound z) a lower bound of the cost of every x that fulfils the
+The proof of the optimum is computed again from what the solver returns. The dual variables z of the rows prove it: where
+cost + sum(coefficients' z) = 0 with all z in their dual cones, -sum(bound z) is a lower bound of the cost of every x that fulfils the
 constraints.
 """
 
@@ -26,11 +26,11 @@ class Rows:
     than the length of the others (`CONE`).
 
     Attributes:
-        kind: One of these.
+        kind: one of these.
         coefficients: (rows, variables).
         bound: (rows,).
-        name: Name in words, for messages; empty for a constraint that only defines a quantity.
-        unit: What one of the bound means, in the unit of the constrained quantity; 0 where it has none.
+        name: in words, for messages; empty for a constraint that only defines a quantity.
+        unit: size of 1 of the bound, in the unit of the constrained quantity; 0 where it has none.
     """
 
     kind: str
@@ -44,7 +44,7 @@ class Rows:
         return np.asarray(self.bound - self.coefficients @ x)
 
     def size(self, x: Array) -> float:
-        """Largest sum of the magnitudes that a slack is made of, at least one."""
+        """Largest sum of the magnitudes of a slack's terms, at least 1."""
         return max(1.0, float((np.abs(self.bound) + np.abs(self.coefficients) @ np.abs(x)).max(initial=0.0)))
 
 
@@ -54,10 +54,10 @@ class Optimum:
 
     Attributes:
         x: (variables,).
-        value: Cost of x.
-        bound: Dual cost; no x costs less.
-        residual: Largest violation of the optimality conditions: of constraints, of the dual equations and cones, and of value = bound.
-        prices: Dual variables of every `Rows`: by how much the cost falls where the bound is raised by one.
+        value: cost of x.
+        bound: dual cost; no x costs less.
+        residual: largest violation of the optimality conditions: of constraints, of the dual equations and cones, and of value = bound.
+        prices: dual variables of every `Rows`: by how much the cost falls where the bound is raised by one.
     """
 
     x: Array
@@ -75,17 +75,17 @@ def minimise(cost: Array, rows: Sequence[Rows]) -> Optimum:
     """The optimum of a program.
 
     Raises:
-        InfeasibleError: The solver proved that there is no solution.
-        PinpressError: The solver found neither a solution nor that proof, or a solution that violates the optimality conditions.
+        InfeasibleError: the solver proved that there is no solution.
+        PinpressError: the solver found neither a solution nor that proof, or a solution that violates the optimality conditions.
     """
-    import clarabel  # slow to import
-    from scipy import sparse  # slow to import
+    import clarabel  # to save start-up time
+    from scipy import sparse  # to save start-up time
 
     cones = {EQUAL: clarabel.ZeroConeT, AT_MOST: clarabel.NonnegativeConeT, CONE: clarabel.SecondOrderConeT}
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
-    settings.equilibrate_enable = False  # programs are scaled already, and by what they mean
+    settings.equilibrate_enable = False  # programs are already scaled, by the sizes of their quantities
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
     # Many programs are so flat near their optimum that steps are only as good as the linear equations are solved.
     settings.direct_solve_method = "faer"
@@ -115,7 +115,7 @@ def minimise(cost: Array, rows: Sequence[Rows]) -> Optimum:
 
 
 def _proved(cost: Array, rows: Sequence[Rows], x: Array, prices: Sequence[Array]) -> Optimum:
-    """What the solver returned, judged anew. Residuals are relative to the terms that they are the sums of."""
+    """The solver's answer with its proof, computed anew. Residuals are relative to the magnitudes of their terms."""
     value, dual = float(cost @ x), -float(sum(part.bound @ z for part, z in zip(rows, prices, strict=True)))
     stationary, terms = cost.copy(), np.abs(cost)
     for part, z in zip(rows, prices, strict=True):
@@ -126,13 +126,13 @@ def _proved(cost: Array, rows: Sequence[Rows], x: Array, prices: Sequence[Array]
     outside = [0.0 if part.kind == EQUAL else _outside(part.kind, z) for part, z in zip(rows, prices, strict=True)]
     beyond = [each / max(1.0, float(np.abs(z).max())) for each, z in zip(outside, prices, strict=True)]
     residual = max(slope, *missed, *beyond, abs(value - dual) / max(1.0, abs(value)))
-    # What prices that are not quite dual can have added to the bound, for designs of this size.
+    # This much prices that are not exactly dual can have added to the bound, for designs of this size.
     excess = np.abs(stationary) @ np.abs(x) + sum(each * np.abs(part.slack(x)).sum() for each, part in zip(outside, rows, strict=True))
     return Optimum(x, value, dual - float(excess), residual, tuple(prices))
 
 
 def _outside(kind: str, slack: Array) -> float:
-    """How far a slack is outside its cone."""
+    """Distance by which a slack is outside its cone."""
     if kind == EQUAL:
         return float(np.abs(slack).max(initial=0.0))
     if kind == AT_MOST:

@@ -16,13 +16,13 @@ _LONGEST_NAME = 200  # most characters of a name that alternatives are suggested
 
 
 class PinpressError(Exception):
-    """Base of all errors. Each is something that the caller can put right; the message says where it is, and how.
+    """Base of all errors. Each can be put right by the caller: the message says where the error is, and what to do.
 
-    Errors are copied and pickled with their attributes, so that process pools can report them.
+    Errors can be copied and pickled with their attributes, so that process pools can report them.
     """
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # By default an exception is rebuilt from its message alone, which does not suit a class that takes other arguments.
+        # By default an exception is rebuilt from its message alone, which fails for a class that takes other arguments.
         return _rebuilt, (type(self), self.args, {name: sendable(value) for name, value in vars(self).items()})
 
 
@@ -54,7 +54,7 @@ class PinTableError(PinpressError):
     Attributes:
         file: path of the file, or how the table was given.
         line: in the file; None where there is none.
-        element: keys that lead to the entry, such as "links: crank: mass"; empty where it is the table as a whole.
+        element: keys that lead to the entry, such as "links: crank: mass"; empty where the table as a whole is at fault.
         problem: what is wrong.
         remedy: what to write instead.
         sketch: the pins placed so far as SVG, with the lengths that do not meet; None where there is nothing to show.
@@ -166,7 +166,7 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 def shown(value: object) -> str:
     """A value as messages show it: on one line, and shortened where it is long."""
-    if isinstance(value, int) and value.bit_length() > _LONGEST_WHOLE_NUMBER:  # writing one of thousands of digits is an error in Python
+    if isinstance(value, int) and value.bit_length() > _LONGEST_WHOLE_NUMBER:  # Python refuses to print one of thousands of digits
         return f"a whole number of {value.bit_length()} bits"
     try:
         text = " ".join(repr(value).split())
@@ -192,7 +192,7 @@ def _rebuilt(kind: type[PinpressError], arguments: tuple[object, ...], attribute
 
 
 def sendable(value: object) -> object:
-    """An attribute in a form that can be pickled: one that cannot, such as a function given for a name, is replaced by its description."""
+    """An attribute in a form that can be pickled: one that cannot, such as a function given for a name, becomes its description."""
     try:
         pickle.dumps(value)
     except Exception:  # whatever pickling says

@@ -1,4 +1,4 @@
-"""Writing files: whole, or not at all. Reading files of bounded size, and only what is a file. All of the library's files pass here."""
+"""All files of the library: they are written whole or not at all, and read only if they are regular files of bounded size."""
 
 import errno
 import os
@@ -14,14 +14,14 @@ from .errors import PinpressError, shown
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> Path:
-    """Write a file in one step, so that there is the old content or the new one, never a part of it. Returns the path.
+    """Write a file in one step, so that it holds the old content or the new one, never a part of it. Returns the path.
 
-    The file keeps its mode, and a link to it stays a link. One that has several names (hard links) keeps them: it alone is written in
-    place, after the disk has given the room, so that a machine that dies meanwhile can leave it mixed. What is no regular file, such as a
-    device, a pipe or this program's own output, is written through.
+    The file keeps its mode, and a link to it stays a link. A file with several names (hard links) keeps them: only such a file is written
+    in place, after the disk has allocated the room, so that a crash of the machine can leave it mixed. What is no regular file, such as a
+    device, a pipe or this program's own output, is written to directly.
 
     Raises:
-        PinpressError: it cannot be written; what there was is as before.
+        PinpressError: the file cannot be written; its old content is unchanged.
     """
     with refused(path):
         found = _status(path)
@@ -39,11 +39,11 @@ def write(path: str | os.PathLike[str], content: bytes) -> Path:
 
 @contextmanager
 def written(path: str | os.PathLike[str], suffix: str = "") -> Iterator[Path]:
-    """A temporary file for others to write, with this suffix, whose content `write` puts into ``path`` at the end of the block, if nothing
+    """A temporary file with this suffix for other programs to write. Its content is written to ``path`` at the end of the block if nothing
     failed.
 
     Raises:
-        PinpressError: a path that cannot be written, before the block.
+        PinpressError: the path cannot be written; raised before the block where that is known.
     """
     with ExitStack() as tidying:
         with refused(path):
@@ -60,7 +60,7 @@ def written(path: str | os.PathLike[str], suffix: str = "") -> Iterator[Path]:
 
 @contextmanager
 def refused(path: object) -> Iterator[None]:
-    """Turns what goes wrong in writing a file into a PinpressError that names ``path``."""
+    """Turns errors of writing a file into a PinpressError that names ``path``."""
     if not isinstance(path, str | os.PathLike):  # the number of an open file would be taken for a path
         raise PinpressError(f"cannot write {shown(path)}: it is no path; give the path of a file")
     try:
@@ -71,19 +71,20 @@ def refused(path: object) -> Iterator[None]:
 
 
 def _status(path: str | os.PathLike[str]) -> os.stat_result | None:
-    """Of the file that is there, None where there is none; raise OSError for one that cannot be written."""
+    """Status of the file at a path, None where there is none; raises OSError where it cannot be written."""
     try:
         found = os.stat(path)
     except FileNotFoundError:
         return None
     if stat.S_ISDIR(found.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-    if not os.access(path, os.W_OK):  # replacing it would need its folder alone
+    if not os.access(path, os.W_OK):  # to replace it, write access to its folder would be enough
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     return found
 
 
 def _refuse_folder(folder: Path) -> None:
+    """Raise OSError where a folder does not exist, or no file can be written in it."""
     if not folder.is_dir():
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
     if not os.access(folder, os.W_OK):
@@ -91,7 +92,7 @@ def _refuse_folder(folder: Path) -> None:
 
 
 def _stream(path: str | os.PathLike[str], found: os.stat_result) -> FileIO | None:
-    """What a file that is written through is written to: a regular one is, where it is this program's own output."""
+    """The stream of a file that is written to directly; None of a regular file, unless it is this program's own output."""
     for standard in (1, 2):
         with suppress(OSError):  # closed
             if os.path.samestat(os.fstat(standard), found):
@@ -100,7 +101,7 @@ def _stream(path: str | os.PathLike[str], found: os.stat_result) -> FileIO | Non
 
 
 def _replace(target: Path, found: os.stat_result | None, content: bytes) -> None:
-    """Write a file beside the target, and give it the target's name, mode and owner."""
+    """Write a file beside the target, and give it the target's mode, owner and name."""
     part = target.with_name(f".pinpress-{secrets.token_hex(8)}")
     try:
         if not _nameless(part, found, content):
@@ -115,7 +116,7 @@ def _replace(target: Path, found: os.stat_result | None, content: bytes) -> None
 
 
 def _nameless(part: Path, found: os.stat_result | None, content: bytes) -> bool:
-    """Write a file that has no name as long as it is written, so that a kill leaves nothing of it; whether the system knows such."""
+    """Write a file that gets its name only when it is complete, so that a kill leaves nothing. Returns whether the system can do so."""
     if not hasattr(os, "O_TMPFILE"):
         return False
     try:
@@ -132,6 +133,7 @@ def _nameless(part: Path, found: os.stat_result | None, content: bytes) -> bool:
 
 
 def _fill(stream: FileIO, found: os.stat_result | None, content: bytes) -> None:
+    """Write a new file with the owner and mode of the one ``found``."""
     descriptor = stream.fileno()
     if found is not None:
         if hasattr(os, "fchown") and (found.st_uid, found.st_gid) != (os.geteuid(), os.getegid()):
@@ -158,13 +160,14 @@ def _overwrite(path: str | os.PathLike[str], found: os.stat_result, content: byt
 
 
 def _send(stream: FileIO, content: bytes) -> None:
+    """Write all of a content: a stream may take only a part at a time."""
     left = memoryview(content)
     while left:
         left = left[stream.write(left) :]
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder if it is not there; raise PinpressError if that fails."""
+    """Make a folder if it does not exist; raises PinpressError if that fails."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -172,13 +175,13 @@ def make_folder(folder: Path) -> None:
 
 
 def read(path: str | os.PathLike[str], most: int) -> bytes:
-    """The content of a regular file: a pipe may never end, a device may have no end.
+    """The content of a regular file. Pipes and devices are refused because they may have no end.
 
     Raises:
-        OSError: it cannot be read, is no regular file, or has more than ``most`` bytes; `reason` puts it in words.
-        ValueError: a null character in the path.
+        OSError: the file cannot be read, is no regular file, or has more than ``most`` bytes; `reason` puts it in words.
+        ValueError: there is a null character in the path.
     """
-    # Opened before it is looked at, so that it cannot become another in between; without waiting, as a pipe would for a writer.
+    # The file is opened before its status is read, so that it cannot be exchanged in between, and without waiting for a pipe's writer.
     descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_CLOEXEC", 0))
     with open(descriptor, "rb") as stream:
         status = os.fstat(descriptor)
@@ -198,7 +201,7 @@ def reason(error: OSError | ValueError) -> str:
 
 
 def path_of(name: str, path: object) -> str:
-    """A path as text; raises PinpressError, with the name of the argument, where it is none."""
+    """A path as text; raises PinpressError with the name of the argument where it is no path."""
     if isinstance(path, str | Path | os.PathLike):
         text = os.fspath(path)
         if isinstance(text, str):

@@ -14,9 +14,9 @@ T = TypeVar("T")
 
 
 class Frozen:
-    """Base of frozen dataclasses that hold arrays, mappings or sequences, which are read-only as well.
+    """Base of frozen dataclasses whose arrays, mappings and sequences are read-only too.
 
-    NumPy makes the arrays of a deep copy, or of a pickle, writable again.
+    They stay so in copies and pickles, where NumPy would make arrays writable again.
     """
 
     def __post_init__(self) -> None:
@@ -55,7 +55,7 @@ class FrozenMapping(Frozen, Mapping[K, V]):
 
 
 def read_only(value: T) -> T:
-    """The value itself, after its arrays were made read-only, also those in sequences, dictionaries and dataclasses."""
+    """Make the arrays of a value read-only, also those in sequences, dictionaries and dataclasses, and return the value."""
     if isinstance(value, np.ndarray):
         value.setflags(write=False)
         if isinstance(value, np.ma.MaskedArray):
@@ -77,8 +77,10 @@ N = TypeVar("N", bound=np.generic)
 
 
 class NamedArrays(Frozen, Mapping[str, NDArray[N]]):
-    """Read-only mapping from the names of joints and loops to arrays; an unknown name is a `PinpressError` that lists the known ones, one
-    that was left out is a `PinpressError` that says so, with ``get`` too."""
+    """Read-only mapping from the names of joints and loops to arrays.
+
+    An unknown name raises a `PinpressError` that lists the known ones; a name that was left out raises one that says so, with ``get`` too.
+    """
 
     def __init__(self, names: tuple[str, ...], values: NDArray[N], left_out: tuple[str, ...] = ()) -> None:
         values.setflags(write=False)

@@ -1,12 +1,10 @@
 """Integrators of differential equations over time, with the interface of SciPy's: Runge-Kutta with a fixed step, and Radau IIA.
 
-The classical Runge-Kutta method of order 4 takes its steps as long as it is told.
-
-Radau IIA with seven stages is implicit, for motions under stiff forces. A stiff damper, speed law or servo forgets a disturbance within
-microseconds, and an explicit method must keep its steps shorter than that for ever after. Radau IIA is L-stable: where the solution is
-smooth its steps are as long as that allows. SciPy's Radau has three stages and an error estimate of order 3, which at the tolerances of a
-press run takes many times as many steps. Source: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5 and IV.8; the
-coefficients are worked out here from the conditions that define them.
+Radau IIA with seven stages is implicit, for motions under stiff forces. A disturbance of a stiff damper, speed law or servo dies away
+within microseconds, and an explicit method must keep its steps shorter than that for the whole run. Radau IIA is L-stable: its steps are as
+long as the smoothness of the solution allows. SciPy's Radau has three stages and an error estimate of order 3, and needs many times as many
+steps at the tolerances of a press run. Source: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5 and IV.8; the
+coefficients are computed here from the conditions that define them.
 """
 
 import math
@@ -92,12 +90,13 @@ class Rule(NamedTuple):
 
     Attributes:
         nodes: (s,) of a step, from 0 to 1, the last one at its end.
-        matrix: (s, s) integral over the step up to a node, from rates at the nodes.
-        inverse: (s, s) of the matrix.
-        embedded: (s,) difference of the embedded formula's weights and the method's.
+        matrix: (s, s) from rates at the nodes to their integrals over the step up to each node.
+        inverse: (s, s) inverse of the matrix.
+        embedded: (s,) weights of the embedded formula less those of the method.
         start: weight of the rate at the start in the embedded formula.
-        series: (s + 1, s) Legendre series over the step of the polynomial through changes at the nodes, and none at the start.
-        integral: (s + 1, s) Legendre series over the step, of the integral of the polynomial through values at the nodes.
+        series: (s + 1, s) from changes at the nodes to the Legendre series over the step of the polynomial through them and zero at the
+            start.
+        integral: (s + 1, s) from values at the nodes to the Legendre series over the step of the integral of the polynomial through them.
     """
 
     nodes: Array
@@ -118,8 +117,8 @@ def rule() -> Rule:
     integral = 0.5 * np.asarray(legendre.legint(through, lbnd=-1, axis=0), dtype=np.float64)
     matrix = legendre.legvander(x, STAGES) @ integral
     inverse = np.linalg.inv(matrix).astype(np.float64)
-    # The embedded formula of order s takes the rate at the start with the weight that makes its error, filtered by the linear equation
-    # of that weight, fit the method's own: the inverse of the real eigenvalue of the inverse matrix.
+    # In the embedded formula of order s the weight of the rate at the start is the inverse of the real eigenvalue of the inverse matrix:
+    # its error, filtered by the linear equation with this weight, then agrees with that of the method.
     values = np.linalg.eigvals(inverse)
     start = 1.0 / float(values[np.abs(values.imag).argmin()].real)
     conditions = legendre.legvander(x, STAGES - 1).T
@@ -133,8 +132,8 @@ def rule() -> Rule:
 class RadauIIA(OdeSolver):  # type: ignore[misc]
     """Radau IIA of seven stages, order 13, with steps by error.
 
-    The last ``integrals`` entries of the vector act on no rate: they are integrals along the motion, worked out behind each step, to
-    `LOOSER` tolerances. Steps whose stages do not converge, or reach a state without finite rates, are tried again at a quarter.
+    The last ``integrals`` entries of the vector act on no rate: they are integrals along the motion, computed after each step, to `LOOSER`
+    tolerances. Steps whose stages do not converge, or reach a state without finite rates, are tried again at a quarter of their length.
     """
 
     t: float
@@ -152,18 +151,18 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         sizes: Array,
         first_step: float | None = None,
     ) -> None:
-        """As SciPy's methods, and more.
+        """Begin to integrate.
 
         Args:
             fun: rates (n,) at a time and vector (n,).
             t0: time at the start [s].
             y0: (n,) vector at the start.
             t_bound: time of the end [s].
-            atol: (n,) tolerances of the entries.
-            rtol: tolerance beside the entries.
-            integrals: how many of the last entries are integrals.
+            atol: (n,) absolute tolerances of the entries.
+            rtol: relative tolerance of the entries.
+            integrals: number of entries at the end that are integrals.
             sizes: (n,) of the entries, for slopes where one is zero.
-            first_step: length of the first step [s]; None: found here.
+            first_step: length of the first step [s]; None: it is found from the rates.
         """
         super().__init__(fun, t0, y0, t_bound, vectorized=False)
         self.count = len(y0) - integrals
@@ -172,8 +171,8 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         self.f = self.fun(self.t, self.y)
         span = t_bound - t0
         self.h_abs = min(span, first_step or self._first_step(span))
-        self.before: tuple[float, Array] | None = None  # length of the last step and its stages' changes (s, m)
-        self.error_before: tuple[float, float] | None = None  # its length and error
+        self.before: tuple[float, Array] | None = None  # length of the last step, and changes of its stages (s, m)
+        self.error_before: tuple[float, float] | None = None  # length and error of the last step
         self.noise = np.zeros(len(y0))
         self.stage_rates = np.empty((STAGES, len(y0)))
 
@@ -183,7 +182,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         return min(1e-3 * span, 1e-3 / rate) if rate > 0 and math.isfinite(rate) else 1e-6 * span
 
     def _rounding(self, slope: Array) -> Array:
-        """Errors (n,) of the rates by rounding, which stiff forces make large: how far they are off a straight line beside this state."""
+        """Errors (n,) of the rates by rounding, which stiff forces magnify: their distances from a straight line beside this state."""
         m, result = self.count, EPS * (np.abs(slope) @ np.abs(self.y[: self.count]))
         for share in ASIDE:
             moved = self.y.copy()
@@ -215,7 +214,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
             change = h * (r.start * self.f[:m] + (r.embedded + r.matrix[-1]) @ rates) - stages[-1]
             filtered = smoothing @ change
             error = float(np.abs(filtered / scale).max())
-            if error > 1 and (self.error_before is None or rejected):  # a start beside the solution: its rate counts too much
+            if error > 1 and (self.error_before is None or rejected):  # the rate at a start beside the solution counts too much
                 moved = self.fun(t, np.append(y[:m] + filtered, y[m:]))[:m]
                 change += h * r.start * (moved - self.f[:m])
                 filtered = smoothing @ change
@@ -227,7 +226,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
                 self.h_abs, rejected = max(LEAST_CHANGE, factor) * h, True
                 continue
             break
-        if self.error_before is not None and error > 0:  # Gustafsson: as the errors of two steps foretell
+        if self.error_before is not None and error > 0:  # Gustafsson: the step that the errors of two steps predict
             length, previous = self.error_before
             factor = min(factor, factor * h / length * (previous / error) ** (1 / (STAGES + 1)))
         self.error_before = h, max(error, 1e-2)
@@ -256,7 +255,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
             for k in range(STAGES):
                 trial[:m] = y[:m] + stages[k]
                 self.stage_rates[k] = self.fun(t + r.nodes[k] * h, trial)
-            if settled:  # the integrals have the rates of the very motion
+            if settled:  # `stage_rates` now are those of the final stages, as the integrals need them
                 return stages
             residual = h * (r.matrix @ self.stage_rates[:, :m]) - stages
             if not np.isfinite(residual).all():
@@ -266,7 +265,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
             size = float(np.abs(step / scale).max())
             share = size / before
             settled = size <= SETTLED * min(1.0, (1 - share) / share if 0 < share < 1 else 1.0)
-            settled |= ROUNDED > size > SLOWEST * before  # no less: the rounding of stiff forces
+            settled |= ROUNDED > size > SLOWEST * before  # what does not become smaller is the rounding of stiff forces
             if not settled and share > SLOWEST and before < math.inf:
                 return None
             before = size
@@ -302,8 +301,8 @@ class Collocated(DenseOutput):  # type: ignore[misc]
 
 
 def _unresolved(series: Array, scale: Array) -> float:
-    """What a step's polynomials miss between its nodes, beside the tolerance: the term behind the last of their Legendre series (s + 1, k),
-    as these fall off. Under stiff forces the embedded formula knows of the end of the step alone."""
+    """What a step's polynomials miss between its nodes, as a share of the tolerance: the next term of their Legendre series (s + 1, k), as
+    the last ones fall off. Under stiff forces the embedded formula shows the error at the end of the step alone."""
     last, before = np.abs(series[-1]), np.maximum(np.abs(series[-3]), np.finfo(float).tiny)
     return float((last * np.minimum(1.0, np.sqrt(last / before)) / scale).max(initial=0.0))
 
@@ -318,7 +317,7 @@ def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array
         f: (n,) the rates there.
         sizes: (m,) of the entries.
 
-    A small entry is changed beside itself, not beside its size: a law may be sharp about zero.
+    The change of a small entry is relative to itself, not to its size, because a law may change sharply near zero.
     """
     m = len(sizes)
     result, moved = np.empty((len(y), m)), y.copy()

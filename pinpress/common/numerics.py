@@ -1,5 +1,5 @@
-"""Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and Newton's method within a bracket, which is
-halved where a step leads out of it.
+"""Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and Newton's method within a bracket, which
+halves the bracket where a step would leave it.
 """
 
 import math
@@ -20,16 +20,16 @@ ValueAndSlope = Callable[[Array], tuple[Any, Any]]
 class GaussRule(NamedTuple):
     """Quadrature at q nodes on -1..1, and the polynomial through values at them.
 
-    The coefficients of powers are found by way of Legendre polynomials, in two matrix products: the product of both matrices would have
-    entries so large that their rounding were a hundred times that of the values.
+    Coefficients of powers are computed from those of Legendre polynomials in two matrix products, because the product of both matrices
+    would have such large entries that it rounds a hundred times as much.
 
     Attributes:
         nodes: (q,) nodes from -1 to 1.
         weights: (q,) weights of the quadrature.
-        cumulative: (q, q) values at the nodes to integrals from -1 to the nodes.
-        legendre: (q, q) values at the nodes to coefficients of Legendre polynomials.
-        powers: (q, q) coefficients of Legendre polynomials to coefficients of rising powers.
-        integrals: (q + 1, q) coefficients of Legendre polynomials to coefficients of rising powers of their integrals from -1.
+        cumulative: (q, q) from values at the nodes to integrals from -1 to the nodes.
+        legendre: (q, q) from values at the nodes to coefficients of Legendre polynomials.
+        powers: (q, q) from coefficients of Legendre polynomials to coefficients of rising powers.
+        integrals: (q + 1, q) from coefficients of Legendre polynomials to coefficients of rising powers of their integrals from -1.
     """
 
     nodes: Array
@@ -84,7 +84,7 @@ def values_and_slopes(coefficients: Array, x: Array) -> tuple[Array, Array]:
 
 
 def horner(falling: Sequence[float], x: float) -> float:
-    """Value of one polynomial, coefficients of falling powers."""
+    """Value of one polynomial, given by coefficients of falling powers."""
     value = 0.0
     for coefficient in falling:
         value = value * x + coefficient
@@ -117,7 +117,7 @@ def bracketed_roots(function: ValueAndSlope, low: Array, high: Array, relative: 
 def polynomial_root(polynomial: list[float], low: float, high: float) -> float:
     """The root of one polynomial, given by coefficients of rising powers, between two places from -1 to 1 at which its signs differ.
 
-    It is found with Python's own numbers, because NumPy takes ten times as long for one polynomial.
+    It computes with Python's own numbers, because NumPy takes ten times as long for one polynomial.
     """
     powers_falling = polynomial[::-1]
     falling = horner(powers_falling, low) > 0

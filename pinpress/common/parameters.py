@@ -1,12 +1,12 @@
-"""Parameters of drives, flywheels and loads, declared where they stand: unit, sign, and whether each scenario may have its own.
+"""Parameters of drives, flywheels and loads. Each field declares its unit, its sign, and whether each scenario may have a value of its own.
 
     @dataclass(frozen=True)
     class HydraulicMotor(SpeedTorqueDrive):
         pressure: Values = field(metadata=parameter("Pa", "positive", scenarios=True))  # one number, or (S,) for S scenarios
 
-`Checked`, the base of the drives and loads here, puts every declared parameter into its one form: a float, or a read-only array. Scenarios
-are asked for by the declaration alone, never by the shape of a value: a field that is not declared, or declared without ``scenarios``, has
-the same value in all scenarios, whatever its shape: a torque curve, a program, a point.
+`Checked`, the base of the library's drives and loads, turns every declared parameter into a float or a read-only array. Only the
+declaration allows scenarios, never the shape of a value: a field that is not declared, or declared without ``scenarios``, has the same
+value in all scenarios, whatever its shape: a torque curve, a program, a point.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -32,14 +32,14 @@ _SIGNS: Mapping[str, Callable[[Any], Any]] = {
 
 
 class Parameter(NamedTuple):
-    """What is declared of a field.
+    """The declaration of a field.
 
     Attributes:
-        unit: in words, "N m" say; "-" for none.
+        unit: as in "N m"; "-" for none.
         sign: "finite" (any), "other than zero", "positive" or "not negative".
         scenarios: whether it may hold one value for each scenario, on a last axis (S,).
-        axes: of one scenario's value: 0 for a number, 1 for the forces (n,) of a table, which with scenarios are (n, S).
-        remark: behind what is to be given, in messages.
+        axes: number of axes of one scenario's value: 0 for a number, 1 for the forces (n,) of a table, which with scenarios are (n, S).
+        remark: added in messages to what is to be given.
     """
 
     unit: str
@@ -58,7 +58,7 @@ class Parameter(NamedTuple):
         return words + (f" ({self.remark})" if self.remark else "")
 
     def checked(self, what: str, value: object) -> Any:
-        """A value in its one form; raises PinpressError, which names ``what`` it is, where it is not as declared."""
+        """The value as a float or a read-only array; raises PinpressError with its name ``what`` where it is not as declared."""
         values = finite_numbers(value)
         if values is not None and (not values.size or values.ndim not in (self.axes, self.axes + self.scenarios)):
             raise PinpressError(f"{what} has shape {values.shape}; give {self.wanted()}")
@@ -72,10 +72,17 @@ class Parameter(NamedTuple):
 
 @typed
 def parameter(unit: str, sign: str = "finite", *, scenarios: bool = False, axes: int = 0, remark: str = "") -> Mapping[str, Parameter]:
-    """The metadata that declare a dataclass's field a parameter; arguments as the attributes of `Parameter`.
+    """Metadata for a dataclass's field that declare it a parameter.
+
+    Args:
+        unit: as in "N m"; "-" for none.
+        sign: "finite" (any), "other than zero", "positive" or "not negative".
+        scenarios: whether it may hold one value for each scenario, on a last axis (S,).
+        axes: number of axes of one scenario's value, 0 for a number.
+        remark: added in messages to what is to be given.
 
     Raises:
-        PinpressError: an unknown sign, or a number of axes that is none.
+        PinpressError: the sign is unknown, or ``axes`` is no number of axes.
     """
     if not isinstance(sign, str) or sign not in _SIGNS:
         raise PinpressError(f"parameter: sign is {shown(sign)}; give one of {', '.join(_SIGNS)}")
@@ -92,10 +99,10 @@ class Checked(Frozen):
 
 
 def check_parameters(item: Any) -> None:
-    """Put the declared parameters of a dataclass into their one form. A parameter whose default is None may be None.
+    """Turn the declared parameters of a dataclass into floats or read-only arrays. A parameter whose default is None may be None.
 
     Raises:
-        PinpressError: a value that is not as declared, or values for different numbers of scenarios.
+        PinpressError: a value is not as declared, or values are for different numbers of scenarios.
     """
     name, counts = type(item).__name__, {}
     for field, declared in _declared(item):
@@ -134,10 +141,10 @@ def _declared(item: Any) -> Iterator[tuple[Field[Any], Parameter]]:
 
 
 def scenario_lengths(item: Any) -> dict[str, int]:
-    """Numbers of scenarios by the names of the fields that hold several, in a drive, flywheel or load and in what it is made of.
+    """Number of scenarios of each field that holds several, by its name, in a drive, flywheel or load and in its parts.
 
     Raises:
-        PinpressError: a declared field of another shape than is declared.
+        PinpressError: a field has another shape than declared.
     """
     if not is_dataclass(item) or isinstance(item, type):
         return {}
@@ -157,7 +164,7 @@ def scenario_lengths(item: Any) -> dict[str, int]:
 
 
 def pick_scenarios(item: Any, which: int | NDArray[np.intp]) -> Any:
-    """A drive, flywheel or load with the values of one scenario, or of some."""
+    """A drive, flywheel or load with the values of one scenario, or of several; ``which``: their indices."""
     if not is_dataclass(item) or isinstance(item, type):
         return item
     changes: dict[str, Any] = {}
@@ -172,7 +179,8 @@ def pick_scenarios(item: Any, which: int | NDArray[np.intp]) -> Any:
 
 
 def refuse_scenarios(function: str, speed: object, parts: tuple[Any, ...]) -> None:
-    """Raise PinpressError where a speed, or a parameter of drive, flywheel or loads, has several scenarios: this ``function`` takes one."""
+    """Raise PinpressError where a speed, or a parameter of a drive, flywheel or load, has several scenarios: this ``function`` takes
+    one."""
     speeds = finite_numbers(speed)
     found = {} if speeds is None or speeds.ndim != 1 else {"speed": len(speeds)}
     for part in parts:

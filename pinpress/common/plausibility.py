@@ -1,4 +1,4 @@
-"""Warnings of arguments that are allowed but hardly meant: speeds, heights and points in another unit."""
+"""Warnings about arguments that are allowed but hardly meant: speeds, heights and points in another unit."""
 
 import math
 from collections.abc import Sequence
@@ -30,7 +30,8 @@ def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, hig
     Args:
         load: its name.
         stretches: lower and upper ends [m], both ways.
-        low, high: ends of the stroke, as heights above the load's datum [m]; infinite where they are not known.
+        low: lower end of the stroke, as height above the load's datum [m]; infinite where it is not known.
+        high: upper end of the stroke, likewise [m].
         size: length of the linkage [m].
     """
     if not stretches:

@@ -1,7 +1,7 @@
-"""Results: tables that print, write and show themselves.
+"""Results: tables that can be printed, written to files and shown in notebooks.
 
-Every result class is a `Tabular`: it gives its `title` and its `columns`, all else follows from these. One of a single row is a `Record`,
-which gives but the units of its fields; several of these together are `Records`.
+Every result class is a `Tabular`: it defines its `title` and its `columns`, and all else follows from these. A result of a single row is a
+`Record`, which only declares the units of its fields; several of them are `Records`.
 """
 
 import os
@@ -19,7 +19,7 @@ class Tabular(Frozen):
 
     @property
     def title(self) -> str:
-        """What this is, in a line: its kind, of which press, and its main numbers with their units."""
+        """One line: the kind of result, the press, and the main numbers with their units."""
         raise NotImplementedError
 
     def columns(self) -> Columns:
@@ -27,7 +27,7 @@ class Tabular(Frozen):
         raise NotImplementedError
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a CSV file: the columns' names, then a row a line, to full precision. What has no value is left empty.
+        """Write a CSV file: the names of the columns, then one line for each row, to full precision. Missing values are left empty.
 
         Raises:
             PinpressError: a number is not finite, or the file cannot be written.
@@ -43,7 +43,7 @@ class Tabular(Frozen):
         return tables.frame(self.columns())
 
     def to_mat(self, path: str | os.PathLike[str]) -> None:
-        """Write a MATLAB file with one vector a column, under its name without the unit.
+        """Write a MATLAB file with one vector for each column, under its name without the unit.
 
         Raises:
             PinpressError: a number is not finite, or the file cannot be written.
@@ -51,7 +51,7 @@ class Tabular(Frozen):
         tables.write_mat(path, self.columns())
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write a Parquet file. What has no value is null there. Needs pyarrow.
+        """Write a Parquet file, in which missing values are null. Needs pyarrow.
 
         Raises:
             PinpressError: the file cannot be written, or pyarrow is not installed.
@@ -71,12 +71,12 @@ class Tabular(Frozen):
 
 
 class Record(Tabular):
-    """Base of results of one row: a dataclass of numbers and words, a field a column. Fields without a value, or without ``repr``, are left
-    out.
+    """Base of results of one row: a dataclass of numbers and words, in which each field is a column. Fields without a value, or without
+    ``repr``, are left out.
 
     Args:
-        units: of the class: field -> unit, of those that have one.
-        parts: of the class: field -> what is added to its name for each of its parts, of vectors and complex numbers.
+        units: argument of the class: field -> unit, for fields that have one.
+        parts: argument of the class: field -> endings of its columns' names, for fields that are vectors or complex numbers.
     """
 
     units: ClassVar[Mapping[str, str]]
@@ -94,7 +94,7 @@ class Record(Tabular):
         return tuple(head for name in _shown(cls) for head in cls._heads_of(name))
 
     def row(self) -> dict[str, object]:
-        """Name of a column with its unit -> what stands there, a number or words, None where there is no value."""
+        """Name of a column with its unit -> number or words; None where there is no value."""
         found: dict[str, object] = {}
         for name in _shown(type(self)):
             value = getattr(self, name)
@@ -108,7 +108,7 @@ class Record(Tabular):
 
     @property
     def title(self) -> str:
-        """Its kind, and all fields with their units."""
+        """The name of the class, and all fields with their units."""
         return f"{type(self).__name__}: {', '.join(f'{name} {value} {unit}'.rstrip() for name, value, unit in self._cells())}"
 
     def columns(self) -> dict[str, Column]:
@@ -135,7 +135,7 @@ def _parts(value: Any) -> list[float]:
 
 
 def _words(value: object) -> object:
-    """A field as one cell: several words with commas between them."""
+    """A field as one cell; several words have commas between them."""
     return ", ".join(value) if isinstance(value, tuple) else value
 
 
@@ -143,7 +143,11 @@ R = TypeVar("R", bound=Record)
 
 
 class Records(Tabular, tuple[R, ...]):
-    """A tuple of records of one kind, which is a table with one a row."""
+    """A tuple of records of one kind, as a table with one row for each.
+
+    Attributes:
+        kind: class of the records.
+    """
 
     kind: type[R]
 
@@ -157,11 +161,11 @@ class Records(Tabular, tuple[R, ...]):
 
     @property
     def title(self) -> str:
-        """How many there are of what."""
+        """The number of records, and their kind."""
         return f"{len(self)} x {self.kind.__name__}"
 
     def columns(self) -> dict[str, Column]:
-        """The fields as columns (n,) under their names with units, those left out that have no value in any record."""
+        """The fields as columns (n,) under their names with units. Fields that have no value in any record are left out."""
         rows = [record.row() for record in self]
         if not rows:
             return {head: [] for head in self.kind.heads()}
