@@ -14,18 +14,26 @@ import pytest
 from hypothesis import settings
 from support.exploring import EXPLORE, FIXED
 from support.in_browser import FLAGS, wait
-from support.sampling import pytest_collection_modifyitems
+from support.sampling import sample
 from support.skips import pytest_make_collect_report, pytest_runtest_makereport
 from support.time_limit import time_limit
 
 # hooks and a fixture for all tests
-__all__ = ["pytest_collection_modifyitems", "pytest_make_collect_report", "pytest_runtest_makereport", "time_limit"]
+__all__ = ["pytest_make_collect_report", "pytest_runtest_makereport", "time_limit"]
 
 settings.load_profile(FIXED)
 
 # Bytecode is kept, whatever the machine's habit: every test that starts Python, and every worker, would compile all of pinpress again.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Modules that need a browser come first: one worker gets all of them, else each would start a browser and load the pages."""
+    sample(items)
+    in_browser = {item.path for item in items if "browser" in getattr(item, "fixturenames", ())}
+    items.sort(key=lambda item: item.path not in in_browser)
 
 
 def pytest_collection_finish() -> None:

@@ -10,6 +10,7 @@ from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from importlib.util import resolve_name
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -19,18 +20,32 @@ FILES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for
 LINTER = [sys.executable, "-c", "from importlinter.cli import lint_imports_command; lint_imports_command()", "--no-cache"]
 
 
-@cache
-def parsed(text: str) -> ast.Module:
-    return ast.parse(text)
-
-
 def module(file: str) -> str:
     """The dotted name of a file; a stub is a part of its module."""
     return file.rpartition(".")[0].replace("/", ".").removesuffix(".__init__")
 
 
-def imports(tree: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
-    return (node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom))
+class Import(NamedTuple):
+    """A statement that imports, and whether it stands in a function."""
+
+    node: ast.Import | ast.ImportFrom
+    in_function: bool
+
+
+@cache
+def imports(text: str) -> tuple[Import, ...]:
+    """All imports of a module. Its tree is not kept: millions of nodes would hold up the garbage collector."""
+    return tuple(_imports(ast.parse(text), False))
+
+
+def _imports(node: ast.AST, in_function: bool) -> Iterator[Import]:
+    """Of statements alone, as nine tenths of a tree are expressions."""
+    if isinstance(node, ast.Import | ast.ImportFrom):
+        yield Import(node, in_function)
+    inside = in_function or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    for block in ("body", "handlers", "orelse", "finalbody", "cases"):
+        for inner in getattr(node, block, ()):
+            yield from _imports(inner, inside)
 
 
 def circle(files: dict[str, str]) -> list[str]:
@@ -41,7 +56,7 @@ def circle(files: dict[str, str]) -> list[str]:
     modules = {module(file) for file in files}
     graph: dict[str, set[str]] = {name: set() for name in modules}
     for file, text in files.items():
-        for node in imports(parsed(text)):
+        for node, _ in imports(text):
             if isinstance(node, ast.Import):
                 found = {alias.name for alias in node.names}
             else:
@@ -59,11 +74,10 @@ def circle(files: dict[str, str]) -> list[str]:
 
 def unexplained(text: str) -> list[int]:
     """The lines of imports inside functions that no comment explains: beside it, above it, or at the import right above it."""
-    lines, tree = text.splitlines(), parsed(text)
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+    lines = text.splitlines()
     found: list[int] = []
     explained: set[int] = set()  # the last lines of imports
-    for line, end in sorted({(node.lineno, node.end_lineno or node.lineno) for function in functions for node in imports(function)}):
+    for line, end in sorted((node.lineno, node.end_lineno or node.lineno) for node, in_function in imports(text) if in_function):
         if "  # " in lines[end - 1] or lines[line - 2].lstrip().startswith("# ") or line - 1 in explained:
             explained.add(end)
         else:
@@ -117,7 +131,7 @@ def test_no_test_module_imports_another() -> None:
         lines = re.findall(r"^ *(?:from|import)\b(?:[^(\n]*\([^)]*\)|.*)", text, re.MULTILINE)
         if tests.isdisjoint(re.findall(r"\w+", "\n".join(lines))):
             continue  # to read it all takes a hundred times as long
-        for node in imports(ast.parse(text)):
+        for node, _ in imports(text):
             named = [*(alias.name for alias in node.names), getattr(node, "module", None) or ""]
             assert not tests & {part for name in named for part in name.split(".")}, path
 

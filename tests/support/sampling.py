@@ -1,4 +1,4 @@
-"""A plugin of pytest: of the many cases of one test a few are run by default, the others with the exhaustive tests."""
+"""Of the many cases of one test a few are run by default, the others with the exhaustive tests."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -12,8 +12,7 @@ def rest_exhaustive(cases: Iterable[Any], *always: Any) -> list[Any]:
     return [case if case in always else pytest.param(case, marks=pytest.mark.exhaustive) for case in cases]
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def sample(items: list[pytest.Item]) -> None:
     """`pytest.mark.one_in(count)`: of a test's cases the first, and from there each ``count``-th, is not exhaustive."""
     seen: dict[str, int] = defaultdict(int)
     for item in items:
