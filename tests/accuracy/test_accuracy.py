@@ -326,9 +326,9 @@ def test_wrong_arguments(alone, arguments, problem):
         pp.accuracy.compare(**given)
 
 
-def test_several_drivers(tmp_path):
+def test_several_drivers():
     with pytest.raises(pp.PinpressError, match="2 drivers"):
-        pp.accuracy.compare(small_linkages.two_cranks(tmp_path), SPEED)
+        pp.accuracy.compare(small_linkages.two_cranks(), SPEED)
 
 
 def test_measurements_are_plain_values(measured):

@@ -328,7 +328,7 @@ def test_opposed_leaves_the_tilting_moment_of_the_rods_inertia(folder, seed, sca
         assert np.ptp(turn(with_opposed_balancer(press, radius, rod_inertia=without)).shaking_moment @ normal) <= least
 
 
-def test_opposed_with_another_ratio_leaves_the_even_orders(folder):
+def test_opposed_with_another_ratio_leaves_the_even_orders():
     """m_C r1 w^2 |A_k(lambda1) - A_k(lambda2)| along the line, nothing across it."""
     press = texts.shipped("jf75g_125_plain", gravity=(0, 0, 0))
     result = turn(with_opposed_balancer(press, crank_radius=0.0297, rod_length=0.45), points=64)

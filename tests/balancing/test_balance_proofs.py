@@ -21,13 +21,7 @@ SEEDS = range(4)
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """One for all texts, so that each is loaded once."""
-    return tmp_path_factory.mktemp("linkages")
-
-
-@pytest.fixture(scope="module")
-def planar(folder):
+def planar():
     """Random linkages of two dyads by their seeds: in tilted planes, links in several of them, welded together, with mass off the plane."""
 
     @cache
@@ -35,7 +29,7 @@ def planar(folder):
         kinds = ("RRR", "RRP", "RPR", "PRR")
         groups = (Group("RRR", seed % 3, (1, 0, 0)), Group(kinds[seed % 4], (seed + 1) % 3, (2, 0, 0)))
         drawing = drawn(Spec(groups, 7 + seed, tilted=seed > 0, stacked=seed > 1, solid=seed > 0, extra=seed > 2))
-        return texts.load(drawing.urdf("crank"), folder)
+        return texts.load(drawing.urdf("crank"))
 
     return made
 
@@ -94,9 +88,9 @@ def test_masses_change_the_forces_of_planar_linkages(planar, seed, engine):
     [(bennett(), "link2"), (four_bar("revolute"), "back"), (four_bar("revolute", "table"), "crank"), (cassie.urdf(), "left-foot-crank")],
     ids=["bennett", "four_bar", "turntable", "cassie"],
 )
-def test_masses_change_the_forces_of_linkages_in_space(folder, text, link):
+def test_masses_change_the_forces_of_linkages_in_space(text, link):
     """And of those that close more than they must, and have several drivers."""
-    check_change(texts.load(text, folder), link, "pinocchio")
+    check_change(texts.load(text), link, "pinocchio")
 
 
 @pytest.mark.parametrize("link", ["crank_right", "auxiliary_rod_left"])
@@ -197,9 +191,9 @@ def test_no_counterweights_beat_the_bound(planar, number):
         assert worst([*part_of(b.counterweights, 1 - share), *part_of(other, share)]) >= b.bound - 1e-9
 
 
-def test_no_masses_beat_the_bound_in_space(folder):
+def test_no_masses_beat_the_bound_in_space():
     """Bennett's linkage: masses at points, a hole among them, and one in place of a link's own, which keeps its shape."""
-    press = texts.load(bennett(), folder)
+    press = texts.load(bennett())
     motion = pp.servo_cycle(press, angle=np.linspace(-0.5, 0.5, STATES), speed=9.0)
     own = press.model.inertias[1].mass
     regions = [

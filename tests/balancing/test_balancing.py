@@ -309,8 +309,8 @@ def test_a_force_that_symmetry_cancels_can_be_limited_but_not_improved():
     assert b.value < 0.99 * Z.value(b.reactions_before[0])
 
 
-def test_several_torques_have_no_range_but_an_rms(tmp_path):
-    press = two_cranks(tmp_path)
+def test_several_torques_have_no_range_but_an_rms():
+    press = two_cranks()
     motion = pp.servo_cycle(press, angle=np.linspace(0, [6.0, 12.0], 60), speed=np.tile([3.0, 6.0], (60, 1)))
     regions = [pp.balancing.CounterweightRegion("pinion", at=(0.1, 0, 0), mass=(0, 1))]
     with pytest.raises(pp.PinpressError, match=r"2 driving torques.*Rms or Peak"):
@@ -329,22 +329,22 @@ def test_several_torques_have_no_range_but_an_rms(tmp_path):
 # --------------------------------------------------------------------------------------------------------------------------- extremes
 
 
-def scaled(folder, length, mass, speed=9.0):
+def scaled(length, mass, speed=9.0):
     """A four-bar of this size and mass under gravity of that size, so that all forces are in proportion; and its regions."""
     drawing = four_bar(0.5 * length, 0.15 * length, 0.55 * length, 0.4 * length, 0.7, name="scaled")
     for link, (one, centre, height, tensor) in [(link, body) for link, body in drawing.bodies.items() if body]:
         drawing.bodies[link] = (one * mass, centre, height, tensor * mass * length**2)
-    press = texts.load(drawing.urdf("O"), folder, gravity=(0.0, 0.0, -9.81 * length))
+    press = texts.load(drawing.urdf("O"), gravity=(0.0, 0.0, -9.81 * length))
     regions = [pp.balancing.CounterweightRegion(link, radius=0.2 * length, mass=(0.0, 3.0 * mass)) for link in ("crank", "rocker")]
     return press, pp.cycle(press, speed), regions
 
 
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is like that
-def test_relative_results_do_not_depend_on_size_and_mass(tmp_path):
+def test_relative_results_do_not_depend_on_size_and_mass():
     """From micrometres to kilometres, milligrams to 1e4 tonnes; 1e-6 of before, as every optimum is proved to 1e-7 and rounding apart."""
     criteria, found = (X, TORQUE, pp.balancing.Peak("bearing_force", bearing="B"), pp.balancing.Rms("shaking_moment", "y")), []
     for length, mass in ((1.0, 1.0), (1e-6, 1e-6), (1e3, 1e7)):
-        press, motion, regions = scaled(tmp_path, length, mass)
+        press, motion, regions = scaled(length, mass)
         designs = [
             pp.balancing.balance(press, motion, regions=regions, minimise=criterion, limits={MASS: 4.0 * mass}) for criterion in criteria
         ]

@@ -44,10 +44,10 @@ def test_the_paper_rounds_the_centres_of_mass_that_result(six_bar):
         np.testing.assert_allclose(np.ptp(force[:, [0, 2]], axis=0) / before - 1, expected, atol=5.1e-6)
 
 
-def test_a_counterweight_is_a_body_more_by_the_law_of_momentum(tmp_path):
+def test_a_counterweight_is_a_body_more_by_the_law_of_momentum():
     """On every link of a linkage in a tilted plane, one of them welded to another: mass, moment and spread, by Pinocchio's momentum."""
     groups = (Group("RRR", 1, (1, 0, 0)),)
-    press = texts.load(drawn(Spec(groups, 11, tilted=True, stacked=True, solid=True, extra=True)).urdf("crank"), tmp_path)
+    press = texts.load(drawn(Spec(groups, 11, tilted=True, stacked=True, solid=True, extra=True)).urdf("crank"))
     links = [link for link in press.links if press.model.frames[press.model.getFrameId(link)].parentJoint]
     rng = np.random.default_rng(1)
     weights = [pp.balancing.Counterweight(link, rng.uniform(1, 5), tuple(rng.normal(size=3)), rng.uniform(0, 2)) for link in links]

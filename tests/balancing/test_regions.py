@@ -97,13 +97,13 @@ def test_more_room_is_never_worse(six_bar, turn):
 
 
 @pytest.mark.parametrize("gyration", [0.0, 0.12])
-def test_the_lightest_flywheel_is_a_rim(tmp_path, gyration):
+def test_the_lightest_flywheel_is_a_rim(gyration):
     """A rotor is turned by a couple in proportion to its angular acceleration: a moment of inertia relieves the drive of it, with no mass
     moment, which would lift weight, and the lightest is m (radius^2 + gyration^2)."""
     drawing = Drawing("rotor")
     drawing.joint("O", "frame", "rotor", 0j)
     drawing.body("rotor", 2.0, 0j, tensor=np.diag([0.1, 0.1, 0.2]))
-    press, needed, radius = texts.load(drawing.urdf("O"), tmp_path), 7.0, 0.4
+    press, needed, radius = texts.load(drawing.urdf("O")), 7.0, 0.4
     angle = np.linspace(0.0, 2 * np.pi, 40, endpoint=False)
     acceleration = 30 * np.cos(2 * angle) + 5
     servo = pp.servo_cycle(press, angle=angle, speed=4.0, acceleration=acceleration)
@@ -182,7 +182,7 @@ def test_least_masses_are_kept_and_most_not_exceeded(six_bar, turn):
     assert 7 - 1e-6 <= coupler <= 9 + 1e-6
 
 
-def test_rooms_on_links_that_are_welded_together_are_in_their_own_frames(tmp_path):
+def test_rooms_on_links_that_are_welded_together_are_in_their_own_frames():
     """A crank-slider in a tilted plane with a plate welded askew to its crank: the same region, said in either frame."""
     drawing = Drawing("welded", np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))[0])
     drawing.joint("O", "frame", "crank", 0j, rpy=(0.3, -0.4, 1.0))
@@ -192,7 +192,7 @@ def test_rooms_on_links_that_are_welded_together_are_in_their_own_frames(tmp_pat
     drawing.loop("W", "rod", "slide", 0.5 + 0j)
     for link in ("crank", "rod", "slide"):
         drawing.body(link, 5.0, 0.05j)
-    press = texts.load(drawing.urdf("O"), tmp_path)
+    press = texts.load(drawing.urdf("O"))
     motion, model = pp.cycle(press, 20.0, points=40), press.model
     crank, plate = (model.frames[model.getFrameId(link)].placement for link in ("crank", "plate"))
     along = press.engine("plane").plane.frames[0]  # the plane's axes in the frame of the crank's joint

@@ -132,16 +132,16 @@ def test_another_assembly_is_not_taken_for_an_answer():
         reshaped(texts.shipped("zxn2_3000b"), {("F", "rod"): (-0.48, 0, 0)})
 
 
-def test_pivots_are_in_the_frames_of_links_that_are_welded_askew(tmp_path):
+def test_pivots_are_in_the_frames_of_links_that_are_welded_askew():
     """A ZXN2-3000(B) bolted down askew, its crank pivot given in the frame that is bolted, moves as one that stands upright."""
     pivots = {("A", "frame"): (1.3, 0.0, -0.2), ("C", "rocker"): (0.39, 0.0, 0.01)}
-    upright, askew = texts.shipped("zxn2_3000b"), bolted(texts.shipped("zxn2_3000b"), "0.3 0.2 0.5", tmp_path)
+    upright, askew = texts.shipped("zxn2_3000b"), bolted(texts.shipped("zxn2_3000b"), "0.3 0.2 0.5")
     motions = [pp.cycle(reshaped(press, pivots), SPEED, points=24) for press in (upright, askew)]
     assert np.abs(motions[0].v - motions[1].v).max() <= 1e3 * ROUNDING  # of planes that are turned
 
 
 def test_a_gear_pair_that_is_offset_is_drawn_where_it_meshes(tmp_path):
-    press = geared(tmp_path, '<mimic joint="fast" multiplier="-0.5" offset="0.2"/>', "fast")
+    press = geared('<mimic joint="fast" multiplier="-0.5" offset="0.2"/>', "fast")
     apart = reshaped(press, {("slow", "frame"): (0.2, 0, 0)})
     reloaded = pp.load(pp.write_urdf(apart, tmp_path / "apart.urdf"))
     for changed in (apart, reloaded):

@@ -26,11 +26,6 @@ LIFT = np.linspace(-2e5, 9e5, 31)
 UP = np.array([0.0, 0.0, 1.0])
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("friction")
-
-
 @pytest.fixture(params=ENGINES)
 def engine(request):
     return request.param
@@ -234,13 +229,13 @@ def light_crank_slide(along, radius=0.1, length=0.4):
 @pytest.mark.filterwarnings("ignore:.*points down:pinpress.PinpressWarning")
 @pytest.mark.parametrize("along", [1j, -1j, 1 + 0j, np.exp(0.5j)], ids=["up", "down", "across", "slope"])
 @pytest.mark.parametrize("direction", [1, -1])
-def test_a_slide_that_rubs_in_its_guide(folder, along, direction, engine):
+def test_a_slide_that_rubs_in_its_guide(along, direction, engine):
     """A massless rod at the slope s against the guide pushes with P along it, P tan s across, and the slide's weight lies on it too:
 
     P = Q + mu sign(v) |N|, N = weight across less P tan s, with Q the slide's inertia and weight along. One of the signs of N fits.
     """
     text, crank, end = light_crank_slide(along)
-    press = load(text, folder)
+    press = load(text)
     motion = pp.cycle(press, speed=direction * 5.0, points=25, engine=engine)
     mu = 0.3
     result = pp.inverse_dynamics(press, motion, friction={"guide": pp.loads.Friction(mu)}, engine=engine)
@@ -357,9 +352,9 @@ def carried_table():
     return drawing.urdf("O")
 
 
-def test_a_pin_that_never_turns_does_not_rub(folder, engine):
+def test_a_pin_that_never_turns_does_not_rub(engine):
     """Its speed is rounding throughout, and none of it may count."""
-    press = load(carried_table(), folder)
+    press = load(carried_table())
     motion = pp.cycle(press, speed=5.0, points=12, engine=engine)
     friction = {"N": pp.loads.Friction(0.1, 0.05)}
     bare, result = (pp.inverse_dynamics(press, motion, friction=each, engine=engine) for each in ({}, friction))
@@ -464,9 +459,9 @@ def text_of(name):
         *((name, engine) for name in ("rods", "held_rods", "three_cranks", "rack") for engine in ENGINES),
     ],
 )
-def test_all_laws_of_other_linkages(folder, name, engine):
+def test_all_laws_of_other_linkages(name, engine):
     """Through space, redundant (shared by stiffness), geared, with two drivers; with loads across the plane: 1e-12 of the peaks."""
-    press = load(text_of(name), folder)
+    press = load(text_of(name))
     states = np.linspace(0.1, 0.6, 6)
     if len(press.drivers) == 2:
         states = np.stack([states, -0.5 * states], axis=1)
@@ -479,10 +474,10 @@ def test_all_laws_of_other_linkages(folder, name, engine):
     assert min(power.max() for power in result.friction_power.values()) > 0.0
 
 
-def test_friction_of_a_spherical_loop_is_in_its_moment(folder):
+def test_friction_of_a_spherical_loop_is_in_its_moment():
     """mu r times the force across its turning, against it, in both loops of a planar and of a spatial linkage."""
     for text, loop in ((SPATIAL, "W"), (rods(1), "W0")):
-        press = load(text, folder)
+        press = load(text)
         motion = pp.servo_cycle(press, angle=[0.1, 0.4], speed=5.0)
         friction = {loop: pp.loads.Friction(0.1, 0.05)}
         result = pp.inverse_dynamics(press, motion, friction=friction)
@@ -495,14 +490,14 @@ def test_friction_of_a_spherical_loop_is_in_its_moment(folder):
 
 @examples(10)
 @given(spec=linkages(most=3, extra=False))
-def test_random_linkages(tmp_path, spec):
+def test_random_linkages(spec):
     """Friction everywhere, loads across the plane: both engines the same to 1e-10 of the peaks, and lawful."""
     drawing = drawn(spec)
     assume(drawing is not None)
     rng = np.random.default_rng(spec.seed + 3)
     if spec.seed % 2 and not spec.tilted:
         double(drawing, rng, 1)
-    press = load(drawing.urdf("crank"), tmp_path, gravity=tuple(rng.normal(size=3) * 10))
+    press = load(drawing.urdf("crank"), gravity=tuple(rng.normal(size=3) * 10))
     low, high = (-np.inf, np.inf) if press.branch.period else press.branch.angles[[0, -1]]
     angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), 3)
     motion = pp.servo_cycle(press, angle=angle, speed=rng.uniform(3, 10, 3), acceleration=rng.uniform(-50, 50, 3))
@@ -577,7 +572,7 @@ def test_friction_of_an_unknown_bearing_is_refused(engine):
         pp.inverse_dynamics(press, pp.cycle(press, speed=7.0, points=3), friction={"guide": pp.loads.Friction(0.1)}, engine=engine)
 
 
-def test_friction_of_a_fixed_loop_is_refused(folder):
+def test_friction_of_a_fixed_loop_is_refused():
     drawing = Drawing("welded")
     drawing.joint("O", "frame", "crank", 0j)
     drawing.joint("B", "crank", "near", 0.1j)
@@ -586,6 +581,6 @@ def test_friction_of_a_fixed_loop_is_refused(folder):
     drawing.loop("W", "near", "far", 0.5 + 0.4j)
     for link in ("crank", "near", "far", "rocker"):
         drawing.body(link, 1.0, 0.5 + 0.2j)
-    press = load(drawing.urdf("O").replace("spherical", "fixed"), folder)
+    press = load(drawing.urdf("O").replace("spherical", "fixed"))
     with pytest.raises(pp.PinpressError, match="'W': a fixed loop does not turn"):
         pp.inverse_dynamics(press, pp.servo_cycle(press, angle=[0.1], speed=1.0), friction={"W": pp.loads.Friction(0.1, 0.05)})

@@ -23,11 +23,6 @@ def engine(request):
     return request.param
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("springs")
-
-
 def welded():
     """A four-bar with a bracket welded to its coupler, turned and out of the plane, and another one on the frame."""
     drawing = four_bar(1.0, 0.3, 0.9, 0.8, 1.0)
@@ -57,9 +52,9 @@ SPRINGS = {
 
 
 @cache
-def made(name, folder):
+def made(name):
     text, (link1, point1), (link2, point2), _ = CASES[name]
-    press = load(text(), folder) if "<" in text() else shipped(text())
+    press = load(text()) if "<" in text() else shipped(text())
     return press, {"link1": link1, "link2": link2, "point1": point1, "point2": point2}
 
 
@@ -112,9 +107,9 @@ def same(one, other, bound):
 @pytest.mark.one_in(5)
 @pytest.mark.parametrize("spring", SPRINGS)
 @pytest.mark.parametrize(("name", "engine"), BOTH)
-def test_a_spring_is_the_pair_of_its_forces(folder, name, spring, engine):
+def test_a_spring_is_the_pair_of_its_forces(name, spring, engine):
     """Everything as with the two forces on its links, 1e-12 of the peaks; and it changes something."""
-    press, between = made(name, folder)
+    press, between = made(name)
     motion = pp.servo_cycle(press, **SERVO, engine=engine)
     sprung = pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**between, **SPRINGS[spring])], engine=engine)
     same(sprung, pp.inverse_dynamics(press, motion, pulled(press, motion, between, **SPRINGS[spring]), engine=engine), 1e-12)
@@ -124,8 +119,8 @@ def test_a_spring_is_the_pair_of_its_forces(folder, name, spring, engine):
 
 
 @pytest.mark.parametrize(("name", "engine"), BOTH)
-def test_ends_may_be_swapped(folder, name, engine):
-    press, between = made(name, folder)
+def test_ends_may_be_swapped(name, engine):
+    press, between = made(name)
     swapped = {key: between[key[:-1] + {"1": "2", "2": "1"}[key[-1]]] for key in between}
     motion = pp.servo_cycle(press, **SERVO, engine=engine)
     one, two = (
@@ -135,9 +130,9 @@ def test_ends_may_be_swapped(folder, name, engine):
 
 
 @pytest.mark.parametrize(("name", "engine"), BOTH)
-def test_a_spring_does_not_shake_the_foundation(folder, name, engine):
+def test_a_spring_does_not_shake_the_foundation(name, engine):
     """Both its ends are on the machine, also where one is on the frame: what shakes is the rate of momentum alone; 1e-12 of the peaks."""
-    press, between = made(name, folder)
+    press, between = made(name)
     motion = pp.servo_cycle(press, **SERVO, engine=engine)
     result = pp.inverse_dynamics(press, motion, [pp.loads.SpringDamper(**between, **SPRINGS["both"])], engine=engine)
     force, moment = momentum_balance(press, motion, [])
@@ -169,9 +164,9 @@ def test_a_spring_within_a_link_does_nothing(engine):
     same(held, free, 1e-13)
 
 
-def test_springs_of_linkages_with_several_drivers(folder):
+def test_springs_of_linkages_with_several_drivers():
     """A four-bar on a turntable, driven at both."""
-    press = load(spatial_four_bar("revolute", table="table"), folder)
+    press = load(spatial_four_bar("revolute", table="table"))
     angle = np.stack([ANGLE, -0.5 * ANGLE], axis=1)
     motion = pp.servo_cycle(press, angle=angle, speed=3.0, acceleration=-5.0)
     between = {"link1": "rocker", "link2": "frame", "point1": (0.1, 0.2, 0.0), "point2": (0.3, 0.1, 0.9)}
@@ -200,10 +195,10 @@ def test_springs_and_friction_together(engine):
 
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", ["slide_to_frame", "frame_to_rocker", "rod_to_crank"])
-def test_energy_over_a_turn(folder, name, engine):
+def test_energy_over_a_turn(name, engine):
     """At constant speed a spring gives back what it takes: the mean torque stays, 1e-12 of the peak change. A damper takes the integral of
     c (dL/dt)^2; and at every angle the drive pays what they take. Equal steps over a period integrate smooth functions to rounding."""
-    press, between = made(name, folder)
+    press, between = made(name)
     motion = pp.cycle(press, speed=7.0, points=120, engine=engine)
     length, rate, _ = stretch(press, motion, **between)
     bare = pp.inverse_dynamics(press, motion, engine=engine).driving_torque

@@ -186,10 +186,10 @@ BEVEL = """<link name="cross"><inertial><mass value="1e-9"/>
 <mimic joint="{0}"/></joint></robot>"""
 
 
-def test_sharing_is_looked_at_in_presses_that_are_not_planar(tmp_path):
+def test_sharing_is_looked_at_in_presses_that_are_not_planar():
     """The same press with a shaft across its plane, which carries nothing."""
     planar = pp.load("jf75g_125_symmetric")
-    press = texts.load(planar.text.decode().replace("</robot>", BEVEL.format(planar.driver)), tmp_path)
+    press = texts.load(planar.text.decode().replace("</robot>", BEVEL.format(planar.driver)))
     assert "plane" not in press.engines
     even = Stiffness({"P4_left": 1e9, "P4_right": 1e9}, {"slide_guide": 1e7})
     assert compliance(press, even, angle=[0.4]).compliance[0] == pytest.approx(

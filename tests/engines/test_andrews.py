@@ -5,6 +5,7 @@ The driver is its first body, which turns two and a half times in 0.03 s, while 
 
 import numpy as np
 import pytest
+from support import texts
 from support.oracles import andrews
 
 import pinpress as pp
@@ -24,10 +25,8 @@ BALANCE = 1e-9  # of the largest energy: both methods run at a hundredth of it
 
 
 @pytest.fixture(scope="module")
-def press(tmp_path_factory):
-    file = tmp_path_factory.mktemp("andrews") / "andrews.urdf"
-    file.write_text(andrews.urdf(), encoding="utf-8")
-    return pp.load(file, gravity=(0.0, 0.0, 0.0))
+def press():
+    return texts.load(andrews.urdf(), gravity=(0.0, 0.0, 0.0))
 
 
 def spring():

@@ -118,7 +118,7 @@ def test_tables_predict(press_name):
 # ---------------------------------------------------------------------------------------------------------------------------- locks
 
 
-def crank_slide(tmp_path, r, rod):
+def crank_slide(r, rod):
     """The shipped crank-slider with other lengths."""
     text = texts.shipped("crank_slide").text.decode()
     for old, new, count in (
@@ -128,15 +128,11 @@ def crank_slide(tmp_path, r, rod):
     ):
         assert text.count(old) == count
         text = text.replace(old, new)
-    file = tmp_path / "crank_slide.urdf"
-    file.write_text(text, encoding="utf-8")
-    return pp.load(file)
+    return texts.load(text)
 
 
-def four_bar_press(tmp_path, *args, **options):
-    file = tmp_path / "four_bar.urdf"
-    file.write_text(four_bar(*args, **options).urdf("O"), encoding="utf-8")
-    return pp.load(file)
+def four_bar_press(*args, **options):
+    return texts.load(four_bar(*args, **options).urdf("O"))
 
 
 def locked(press, **motion):
@@ -146,11 +142,11 @@ def locked(press, **motion):
     return caught.value.crank_angle
 
 
-def test_a_crank_longer_than_its_rod_locks(tmp_path):
+def test_a_crank_longer_than_its_rod_locks():
     """It turns as far as sin q = rod / r, to 1e-6 rad, both ways, and is right all the way there."""
     r, rod = 0.5, 0.4
     lock = np.arcsin(rod / r)
-    press = crank_slide(tmp_path, r, rod)
+    press = crank_slide(r, rod)
     assert press.branch.period is None
     assert locked(press, speed=1.0) == pytest.approx(lock, abs=1e-6)
     assert locked(press, speed=-1.0) == pytest.approx(-lock, abs=1e-6)
@@ -170,9 +166,9 @@ def test_a_crank_longer_than_its_rod_locks(tmp_path):
     np.testing.assert_allclose(one.slide_velocity, other.slide_velocity, rtol=1e-9, atol=1e-12)
 
 
-def test_a_crank_as_long_as_its_rod_is_refused_where_two_assemblies_meet(tmp_path):
+def test_a_crank_as_long_as_its_rod_is_refused_where_two_assemblies_meet():
     """At 90 degrees rod lies on crank and W on O: the slide could as well stand still from there on."""
-    press = crank_slide(tmp_path, 0.4, 0.4)
+    press = crank_slide(0.4, 0.4)
     assert locked(press, speed=1.0) == pytest.approx(np.pi / 2, abs=1e-6)
     assert locked(press, speed=-1.0) == pytest.approx(-np.pi / 2, abs=1e-6)
     angle = np.linspace(-1.5, 1.5, 31)
@@ -180,27 +176,27 @@ def test_a_crank_as_long_as_its_rod_is_refused_where_two_assemblies_meet(tmp_pat
 
 
 @pytest.mark.parametrize("shorter", [1e-3, 1e-5, 1e-7])
-def test_a_crank_a_little_shorter_than_its_rod_goes_round(tmp_path, shorter):
+def test_a_crank_a_little_shorter_than_its_rod_goes_round(shorter):
     """The slide turns sharply at 90 degrees, but turns: the closed form, to 1e-11 m, because l - r is a small difference."""
     rod = 0.4
     r = rod * (1 - shorter)
-    press = crank_slide(tmp_path, r, rod)
+    press = crank_slide(r, rod)
     angle = np.linspace(0, 2 * np.pi, 2001)
     motion = pp.servo_cycle(press, angle=angle, speed=1.0)
     assert np.abs(motion.slide_position + r * np.cos(angle) + np.sqrt(rod**2 - (r * np.sin(angle)) ** 2)).max() < 1e-11
 
 
 @pytest.mark.parametrize("longer", [1e-3, 1e-6])
-def test_a_crank_a_little_longer_than_its_rod_locks(tmp_path, longer):
+def test_a_crank_a_little_longer_than_its_rod_locks(longer):
     """Just before 90 degrees, to 1e-6 rad."""
-    press = crank_slide(tmp_path, 0.4 * (1 + longer), 0.4)
+    press = crank_slide(0.4 * (1 + longer), 0.4)
     assert locked(press, speed=1.0) == pytest.approx(np.arcsin(1 / (1 + longer)), abs=1e-6)
 
 
 @pytest.mark.parametrize("degrees", [20, 60, 90, 100, 135])
-def test_a_parallelogram_is_refused_at_its_change_points(tmp_path, degrees):
+def test_a_parallelogram_is_refused_at_its_change_points(degrees):
     """Its links lie in a line at 0 and at 180 degrees from the frame's line, where it could go on as a crossed four-bar."""
-    press = four_bar_press(tmp_path, 1.0, 0.3, 1.0, 0.3, np.radians(degrees))
+    press = four_bar_press(1.0, 0.3, 1.0, 0.3, np.radians(degrees))
     assert locked(press, speed=1.0) == pytest.approx(np.radians(180 - degrees), abs=1e-6)
     assert locked(press, speed=-1.0) == pytest.approx(np.radians(-degrees), abs=1e-6)
     angle = np.radians(np.linspace(1, 179, 45) - degrees)
@@ -210,12 +206,12 @@ def test_a_parallelogram_is_refused_at_its_change_points(tmp_path, degrees):
 
 
 @pytest.mark.parametrize("side", [1, -1])
-def test_a_double_rocker_locks_both_ways(tmp_path, side):
+def test_a_double_rocker_locks_both_ways(side):
     """The driven rocker turns between the angles at which coupler and other rocker lie in a line, stretched and folded: law of cosines."""
     ground, crank, coupler, rocker = 2.0, 1.6, 0.7, 1.8
     low, high = (np.arccos((crank**2 + ground**2 - reach**2) / (2 * crank * ground)) for reach in (rocker - coupler, rocker + coupler))
     drawn = np.radians(60)
-    press = four_bar_press(tmp_path, ground, crank, coupler, rocker, drawn, side)
+    press = four_bar_press(ground, crank, coupler, rocker, drawn, side)
     assert low < drawn < high
     assert locked(press, speed=1.0) == pytest.approx(high - drawn, abs=1e-6)
     assert locked(press, speed=-1.0) == pytest.approx(low - drawn, abs=1e-6)
@@ -238,9 +234,9 @@ def _corner(press):
 
 
 @pytest.mark.parametrize("bounded", [True, False])
-def test_a_drag_link_goes_round(tmp_path, bounded):
+def test_a_drag_link_goes_round(bounded):
     """Shortest link on the frame: crank and rocker both turn fully. Unwrapped over several turns, the rocker gains as many as the crank."""
-    press = four_bar_press(tmp_path, 0.5, 1.0, 1.1, 0.9, np.radians(70), bounded=bounded)
+    press = four_bar_press(0.5, 1.0, 1.1, 0.9, np.radians(70), bounded=bounded)
     assert press.branch.period == pytest.approx(2 * np.pi)
     gained = dict(zip(press.joints, press.branch.gain_per_period, strict=True))
     assert gained == {"O": 2 * np.pi, "B": 0.0, "D": 2 * np.pi}
@@ -259,12 +255,10 @@ def test_a_drag_link_goes_round(tmp_path, bounded):
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("engine", ["plane", "pinocchio"])
-def test_links_that_turn_fast_are_followed_in_shorter_steps(tmp_path, engine):
+def test_links_that_turn_fast_are_followed_in_shorter_steps(engine):
     """Far from any singularity, but the coupler turns so fast that the walk's ordinary steps predict it badly."""
     spec = Spec(groups=(Group("RRR", 0, (1, 0, 0)),), seed=4, tilted=True, stacked=False, solid=False, extra=False)
-    path = tmp_path / "fast.urdf"
-    path.write_text(drawn(spec).urdf("crank"), encoding="utf-8")
-    press = pp.load(path)
+    press = texts.load(drawn(spec).urdf("crank"))
     assert len(press.branch.angles) > 2 * len(texts.shipped("zxn2_3000b").branch.angles) - 64
     motion = pp.cycle(press, 5.0, points=720, engine=engine)
     assert motion.closure_error.max() < 1e-13
@@ -288,19 +282,17 @@ FIVE_BAR = """<robot name="five_bar">
 """
 
 
-def five_bar(folder, ratio):
+def five_bar(ratio):
     inertial = '<inertial><origin xyz="0.05 0 0.1"/><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
     links = "".join(f'<link name="{name}">{inertial}</link>' for name in ("first", "second", "left", "right"))
-    file = folder / "five_bar.urdf"
-    file.write_text(FIVE_BAR.format(links=links, ratio=ratio), encoding="utf-8")
-    return pp.load(file)
+    return texts.load(FIVE_BAR.format(links=links, ratio=ratio))
 
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize(("ratio", "turns"), [("-1", 1), ("-0.5", 2), ("0.6", 5)])
-def test_period_of_a_geared_linkage(tmp_path, ratio, turns):
+def test_period_of_a_geared_linkage(ratio, turns):
     """Both cranks are back only after as many turns as their ratio says."""
-    press = five_bar(tmp_path, ratio)
+    press = five_bar(ratio)
     assert press.branch.period == pytest.approx(2 * np.pi * turns, rel=1e-12)
     angles = np.linspace(0.0, 2 * np.pi * turns, 50)
     here, later = (predict(press.branch, angles + shift) for shift in (0.0, press.branch.period))
@@ -309,8 +301,8 @@ def test_period_of_a_geared_linkage(tmp_path, ratio, turns):
 
 
 @pytest.fixture(scope="module")
-def never_back(tmp_path_factory):
-    return five_bar(tmp_path_factory.mktemp("never_back"), "1.4142135623730951")
+def never_back():
+    return five_bar("1.4142135623730951")
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -330,13 +322,11 @@ def test_a_geared_linkage_that_is_never_back_is_remarked(never_back):
     assert any("not back at its drawn pose after 16 turns" in note.problem for note in pp.check(never_back.file).notes)
 
 
-def test_redundant_loops_that_contradict_each_other_by_little(tmp_path):
+def test_redundant_loops_that_contradict_each_other_by_little():
     """A Bennett linkage turns only because its lengths fit: wrong in the twelfth digit, it closes as drawn, but not all round."""
     text = bennett()
     height = re.search(r'<joint name="J4".*?<origin xyz="\S+ \S+ (\S+)"', text)[1]
-    path = tmp_path / "bennett.urdf"
-    path.write_text(text.replace(f' {height}"', f' {float(height) + 2.5e-12!r}"'), encoding="utf-8")
-    press = pp.load(path)
+    press = texts.load(text.replace(f' {height}"', f' {float(height) + 2.5e-12!r}"'))
     with pytest.raises(pp.AssemblyError, match=r"the loops do not stay closed: .* must fit to all digits") as caught:
         pp.cycle(press, 5.0)
     assert 1e-13 < caught.value.gap < 1e-10
@@ -345,9 +335,9 @@ def test_redundant_loops_that_contradict_each_other_by_little(tmp_path):
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("turns", [1500, -1500, 100_000])
-def test_joints_many_turns_away_have_turned_as_often(tmp_path, engine, turns):
+def test_joints_many_turns_away_have_turned_as_often(engine, turns):
     """Of a drag link all that turns fully has made the crank's turns, one that swings has not, and the crank is where it was sent."""
-    press = four_bar_press(tmp_path, 0.5, 1.0, 1.1, 0.9, np.radians(70))
+    press = four_bar_press(0.5, 1.0, 1.1, 0.9, np.radians(70))
     angle = np.linspace(0.1, 6.2, 101)
     here = pp.servo_cycle(press, angle=angle, speed=1.0, engine=engine)
     there = pp.servo_cycle(press, angle=angle + 2 * np.pi * turns, speed=1.0, engine=engine)

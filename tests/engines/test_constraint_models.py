@@ -16,9 +16,9 @@ FAMILIES = (*pp.presses(), *SPATIAL)
 
 
 @pytest.fixture(scope="module", params=FAMILIES)
-def press(request, tmp_path_factory):
+def press(request):
     made = SPATIAL.get(request.param)
-    return texts.load(made(), tmp_path_factory.mktemp("anchors")) if made else texts.shipped(request.param)
+    return texts.load(made()) if made else texts.shipped(request.param)
 
 
 @pytest.fixture(scope="module")

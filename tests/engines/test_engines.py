@@ -55,8 +55,8 @@ def test_chosen_by_name(press):
             press.engine(wrong)
 
 
-def test_a_linkage_in_space_has_one(tmp_path):
-    press = texts.load(four_bar("fixed"), tmp_path)
+def test_a_linkage_in_space_has_one():
+    press = texts.load(four_bar("fixed"))
     assert press.engines == ("pinocchio",)
     assert press.engine().name == "pinocchio"
     with pytest.raises(pp.PinpressError, match="not a planar linkage"):

@@ -78,20 +78,10 @@ class Case(NamedTuple):
     loops: Loops
 
 
-@pytest.fixture(scope="module")
-def load(tmp_path_factory):
-    def loaded(text, **options):
-        file = tmp_path_factory.mktemp("forward") / "linkage.urdf"
-        file.write_text(text, encoding="utf-8")
-        return pp.load(file, **options)
-
-    return loaded
-
-
 @pytest.fixture(scope="module", params=rest_exhaustive(FAMILIES, *ALWAYS))
-def case(request, load):
+def case(request):
     made = FAMILIES[request.param]
-    press = texts.shipped(request.param) if made is None else load(made())
+    press = texts.shipped(request.param) if made is None else texts.load(made())
     count = len(press.drivers)
     swing, middle = {"cassie": (0.1, 0.0), "bricard": (1.0, -0.4)}.get(request.param, (0.4, 0.0))
     frequency, phase = np.linspace(2.0, 4.0, count), np.arange(count)
@@ -180,9 +170,9 @@ def test_both_ways(case):
                 assert np.count_nonzero(pivots > dynamics.quick.bounds) == dynamics.quick.clear
 
 
-def test_a_light_shaft_costs_no_digits(tmp_path):
+def test_a_light_shaft_costs_no_digits():
     """Without its gear pair the rotor of a motor would fly off under the motor's torque, and take the digits of all others with it."""
-    press = period_presses.geared_down(tmp_path)
+    press = period_presses.geared_down()
     motion = pp.servo_cycle(press, angle=[0.3, 1.0], speed=2.0)
     motor = np.array([joint == "M" for joint in press.joints], dtype=float)
     for inertia, torque, quickly in ((1.0, 10.0, True), (1e-7, 1e3, False)):
@@ -205,9 +195,9 @@ def test_a_gap_disturbs_no_more_than_itself(case):
         assert np.abs(near - closed).max() <= 3e-3 * np.abs(closed).max()
 
 
-def test_redundant_cranks_in_closed_form(load):
+def test_redundant_cranks_in_closed_form():
     """All parts turn alike, or move like the crank pin: inertia x alpha = torque - g sum(m r cos), 1e-12; and the armature adds to it."""
-    press = load(three_cranks())
+    press = texts.load(three_cranks())
     inertia = sum(m * (abs(r) ** 2 + 0.01) for m, r in ((4, 0.12), (3, 0.15), (2, 0.18))) + 9 * 0.3**2
     lever = 4 * 0.12 + 3 * 0.15 + 2 * 0.18 * np.exp(0.3j) + 9 * 0.3
     motion = pp.servo_cycle(press, angle=np.linspace(-1, 1.5, 9), speed=np.linspace(-6, 6, 9), acceleration=0.0)
@@ -221,12 +211,12 @@ def test_redundant_cranks_in_closed_form(load):
     assert not np.any(press.model.armature)
 
 
-def test_a_pendulum(load):
+def test_a_pendulum():
     """No loops at all: alpha = (torque - m g r cos) / inertia about the pivot."""
     drawing = random_linkages.Drawing("pendulum")
     drawing.joint("O", "frame", "bob", 0j)
     drawing.body("bob", 2.0, 0.5)
-    dynamics = load(drawing.urdf("O")).forward_dynamics(np.array([0.1]))
+    dynamics = texts.load(drawing.urdf("O")).forward_dynamics(np.array([0.1]))
     x, v = np.array([0.7]), np.array([3.0])
     expected = (6.0 - 2 * 9.81 * 0.5 * math.cos(0.7)) / (2 * 0.5**2 + 2 * 0.01 + 0.1)
     assert abs(dynamics.acceleration(x, v, np.array([6.0]))[0] - expected) <= 1e-14 * 20
@@ -234,9 +224,9 @@ def test_a_pendulum(load):
     assert dynamics.gap(x) == 0.0
 
 
-def test_axes_the_other_way_round(load):
+def test_axes_the_other_way_round():
     """A revolute loop's axes may be drawn against each other: its two points are the same."""
-    press = load(four_bar("revolute"))
+    press = texts.load(four_bar("revolute"))
     (loop,) = press.loops
     other = dataclasses.replace(press, loops=(dataclasses.replace(loop, rotation2=loop.rotation2 @ np.diag([-1.0, -1.0, 1.0])),))
     x, v = press.closed, pp.servo_cycle(press, angle=[0.0], speed=2.0).v[0]
@@ -245,10 +235,10 @@ def test_axes_the_other_way_round(load):
     np.testing.assert_allclose(second.acceleration(x, v, np.ones(3)), first.acceleration(x, v, np.ones(3)), rtol=1e-12)
 
 
-def test_the_driver_at_a_dead_point(load):
+def test_the_driver_at_a_dead_point():
     """Driven by its rocker, which stands still where crank and coupler are in line: `cycle` locks there, mechanics does not."""
     drawing = random_linkages.four_bar(1.0, 0.3, 0.9, 0.7, 0.5)
-    by_crank, by_rocker = (load(drawing.urdf(driver)) for driver in ("O", "D"))
+    by_crank, by_rocker = (texts.load(drawing.urdf(driver)) for driver in ("O", "D"))
     closest = (1 + (0.9 - 0.3) ** 2 - 0.7**2) / (2 * (0.9 - 0.3))  # cosine at the frame, coupler folded over the crank
     dead = math.acos(closest) - 0.5 - math.pi
     motion = pp.servo_cycle(by_crank, angle=[dead, dead + 1e-9], speed=3.0)
@@ -269,9 +259,9 @@ def test_the_driver_at_a_dead_point(load):
 # ---------------------------------------------------------------------------------------------------------------------- locked, massless
 
 
-def test_a_change_point(load):
+def test_a_change_point():
     """A parallelogram in a line may go on as an antiparallelogram: said at that angle, and only there."""
-    press = load(three_cranks(third=False))
+    press = texts.load(three_cranks(third=False))
     dynamics = press.forward_dynamics(np.zeros(3))
     line = -math.atan2(0.2, 1.0) - 0.5  # the crank along the line of pivots
     turned = np.array([{"O": 1.0, "B": -1.0, "D": 1.0}[joint] for joint in press.joints])
@@ -479,7 +469,7 @@ def test_the_nearest_state(case):
         np.testing.assert_allclose(case.dynamics.project(x, other)[1], v, rtol=0, atol=1e-10 * np.abs(other).max())
 
 
-def test_the_gap(load):
+def test_the_gap():
     """What a loop is drawn apart, and a coupling; many turns of the crank cost digits and no more."""
     press = texts.shipped("zxn2_3000b")
     dynamics = press.forward_dynamics(np.zeros(5))

@@ -37,22 +37,17 @@ class Case(NamedTuple):
     loads: list
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("sharing")
-
-
 @cache
-def case(name, folder):
+def case(name):
     made = LINKAGES[name]()
-    press = made if isinstance(made, pp.Linkage) else load(made, folder)
+    press = made if isinstance(made, pp.Linkage) else load(made)
     loads = [pp.loads.PointForce(link, (100.0, -300.0, 900.0), (0.05, 0.1, -0.1)) for link in press.links[1:3]]
     return Case(press, pp.servo_cycle(press, **SERVO), loads)
 
 
 @cache
-def expected(name, folder, stiffness):
-    press, motion, loads = case(name, folder)
+def expected(name, stiffness):
+    press, motion, loads = case(name)
     return [cut_free(press, motion, i, loads, dict(stiffness)) for i in range(len(motion.q))]
 
 
@@ -76,23 +71,23 @@ def errors(press, result, states):
 @pytest.mark.one_in(6)
 @pytest.mark.parametrize("stiff", ["none", "some", "all"])
 @pytest.mark.parametrize(("name", "engine"), BOTH)
-def test_bodies_cut_free(folder, name, engine, stiff):
+def test_bodies_cut_free(name, engine, stiff):
     """All forces, moments and torques, 1e-12 of their peaks, with loads across the plane; shared with and without stiffnesses."""
-    press, motion, loads = case(name, folder)
+    press, motion, loads = case(name)
     names = press.bearings if stiff == "all" else press.bearings[1::2] if stiff == "some" else ()
     stiffness = {bearing: 1e8 * (1 + 7 * k % 5) for k, bearing in enumerate(names)}
     result = pp.inverse_dynamics(press, motion, loads, stiffness=stiffness, engine=engine)
     assert result.engine == engine
-    assert max(errors(press, result, expected(name, folder, tuple(stiffness.items())))) <= 1e-12
+    assert max(errors(press, result, expected(name, tuple(stiffness.items())))) <= 1e-12
     assert np.abs(result.power_residual).max() <= 1e-12
 
 
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize(("name", "engine"), BOTH)
-def test_open_components_are_those_that_idle_forces_reach(folder, name, engine):
+def test_open_components_are_those_that_idle_forces_reach(name, engine):
     """By the singular values of the bodies cut free, in any of the states."""
-    press, motion, loads = case(name, folder)
-    result, states = pp.inverse_dynamics(press, motion, loads, engine=engine), expected(name, folder, ())
+    press, motion, loads = case(name)
+    result, states = pp.inverse_dynamics(press, motion, loads, engine=engine), expected(name, ())
     for k, bearing in enumerate(press.bearings):
         assert result.indeterminate[bearing].tolist() == np.any([state.open[k] for state in states], axis=0).tolist(), bearing
     for k, (follower, *_) in enumerate(gears(press)):
@@ -100,18 +95,18 @@ def test_open_components_are_those_that_idle_forces_reach(folder, name, engine):
     assert result.indeterminate_coupling.keys() == result.coupling_torque.keys()
 
 
-def test_the_torque_of_a_gear_pair_is_open_where_rods_could_carry_it(folder):
+def test_the_torque_of_a_gear_pair_is_open_where_rods_could_carry_it():
     """In the symmetric press and in a ring of gears; in a gear train each is certain."""
     for name, opened in (("symmetric", True), ("ring", True), ("chain", False), ("five_bar", False)):
-        press, motion, loads = case(name, folder)
+        press, motion, loads = case(name)
         flags = pp.inverse_dynamics(press, motion, loads).indeterminate_coupling
         assert set(flags.values()) == {opened}, name
 
 
 @pytest.mark.parametrize(("name", "engine"), BOTH)
-def test_momentum(folder, name, engine):
+def test_momentum(name, engine):
     """What reaches the foundation is weight and loads less the rate of momentum, gear pairs or not; 1e-12 of the peak."""
-    press, motion, loads = case(name, folder)
+    press, motion, loads = case(name)
     result = pp.inverse_dynamics(press, motion, loads, engine=engine)
     peak = max(np.abs(force).max() for force in result.bearing_force.values())
     force, moment = momentum_balance(press, motion, loads)
@@ -120,9 +115,9 @@ def test_momentum(folder, name, engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_gear_train_in_closed_form(folder, engine):
+def test_gear_train_in_closed_form(engine):
     """Three eccentric shafts: each needs I alpha + weight x lever, the crank what all need, times their ratios; 1e-12."""
-    press = load(wheels(("s1", "crank", -2.0, 0.03), ("s2", "s1", 1.5, -0.01), linked=False), folder)
+    press = load(wheels(("s1", "crank", -2.0, 0.03), ("s2", "s1", 1.5, -0.01), linked=False))
     result = pp.inverse_dynamics(press, pp.servo_cycle(press, **SERVO), engine=engine)
     shafts = {"crank": (4.0, 0.05 + 0.1j, 1.0, 0.0, 1), "s1": (3.0, 0.05 + 0.1j, -2.0, 0.03, 1), "s2": (4.0, 0.05 + 0.1j, -3.0, 0.035, -1)}
     needed = {}
@@ -142,9 +137,9 @@ def test_gear_train_in_closed_form(folder, engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_rack_and_pinion_in_closed_form(folder, engine):
+def test_rack_and_pinion_in_closed_form(engine):
     """A rack of 7 kg on a slope of 0.3 rad, 0.2 m by the radian: the pinion pushes it along with m (a + g sin), 1e-12."""
-    press = load(wheels(("rack", "crank", 0.2, 0.05), linked=False), folder)
+    press = load(wheels(("rack", "crank", 0.2, 0.05), linked=False))
     motion = pp.servo_cycle(press, **SERVO)
     at = press.joints.index("rack")
     assert np.abs(motion.joint_position[:, at] - 0.2 * SERVO["angle"] - 0.05).max() <= 1e-15
@@ -156,9 +151,9 @@ def test_rack_and_pinion_in_closed_form(folder, engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_five_bar_stays_closed(folder, engine):
+def test_a_five_bar_stays_closed(engine):
     """All the way round, its second crank at the multiple of the first that the gears give it."""
-    press = load(five_bar(-1.0), folder)
+    press = load(five_bar(-1.0))
     assert press.mobility == 1
     motion = pp.cycle(press, 4.0, points=24, engine=engine)
     assert motion.closure_error.max() <= 1e-13
@@ -170,10 +165,10 @@ def test_a_five_bar_stays_closed(folder, engine):
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("ratio", [17 / 86, -86 / 17, float(np.sqrt(2))])
-def test_any_gear_ratio_can_be_driven(folder, ratio, engine):
+def test_any_gear_ratio_can_be_driven(ratio, engine):
     """A shaft that no loop holds need not come back to its start: with such teeth it never does, or after many turns. It is driven through
     angles; one period of it would be no cycle."""
-    press = load(wheels(("s1", "crank", ratio)), folder)
+    press = load(wheels(("s1", "crank", ratio)))
     with pytest.raises(pp.PinpressError, match="has no period"):
         pp.cycle(press, 5.0, points=12, engine=engine)
     motion = pp.servo_cycle(press, angle=np.linspace(0.0, 6.0, 12), speed=5.0, engine=engine)
@@ -184,18 +179,18 @@ def test_any_gear_ratio_can_be_driven(folder, ratio, engine):
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("ratio", [0.1, 0.0511])
-def test_a_rack_need_not_come_back(folder, ratio, engine):
+def test_a_rack_need_not_come_back(ratio, engine):
     """It travels on, turn by turn, whatever the pinion's radius."""
-    press = load(wheels(("rack", "crank", ratio)), folder)
+    press = load(wheels(("rack", "crank", ratio)))
     motion = pp.servo_cycle(press, angle=np.linspace(0.0, 40.0, 9), speed=5.0, engine=engine)
     assert np.abs(motion.joint_position[:, press.joints.index("rack")] - ratio * motion.crank_angle).max() <= 1e-13
 
 
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("name", ["two_point", "three_held_rods", "geared_cranks"])
-def test_only_ratios_of_stiffnesses_count(folder, name, engine):
+def test_only_ratios_of_stiffnesses_count(name, engine):
     """All of them a millionfold share the same; 1e-12 of the peak."""
-    press, motion, loads = case(name, folder)
+    press, motion, loads = case(name)
     soft = {bearing: 1e6 * (1 + k) for k, bearing in enumerate(press.bearings)}
     hard = {bearing: 1e6 * value for bearing, value in soft.items()}
     one, two = (pp.inverse_dynamics(press, motion, loads, stiffness=each, engine=engine) for each in (soft, hard))
@@ -206,9 +201,9 @@ def test_only_ratios_of_stiffnesses_count(folder, name, engine):
 
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["two_point", "symmetric", "three_held_rods", "geared_cranks", "chain"])
-def test_a_stiffness_of_any_one_bearing(folder, name):
+def test_a_stiffness_of_any_one_bearing(name):
     """Its force is the least that idle forces can make it, then the rest; 1e-10 of the peaks, as zero is found by taking off large ones."""
-    press, motion, loads = case(name, folder)
+    press, motion, loads = case(name)
     for bearing in press.bearings:
         state = cut_free(press, motion, 1, loads, {bearing: 1e9})
         for engine in ENGINES:
@@ -229,10 +224,10 @@ def test_a_stiffness_of_any_one_bearing(folder, name):
         ("symmetric", "counterweight_guide"),
     ],
 )
-def test_a_stiffness_that_idle_forces_do_not_reach(folder, name, bearing, engine):
+def test_a_stiffness_that_idle_forces_do_not_reach(name, bearing, engine):
     """Changes nothing: its energy is rounding, and nothing may be shared by that. The symmetric press
     does not press on its guides anyway. 1e-9 of the peak: near dead centres, zero is ill determined."""
-    press = case(name, folder).press
+    press = case(name).press
     motion = pp.cycle(press, speed=30.0, points=36, engine=engine)
     bare, result = (pp.inverse_dynamics(press, motion, stiffness=each, engine=engine) for each in ({}, {bearing: 1e9}))
     peak = max(np.abs(force).max() for force in bare.bearing_force.values())
@@ -241,9 +236,9 @@ def test_a_stiffness_that_idle_forces_do_not_reach(folder, name, bearing, engine
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_soft_rod_carries_nothing_but_itself(folder, engine):
+def test_a_soft_rod_carries_nothing_but_itself(engine):
     """A millionth of the others' stiffness: what is left along it is a millionth, and what its own mass needs."""
-    press, motion, _ = case("three_rods", folder)
+    press, motion, _ = case("three_rods")
     heavy = [pp.loads.PointForce("slide", (0.0, 0.0, 1e6))]
     stiffness = {"W0": 1e9, "W1": 1e3, "W2": 1e9}
     loaded, idle = (pp.inverse_dynamics(press, motion, loads, stiffness=stiffness, engine=engine) for loads in (heavy, []))
@@ -262,9 +257,9 @@ def test_stiffness_does_not_matter_where_nothing_is_open(engine):
         assert np.abs(one.bearing_force[bearing] - two.bearing_force[bearing]).max() <= 1e-13 * np.abs(one.bearing_force["A"]).max()
 
 
-def test_stiffness_of_nothing_is_no_stiffness(folder):
+def test_stiffness_of_nothing_is_no_stiffness():
     """The same bytes."""
-    press, motion, loads = case("three_rods", folder)
+    press, motion, loads = case("three_rods")
     for engine in ENGINES:
         one, two = (pp.inverse_dynamics(press, motion, loads, engine=engine, **options) for options in ({}, {"stiffness": {}}))
         for bearing in press.bearings:
@@ -274,14 +269,14 @@ def test_stiffness_of_nothing_is_no_stiffness(folder):
 
 @pytest.mark.parametrize("value", [0, 0.0, -1e9, np.nan, np.inf, True, "1e9", None, [1e9], 1e9j])
 @pytest.mark.parametrize("engine", ENGINES)
-def test_a_stiffness_that_is_none_is_refused(folder, value, engine):
-    press, motion, _ = case("two_rods", folder)
+def test_a_stiffness_that_is_none_is_refused(value, engine):
+    press, motion, _ = case("two_rods")
     with pytest.raises(pp.PinpressError, match="stiffness of 'W1'"):
         pp.inverse_dynamics(press, motion, stiffness={"W0": 1e9, "W1": value}, engine=engine)
 
 
-def test_a_stiffness_of_an_unknown_bearing_is_refused(folder):
-    press, motion, _ = case("two_rods", folder)
+def test_a_stiffness_of_an_unknown_bearing_is_refused():
+    press, motion, _ = case("two_rods")
     with pytest.raises(pp.UnknownNameError, match="did you mean 'W1'"):
         pp.inverse_dynamics(press, motion, stiffness={"W_1": 1e9})
     with pytest.raises(pp.PinpressError, match="mapping"):
@@ -293,13 +288,13 @@ def test_a_stiffness_of_an_unknown_bearing_is_refused(folder):
 
 @examples(5)
 @given(spec=linkages(most=2, extra=False, tilted=False), count=st.integers(1, 2), soft=st.booleans())
-def test_links_side_by_side(tmp_path, spec, count, soft):
+def test_links_side_by_side(spec, count, soft):
     """Random linkages in which some links stand there twice: both engines against the bodies cut free, 1e-10 of the peaks."""
     drawing = drawn(spec)
     assume(drawing is not None)
     rng = np.random.default_rng(spec.seed + 2)
     double(drawing, rng, count)
-    press = load(drawing.urdf("crank"), tmp_path, gravity=tuple(rng.normal(size=3) * 10))
+    press = load(drawing.urdf("crank"), gravity=tuple(rng.normal(size=3) * 10))
     low, high = (-np.inf, np.inf) if press.branch.period else press.branch.angles[[0, -1]]
     angle = rng.uniform(max(-0.05, 0.5 * low), min(0.05, 0.5 * high), 2)
     motion = pp.servo_cycle(press, angle=angle, speed=rng.uniform(-10, 10, 2), acceleration=rng.uniform(-50, 50, 2))
@@ -314,11 +309,11 @@ def test_links_side_by_side(tmp_path, spec, count, soft):
         assert [result.indeterminate[name].tolist() for name in press.bearings] == reached.tolist()
 
 
-def test_a_second_rod_nearly_in_line_with_another(tmp_path):
+def test_a_second_rod_nearly_in_line_with_another():
     """Block by block, such a pair would lock a hair's breadth from the drawn pose; all equations together do not."""
     drawing = drawn(Spec((Group("triad", 0, (0, 0, 0)),), seed=1186975, stacked=True))
     double(drawing, np.random.default_rng(1186977), 1)
-    press = load(drawing.urdf("crank"), tmp_path)
+    press = load(drawing.urdf("crank"))
     motion = pp.servo_cycle(press, angle=[-0.02, 0.02], speed=3.0)
     result = pp.inverse_dynamics(press, motion)
     assert max(errors(press, result, [cut_free(press, motion, i) for i in range(2)])) <= 1e-10

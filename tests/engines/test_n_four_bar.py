@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial.chebyshev import chebvander
 from scipy.integrate import solve_ivp
+from support import texts
 from support.oracles import n_four_bar
 
 import pinpress as pp
@@ -18,18 +19,12 @@ BOUNDS = {"reduced": 1e-11, "constraint": 1e-9}
 ROUNDING = 5 * 8 * float(np.finfo(float).eps) * 4.0
 
 
-@pytest.fixture(scope="module")
-def loaded(tmp_path_factory):
-    def load(count):
-        file = tmp_path_factory.mktemp("n_four_bar") / f"{count}.urdf"
-        file.write_text(n_four_bar.urdf(count), encoding="utf-8")
-        return pp.load(file)
-
-    return load
+def loaded(count):
+    return texts.load(n_four_bar.urdf(count))
 
 
 @pytest.fixture(scope="module")
-def double(loaded):
+def double():
     return loaded(2)
 
 
@@ -45,7 +40,7 @@ def exact(count, times):
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", BOUNDS)
 @pytest.mark.parametrize("count", [1, 2])
-def test_ten_seconds(loaded, count, method):
+def test_ten_seconds(count, method):
     run = pp.simulate(loaded(count), 10.0, speed=n_four_bar.SPEED, points=11, method=method)
     for second, (angle, speed) in n_four_bar.EXACT[count].items():
         assert abs(run.crank_angle[second] / angle - 1) < BOUNDS[method]
@@ -56,7 +51,7 @@ def test_ten_seconds(loaded, count, method):
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("count", [1, 2, 5])
-def test_closed_at_singular_poses(loaded, count):
+def test_closed_at_singular_poses(count):
     """Beside a pose with all rods in one line the loops do not say where the rods are: joints come from polynomials through poses on both
     sides of it, and rounding of those grows as the polynomials reach into the gap. The exact angles are those of a parallelogram."""
     press = loaded(count)
@@ -73,7 +68,7 @@ def test_closed_at_singular_poses(loaded, count):
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize(("count", "method", "duration"), [(40, "reduced", 10.0), (12, "constraint", 3.0)])
-def test_many_windows(loaded, count, method, duration):
+def test_many_windows(count, method, duration):
     """40 windows, as the benchmark was first written: 81 joints, 40 loops that all lose their rank at once."""
     run = pp.simulate(loaded(count), duration, speed=n_four_bar.SPEED, points=61, method=method)
     angle, speed = exact(count, run.time)
@@ -83,7 +78,7 @@ def test_many_windows(loaded, count, method, duration):
     assert run.stats.closure_error < 1e-14
 
 
-def test_the_tables_are_the_equations(loaded):
+def test_the_tables_are_the_equations():
     """The reference itself, by SciPy, and against the published positions."""
     for count, table in n_four_bar.EXACT.items():
         angle, speed = exact(count, np.arange(11.0))

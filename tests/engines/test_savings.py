@@ -40,11 +40,6 @@ SERVO = {"angle": np.array([-0.3, 0.1, 0.45]), "speed": np.array([-6.0, 4.0, 9.0
 SCENES = ("bare", "loads", "across", "spring", "friction", "stiffness")
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("savings")
-
-
 @pytest.fixture(params=ENGINES)
 def engine(request):
     return request.param
@@ -61,14 +56,14 @@ def turn(six_bar):
 
 
 @cache
-def case(name, folder):
+def case(name):
     if name == "flat_gears":
-        press = geared(folder, '<mimic joint="fast" multiplier="-2" offset="0.1"/>', "fast")
+        press = geared('<mimic joint="fast" multiplier="-2" offset="0.1"/>', "fast")
     elif name not in LINKAGES:
         press = shipped(name)
     else:
         made = LINKAGES[name]()
-        press = made if isinstance(made, pp.Linkage) else read(made, folder)
+        press = made if isinstance(made, pp.Linkage) else read(made)
     return press, pp.servo_cycle(press, **SERVO)
 
 
@@ -118,9 +113,9 @@ def agree(some, full, bound=SAME):
 
 
 @pytest.mark.parametrize("ratio", [0.5, -2.0])
-def test_bearings_of_shafts_that_are_geared_alone(tmp_path, ratio):
+def test_bearings_of_shafts_that_are_geared_alone(ratio):
     """Their gear pair's torque is in the moment about the pin of the shaft that follows; and so it is by Pinocchio."""
-    press = period_presses.five_bar(ratio, tmp_path)
+    press = period_presses.five_bar(ratio)
     motion = pp.cycle(press, speed=7.0, points=8)
     full = pp.inverse_dynamics(press, motion, engine="pinocchio")
     assert np.abs(full.bearing_moment["P"][:, 1]).max() > 0.1
@@ -135,11 +130,11 @@ def test_bearings_of_shafts_that_are_geared_alone(tmp_path, ratio):
 @pytest.mark.parametrize("kind", SCENES)
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.exhaustive
-def test_fewer_bearings_have_the_values_of_all(folder, name, kind, engine):
+def test_fewer_bearings_have_the_values_of_all(name, kind, engine):
     """In every kind of scene; on linkages that are redundant, geared, in parallel planes. Pinocchio takes ten times as long, and so
     does friction: of these each bearing with others only, alone in `test_linkages_of_the_other_engine` and, at random,
     `test_any_bearings_of_any_linkage`."""
-    press, motion = case(name, folder)
+    press, motion = case(name)
     arguments = scene(kind, press)
     full = pp.inverse_dynamics(press, motion, engine=engine, **arguments)
     for names in subsets(press, alone=engine == "plane" and kind != "friction"):
@@ -178,16 +173,16 @@ def test_any_bearings_of_any_linkage(tmp_path, spec, load_count, in_plane, chose
 
 
 OTHERS = {
-    "through_space": lambda folder: read(SPATIAL, folder),
-    "ring": lambda folder: read(LINKAGES["ring"](), folder),
+    "through_space": lambda: read(SPATIAL),
+    "ring": lambda: read(LINKAGES["ring"]()),
     "several_drivers": two_cranks,
 }
 
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("make", OTHERS.values(), ids=OTHERS)
-def test_linkages_of_the_other_engine(folder, make):
-    press = make(folder)
+def test_linkages_of_the_other_engine(make):
+    press = make()
     if len(press.drivers) > 1:
         states = np.stack([SERVO["angle"], 0.3 * SERVO["angle"]], axis=1)
         motion = pp.servo_cycle(press, angle=states, speed=np.cos(states), acceleration=np.sin(states))
@@ -342,8 +337,8 @@ def calls(monkeypatch, owner, name, *arguments, **more):
         return False
 
 
-def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, folder, six_bar, turn):
-    stacked = case("two_point", folder)
+def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, six_bar, turn):
+    stacked = case("two_point")
     pp.inverse_dynamics(*stacked)  # what the press keeps is made
     along, across = (pp.loads.PointForce("slide", force) for force in ((0.0, 0.0, 1e5), (0.0, 10.0, 0.0)))
     on_frame = pp.loads.PointForce("frame", (0.0, 10.0, 0.0))
@@ -354,7 +349,7 @@ def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, folder, six
         assert not calls(monkeypatch, out_of_plane, function, *stacked, bearings=())
 
 
-def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, folder, six_bar, turn):
+def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, six_bar, turn):
     """Nor do the pins; guides do, and what all bearings share."""
     rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
     for bearings, more, walked in (
@@ -365,12 +360,12 @@ def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, folder, six
         ((), {"friction": rubbing}, True),
     ):
         assert calls(monkeypatch, plane_dynamics, "_solve_open_tree", six_bar, turn, bearings=bearings, **more) == walked
-    assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("two_point", folder), bearings=())
-    assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("symmetric", folder), bearings=())
+    assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("two_point"), bearings=())
+    assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("symmetric"), bearings=())
 
 
-def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(monkeypatch, folder, engine):
-    press, motion = case("symmetric", folder)
+def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(monkeypatch, engine):
+    press, motion = case("symmetric")
     result = pp.inverse_dynamics(press, motion, engine=engine, bearings=())
     solved, solve = [], reactions._solved
     monkeypatch.setattr(reactions, "_solved", lambda *arguments: solved.append(1) or solve(*arguments))
@@ -383,8 +378,8 @@ def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(
     assert solved == [1]
 
 
-def test_what_is_not_redundant_shares_nothing(monkeypatch, folder, six_bar, turn):
-    stacked = case("two_point", folder)
+def test_what_is_not_redundant_shares_nothing(monkeypatch, six_bar, turn):
+    stacked = case("two_point")
     pp.inverse_dynamics(*stacked)  # what the press keeps is made
     for bearings, shared in ((None, True), (("O",), True), ((), False)):
         assert calls(monkeypatch, spatial_dynamics, LEAST, *stacked, engine="pinocchio", bearings=bearings) == shared
@@ -392,8 +387,8 @@ def test_what_is_not_redundant_shares_nothing(monkeypatch, folder, six_bar, turn
         assert calls(monkeypatch, bodies, LEAST, *stacked, **stiff, bearings=bearings) == shared
         assert not calls(monkeypatch, bodies, LEAST, *stacked, bearings=bearings)  # that is the press's, made once
     assert not calls(monkeypatch, statics, "_shares", six_bar, turn)
-    assert calls(monkeypatch, statics, "_shares", *case("three_rods", folder))
-    assert not calls(monkeypatch, statics, "_shares", *case("three_rods", folder), bearings=())
+    assert calls(monkeypatch, statics, "_shares", *case("three_rods"))
+    assert not calls(monkeypatch, statics, "_shares", *case("three_rods"), bearings=())
 
 
 def test_no_friction_is_no_iteration(monkeypatch, six_bar, turn, engine):

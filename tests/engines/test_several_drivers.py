@@ -8,7 +8,7 @@ from support.oracles import cassie
 import pinpress as pp
 
 
-def five_bar(folder):
+def five_bar():
     """Two driven cranks of 0.1 m, 0.5 m apart, and two couplers of 0.25 m, drawn with all four pins on the ground line and C above them."""
     inertial = '<inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>'
 
@@ -22,12 +22,12 @@ def five_bar(folder):
     {pin("P", "crank_1", "coupler_1", 0.1)}{pin("Q", "crank_2", "coupler_2", -0.1)}
     <loop_joint name="C" type="spherical"><link1 link="coupler_1" xyz="0.15 0 0.2"/><link2 link="coupler_2" xyz="-0.15 0 0.2"/></loop_joint>
     <transmission name="a"><joint name="A"/></transmission><transmission name="b"><joint name="B"/></transmission></robot>"""
-    return texts.load(text, folder)
+    return texts.load(text)
 
 
-def test_where_two_drivers_pull_the_linkage_straight(tmp_path):
+def test_where_two_drivers_pull_the_linkage_straight():
     """The pins are 0.5 - 0.2 cos s apart: two couplers of 0.25 m are straight at a right angle, and there C is halfway on their line."""
-    press, last = five_bar(tmp_path), np.radians(89.0)
+    press, last = five_bar(), np.radians(89.0)
     turned = np.linspace(0.0, last, 30)
     motion = pp.servo_cycle(press, angle=np.column_stack([turned, -turned]), speed=0.0)
     half = 0.25 - 0.1 * np.cos(turned)
@@ -43,10 +43,8 @@ def test_where_two_drivers_pull_the_linkage_straight(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def legs(tmp_path_factory):
-    file = tmp_path_factory.mktemp("cassie") / "cassie.urdf"
-    file.write_text(cassie.urdf(), encoding="utf-8")
-    return pp.load(file)
+def legs():
+    return texts.load(cassie.urdf())
 
 
 def test_a_free_fall(legs):

@@ -17,18 +17,8 @@ SPEED = 9.0
 
 
 @pytest.fixture(scope="module")
-def write(tmp_path_factory):
-    def written(urdf, **options):
-        file = tmp_path_factory.mktemp("spatial") / "linkage.urdf"
-        file.write_text(urdf, encoding="utf-8")
-        return pp.load(file, **options)
-
-    return written
-
-
-@pytest.fixture(scope="module")
-def spatial(write):
-    return write(SPATIAL)
+def spatial():
+    return texts.load(SPATIAL)
 
 
 def travel(angle):
@@ -51,7 +41,7 @@ def slope(function, angle):
     return sum(w * function(angle, k * h) for k, w in enumerate(weights, 1)) / h
 
 
-def test_it_is_spatial_and_has_one_degree_of_freedom(spatial, write):
+def test_it_is_spatial_and_has_one_degree_of_freedom(spatial):
     """The crank drives it: a rank from Pinocchio's frame Jacobians. One joint less locks it, one more lets the rod spin."""
     assert "plane" not in spatial.engines
     assert spatial.mobility == 1
@@ -74,7 +64,7 @@ def test_it_is_spatial_and_has_one_degree_of_freedom(spatial, write):
             spin = f'<joint name="S" type="continuous"><parent link="cross"/><child link="sleeve"/><axis xyz="{axis}"/></joint>'
             urdf = SPATIAL.replace('<parent link="cross"/>', '<parent link="sleeve"/>').replace("</robot>", extra + spin + "</robot>")
         with pytest.raises(pp.UrdfError, match=f"mobility is {free}"):
-            write(urdf)
+            texts.load(urdf)
 
 
 def test_the_planar_engine_is_refused(spatial):
@@ -181,9 +171,9 @@ ENGINES = ["plane", "pinocchio"]
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("turn", [False, True])
-def test_a_redundant_linkage_moves(write, turn, engine):
+def test_a_redundant_linkage_moves(turn, engine):
     """It closes all the way round, and its coupler only translates (1e-12)."""
-    press = write(three_cranks().urdf("O"))
+    press = texts.load(three_cranks().urdf("O"))
     assert press.engine("plane").plane.redundant
     assert press.mobility == 1
     assert press.rank == 3
@@ -201,9 +191,9 @@ def test_a_redundant_linkage_moves(write, turn, engine):
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("offset", [0.0, 0.2])
-def test_a_redundant_linkage_in_closed_form(write, offset, engine):
+def test_a_redundant_linkage_in_closed_form(offset, engine):
     """Torque = I alpha + g sum(m r cos), as all parts turn alike or move like the crank pin; every body in balance; 1e-12 of the peak."""
-    press = write(three_cranks(offset).urdf("O"))
+    press = texts.load(three_cranks(offset).urdf("O"))
     angle = np.linspace(-1, 1.5, 19)
     acceleration = 20 * np.cos(angle)
     motion = pp.servo_cycle(press, angle=angle, speed=np.linspace(-6, 6, 19), acceleration=acceleration)
@@ -231,13 +221,13 @@ def test_a_redundant_linkage_in_closed_form(write, offset, engine):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-def test_redundant_forces_are_the_smallest(write, engine):
+def test_redundant_forces_are_the_smallest(engine):
     """Open forces are those of the least sum of squares: no push and pull that leaves every body in balance makes it smaller.
 
     Such a push acts along the cranks, at both pins of each, and on the coupler the three are in balance. It must be square to the forces
     found, 1e-12 of their product.
     """
-    press = write(three_cranks().urdf("O"))
+    press = texts.load(three_cranks().urdf("O"))
     motion = pp.servo_cycle(press, angle=np.linspace(-1.0, 1.5, 9), speed=4.0)
     result = pp.inverse_dynamics(press, motion, engine=engine)
     along = np.exp(1j * (0.5 + motion.crank_angle))
@@ -254,8 +244,8 @@ def test_redundant_forces_are_the_smallest(write, engine):
 
 
 @pytest.fixture(scope="module")
-def open_components(write):
-    press = write(three_cranks().urdf("O"))
+def open_components():
+    press = texts.load(three_cranks().urdf("O"))
     return press, pp.inverse_dynamics(press, pp.servo_cycle(press, speed=5.0, angle=np.linspace(-1.0, 1.5, 7))).indeterminate
 
 
@@ -277,9 +267,9 @@ def test_no_moment_in_the_plane_is_open(open_components):
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("engine", ["plane", "pinocchio"])
 @pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide", "jf75g_125_symmetric"])
-def test_the_same_is_open_in_a_press_that_stands_askew(name, engine, tmp_path):
+def test_the_same_is_open_in_a_press_that_stands_askew(name, engine):
     """Flags are along the horizontal in the plane, the normal, and the way up in the plane: what is certain upright is certain askew."""
-    upright, askew = texts.shipped(name), small_linkages.bolted(texts.shipped(name), "0.3 0.2 0.1", tmp_path)
+    upright, askew = texts.shipped(name), small_linkages.bolted(texts.shipped(name), "0.3 0.2 0.1")
     straight, leaning = (pp.inverse_dynamics(press, pp.cycle(press, 5.0, points=7), engine=engine) for press in (upright, askew))
     np.testing.assert_array_equal(straight.indeterminate_axes, np.eye(3))
     axes, normal = leaning.indeterminate_axes, pin.rpy.rpyToMatrix(0.3, 0.2, 0.1)[:, 1]

@@ -68,17 +68,10 @@ class Case(NamedTuple):
     moment: float
 
 
-@pytest.fixture(scope="module")
-def load(tmp_path_factory):
-    """The linkage of a text; of a same text the same one."""
-    folder = tmp_path_factory.mktemp("loops")
-    return lambda text: texts.load(text, folder)
-
-
 @pytest.fixture(scope="module", params=rest_exhaustive(FAMILIES, *ALWAYS))
-def case(request, load):
+def case(request):
     text = FAMILIES[request.param].text()
-    press = load(text)
+    press = texts.load(text)
     motion = swinging(press, request.param, TIMES)
     link = press.links[-1]
     loads = [pp.loads.PointForce(link, (30.0, -40.0, 20.0), (0.02, -0.05, 0.01))]
@@ -233,9 +226,9 @@ def test_power_and_momentum(case):
 
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", [name for name in FAMILIES if np.size(FAMILIES[name].swing) == 1])
-def test_equation_of_motion(name, load):
+def test_equation_of_motion(name):
     """Torque = I x'' + I' x'^2 / 2 + V' of one degree of freedom, I and V from Pinocchio's energies at unit speed, 1e-11 of the peak."""
-    press = load(FAMILIES[name].text())
+    press = texts.load(FAMILIES[name].text())
     motion = swinging(press, name, TIMES)
     x, speed, acceleration = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
     model, data = press.model, press.model.createData()
@@ -254,9 +247,9 @@ def test_equation_of_motion(name, load):
 # -------------------------------------------------------------------------------------------------------------- the linkages one by one
 
 
-def test_bennett_goes_round(load):
+def test_bennett_goes_round():
     """tan(first / 2) tan(second / 2) is constant all round; the fourth pin goes against the second; 1e-13."""
-    press = load(bennett())
+    press = texts.load(bennett())
     gained = dict(zip(press.joints, press.branch.gain_per_period, strict=True))
     assert gained == pytest.approx({"J1": 2 * np.pi, "J2": -2 * np.pi, "J4": 2 * np.pi}, abs=1e-12)
     motion = pp.cycle(press, 3.0, points=60)
@@ -268,9 +261,9 @@ def test_bennett_goes_round(load):
     assert np.abs(rate["J2"] - 3.0 * slope_of_second).max() < 1e-13
 
 
-def test_bricard_in_closed_form(load):
+def test_bricard_in_closed_form():
     """cos 1 + cos 2 + cos 1 cos 2 = 0, and every other pin turns alike; 1e-13."""
-    press = load(bricard())
+    press = texts.load(bricard())
     motion = pp.servo_cycle(press, speed=2.0, angle=np.linspace(-1.9, 1.9, 40) - BRICARD_DRAWN)
     position, rate = (dict(zip(press.joints, part.T, strict=True)) for part in (motion.joint_position, motion.v))
     second, slope_of_second = bricard_angle(BRICARD_DRAWN + motion.crank_angle)
@@ -280,9 +273,9 @@ def test_bricard_in_closed_form(load):
     assert np.abs(rate["J2"] - 2.0 * slope_of_second).max() < 1e-13
 
 
-def test_bricard_locks_at_120_degrees(load):
+def test_bricard_locks_at_120_degrees():
     """Where its second pin comes to zero, either way."""
-    press = load(bricard())
+    press = texts.load(bricard())
     low, high = press.branch.locks
     assert high.angle == pytest.approx(2 * np.pi / 3 - BRICARD_DRAWN, abs=1e-5)
     assert low.angle == pytest.approx(-2 * np.pi / 3 - BRICARD_DRAWN, abs=1e-5)
@@ -292,12 +285,12 @@ def test_bricard_locks_at_120_degrees(load):
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize(("make", "cuts", "swing"), [(bennett, (2, 3, 4), 4.0), (bricard, (2, 6), 1.0)])
-def test_where_a_ring_is_cut_changes_nothing(make, cuts, swing, load):
+def test_where_a_ring_is_cut_changes_nothing(make, cuts, swing):
     """Torque, and the shares of what is open, which are chosen among all bearings: a pin has its force and moment in any tree; 1e-12."""
     angle = swing * np.sin(np.arange(7.0))
 
     def solved(cut):
-        press = load(make(cut))
+        press = texts.load(make(cut))
         motion = pp.servo_cycle(press, angle=angle, speed=np.linspace(-2, 2, 7), acceleration=np.linspace(3, 5, 7))
         result = pp.inverse_dynamics(press, motion)
         signs = {f"J{k}": 1.0 if k <= cut else -1.0 for k in range(1, cuts[-1] + 1)}  # a pin beyond the cut carries the link before it
@@ -313,11 +306,11 @@ def test_where_a_ring_is_cut_changes_nothing(make, cuts, swing, load):
 
 
 @pytest.mark.parametrize(("closing", "engine"), [("revolute", "plane"), ("revolute", "pinocchio"), ("fixed", "pinocchio")])
-def test_a_four_bar_is_the_same_however_it_is_closed(closing, engine, load):
+def test_a_four_bar_is_the_same_however_it_is_closed(closing, engine):
     """By a pin with an axis, or by a weld in its coupler: torque, and forces and moments in the plane at all pins; 1e-13."""
     results = []
     for kind in ("spherical", closing):
-        press = load(four_bar(kind))
+        press = texts.load(four_bar(kind))
         motion = pp.cycle(press, 5.0, points=12, engine=engine)
         results.append(pp.inverse_dynamics(press, motion, engine=engine))
     reference, result = results
@@ -332,7 +325,7 @@ def test_a_four_bar_is_the_same_however_it_is_closed(closing, engine, load):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_link_that_spins_freely_is_found(seed, load):
+def test_a_link_that_spins_freely_is_found(seed):
     """A sleeve on a four-bar's rocker that turns about a line through the loop's pin: its joint moves the loop by rounding alone."""
     pivot, crank_pin, rocker_pin = np.array([0.45, 0.0, -0.05]), np.array([0.1, 0.0, 0.11]), np.array([0.3, 0.0, 0.4])
     normal, along = np.array([0.0, -1.0, 0.0]), rocker_pin - pivot
@@ -345,16 +338,16 @@ def test_a_link_that_spins_freely_is_found(seed, load):
     for link in ("crank", "rod", "rocker", "sleeve"):
         drawing.body(link, 1.0, crank_pin, 0.1)
     with pytest.raises(pp.UrdfError, match="mobility is 2"):
-        load(drawing.urdf("O"))
+        texts.load(drawing.urdf("O"))
 
 
-def test_cassie_is_read_as_it_is_written(load):
+def test_cassie_is_read_as_it_is_written():
     """With every joint turned back to the pose of the SDF, all masses are where that has them: 3e-6 m, for its quarter turns are rounded.
 
     There the ball joints are closed by definition.
     """
     text = cassie.urdf()
-    model = load(text).model
+    model = texts.load(text).model
     data = model.createData()
     back = pin.integrate(model, pin.neutral(model), np.array([-cassie.drawn(name) for name in list(model.names)[1:]]))
     apart, _ = Loops(text, model).gaps(back)

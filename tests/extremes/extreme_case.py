@@ -4,14 +4,10 @@ Every case has an expectation that owes nothing to what is judged: a closed form
 or method. "It did not crash" is none.
 """
 
-import atexit
 import math
 import re
-import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -136,17 +132,9 @@ def lever(result: pp.Reactions) -> float:
     return 0.0 if motion._guide is None else float(np.abs(motion.slide_velocity / motion.crank_speed).max())
 
 
-@cache
-def folder() -> Path:
-    """For linkages that are loaded from texts; it goes with the process."""
-    made = tempfile.TemporaryDirectory()
-    atexit.register(made.cleanup)
-    return Path(made.name)
-
-
 def loaded(text: str, gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)) -> pp.Linkage:
     """The linkage of a text; of a same text the same one."""
-    return texts.load(text, folder(), gravity)
+    return texts.load(text, gravity)
 
 
 def shipped(name: str) -> pp.Linkage:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from extremes.extreme_case import ROUNDING, Case, Outcome, compare, folder, largest, loaded, shipped
+from extremes.extreme_case import ROUNDING, Case, Outcome, compare, largest, loaded, shipped
 from extremes.extreme_crank_slide import CrankSlider, spinning
 from extremes.extreme_sizes import of_size
 from support.generators.small_linkages import bolted
@@ -104,7 +104,7 @@ MUS = (0.0, *(10.0**power for power in range(-14, -1, 2)))
 def pressed(which: str) -> pp.Linkage:
     if which == "upright":
         return shipped(SIX)
-    return bolted(shipped(SIX), "0.3 0.2 0.1", folder()) if which == "tilted" else of_size(2.0**-20, 3)
+    return bolted(shipped(SIX), "0.3 0.2 0.1") if which == "tilted" else of_size(2.0**-20, 3)
 
 
 @cache

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from extremes.extreme_case import METHODS, ROUNDING, Case, Outcome, compare, folder, largest, loaded, shipped, worst
+from extremes.extreme_case import METHODS, ROUNDING, Case, Outcome, compare, largest, loaded, shipped, worst
 from extremes.extreme_crank_slide import spinning
 from support.generators.random_linkages import momentum_balance, newton_euler
 from support.generators.redundant_linkages import three_cranks
@@ -88,7 +88,7 @@ ANGLES = ("0.3 0 0", "0 0.7 0", "0 0 2.1", "1 -2 0.5", "3.14159 0.01 -1.5")  # r
 
 @cache
 def askew(name: str, rpy: str, gravity: tuple[float, float, float]) -> pp.Linkage:
-    return bolted(shipped(name), rpy, folder(), gravity=gravity)
+    return bolted(shipped(name), rpy, gravity=gravity)
 
 
 def rotation(rpy: str) -> Any:

@@ -1,7 +1,6 @@
 """Least transmission angles of dyads, against closed forms of textbook mechanisms."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -67,9 +66,9 @@ def test_as_far_as_the_crank_turns() -> None:
     assert dyad.least_transmission_angle < 1e-3
 
 
-def test_what_has_none(tmp_path: Path) -> None:
+def test_what_has_none() -> None:
     """A loop that only adds constraint is no dyad; a spatial linkage has none."""
     two_point = pp.measures.least_transmission_angles(texts.shipped("jf75g_125_two_point"))
     assert [dyad.bearing for dyad in two_point] == ["P4_front", "P5"]
     with pytest.raises(pp.PinpressError, match="planar linkages with one driver"):
-        pp.measures.least_transmission_angles(texts.load(bennett(), tmp_path))
+        pp.measures.least_transmission_angles(texts.load(bennett()))

@@ -26,18 +26,13 @@ def name(request):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("period")
+def press(name):
+    return period_presses.repeating(name)
 
 
 @pytest.fixture(scope="module")
-def press(name, folder):
-    return period_presses.repeating(name, folder)
-
-
-@pytest.fixture(scope="module")
-def driven(folder):
-    return period_presses.geared_down(folder)
+def driven():
+    return period_presses.geared_down()
 
 
 @cache
@@ -113,13 +108,13 @@ def test_dead_centres_of_the_press_that_is_geared_down(driven):
     np.testing.assert_allclose([found.top_position, found.bottom_position], [alone.top_position, alone.bottom_position], atol=1e-15)
 
 
-def test_of_equal_dead_centres_the_first(folder):
+def test_of_equal_dead_centres_the_first():
     """The two halves of this linkage are one; what is geared to it comes back after two turns, the slide after one."""
     shaft = '<link name="cam"><inertial><origin xyz="0.1 0 0"/><mass value="2"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
     joint = '</inertial></link><joint name="G" type="continuous"><parent link="frame"/><child link="cam"/><origin xyz="0.6 0 0"/>'
     text = texts.shipped("crank_slide").text.decode()
     text = text.replace("</robot>", f'{shaft}{joint}<axis xyz="0 -1 0"/><mimic joint="O" multiplier="0.5"/></joint></robot>')
-    press = texts.load(text, folder)
+    press = texts.load(text)
     assert press.period_turns == 2
     found = pp.dead_centres(press)
     assert found.turns == 1
@@ -314,13 +309,13 @@ def test_ratings_of_a_press_that_is_geared_down(driven):
         assert str(mine).splitlines()[0] == str(theirs).splitlines()[0]  # as many strokes a minute
 
 
-def test_ratings_of_a_stroke_over_two_turns(folder):
+def test_ratings_of_a_stroke_over_two_turns():
     """Forces all the way down against inverse dynamics: what is permitted there just reaches a capacity."""
     from pinpress.loads.process import ConstantForce
     from pinpress.ratings.permissible_force import Capacities
     from pinpress.ratings.rating import rate
 
-    press = period_presses.repeating("half", folder)
+    press = period_presses.repeating("half")
     found = rate(press, SPEED, Capacities(1e6, torque=800.0, bearings={"S": 5e5}), at_speed=True, points=21)
     ends = pp.dead_centres(press)
     np.testing.assert_allclose(found.crank_angle[[0, -1]], [ends.top_angle, ends.bottom_angle], atol=1e-12)
@@ -332,12 +327,12 @@ def test_ratings_of_a_stroke_over_two_turns(folder):
         assert abs(max(reached.values()) - 1) < 1e-9
 
 
-def test_an_overload_in_any_turn_is_refused(folder):
+def test_an_overload_in_any_turn_is_refused():
     """Of a slow press, on the return stroke in the second turn: more than ever else."""
     from pinpress.ratings.permissible_force import Capacities
     from pinpress.ratings.rating import rate
 
-    press, slow = period_presses.repeating("half", folder), 3.0
+    press, slow = period_presses.repeating("half"), 3.0
     result = everywhere(press, slow)
     sizes = np.linalg.norm(result.bearing_force["O"], axis=1)
     since_top = (result.motion.crank_angle - pp.dead_centres(press).top_angle) % (4 * np.pi)

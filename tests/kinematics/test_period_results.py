@@ -35,13 +35,13 @@ def name(request):
 
 
 @pytest.fixture(scope="module")
-def press(name, folder):
-    return period_presses.repeating(name, folder)
+def press(name):
+    return period_presses.repeating(name)
 
 
 @pytest.fixture(scope="module")
-def driven(folder):
-    return period_presses.geared_down(folder)
+def driven():
+    return period_presses.geared_down()
 
 
 @pytest.fixture(scope="module")
@@ -49,9 +49,9 @@ def alone():
     return texts.shipped("crank_slide")
 
 
-def cam_shaft(folder, eccentricity):
+def cam_shaft(eccentricity):
     """The crank-slider with a shaft on no loop that turns half as fast."""
-    return texts.load(texts.shipped("crank_slide").text.decode().replace("</robot>", CAM.format(eccentricity)), folder)
+    return texts.load(texts.shipped("crank_slide").text.decode().replace("</robot>", CAM.format(eccentricity)))
 
 
 # Mounts
@@ -100,8 +100,8 @@ def test_vibration_over_all_turns(press):
 
 
 @pytest.mark.parametrize("name", ["half", "geared_down"])
-def test_vibration_of_a_run_that_is_steady(name, folder):
-    press = period_presses.repeating(name, folder)
+def test_vibration_of_a_run_that_is_steady(name):
+    press = period_presses.repeating(name)
     drive = pp.drives.InductionMotor(5e3, 40.0)
     loads = [pp.loads.ConstantForce(2e3, 0.02)]
     run = pp.steady_state(press, 39.5, drive=drive, flywheel=pp.drives.Flywheel(30.0), loads=loads, points=721)
@@ -131,9 +131,9 @@ def test_strokes_are_periods(press, name):
 
 
 @pytest.fixture(scope="module")
-def with_cam(folder):
+def with_cam():
     """The textbook crank-slider; an unbalanced shaft beside it turns half as fast."""
-    return cam_shaft(folder, 0.1)
+    return cam_shaft(0.1)
 
 
 def test_measures_of_a_slide_that_is_back_before_other_links(with_cam, alone):
@@ -202,9 +202,9 @@ def test_a_recording_is_closed_after_the_period(press, name, tmp_path):
     assert data_in(pp.record(press, longer, tmp_path / "longer.html"))["turn"] == 24 * turns + 1  # paths are drawn once
 
 
-def test_a_balanced_shaft_does_not_count_but_is_seen(folder, tmp_path):
+def test_a_balanced_shaft_does_not_count_but_is_seen(tmp_path):
     """One turn is a period of motion and forces; a picture of it does not come back before the shaft."""
-    press = cam_shaft(folder, 0.0)
+    press = cam_shaft(0.0)
     assert press.period_turns == 1
     one, two = pp.cycle(press, SPEED, points=24), pp.servo_cycle(press, speed=SPEED, angle=2 * np.pi * np.arange(48) / 24)
     torque = pp.inverse_dynamics(press, two).driving_torque
@@ -259,14 +259,14 @@ def test_a_report_beside_a_press_with_another_period(press, alone, tmp_path):
             )
 
 
-def test_a_balanced_shaft_that_carries_another_counts(folder):
+def test_a_balanced_shaft_that_carries_another_counts():
     """What it carries goes round with it."""
     carried = (
         '<link name="planet"><inertial><mass value="3"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>'
         '<joint name="H" type="continuous"><parent link="cam"/><child link="planet"/><origin xyz="0.2 0 0"/><axis xyz="0 -1 0"/>'
         '<mimic joint="O"/></joint></robot>'
     )
-    press = texts.load(cam_shaft(folder, 0.0).text.decode().replace("</robot>", carried), folder)
+    press = texts.load(cam_shaft(0.0).text.decode().replace("</robot>", carried))
     assert press.period_turns == 2
     motion = pp.cycle(press, SPEED)
     torque = pp.inverse_dynamics(press, motion).driving_torque
@@ -291,11 +291,11 @@ def test_what_an_arrangement_does_to_fractional_orders(press, name):
         assert max(change.before for change in vertical if change.order % 1) > 1.0
 
 
-def test_synthesis_judges_all_turns(folder):
+def test_synthesis_judges_all_turns():
     """The largest stroke of the slide's rod length within bounds is that of brute force at the bounds, over both turns."""
     from pinpress.synthesis.synthesis import synthesise
 
-    press = period_presses.repeating("half", folder)
+    press = period_presses.repeating("half")
     found = synthesise(
         press, {"P.frame.z": (-0.02, 0.0, 0.02)}, minimise=lambda trial: -measures.stroke(trial.motion), speed=SPEED, points=360
     )
@@ -305,9 +305,9 @@ def test_synthesis_judges_all_turns(folder):
     assert found.press.period_turns == 2
 
 
-def test_a_counterweight_that_is_back_later_is_refused_on_a_motion_that_is_shorter(folder):
+def test_a_counterweight_that_is_back_later_is_refused_on_a_motion_that_is_shorter():
     """Over one turn it could seem to do good, and harm in the next; over two turns it does no good, and stays away."""
-    press = cam_shaft(folder, 0.0)
+    press = cam_shaft(0.0)
     regions = [pp.balancing.CounterweightRegion("cam", (0.0, 50.0), radius=0.2)]
     with pytest.raises(pp.PinpressError, match=r"counterweight on a geared shaft .* only after 2 turns"):
         pp.balancing.balance(press, pp.cycle(press, SPEED, points=90), regions=regions, minimise=pp.balancing.Range("shaking_force", "x"))
@@ -361,8 +361,8 @@ def test_time_of_a_picture(degrees, speed, turns, time):
 # No period
 
 
-def test_a_linkage_that_is_never_back_has_no_dead_centres(folder):
-    press = period_presses.five_bar(0.5**0.5, folder)
+def test_a_linkage_that_is_never_back_has_no_dead_centres():
+    press = period_presses.five_bar(0.5**0.5)
     for ask in (pp.dead_centres, lambda press: pp.cycle(press, SPEED), lambda press: press.period_turns):
         with pytest.raises(pp.PinpressError, match="not back at its drawn pose after 16 turns"):
             ask(press)
@@ -371,11 +371,11 @@ def test_a_linkage_that_is_never_back_has_no_dead_centres(folder):
     np.testing.assert_allclose(some.shown_position, np.degrees(some.crank_angle))
 
 
-def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle(folder):
+def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle():
     """With short rods it turns 439 degrees backwards and locks: the turn that it makes is not said to be all."""
     links = "".join(period_presses.LINK.format(*link, 0.02) for link in period_presses.LINKS)
     text = period_presses.FIVE_BAR.format(links=links, ratio="0.5")
-    press = texts.load(text.replace("-0.35", "-0.15").replace("-0.28", "-0.08").replace("-0.65", "-0.45"), folder)
+    press = texts.load(text.replace("-0.35", "-0.15").replace("-0.28", "-0.08").replace("-0.65", "-0.45"))
     assert press.branch.angles[0] < -2 * np.pi
     assert pp.servo_cycle(press, speed=-SPEED, angle=-np.linspace(0.0, 7.0, 20)).period_turns is None
     for ask in (pp.dead_centres, lambda press: pp.cycle(press, SPEED), lambda press: pp.cycle(press, -SPEED)):
@@ -383,9 +383,9 @@ def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle(folder):
             ask(press)
 
 
-def test_a_turn_of_a_press_that_never_comes_back_is_not_measured(folder):
+def test_a_turn_of_a_press_that_never_comes_back_is_not_measured():
     """One turn of its crank ends where it began, the second is another one."""
-    press = period_presses.five_bar(0.5**0.5, folder)
+    press = period_presses.five_bar(0.5**0.5)
     turn = pp.servo_cycle(press, speed=1.0, angle=np.arange(360) * (2 * np.pi / 360))
     with pytest.raises(pp.PinpressError, match="the linkage of the motion has no period after which all is where it was"):
         pp.measures.stroke(turn)

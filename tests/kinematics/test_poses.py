@@ -11,11 +11,8 @@ from pinpress.kinematics.motion import bearing_points, loaded_bodies, poses
 
 
 @pytest.fixture(params=[*pp.presses(), "bennett"])
-def press(request, tmp_path):
-    if request.param != "bennett":
-        return texts.shipped(request.param)
-    (tmp_path / "bennett.urdf").write_text(bennett(), encoding="utf-8")
-    return pp.load(tmp_path / "bennett.urdf")
+def press(request):
+    return texts.load(bennett()) if request.param == "bennett" else texts.shipped(request.param)
 
 
 @pytest.mark.one_in(4)

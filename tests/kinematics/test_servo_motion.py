@@ -159,8 +159,8 @@ def test_a_missing_acceleration_gives_the_true_torque_and_work(press):
     assert abs(works[0]) < 1e-8 * largest < 1e-3 * abs(works[1])  # from rest to rest drive and weight do no work
 
 
-def test_two_drivers(tmp_path):
-    press, whole = two_cranks(tmp_path), swaying(np.linspace(0.0, 1.0, 80))
+def test_two_drivers():
+    press, whole = two_cranks(), swaying(np.linspace(0.0, 1.0, 80))
     both = {name: values if name == "time" else np.stack([values, -0.1 * values], axis=1) for name, values in whole.items()}
     derived = (
         moved(press, both, "angle", "time"),
@@ -640,9 +640,9 @@ def test_heights_that_are_no_motion(given, said):
         )
 
 
-def test_heights_of_several_drivers_or_without_a_slide(tmp_path):
+def test_heights_of_several_drivers_or_without_a_slide():
     with pytest.raises(pp.PinpressError, match="has 2 drivers"):
-        pp.servo_cycle(two_cranks(tmp_path), height=np.ones(9), flank="down", time=np.arange(9.0))
+        pp.servo_cycle(two_cranks(), height=np.ones(9), flank="down", time=np.arange(9.0))
 
 
 @examples(20)

@@ -490,8 +490,8 @@ def test_datum_is_bottom_dead_centre_or_the_loads_own():
     close(ours, expected)
 
 
-def test_linkage_that_locks_needs_a_datum(folder):
-    press = load(drawn_crank_slide(0.4, 0.3, np.eye(3), angle=0.4), folder)
+def test_linkage_that_locks_needs_a_datum():
+    press = load(drawn_crank_slide(0.4, 0.3, np.eye(3), angle=0.4))
     motion = pp.servo_cycle(press, angle=np.linspace(0.0, 0.2, 5), speed=1.0)
     with pytest.raises(pp.PinpressError, match=r"ElasticDie: drawn has no bottom dead centre .*; give datum=, a slide position \[m\]"):
         pp.inverse_dynamics(press, motion, [ElasticDie(0.1, 1e4)])
@@ -502,8 +502,8 @@ def test_linkage_that_locks_needs_a_datum(folder):
     close(loaded - idle, -force * motion.slide_velocity, 1e-12)
 
 
-def test_linkage_without_slide(folder):
-    press = load(four_bar(1.0, 0.3, 0.9, 0.8, 1.0).urdf("O"), folder)
+def test_linkage_without_slide():
+    press = load(four_bar(1.0, 0.3, 0.9, 0.8, 1.0).urdf("O"))
     motion = pp.cycle(press, 1.0, points=4)
     for given in (BLANKING, DeepDrawing(1.0, 1.0, datum=0.0), TimeForce(piling)):
         with pytest.raises(pp.PinpressError, match="four_bar has no slide"):

@@ -60,8 +60,8 @@ def run():
 
 
 @pytest.fixture(scope="module")
-def legs(tmp_path_factory):
-    press = texts.load(cassie.urdf(), tmp_path_factory.mktemp("cassie"))
+def legs():
+    press = texts.load(cassie.urdf())
     time, legs = np.linspace(0, 1, 20), np.ones(12)
     angle, speed, acceleration = (
         np.multiply.outer(law, legs) for law in (0.05 * np.sin(6 * time), 0.3 * np.cos(6 * time), -1.8 * np.sin(6 * time))
@@ -70,13 +70,13 @@ def legs(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def oddly_named(tmp_path_factory):
+def oddly_named():
     """The crank-slider with names that a URDF may have and Matplotlib would read as something else."""
     text = texts.shipped("crank_slide").text.decode()
     for old, new in zip(('"P"', '"O"', '"W"'), ("_P", "a$b_c^{$", "&lt;W &amp; co>"), strict=True):
         assert f"name={old}" in text
         text = text.replace(f"name={old}", f'name="{new}"')
-    press = texts.load(text, tmp_path_factory.mktemp("names"))
+    press = texts.load(text)
     return pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=36))
 
 

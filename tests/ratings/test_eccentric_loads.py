@@ -64,9 +64,9 @@ def test_gibs_of_a_planar_press_face_along_its_plane(name, axis):
         ).pressure.max() == pytest.approx(2e8, rel=1e-9)
 
 
-def test_gibs_of_a_press_that_leans(tmp_path):
+def test_gibs_of_a_press_that_leans():
     """By 0.2 rad about y, its guide with it: the gibs face 0.2 rad below x."""
-    press = bolted(shipped("crank_slide"), "0 0.2 0", tmp_path)
+    press = bolted(shipped("crank_slide"), "0 0.2 0")
     upright = eccentric_load(
         shipped("crank_slide"), at(shipped("crank_slide")), force=FORCE, offset=(0.02, 0.0, 0.0), guide=Guide(0.3, 0.1)
     )

@@ -58,18 +58,8 @@ def press():
 
 
 @pytest.fixture(scope="module")
-def loaded(tmp_path_factory):
-    def load(text):
-        file = tmp_path_factory.mktemp("simulation") / "linkage.urdf"
-        file.write_text(text, encoding="utf-8")
-        return pp.load(file)
-
-    return load
-
-
-@pytest.fixture(scope="module")
-def disc(loaded):
-    return loaded(DISC)
+def disc():
+    return texts.load(DISC)
 
 
 def zhang(press, duration, **options):
@@ -960,16 +950,16 @@ def test_both_methods_on_the_presses(name):
 
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("closing", ["spherical", "revolute", "fixed"])
-def test_both_methods_on_spatial_loops(loaded, closing):
-    press = loaded(four_bar(closing))
+def test_both_methods_on_spatial_loops(closing):
+    press = texts.load(four_bar(closing))
     spring = pp.loads.SpringDamper("frame", "rocker", 400.0, 20.0, 0.2, (0.3, 0.1, -0.4), (0.1, 0.02, 0.05))
     push = pp.loads.PointForce("front", (3.0, -2.0, 5.0), (0.05, 0.02, 0.0))
     both(press, 1.5, speed=6.0, drive=pp.drives.ConstantTorque(1.0), flywheel=pp.drives.Flywheel(2.0), loads=[spring, push])
 
 
-def test_both_methods_on_an_overclosed_loop(loaded):
+def test_both_methods_on_an_overclosed_loop():
     """Bennett's linkage: five equations of rank two."""
-    press = loaded(bennett())
+    press = texts.load(bennett())
     one, _ = both(
         press, 1.0, speed=8.0, flywheel=pp.drives.Flywheel(4.0), loads=[pp.loads.PointForce("link2", (3.0, -2.0, 5.0), (0.05, 0.1, 0.0))]
     )

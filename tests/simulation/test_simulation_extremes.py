@@ -66,16 +66,6 @@ def press():
     return texts.shipped("crank_slide")
 
 
-@pytest.fixture(scope="module")
-def loaded(tmp_path_factory):
-    def load(text):
-        file = tmp_path_factory.mktemp("extremes") / "linkage.urdf"
-        file.write_text(text, encoding="utf-8")
-        return pp.load(file)
-
-    return load
-
-
 def run(press, duration, sound=1e-8, **arguments):
     """A run that is finite and keeps its energy, but for ``sound`` of it."""
     result = pp.simulate(press, duration, **arguments)
@@ -574,27 +564,27 @@ def rod_of(length):
 
 
 @pytest.mark.parametrize("speed", [30.0, -30.0])
-def test_against_the_lock(loaded, speed):
+def test_against_the_lock(speed):
     """With a rod of 0.09 m the crank turns to asin 0.9 and no further."""
-    error = refused("lock", loaded(rod_of(0.09)), 2.0, speed=speed, flywheel=pp.drives.Flywheel(5.0))
+    error = refused("lock", texts.load(rod_of(0.09)), 2.0, speed=speed, flywheel=pp.drives.Flywheel(5.0))
     assert abs(abs(error.crank_angle) - math.asin(0.9)) < 1e-3
 
 
-def test_within_the_locks(loaded, method):
+def test_within_the_locks(method):
     """It swings as long as it does not reach them."""
-    press = loaded(rod_of(0.09))
+    press = texts.load(rod_of(0.09))
     first = run(press, 1.0, angle=0.3, method=method)
     assert np.abs(first.crank_angle).max() < 0.3 + 1e-9
 
 
 @pytest.mark.parametrize("speed", [3.0, -3.0])
-def test_a_four_bar_that_does_not_turn(loaded, speed):
-    press = loaded(random_linkages.four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"))
+def test_a_four_bar_that_does_not_turn(speed):
+    press = texts.load(random_linkages.four_bar(1.0, 0.8, 0.3, 0.7, 0.9).urdf("O"))
     refused("lock", press, 2.0, speed=speed, flywheel=pp.drives.Flywheel(10.0))
 
 
 @pytest.mark.parametrize("size", [1e-3, 100.0])
-def test_presses_of_all_sizes(press, loaded, method, size):
+def test_presses_of_all_sizes(press, method, size):
     """Lengths by a factor, masses by its cube: times are as its square root, all angles the same. (At 1 km the inertias are refused.)"""
 
     def scaled(match):
@@ -606,13 +596,13 @@ def test_presses_of_all_sizes(press, loaded, method, size):
     mine = [Blanking(5e3 * size**3, 0.05 * size, 0.02 * size, 1e3 * size**3), ElasticDie(0.01 * size, 1e6 * size**2, 1e3 * size**2.5)]
     one = [Blanking(5e3, 0.05, 0.02, 1e3), ElasticDie(0.01, 1e6, 1e3)]
     pace = math.sqrt(size)
-    result = run(loaded(text), pace, speed=10.0 / pace, flywheel=pp.drives.Flywheel(50.0 * size**5), loads=mine, **options)
+    result = run(texts.load(text), pace, speed=10.0 / pace, flywheel=pp.drives.Flywheel(50.0 * size**5), loads=mine, **options)
     expected = run(press, 1.0, speed=10.0, flywheel=pp.drives.Flywheel(50.0), loads=one, **options)
     assert np.abs(result.crank_angle - expected.crank_angle).max() < CLOSE
 
 
 @pytest.mark.parametrize("ratio", [0.5, -1.5, 0.7071])
-def test_a_period_of_several_turns(loaded, method, ratio):
+def test_a_period_of_several_turns(method, ratio):
     """A geared shaft with its mass off centre; with the last ratio nothing comes again for thousands of turns, and there is no table."""
     shaft = (
         '<link name="shaft"><inertial><origin xyz="0.05 0 0"/><mass value="50"/>'
@@ -620,7 +610,7 @@ def test_a_period_of_several_turns(loaded, method, ratio):
         '<joint name="S" type="continuous"><parent link="frame"/><child link="shaft"/><origin xyz="0.5 0 0" rpy="0 1.5707963267948966 0"/>'
         '<axis xyz="0 -1 0"/><mimic joint="O" multiplier="RATIO"/></joint></robot>'
     )
-    press = loaded(TEXT.replace("</robot>", shaft.replace("RATIO", str(ratio))))
+    press = texts.load(TEXT.replace("</robot>", shaft.replace("RATIO", str(ratio))))
     scene = {"speed": 10.0, "flywheel": pp.drives.Flywheel(50.0), "loads": [ConstantForce(2e3, 0.05)], "method": method}
     if method == "reduced" and ratio == 0.7071:
         with pytest.raises(pp.SimulationError, match="use method='constraint'"):

@@ -7,18 +7,20 @@ from pathlib import Path
 
 import pinpress as pp
 
+FILES = tempfile.TemporaryDirectory(prefix="pinpress-linkages-")
+
 
 @cache
-def load(text, folder, gravity=(0.0, 0.0, -9.81)):
-    """The linkage of a text, by way of a file of its own in a folder."""
-    file = Path(tempfile.mkdtemp(dir=folder)) / "linkage.urdf"
+def load(text, gravity=(0.0, 0.0, -9.81), **options):
+    """The linkage of a text, by way of a file of its own. It is read-only, so that tests can share it and what it has found out."""
+    file = Path(tempfile.mkdtemp(dir=FILES.name)) / "linkage.urdf"
     file.write_text(text, encoding="utf-8")
-    return pp.load(file, gravity=gravity)
+    return pp.load(file, gravity=gravity, **options)
 
 
 @cache
 def shipped(name, gravity=(0.0, 0.0, -9.81)):
-    """A shipped press: a linkage is read-only, so that tests can share one, and what it has found out about itself."""
+    """A shipped press; see `load`."""
     return pp.load(name, gravity=gravity)
 
 

@@ -166,9 +166,9 @@ def test_refused(arguments, words):
         operating_points(**given)
 
 
-def test_several_drivers_are_refused(tmp_path):
+def test_several_drivers_are_refused():
     with pytest.raises(pp.PinpressError, match="geared has 2 drivers: operating points are of a press with one"):
-        operating_points(two_cranks(tmp_path), [7.0])
+        operating_points(two_cranks(), [7.0])
 
 
 def test_an_elastic_die_pushes_in_proportion():

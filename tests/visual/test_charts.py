@@ -39,17 +39,12 @@ UNITS = {"µm": 1e-6, "mm": 1e-3, "m": 1.0, "N": 1.0, "kN": 1e3, "MN": 1e6, "N m
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("charts")
+def legs():
+    return texts.load(cassie.urdf())
 
 
-@pytest.fixture(scope="module")
-def legs(folder):
-    return texts.load(cassie.urdf(), folder)
-
-
-def rotor(folder, more=""):
-    return texts.load(ROTOR.replace("MORE", more), folder)
+def rotor(more=""):
+    return texts.load(ROTOR.replace("MORE", more))
 
 
 def turn(name, speed=70.0, **more):
@@ -94,8 +89,8 @@ def series(found, angle):
 # Harmonics
 
 
-def test_a_rotating_unbalance_has_one_order(folder):
-    press = rotor(folder)
+def test_a_rotating_unbalance_has_one_order():
+    press = rotor()
     motion = pp.cycle(press, SPEED, points=24)
     found = harmonics(motion, pp.inverse_dynamics(press, motion).shaking_force)
     force = MASS * RADIUS * SPEED**2
@@ -198,10 +193,10 @@ def test_no_full_turn(legs):
 
 
 @pytest.mark.parametrize(("ratio", "turns"), [("0.5", 2), ("-2", 1), ("1.2", 5), ("3", 1)])
-def test_a_geared_shaft_is_back_after_whole_turns(folder, ratio, turns):
+def test_a_geared_shaft_is_back_after_whole_turns(ratio, turns):
     """The shaft's unbalance, at the speed of its own, is of the order of its ratio, a fraction too; so are those of the disc and of a run
     through two periods, whose last one counts."""
-    press = rotor(folder, SHAFT.replace("RATIO", ratio))
+    press = rotor(SHAFT.replace("RATIO", ratio))
     motion = pp.cycle(press, SPEED, points=90 * turns)
     assert is_cycle(motion)
     longer = pp.servo_cycle(press, speed=SPEED, angle=np.linspace(0.0, 4 * np.pi * turns, 180 * turns + 1))
@@ -216,17 +211,17 @@ def test_a_geared_shaft_is_back_after_whole_turns(folder, ratio, turns):
     assert harmonics(pp.servo_cycle(press, speed=SPEED, angle=np.linspace(0.0, 2 * np.pi * turns - 0.1, 90)), np.zeros((90, 3))) is None
 
 
-def test_an_unbalanced_shaft_that_is_never_back_has_no_period(folder):
+def test_an_unbalanced_shaft_that_is_never_back_has_no_period():
     """With 101 turns to 100; balanced it does not matter where it is."""
     shaft = SHAFT.replace("RATIO", "1.01")
     with pytest.raises(pp.PinpressError, match="rotor has no period: an unbalanced shaft"):
-        pp.cycle(rotor(folder, shaft), SPEED)
-    somewhere = pp.servo_cycle(rotor(folder, shaft), speed=SPEED, angle=np.linspace(0.0, 7.0, 50))
+        pp.cycle(rotor(shaft), SPEED)
+    somewhere = pp.servo_cycle(rotor(shaft), speed=SPEED, angle=np.linspace(0.0, 7.0, 50))
     assert somewhere.period_turns is None
     assert harmonics(somewhere, np.zeros((50, 3))) is None
-    balanced = pp.cycle(rotor(folder, shaft.replace('"0.1 0 0"', '"0 0.1 0"')), SPEED)
+    balanced = pp.cycle(rotor(shaft.replace('"0.1 0 0"', '"0 0.1 0"')), SPEED)
     assert balanced.period_turns == 1
-    uneven = rotor(folder, shaft.replace('"0.1 0 0"', '"0 0.1 0"').replace('izz="0.1"', 'izz="0.15"'))
+    uneven = rotor(shaft.replace('"0.1 0 0"', '"0 0.1 0"').replace('izz="0.1"', 'izz="0.15"'))
     with pytest.raises(pp.PinpressError, match="rotor has no period"):
         pp.cycle(uneven, SPEED)
 
@@ -372,9 +367,9 @@ def test_held_moments():
     np.testing.assert_allclose(np.abs(sum(held.values())).max(axis=0) > 1.0, [True, False, False])
 
 
-def test_a_pin_in_space_holds_all_moments_but_the_one_about_its_axis(folder):
+def test_a_pin_in_space_holds_all_moments_but_the_one_about_its_axis():
     """Of a loop's pin too: without friction there is none about its axis, so that nothing is left out."""
-    press = texts.load(bennett(), folder)
+    press = texts.load(bennett())
     result = pp.inverse_dynamics(press, pp.cycle(press, 9.0, points=12))
     (loop,) = press.loops
     moment = result.bearing_moment[loop.name]
@@ -389,9 +384,9 @@ def test_a_pin_in_space_holds_all_moments_but_the_one_about_its_axis(folder):
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("yaw", [0.4, 1.2, 2.0, 2.8, -0.4, -1.2, -2.0, -2.8])
 @pytest.mark.parametrize("roll", [0.5, 2.5])
-def test_locus_in_an_inclined_plane(tmp_path, roll, yaw):
+def test_locus_in_an_inclined_plane(roll, yaw):
     """The press's plane, x-z of its frame, leans: axes are its horizontal, along its larger component, and its slope."""
-    press = bolted(texts.shipped("crank_slide"), f"{roll} 0 {yaw}", tmp_path)
+    press = bolted(texts.shipped("crank_slide"), f"{roll} 0 {yaw}")
     result = pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12))
     found = charts.locus(result, "P")
     slope = np.array([np.sin(yaw) * np.sin(roll), -np.cos(yaw) * np.sin(roll), np.cos(roll)])  # the frame's z in the world
@@ -404,8 +399,8 @@ def test_locus_in_an_inclined_plane(tmp_path, roll, yaw):
 
 
 @pytest.mark.parametrize(("rpy", "axes"), [("1.5707963267948966 0 0", ("x", "y")), ("0 0 1.5707963267948966", ("y", "z"))])
-def test_locus_in_a_plane_of_world_axes(tmp_path, rpy, axes):
-    press = bolted(texts.shipped("crank_slide"), rpy, tmp_path)
+def test_locus_in_a_plane_of_world_axes(rpy, axes):
+    press = bolted(texts.shipped("crank_slide"), rpy)
     assert charts.locus(pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12)), "P").axes == axes
 
 
@@ -434,8 +429,8 @@ def test_locus_in_axes_of_the_link(name):
         np.testing.assert_allclose(factor * found.frame, result.bearing_force[bearing][:, [0, 2]], atol=1e-8 * 1e5)
 
 
-def test_locus_of_an_unbalance_stands_still_in_the_link(folder):
-    press = rotor(folder)
+def test_locus_of_an_unbalance_stands_still_in_the_link():
+    press = rotor()
     motion = pp.cycle(press, 9e3 * pp.RPM, points=60)
     found = charts.locus(pp.inverse_dynamics(press, motion), "O")
     assert (found.link, found.unit) == ("disc", "kN")
@@ -504,8 +499,8 @@ def test_extremes_against_the_columns():
     assert {f"force in {name}, magnitude" for name in press.bearings} <= table.keys()
 
 
-def test_rms_of_an_unbalance(folder):
-    press = texts.load(ROTOR.replace("MORE", ""), folder, gravity=(0.0, 0.0, 0.0))
+def test_rms_of_an_unbalance():
+    press = texts.load(ROTOR.replace("MORE", ""), gravity=(0.0, 0.0, 0.0))
     result = pp.inverse_dynamics(press, pp.cycle(press, -SPEED, points=16))
     table = {row.quantity: row for row in extremes(result)}
     force = MASS * RADIUS * SPEED**2

@@ -36,8 +36,8 @@ def test_of_shipped_presses_it_is_what_pinocchio_reads(name):
 
 
 @pytest.mark.parametrize("text", [bennett(), four_bar(1.0, 0.3, 0.9, 0.7, 0.5).urdf("O")])
-def test_links_without_visuals_have_the_shapes_of_a_recording(text, tmp_path):
-    press = texts.load(text, tmp_path)
+def test_links_without_visuals_have_the_shapes_of_a_recording(text):
+    press = texts.load(text)
     motion = pp.servo_cycle(press, angle=np.linspace(0.0, 0.3, 5), speed=1.0)
     drawn = bodies(press, motion.joint_position)
     found = objects(pp.visual_model(press, motion))
@@ -53,11 +53,11 @@ def test_links_without_visuals_have_the_shapes_of_a_recording(text, tmp_path):
             assert_array_equal(found[f"{body.name}_{k}"].meshColor, part.rgba)
 
 
-def test_rails_are_as_long_as_the_travel_of_all_crank_angles(tmp_path):
+def test_rails_are_as_long_as_the_travel_of_all_crank_angles():
     text = texts.shipped("crank_slide").text.decode()
     while "<visual" in text:
         text = text[: text.index("<visual")] + text[text.index("</visual>") + len("</visual>") :]
-    press = texts.load(text, tmp_path)
+    press = texts.load(text)
     turn = objects(pp.visual_model(press, pp.cycle(press, speed=1.0, points=3600)))
     short = objects(pp.visual_model(press, pp.servo_cycle(press, angle=[0.0, 0.1], speed=1.0)))
     longest = [each for each in turn if turn[each].geometry != short[each].geometry]
@@ -67,8 +67,8 @@ def test_rails_are_as_long_as_the_travel_of_all_crank_angles(tmp_path):
             assert_allclose(each.geometry.halfSide, turn[name].geometry.halfSide, rtol=1e-4)
 
 
-def test_several_drivers(tmp_path):
-    assert pp.visual_model(two_cranks(tmp_path)).ngeoms == 3
+def test_several_drivers():
+    assert pp.visual_model(two_cranks()).ngeoms == 3
 
 
 def test_meshes_are_in_it(tmp_path: Path):

@@ -530,7 +530,7 @@ def test_states_that_are_too_far_apart(press: Any, tmp_path: Path) -> None:
 @pytest.mark.parametrize("turned", ["0 0 3.141592653589793", "0 0 -1.5707963267948966", "0 0 1.5707963267948966"])
 def test_a_press_is_seen_from_its_front(turned: str, tmp_path: Path) -> None:
     """The ZXN2's frame is a wall behind its links, which face -y as drawn."""
-    turned_press = bolted(texts.shipped("zxn2_3000b"), turned, tmp_path)
+    turned_press = bolted(texts.shipped("zxn2_3000b"), turned)
     data = data_in(pp.record(turned_press, pp.cycle(turned_press, speed=SPEED, points=36), tmp_path / "out.html"))
     yaw = float(turned.split()[2])
     assert_allclose(data["front"], [np.sin(yaw), -np.cos(yaw), 0], atol=1e-9)
@@ -592,14 +592,14 @@ def test_import_leaves_meshcat_alone() -> None:
 def test_a_turn_after_which_the_linkage_is_elsewhere_is_not_closed(tmp_path: Path) -> None:
     """With a gear ratio of 1:2 the wheel has turned half; with 2:1 it is back."""
     for multiplier, keys in (("-0.5", 8), ("-2", 9)):
-        press = geared(tmp_path, f'<mimic joint="fast" multiplier="{multiplier}"/>', "fast")
+        press = geared(f'<mimic joint="fast" multiplier="{multiplier}"/>', "fast")
         data = data_in(pp.record(press, pp.cycle(press, speed=SPEED, points=8), tmp_path / "out.html"))
         assert len(data["time"]) == keys
 
 
 def test_several_drivers(tmp_path: Path) -> None:
     """The angle of the first one is shown; a picture of such a linkage is in tests/visual/test_report.py."""
-    press = two_cranks(tmp_path)
+    press = two_cranks()
     time = np.linspace(0, 1, 9)
     motion = pp.servo_cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 9, time=time)
     assert_allclose(data_in(pp.record(press, motion, tmp_path / "two.html"))["crank"], np.degrees(time), atol=1e-4)

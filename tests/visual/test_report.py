@@ -314,11 +314,11 @@ def test_what_rigid_mechanics_leaves_open_is_said(tmp_path: Path) -> None:
         assert any("force" in bearing["open"] for bearing in bearings) is expected
 
 
-def test_tilted_press_has_whole_polar_diagrams(press: Any, result: Any, tmp_path: Path) -> None:
+def test_tilted_press_has_whole_polar_diagrams(press: Any, result: Any) -> None:
     """A force in a tilted plane is as long in the polar diagram as it is."""
     from pinpress.visual.charts import locus
 
-    tilted = bolted(press, "0.4 0.3 0.7", tmp_path, gravity=(0, 0, 0))
+    tilted = bolted(press, "0.4 0.3 0.7", gravity=(0, 0, 0))
     its = pp.inverse_dynamics(tilted, pp.cycle(tilted, speed=SPEED, points=36))
     for name, force in its.bearing_force.items():
         found = locus(its, name)
@@ -365,7 +365,7 @@ def see_movement(page: Any, times: Any, least: int) -> None:
 @pytest.mark.exhaustive
 def test_several_drivers(tmp_path: Path, view: Callable[..., Any]) -> None:
     """Two cranks on one frame: a curve of torque for each, over time."""
-    press = two_cranks(tmp_path)
+    press = two_cranks()
     time = np.linspace(0, 1, 30)
     motion = pp.servo_cycle(press, angle=np.stack([time, -3 * time], axis=1), speed=[[1.0, -3.0]] * 30, time=time)
     result = pp.inverse_dynamics(press, motion)

@@ -1,7 +1,6 @@
 """Presses that repeat themselves only after several turns of their driver: five-bars whose two cranks are geared, and the textbook
 crank-slider, whose crank a motor turns by a gear pair."""
 
-from pathlib import Path
 from typing import Any
 
 from support import texts
@@ -39,17 +38,17 @@ TURNS = {"half": 2, "third": 3, "one_and_a_half": 2, "geared_down": 3}
 """Name of a press -> turns of its driver in one period."""
 
 
-def repeating(name: str, folder: Path) -> Any:
+def repeating(name: str) -> Any:
     """A press of `TURNS`, by its name."""
-    return geared_down(folder) if name == "geared_down" else five_bar(RATIOS[name], folder)
+    return geared_down() if name == "geared_down" else five_bar(RATIOS[name])
 
 
-def five_bar(ratio: float, folder: Path) -> Any:
+def five_bar(ratio: float) -> Any:
     """The right crank turns ``ratio`` times as fast as the left one."""
-    return texts.load(FIVE_BAR.format(links="".join(LINK.format(*link, 0.02) for link in LINKS), ratio=repr(ratio)), folder)
+    return texts.load(FIVE_BAR.format(links="".join(LINK.format(*link, 0.02) for link in LINKS), ratio=repr(ratio)))
 
 
-def geared_down(folder: Path) -> Any:
+def geared_down() -> Any:
     """The shipped crank-slider, its crank turned by a motor, the driver, three times as fast, whose rotor weighs next to nothing."""
     text = texts.shipped("crank_slide").text.decode()
     axis = '<axis xyz="0 -1 0"/>'
@@ -61,4 +60,4 @@ def geared_down(folder: Path) -> Any:
     ):
         assert text.count(old) == 1
         text = text.replace(old, new)
-    return texts.load(text, folder)
+    return texts.load(text)

@@ -1,9 +1,8 @@
 """Two shafts on one frame, geared or each with a drive of its own, with visuals; and presses bolted down askew."""
 
-from pathlib import Path
 from typing import Any
 
-import pinpress as pp
+from support import texts
 
 GEARED = """<robot name="geared">
   <link name="frame"><visual><geometry><box size="0.5 0.02 0.2"/></geometry></visual></link>
@@ -17,22 +16,18 @@ LINK = """<link name="{0}"><inertial><mass value="2"/><inertia ixx="1" ixy="0" i
     <visual><origin xyz="0.04 -0.03 0"/><geometry><box size="0.1 0.02 0.02"/></geometry></visual></link>"""
 
 
-def geared(folder: Path, mimic: str, *drivers: str) -> Any:
-    file = folder / "geared.urdf"
+def geared(mimic: str, *drivers: str) -> Any:
     drives = "".join(f'<transmission name="drive_{name}"><joint name="{name}"/></transmission>' for name in drivers)
-    file.write_text(GEARED.format(links=LINK.format("pinion") + LINK.format("wheel"), mimic=mimic, drives=drives), encoding="utf-8")
-    return pp.load(file)
+    return texts.load(GEARED.format(links=LINK.format("pinion") + LINK.format("wheel"), mimic=mimic, drives=drives))
 
 
-def two_cranks(folder: Path) -> Any:
+def two_cranks() -> Any:
     """Both driven."""
-    return geared(folder, "", "fast", "slow")
+    return geared("", "fast", "slow")
 
 
-def bolted(press: Any, rpy: str, folder: Path, **more: Any) -> Any:
+def bolted(press: Any, rpy: str, **more: Any) -> Any:
     """A shipped press whose frame is fixed to a floor at these angles [rad]."""
     bolts = f'<joint name="bolts" type="fixed"><parent link="floor"/><child link="frame"/><origin xyz="0 0 0" rpy="{rpy}"/></joint>'
     text = press.text.decode().replace('<link name="frame">', '<link name="floor"/>' + bolts + '<link name="frame">')
-    file = folder / "bolted.urdf"
-    file.write_text(text, encoding="utf-8")
-    return pp.load(file, **more)
+    return texts.load(text, **more)
