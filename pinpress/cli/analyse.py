@@ -26,6 +26,7 @@ from .options import (
     load_press,
     print_inputs,
     refuse_pages_without_folder,
+    with_zero,
     write_pages,
 )
 from .units import quantity
@@ -93,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _before(options: argparse.Namespace) -> Reactions:
-    press = load(options.before)
+    press = with_zero(load(options.before), options.zero)
     motion = cycle(press, speed=options.speed * RPM, points=_points(press, options))
     return inverse_dynamics(press, motion, **forces(options, press))
 

@@ -18,9 +18,20 @@ from ..common.quantities import RPM
 from ..dynamics.inputs import Inputs, motion_in_words, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
+from ..linkage.linkage import Linkage
 from ..linkage.writing import write_urdf
 from . import part_specs
-from .options import add_force_options, add_out_option, add_press_options, add_refused_option, load_press, loads, print_inputs, say_written
+from .options import (
+    add_force_options,
+    add_out_option,
+    add_press_options,
+    add_refused_option,
+    load_as_drawn,
+    loads,
+    print_inputs,
+    say_written,
+    with_zero,
+)
 from .units import quantity, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
@@ -108,7 +119,8 @@ def run(options: argparse.Namespace) -> int:
     regions = [_region(words) for words in options.region]
     minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
     acting = loads(options)
-    press = load_press(options)
+    as_drawn = load_as_drawn(options)
+    press = with_zero(as_drawn, options.zero)
     conditions = [OperatingCondition(cycle(press, speed * RPM, points=options.points), acting) for speed in options.speed]
     balanced = balance(press, conditions, regions=regions, minimise=minimise, limits=limits)
     if options.out is not None:
@@ -116,7 +128,7 @@ def run(options: argparse.Namespace) -> int:
     print(balanced)
     print_inputs(_inputs(balanced, options))
     if options.out is not None:
-        _write(balanced, options.out, options.report)
+        _write(balanced, as_drawn, options.out, options.report)
     return 0
 
 
@@ -131,9 +143,9 @@ def _inputs(balanced: BalancedPress, options: argparse.Namespace) -> Inputs:
     ]
 
 
-def _write(balanced: BalancedPress, folder: Path, with_report: bool) -> None:
-    """Write the files and say so."""
-    write_urdf(balanced.press, folder / "balanced.urdf")
+def _write(balanced: BalancedPress, as_drawn: Linkage, folder: Path, with_report: bool) -> None:
+    """Write the files and say so; ``as_drawn``: the press before, as its file draws it, which the balanced one's URDF does too."""
+    write_urdf(as_drawn.with_inertias(list(balanced.press.model.inertias), balanced.press.name), folder / "balanced.urdf")
     balanced.to_csv(folder / "balance.csv")
     balanced.counterweights.to_csv(folder / "counterweights.csv")
     written = ["balanced.urdf", "balance.csv", "counterweights.csv"]

@@ -11,24 +11,33 @@ from ..common import tables
 from ..common.errors import PinpressError
 from ..dynamics.inputs import Inputs
 from ..dynamics.inverse_dynamics import Reactions
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load, presses
 from ..loads.link import Friction, Load
 from . import part_specs
 
 SIGNS = """\
-angles are in degrees of the driver joint, 0 as the URDF draws it; forces are the action of parent on child (of a loop, of link1 on link2)
-in world axes, z up; the shaking force is the action of the machine on its foundation.
+angles are in degrees of the driver joint, 0 as the file draws it, or with --zero at a dead centre; forces are the action of parent on child
+(of a loop, of link1 on link2) in world axes, z up; the shaking force is the action of the machine on its foundation.
 """
+ZEROS = {"drawn": "the drawn pose", "tdc": "top dead centre", "bdc": "bottom dead centre"}
 FILE = f"pin table (.yaml), URDF, SDF or MJCF file, or the name of a shipped press: {', '.join(presses())}"
 
 
 def add_press_options(parser: argparse.ArgumentParser) -> None:
-    """Options of `load_press`: the file, the driver, the slide, and whether loops may be drawn far open."""
+    """Options of `load_press`: file, driver, slide, whether loops may be drawn far open, and where crank angles are 0."""
     parser.add_argument("file", metavar="FILE", help=FILE)
     parser.add_argument("--driver", metavar="JOINT", help="driven joint, where the URDF has no <transmission> or another is meant")
     parser.add_argument("--slide", metavar="LINK", help="slide, where it is not the link called slide")
     add_open_option(parser)
+    parser.add_argument(
+        "--zero",
+        choices=ZEROS,
+        default="drawn",
+        help="where crank angles are 0, those given, printed and written: as drawn, or at top or bottom dead centre; they rise where the"
+        " driver turns positively (default: %(default)s)",
+    )
 
 
 def add_open_option(parser: argparse.ArgumentParser) -> None:
@@ -46,12 +55,25 @@ def names_table(options: argparse.Namespace) -> bool:
 
 
 def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
-    """The press that the options name, built from a pin table or loaded from a URDF; ``more`` goes to `load`."""
+    """The press that the options name, with crank angles counted as they say; ``more`` goes to `load`."""
+    return with_zero(load_as_drawn(options, **more), options.zero)
+
+
+def load_as_drawn(options: argparse.Namespace, **more: Any) -> Linkage:
+    """The press that the options name, built from a pin table or loaded from a file in another format; ``more`` goes to `load`."""
     if names_table(options):
         from ..pin_table.building import build  # with a parser that a URDF does without
 
         return build(options.file, **more)
     return load(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open, **more)
+
+
+def with_zero(press: Linkage, zero: str) -> Linkage:
+    """The press with crank angles counted from where `ZEROS` says."""
+    if zero == "drawn":
+        return press
+    ends = dead_centres(press)
+    return press.drawn_at(ends.top_angle if zero == "tdc" else ends.bottom_angle, ZEROS[zero])
 
 
 def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True) -> None:

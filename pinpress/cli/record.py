@@ -36,7 +36,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--out", type=Path, metavar="HTML", help="write this page")
     option("--video", type=Path, metavar="MP4", help="write this film, .mp4 or .gif")
     option("--png", type=Path, metavar="PNG", help="write this picture")
-    option("--at", type=quantity("deg"), default=0.0, metavar="DEG", help="crank angle of the picture (default: 0, as the URDF draws it)")
+    option("--at", type=quantity("deg"), default=0.0, metavar="DEG", help="crank angle of the picture (default: 0)")
     option("--size", type=_size, metavar="WxH", help="size of film and picture, in pixels (default: 1280x720 and 1280x960)")
     option("--fps", type=int, default=30, metavar="N", help="frames per second of the film (default: %(default)s)")
     option(

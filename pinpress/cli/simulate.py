@@ -54,7 +54,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="RPM",
         help="crank speed at the start, or near that of the steady state, in r/min",
     )
-    option("--angle", type=quantity("deg"), default=0.0, metavar="DEG", help="crank angle at the start (default: 0, as the URDF draws it)")
+    option("--angle", type=quantity("deg"), default=0.0, metavar="DEG", help="crank angle at the start (default: 0)")
     until = parser.add_mutually_exclusive_group(required=True)
     until.add_argument("--duration", type=quantity("s"), metavar="S", help="length of the run, in s")
     until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")

@@ -26,6 +26,7 @@ class DriverCoordinate:
         effort_unit: SI unit of the effort.
         shown_unit: Unit in which messages and charts show the coordinate.
         scale: Shown units in one SI unit.
+        zero: Where the coordinate is 0, as in "top dead centre"; empty for the drawn pose.
     """
 
     position: str
@@ -34,6 +35,7 @@ class DriverCoordinate:
     effort_unit: str
     shown_unit: str
     scale: float
+    zero: str = ""
 
     @property
     def turns(self) -> bool:
@@ -46,18 +48,23 @@ class DriverCoordinate:
         return self.position.split()[0]
 
     @property
+    def counted(self) -> str:
+        """What the coordinate is called, and from where it is counted where that is not the drawn pose."""
+        return f"{self.position} from {self.zero}" if self.zero else self.position
+
+    @property
     def heads(self) -> tuple[tuple[str, str], ...]:
         """Names and units of columns of the coordinate, its rate and its acceleration."""
         part, unit = self.part, self.unit
-        return (self.position.replace(" ", "_"), unit), (f"{part}_speed", f"{unit}/s"), (f"{part}_acceleration", f"{unit}/s2")
+        return (self.counted.replace(" ", "_"), unit), (f"{part}_speed", f"{unit}/s"), (f"{part}_acceleration", f"{unit}/s2")
 
     def shown(self, value: float, digits: str = ".6g") -> str:
         """A coordinate in words: "30 deg", "12 mm"."""
         return f"{value * self.scale:{digits}} {self.shown_unit}"
 
     def at(self, value: float) -> str:
-        """A place in words: "crank angle 30 deg", "driver position 12 mm"."""
-        return f"{self.position} {self.shown(value)}"
+        """A place in words: "crank angle 30 deg", "driver position 12 mm", "crank angle 30 deg from top dead centre"."""
+        return f"{self.position} {self.shown(value)}" + (f" from {self.zero}" if self.zero else "")
 
 
 CRANK = DriverCoordinate("crank angle", "torque", "rad", "N m", "deg", 180 / np.pi)

@@ -64,9 +64,10 @@ def stated(how: str = "") -> tuple[str, str]:
 
 
 def of_press(press: Linkage) -> Inputs:
-    """The press, the file that it is from, and gravity where it is not the usual one."""
+    """The press, the file that it is from, and where crank angles are 0 and what gravity is, where they are not as usual."""
     drivers = ", ".join(press.drivers)
     rows = [("press", f"{press.name}, driven at {drivers}, slide {press.slide or 'none'}"), ("file", _file_in_words(press))]
+    rows += [("crank angles", f"counted from {press.zero}")] if press.zero else []
     gravity = tuple(float(part) for part in press.model.gravity.linear)
     return rows if gravity == STANDARD_GRAVITY else [*rows, ("gravity", f"{_numbers(np.array(gravity))} m/s2")]
 

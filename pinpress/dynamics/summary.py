@@ -26,7 +26,7 @@ def summary(press: Linkage, motion: Motion, reactions: Reactions) -> str:
     """
     lines = [
         f"{press.name}: {_speed(press, motion)}",
-        f"  {len(motion.crank_angle)} crank angles, engine {reactions.engine!r}",
+        f"  {len(motion.crank_angle)} crank angles{f' from {press.zero}' if press.zero else ''}, engine {reactions.engine!r}",
         *_slide(press, motion),
         *_torque(motion, reactions),
         *_gear_pairs(motion, reactions),
@@ -74,7 +74,7 @@ def _slide(press: Linkage, motion: Motion) -> list[str]:
             tables.entry(name, f"{np.degrees(angle):.3f}", "deg", f"at {time(angle):.6f} s")
             for name, angle in (("top dead centre", ends.top_angle), ("bottom dead centre", ends.bottom_angle))
         ),
-        tables.entry("as drawn (0 deg)", f"{1e3 * (motion.slide_position[0] - ends.bottom_position):.3f}", "mm"),
+        *([] if press.zero else [tables.entry("as drawn (0 deg)", f"{1e3 * (motion.slide_position[0] - ends.bottom_position):.3f}", "mm")]),
         tables.entry("working stroke", f"{100 * forward:.3f}", "%", f"of the time, {forward * period:.6f} s, {down}"),
         tables.entry("return stroke", f"{100 * (1 - forward):.3f}", "%", f"of the time, {(1 - forward) * period:.6f} s, {up}"),
         extreme("fastest, working stroke", -velocity, "m/s"),

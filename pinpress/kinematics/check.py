@@ -160,7 +160,10 @@ def check(
     moves.
 
     Args:
-        path, driver, slide, allow_open: as of `load`.
+        path: as of `load`.
+        driver: as of `load`.
+        slide: as of `load`.
+        allow_open: as of `load`.
 
     Raises:
         UrdfError: there is no such file.

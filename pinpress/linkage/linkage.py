@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common.arguments import numbers
+from ..common.arguments import number, numbers
 from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen
 from ..common.quantities import Array, DriverCoordinate
@@ -66,6 +66,7 @@ class Linkage(Frozen):
         couplings: gear pairs and the like.
         drivers: names of the driver joints, as many as degrees of freedom.
         slide: name of the slide link, None where the linkage has none.
+        zero: where the driver's coordinate is 0, as in "top dead centre"; empty for the pose that the file draws. See `drawn_at`.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Linkage(Frozen):
     couplings: tuple[Coupling, ...]
     drivers: tuple[str, ...]
     slide: str | None
+    zero: str = ""
 
     def __repr__(self) -> str:
         return f"<Linkage {self.name}: driver {', '.join(self.drivers)}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
@@ -114,7 +116,7 @@ class Linkage(Frozen):
     @property
     def driver_coordinates(self) -> tuple[DriverCoordinate, ...]:
         """What the coordinates of the drivers are: a crank angle [rad], or the position of a driver that slides [m]."""
-        return self.spatial_model.coordinates
+        return tuple(replace(each, zero=self.zero) for each in self.spatial_model.coordinates)
 
     @property
     def driver_indices(self) -> tuple[int, ...]:
@@ -349,6 +351,35 @@ class Linkage(Frozen):
         changed = replace(self, model=model, name=name or self.name)
         keep_geometry(changed, self)
         return changed
+
+    def drawn_at(self, angle: float, zero: str = "another pose") -> Linkage:
+        """The same linkage drawn at another crank angle, where its crank angle is then 0, as are all joint coordinates. Forces, links and
+        their frames are the same; `write_urdf` writes it in the new pose.
+
+        Args:
+            angle: of the driver [rad]; ``press.drawn_at(pp.dead_centres(press).top_angle, "top dead centre")`` counts from top dead centre.
+            zero: what the pose is called, in messages and in the names of columns.
+
+        Raises:
+            PinpressError: several drivers, one that slides, or an angle that is not finite or too large.
+            SingularityError: the linkage locks before it gets there.
+            AssemblyError: the loops do not close.
+        """
+        if len(self.drivers) > 1 or not self.driver_coordinates[0].turns:
+            raise PinpressError(f"{self.name} cannot be drawn at another crank angle: it takes one driver that turns")
+        angles = np.array([number("angle", angle)])
+        refuse_far("angle", angles, self.driver_coordinates)
+        moved = closed(self.engine(), self.spatial_model, self.branch_through_change_points, angles, self.name).position[:, 0]
+        model = self.model.copy()
+        for joint, (axis, slot, coordinate) in enumerate(zip(self.axes, self.slots, moved, strict=True), 1):
+            along = axis.direction * coordinate
+            step = pin.SE3(pin.exp3(along), np.zeros(3)) if axis.turns else pin.SE3(np.eye(3), along)
+            model.jointPlacements[joint] = model.jointPlacements[joint] * step
+            if not slot.unbounded:
+                model.lowerPositionLimit[slot.start] -= coordinate
+                model.upperPositionLimit[slot.start] -= coordinate
+        couplings = tuple(replace(coupling, offset=0.0) for coupling in self.couplings)
+        return replace(self, model=model, couplings=couplings, zero=zero)
 
     def configuration(self, angle: ArrayLike) -> Array:
         """Pinocchio's configuration q with the loops closed, in the drawn assembly. An unbounded joint has its cosine and sine in it.
