@@ -1,7 +1,7 @@
-"""What charts show of a motion and its reactions, in the units they show it in, apart from any drawing library.
+"""The contents of charts of a motion and its reactions, in the units of the charts, apart from any drawing library.
 
-Signs and axes as in `reactions`. Values that are rounding beside the largest bearing force of the motion (and, for moments, beside that
-force times the linkage's size) are zero here. Everything raises `PinpressError` for values that are not finite.
+Signs and axes are those of `Reactions`. Values that are rounding beside the largest bearing force of the motion (for moments, beside that
+force times the linkage's size) are zero here. All functions raise `PinpressError` for values that are not finite.
 """
 
 import math
@@ -21,7 +21,7 @@ from ..linkage import mobility
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
 
-UNITS = {  # quantity -> (up to which largest value, unit, how many of it an SI unit is)
+UNITS = {  # quantity -> (limit of the largest value in SI units, unit, number of it in an SI unit), ...
     "position": ((1e-4, "µm", 1e6), (10.0, "mm", 1e3), (math.inf, "m", 1.0)),
     "velocity": ((1e-2, "mm/s", 1e3), (math.inf, "m/s", 1.0)),
     "acceleration": ((1e-2, "mm/s²", 1e3), (math.inf, "m/s²", 1.0)),
@@ -37,8 +37,8 @@ class Curve:
     """One line of a chart.
 
     Attributes:
-        name: of what it shows.
-        values: (n,) in the chart's unit.
+        name: Name of the line.
+        values: (n,) values in the chart's unit.
     """
 
     name: str
@@ -50,10 +50,10 @@ class Chart:
     """Curves of one quantity, in one unit.
 
     Attributes:
-        title: of the chart.
-        quantity: one of `UNITS`.
-        unit: of all curves.
-        curves: at least one.
+        title: Title of the chart.
+        quantity: One of `UNITS`.
+        unit: Unit of all curves.
+        curves: One or more curves.
     """
 
     title: str
@@ -64,12 +64,12 @@ class Chart:
 
 @dataclass(frozen=True, eq=False)
 class Abscissa:
-    """What the states are drawn over.
+    """The quantity over which states are drawn.
 
     Attributes:
         quantity: "crank angle", "time" or "state".
         unit: "deg", "s" or, for numbers of states, empty.
-        values: (n,) in that unit.
+        values: (n,) values in that unit.
     """
 
     quantity: str
@@ -82,12 +82,12 @@ class Locus:
     """Polar diagram of a bearing's force: the path of its vector's tip.
 
     Attributes:
-        bearing: its name.
-        link: on which the force acts, `Linkage.bearings`' child or link2.
-        axes: names of the two axes, e.g. ("x", "z"), see `locus`.
-        unit: of the components.
+        bearing: Name of the bearing.
+        link: Link on which the force acts, the bearing's child or link2.
+        axes: Names of the two axes, such as ("x", "z"), see `locus`.
+        unit: Unit of the components.
         frame: (n, 2) components in world axes.
-        own: (n, 2) components in axes fixed to the link that are the world's in the drawn pose.
+        own: (n, 2) components in axes that are fixed to the link and coincide with the world's in the drawn pose.
     """
 
     bearing: str
@@ -99,13 +99,13 @@ class Locus:
 
 
 def abscissa(motion: Motion) -> Abscissa:
-    """Choose what a motion is drawn over.
+    """Choose the quantity over which a motion is drawn.
 
-    At most one period at constant speed is drawn over the unwrapped crank angle [deg], other motions over time [s]. States that are not in
-    time are drawn over the crank angle where it only rises or only falls, else over their numbers, from 0.
+    A motion of at most one period at constant speed is drawn over the unwrapped crank angle [deg], other motions over time [s]. States that
+    are not in time are drawn over the crank angle where it only rises or only falls, else over their numbers, from 0.
 
     Raises:
-        PinpressError: a value is not finite.
+        PinpressError: A value is not finite.
     """
     expect("motion", motion, Motion, "cycle or simulate")
     angle, speed = finite("crank angle", motion.crank_angle), finite("crank speed", motion.crank_speed)
@@ -123,7 +123,7 @@ def abscissa(motion: Motion) -> Abscissa:
 
 
 def slide(motion: Motion) -> tuple[Chart, ...]:
-    """Position, velocity and acceleration of the slide along its guide's axis; none of a linkage without a slide."""
+    """Charts of position, velocity and acceleration of the slide along its guide's axis; none for a linkage without a slide."""
     expect("motion", motion, Motion, "cycle or simulate")
     if motion._guide is None:
         return ()
@@ -132,7 +132,7 @@ def slide(motion: Motion) -> tuple[Chart, ...]:
 
 
 def crank_speed(motion: Motion) -> Chart | None:
-    """Speed of every driver, where one is not constant; else None."""
+    """Chart of the speed of every driver, where one is not constant; else None."""
     curves = _by_driver("crank speed", motion, motion.crank_speed)
     if all(is_constant(finite("crank speed", values)) for values in curves.values()):
         return None
@@ -140,7 +140,7 @@ def crank_speed(motion: Motion) -> Chart | None:
 
 
 def torque(reactions: Reactions) -> Chart:
-    """Driving torque, a curve a driver; of a `Run` also its drive's torque, which turns the flywheel too."""
+    """Chart of the driving torque, a curve a driver; for a `Run` also the torque of its drive, which turns the flywheel too."""
     motion = _motion_of(reactions)
     curves = _by_driver("driving torque", motion, torque_without_rounding(reactions))
     if isinstance(motion, Run):
@@ -156,7 +156,7 @@ def _motion_of(reactions: Reactions) -> Motion:
 
 
 def bearing(reactions: Reactions) -> Chart:
-    """Magnitude of the force in every bearing and guide."""
+    """Chart of the magnitude of the force in every bearing and guide."""
     least = rounding(reactions).force
     return _chart(
         "Bearing forces", "force", {name: np.linalg.norm(_clean(f, least), axis=1) for name, f in finite_forces(reactions).items()}
@@ -164,16 +164,16 @@ def bearing(reactions: Reactions) -> Chart:
 
 
 def components(reactions: Reactions, name: str) -> Chart:
-    """World components of the force in a bearing or guide; those that are zero throughout are left out, unless all are.
+    """Chart of the world components of the force in a bearing or guide; those that are zero throughout are left out, unless all are.
 
     Raises:
-        UnknownNameError: there is no such bearing.
+        UnknownNameError: There is no such bearing.
     """
     return _components(f"Force in {name}", "force", f"force in {name}", reactions.bearing_force[name], rounding(reactions).force)
 
 
 def bearing_moment(reactions: Reactions) -> Chart | None:
-    """Magnitudes of the moments that bearings and guides hold, see `held_moments`; None where none does."""
+    """Chart of the magnitudes of the moments that bearings and guides hold, see `held_moments`; None where none does."""
     least = rounding(reactions).moment
     sizes = {name: np.linalg.norm(_clean(moment, least), axis=1) for name, moment in held_moments(reactions).items()}
     holding = {name: size for name, size in sizes.items() if size.any()}
@@ -181,27 +181,27 @@ def bearing_moment(reactions: Reactions) -> Chart | None:
 
 
 def shaking(reactions: Reactions) -> Chart:
-    """World components of the shaking force; those that are zero throughout are left out, unless all are."""
+    """Chart of the world components of the shaking force; those that are zero throughout are left out, unless all are."""
     return _components("Shaking force", "force", "shaking force", reactions.shaking_force, rounding(reactions).force)
 
 
 def shaking_moment(reactions: Reactions) -> Chart:
-    """World components of the shaking moment about the world origin; those that are zero throughout are left out, unless all are."""
+    """Chart of the world components of the shaking moment about the world origin, without those that are zero, unless all are."""
     return _components("Shaking moment", "moment", "shaking moment", reactions.shaking_moment, rounding(reactions).moment)
 
 
 def locus(reactions: Reactions, name: str) -> Locus:
     """Polar diagram of a bearing's force.
 
-    That of a planar press is in its plane: along the plane's two world axes, or, where it is tilted, along its horizontal ("h") and the
-    direction up it ("u"). In space it is the projection on the two world axes along which the force ranges most.
+    The diagram of a planar press lies in its plane: along the plane's two world axes, or, where the plane is tilted, along its horizontal
+    ("h") and the direction up it ("u"). In space it is the projection on the two world axes along which the force ranges most.
 
     Args:
-        reactions: with this bearing.
-        name: of the bearing.
+        reactions: Reactions that have this bearing.
+        name: Name of the bearing.
 
     Raises:
-        UnknownNameError: there is no such bearing.
+        UnknownNameError: There is no such bearing.
     """
     motion, press = _motion_of(reactions), reactions._press
     if not isinstance(name, str) or name not in press.bearings:
@@ -220,7 +220,7 @@ def locus(reactions: Reactions, name: str) -> Locus:
 
 def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, str], Array]:
     """Names and world directions (2, 3) of a polar diagram's axes; forces (n, 3) below ``least`` are rounding."""
-    normals = press.engine().turning_axes()  # one, of a planar press
+    normals = press.engine().turning_axes()  # a planar press has one
     if len(normals) == 1 and np.abs(normals).max() < 1 - mobility.UPRIGHT:
         return ("h", "u"), mobility.own_axes(press)[[0, 2]]
     across = _least_moved(force, least) if len(normals) > 1 else int(np.abs(normals[0]).argmax())
@@ -229,16 +229,15 @@ def _directions(press: Linkage, force: Array, least: float) -> tuple[tuple[str, 
 
 
 def _least_moved(force: Array, least: float) -> int:
-    """The axis along which a force (n, 3) ranges least; of those alike but for rounding the one along which it is smaller, then y, for most
-    presses stand in the x-z plane."""
-    left = [1, 0, 2]
+    """The axis along which a force (n, 3) ranges least; where several are alike but for rounding, the one with the smaller force."""
+    left = [1, 0, 2]  # y first, as most presses stand in the x-z plane
     for sizes in (np.ptp(force, axis=0), np.abs(force).max(axis=0)):
         left = [axis for axis in left if sizes[axis] <= min(sizes[left]) + least]
     return left[0]
 
 
 def factor(quantity: str, unit: str) -> float:
-    """How many of a chart's unit an SI unit of the quantity is."""
+    """Number of a chart's unit in an SI unit of the quantity."""
     return next(factor for _, known, factor in UNITS[quantity] if known == unit)
 
 
@@ -249,12 +248,12 @@ def _components(title: str, quantity: str, name: str, vector: Array, least: floa
 
 
 def _clean(vector: Array, least: float) -> Array:
-    """The vector (n, 3) with those components zero that nowhere exceed rounding."""
+    """The vector (n, 3), with zeros for components that nowhere exceed rounding."""
     return np.where(np.abs(vector).max(axis=0) > least, vector, 0.0)
 
 
 def _by_driver(name: str, motion: Motion, values: Array) -> dict[str, Array]:
-    """Curve (n,) under its name; of several drivers (n, drivers), under theirs."""
+    """A curve (n,) by its name; for several drivers (n, drivers) curves by the names of the drivers."""
     return {name: values} if values.ndim == 1 else {driver: values[:, i] for i, driver in enumerate(motion.drivers)}
 
 

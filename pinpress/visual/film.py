@@ -31,11 +31,11 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, CDPSession, Page
 
 NO_FFMPEG = "films need imageio-ffmpeg, which is not installed; pip install 'pinpress[video]'"
-SHORTEST_FILM = 4.0  # s, below which a recording is slowed down
+SHORTEST_FILM = 4.0  # a shorter recording is slowed down [s]
 MOST_FRAMES = 36_000
-SMALLEST, LARGEST = 64, 4096  # pixels a side
+SMALLEST, LARGEST = 64, 4096  # sides of a picture [pixels]
 PNG = ".png"
-# The colours that players expect of a film; said in the file too, as some go by what it says.
+# The colours that players expect of a film. The file names them too, as some players go by that.
 BT709 = "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709"
 ENCODING = {  # by the file's suffix, for ffmpeg
     ".mp4": ("-vf", BT709, "-c:v", "libx264", "-crf", "18", "-movflags", "+faststart"),
@@ -49,10 +49,10 @@ NO_CHROMIUM = (
 )
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # by the processor: the same everywhere
-# tiles that are drawn again in part come out a little otherwise, from run to run
+# tiles that are drawn again in part differ a little from run to run
 FLAGS = (*DRAWN, "--disable-partial-raster", "--disable-dev-shm-usage", "--hide-scrollbars")
 LONGER_SIDE = 960.0
-PATIENCE = 120_000  # ms
+PATIENCE = 120_000  # time limit of each action in a page [ms]
 PLAYER = "[typeof duration, typeof seek, typeof setPlaying, typeof viewer].join() === 'number,function,function,object'"
 STILL = """() => {
     setPlaying(false);
@@ -145,7 +145,7 @@ def slow_enough(duration: float) -> float:
 
 
 def _frames(duration: float, slowdown: float, rate: int) -> int:
-    """Number of frames: the one after the last would show the end of the recording, to half a frame."""
+    """Number of frames; the frame after the last would show the end of the recording, to half a frame."""
     if not duration > 0:
         raise PinpressError("the recording is of one instant; there is nothing to film: take an image")
     frames = duration * slowdown * rate
@@ -158,11 +158,11 @@ def _frames(duration: float, slowdown: float, rate: int) -> int:
 
 @contextmanager
 def _encoder(program: str, target: Path, rate: int) -> Iterator[Callable[[bytes], None]]:
-    """A function that takes the film's frames, PNG; the film is complete at the end of the block."""
+    """A function that takes the film's frames as PNG; the film is complete at the end of the block."""
     source = ("-f", "image2pipe", "-framerate", str(rate), "-c:v", "png", "-i", "-")
     command = [program, "-y", "-hide_banner", "-loglevel", "error", *source, *ENCODING[target.suffix], "-an", "-bitexact", str(target)]
     with tempfile.TemporaryFile() as said:
-        # In a session of its own, so that Ctrl-C does not reach it before it reaches us.
+        # In a session of its own, so that Ctrl-C does not reach it before us.
         process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=said, start_new_session=True)
         assert process.stdin is not None
         pipe = process.stdin
@@ -186,7 +186,7 @@ def _encoder(program: str, target: Path, rate: int) -> Iterator[Callable[[bytes]
                 raise refusal()
         finally:
             process.kill()
-            with suppress(OSError):  # what it has not taken
+            with suppress(OSError):  # frames that it has not taken
                 pipe.close()
             process.wait()
 
@@ -217,11 +217,11 @@ def _size(size: object, step: int = 1) -> tuple[int, int]:
 
 @dataclass(frozen=True)
 class Screen:
-    """A recording, opened.
+    """A recording that is open in a browser.
 
     Attributes:
-        duration: of the recording [s].
-        picture: makes a PNG of what it shows at a time [s].
+        duration: Duration of the recording [s].
+        picture: Function that makes a PNG of the recording at a time [s].
     """
 
     duration: float
@@ -233,17 +233,17 @@ def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Scre
     """Open a recording in a browser, without its controls.
 
     Args:
-        page: the HTML file that `record` or `report` wrote.
-        size: width and height of the pictures, in pixels.
+        page: HTML file that `record` or `report` wrote.
+        size: Width and height of the pictures, in pixels.
 
     Raises:
-        PinpressError: no such file, or not one of these; Playwright or Chromium missing; anything that goes wrong in the page, now or
-            when a picture is taken.
+        PinpressError: There is no such file or it is no recording, Playwright or Chromium is missing, or the page fails, now or when a
+            picture is taken.
     """
     content, program = _content(page), _program()
     if importlib.util.find_spec("playwright") is None:
         raise PinpressError(NOT_INSTALLED)
-    # All in a thread of its own: Playwright's event loop cannot run inside another one, as a notebook has, and Ctrl-C must not strike it.
+    # A thread of its own: Playwright's event loop cannot run inside another one, as a notebook has, and Ctrl-C must not interrupt it.
     with ThreadPoolExecutor(1) as thread:
         opening = ExitStack()
         try:
@@ -271,9 +271,9 @@ class _Tab:
 
     def picture(self, time: float) -> bytes:
         self._do(self._page.evaluate, SHOW, time)
-        # Nearly all of the time is drawing: JPEG is not faster, and reading the canvas alone, without the labels over it, is slower.
+        # Drawing takes nearly all of the time: JPEG is not faster, and reading the canvas alone, without its labels, is slower.
         shot = self._do(self._devtools.send, "Page.captureScreenshot", {"format": "png", "optimizeForSpeed": True, "clip": self._clip})
-        if self._do(self._page.evaluate, LOST):  # of which the page says nothing
+        if self._do(self._page.evaluate, LOST):  # the page itself does not report it
             raise PinpressError(f"{self._name} was not drawn: Chromium has lost its WebGL context; try again, or a smaller size")
         return base64.b64decode(shot["data"])
 
@@ -292,7 +292,7 @@ class _Tab:
 def _open(opening: ExitStack, page: str | os.PathLike[str], content: str, program: str, size: tuple[int, int]) -> _Tab:
     from playwright.sync_api import Error, sync_playwright  # optional, and slow to import
 
-    root = hasattr(os, "geteuid") and os.geteuid() == 0  # for whom Chromium has no sandbox
+    root = hasattr(os, "geteuid") and os.geteuid() == 0  # Chromium has no sandbox for root
     try:
         playwright = opening.enter_context(sync_playwright())
         browser = playwright.chromium.launch(executable_path=program, args=list(FLAGS), chromium_sandbox=not root, handle_sigint=False)
@@ -314,7 +314,7 @@ def _open(opening: ExitStack, page: str | os.PathLike[str], content: str, progra
 def _close(browser: Browser) -> None:
     from playwright.sync_api import Error  # optional, and slow to import
 
-    with suppress(Error):  # it is gone already
+    with suppress(Error):  # it may be gone already
         browser.close()
 
 
@@ -340,5 +340,5 @@ def _program() -> str:
 
 
 def _line(message: str) -> str:
-    """The first line that says something of an error in Chromium or Playwright."""
+    """The first line with text of a message of Chromium or Playwright."""
     return next((line.strip() for line in message.splitlines() if line.strip()), "no reason given")

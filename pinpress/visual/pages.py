@@ -1,7 +1,7 @@
-"""Web pages that need nothing but themselves: templates, styles and scripts put together into one file.
+"""Self-contained web pages: templates, styles and scripts put together into one file.
 
-What is filled into a page is text of ours, JSON in which no tag can begin, or text with its ``<`` and ``&`` escaped: a link called
-``<script>`` stays text.
+A page is filled with text of ours, JSON in which no tag can begin, or text whose ``<`` and ``&`` are escaped: a link called ``<script>``
+stays text.
 """
 
 import base64
@@ -24,24 +24,27 @@ NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[
 
 
 def page(template: str, title: str, data: Mapping[str, Any], scripts: dict[str, str]) -> bytes:
-    """Make a page from the files of `templates/`: every ``{{name}}`` is replaced, once.
+    """Make a page from the files of `templates/`; every ``{{name}}`` is replaced once.
 
     Args:
-        template: name of an HTML file; ``{{file.css}}`` and ``{{file.js}}`` in it are files beside it.
-        title: any text.
-        data: for the page's own scripts, as JSON; its numbers must be finite.
-        scripts: libraries' text by name, see `as_script` and `as_text`.
+        template: Name of an HTML file; ``{{file.css}}`` and ``{{file.js}}`` in it are files beside it.
+        title: Any text.
+        data: Data for the page's own scripts, written as JSON.
+        scripts: Text of libraries by name, see `as_script` and `as_text`.
+
+    Raises:
+        PinpressError: A number of the data is not finite.
     """
     folder = importlib.resources.files(__package__) / "templates"
     fields = {"title": html.escape(title), "data": _as_json(data).replace("<", "\\u003c")}
 
     whole = re.sub(r"\{\{(\w+\.\w+)\}\}", lambda match: (folder / match[1]).read_text("utf-8"), (folder / template).read_text("utf-8"))
-    # in one pass, as what is filled in must not be searched
+    # in one pass, as the filled-in text must not be searched
     return re.sub(r"\{\{(\w+)\}\}", lambda match: (scripts | fields)[match[1]], whole).encode()
 
 
 def _as_json(data: Mapping[str, Any]) -> str:
-    """Raises PinpressError where a number is not finite."""
+    """Data as JSON. Raises PinpressError where a number is not finite."""
     parts = []
     for name, value in data.items():
         try:
@@ -55,7 +58,7 @@ def meshcat() -> dict[str, str]:
     """Meshcat's viewer and its licences.
 
     Raises:
-        PinpressError: it is not installed.
+        PinpressError: It is not installed.
     """
     root = _package("meshcat", NO_MESHCAT) / "viewer"
     licences = "\n".join((root / name).read_text("utf-8") for name in ("LICENSE", "dist/main.min.js.LICENSE.txt"))
@@ -66,14 +69,14 @@ def plotly() -> dict[str, str]:
     """Plotly's charts; the licence stands at the head of the script.
 
     Raises:
-        PinpressError: it is not installed.
+        PinpressError: It is not installed.
     """
     root = _package("plotly", NO_PLOTLY)
     return {"plotly": as_script((root / "package_data/plotly.min.js").read_text("utf-8"))}
 
 
 def _package(name: str, missing: str) -> Path:
-    """The folder of a package, which is found but not imported: Meshcat would bring a web server with it, Plotly much else."""
+    """The folder of a package, which is not imported: Meshcat would start a web server, Plotly import much else."""
     spec = importlib.util.find_spec(name)
     if spec is None or not spec.submodule_search_locations:
         raise PinpressError(missing)
@@ -81,20 +84,24 @@ def _package(name: str, missing: str) -> Path:
 
 
 def as_script(script: str) -> str:
-    """A script without what would end its element."""
+    """A script with the tags escaped that would end its element."""
     return re.sub(r"<(?=/script|!--)", r"\\x3c", script, flags=re.IGNORECASE)
 
 
 def as_text(text: str) -> str:
-    """Text as it stands in HTML."""
+    """Text escaped for HTML."""
     return html.escape(text, quote=False)
 
 
 def packed(values: Array, what: str) -> str:
-    """Numbers, in C order, as little-endian 32-bit floats in base64.
+    """Encode numbers in C order as little-endian 32-bit floats in base64.
+
+    Args:
+        values: Numbers of any shape.
+        what: Their name in messages.
 
     Raises:
-        PinpressError: ``what`` is not finite, or too large.
+        PinpressError: A number is not finite, or too large.
     """
     with np.errstate(over="ignore"):
         short = np.ascontiguousarray(values, dtype="<f4")

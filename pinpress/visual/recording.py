@@ -31,12 +31,12 @@ from .shapes import meshcat_commands
 from .shapes.appearance import Body, bodies
 from .shapes.bearing_layout import TOWARDS
 
-PER_TURN = 360  # between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
-FEWEST_PER_TURN = 36  # 0.4 %
-FARTHEST = np.pi / 2  # between states, which are joined by straight lines
-MOST = 20_000  # keeps the page of a long run below 20 MB
-BEHIND = 0.01  # of the linkage's size: by how much links are behind the frame to be looked at from there
-TOGETHER = 1e-6  # of the linkage's size: bearings that stay this close share a label
+PER_TURN = 360  # key frames a turn; between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
+FEWEST_PER_TURN = 36  # key frames a turn of a long motion; the pin leaves its circle by 0.4 %
+FARTHEST = np.pi / 2  # largest angle between states, which are joined by straight lines [rad]
+MOST = 20_000  # key frames; they keep the page of a long run below 20 MB
+BEHIND = 0.01  # share of the linkage's size by which links must stand behind the frame to be seen from there
+TOGETHER = 1e-6  # share of the linkage's size: bearings that stay this close share a label
 
 
 @typed
@@ -75,7 +75,18 @@ def record(
 def scene(
     press: Linkage, motion: Motion, frames: KeyFrames, reactions: Reactions | None, traces: Sequence[tuple[str, ArrayLike]]
 ) -> dict[str, Any]:
-    """What the page's player (`templates/playback.js`) shows, as JSON. Args and Raises as of `record`; ``frames`` are the motion's."""
+    """Data of the page's player (`templates/playback.js`).
+
+    Args:
+        press: As for `record`.
+        motion: As for `record`.
+        frames: Key frames of the motion.
+        reactions: As for `record`.
+        traces: As for `record`.
+
+    Raises:
+        PinpressError: As `record`.
+    """
     if reactions is not None:
         _refuse_other_reactions(press, motion, reactions)
     position = motion.joint_position[frames.states]
@@ -96,10 +107,14 @@ def scene(
 
 
 def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trace]:
-    """The points whose paths are drawn.
+    """The points whose paths are drawn: the slide's origin, if there is a slide, and the chosen ones.
+
+    Args:
+        press: The linkage.
+        chosen: Points, each the name of a link and x, y, z in its frame [m].
 
     Raises:
-        PinpressError: an unknown link, or a point that is none.
+        PinpressError: A link is unknown, or a point is not three finite numbers.
     """
     found = []
     if press.slide is not None:
@@ -114,11 +129,11 @@ def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trac
 
 @dataclass(frozen=True, eq=False)
 class KeyFrames:
-    """Key frames, k of them.
+    """Key frames, the k states of a motion that a recording shows.
 
     Attributes:
         states: (k,) indices of states of the motion.
-        time: (k,) times from the first one [s].
+        time: (k,) times, 0 at the first [s].
         crank: (k,) angles of the (first) driver [rad].
         slide: (k,) slide positions [m]; None where there is no slide.
         turn: Number of keys of one period, after which the linkage repeats its path; all of them where it does not.
@@ -132,7 +147,7 @@ class KeyFrames:
 
 
 def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
-    """Choose key frames: a motion of one period is closed to a loop, a long one is thinned to `PER_TURN` a turn of the crank.
+    """Choose key frames. A motion of one period is closed to a loop; a long one is thinned to `PER_TURN` a turn of the crank.
 
     Raises:
         PinpressError: The motion is of a linkage with other joints, has no times, states too far apart or more turns than a page holds, or
@@ -185,7 +200,7 @@ def _refuse_broken(motion: Motion, has_slide: bool) -> None:
 
 
 def _period(press: Linkage, motion: Motion) -> float | None:
-    """Crank angle after which all is where it was, balanced shafts too [rad]; None where it is not after a period of the motion."""
+    """Crank angle of the motion's period, if all bodies, balanced shafts too, are where they were after it [rad]; else None."""
     if motion.period_turns is None:
         return None
     period = 2 * np.pi * motion.period_turns
@@ -194,7 +209,7 @@ def _period(press: Linkage, motion: Motion) -> float | None:
 
 
 def _closing_time(time: Array, crank: Array, period: float) -> float | None:
-    """When the first point comes round again [s], if the motion is one period [rad] without its end point; else None."""
+    """Time at which the first state comes again [s], if the motion is one period [rad] without its end point; else None."""
     turned = abs(crank[-1] - crank[0])
     gap, step = period - turned, np.max(np.abs(np.diff(crank)), initial=0.0)
     return float(time[-1] * (1 + gap / turned)) if len(time) > 2 and 1e-6 * step < gap <= 1.001 * step else None
@@ -204,7 +219,7 @@ def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions
     """Refuse reactions that are not those to the motion of the press.
 
     Raises:
-        PinpressError: they are of another press or motion.
+        PinpressError: They are of another press or motion.
     """
     expect("reactions", reactions, Reactions, "inverse_dynamics")
     other, its = reactions.motion, reactions._press
@@ -228,25 +243,27 @@ def _series(frames: KeyFrames) -> dict[str, Any]:
 
 
 def _short(values: Array) -> list[float]:
-    """Numbers to nine digits: what a page needs, in half the characters."""
+    """Numbers to nine digits, which are enough for a page and take half the characters."""
     return [float(f"{value:.9g}") for value in values.tolist()]
 
 
 def _legend(drawn: Sequence[Body], of_body: dict[str, Array]) -> list[dict[str, str]]:
-    """The moving links with the colour that most of their parts have."""
+    """The moving links, each with the colour of most of its parts."""
     moving = [body for body in drawn if meshcat_commands.moves(of_body[body.name])]
     colours = (Counter(meshcat_commands.hexadecimal(part.rgba) for part in body.parts).most_common(1)[0][0] for body in moving)
     return [{"name": body.name, "colour": f"#{colour}"} for body, colour in zip(moving, colours, strict=True)]
 
 
 def _front(press: Linkage, at: Poses, drawn: Sequence[Body]) -> list[float]:
-    """Direction (3,) from which a press is looked at: the normal of its plane, on the side on which its moving links stand before the
-    frame, or on that of -y, but not from below; [] in space."""
+    """Direction (3,) from which one looks at a press; [] for a press in space.
+
+    It is the normal of the press's plane, on the side on which moving links stand before the frame, else on that of -y, but not from below.
+    """
     turning = [at.rotation[j, 0] @ axis.direction for j, axis in enumerate(press.axes, 1) if axis.turns]
     if not turning or any(np.linalg.norm(np.cross(turning[0], axis)) > 1e-6 for axis in turning):
         return []
     normal = turning[0] * (1.0 if turning[0] @ TOWARDS > 0 else -1.0)
-    heights: dict[bool, list[float]] = {True: [], False: []}  # of parts along the normal: of the frame's, of the moving links'
+    heights: dict[bool, list[float]] = {True: [], False: []}  # of parts of the frame, of moving links, along the normal
     for body in drawn:
         frame = press.model.frames[body.frame]
         places = [at.points(frame.parentJoint, frame.placement.act(part.placement[:3, 3]))[0] for part in body.parts]
@@ -257,7 +274,7 @@ def _front(press: Linkage, at: Poses, drawn: Sequence[Body]) -> list[float]:
 
 
 def _bearings(press: Linkage, at: Poses, frames: KeyFrames, reactions: Reactions | None) -> dict[str, Any]:
-    """Places (k, 3) at which bearings are, each once, and the bearings' names with their places and forces (k, 3)."""
+    """Places of bearings (k, 3), each once, and the bearings' names with their places and forces (k, 3)."""
     points = bearing_points(press, at)
     where, places = _merged(points, TOGETHER * press.size)
     return {
@@ -276,7 +293,7 @@ def _bearings(press: Linkage, at: Poses, frames: KeyFrames, reactions: Reactions
 
 
 def _merged(points: Array, near: float) -> tuple[list[int], list[int]]:
-    """For every bearing its place, and for every place its first bearing; points (bearings, k, 3)."""
+    """The place of each bearing, and the first bearing of each place, from points (bearings, k, 3)."""
     where: list[int] = []
     places: list[int] = []
     for number, path in enumerate(points):
@@ -292,7 +309,7 @@ def _packed_path(path: Array, what: str) -> str:
 
 
 def _shaking(reactions: Reactions | None, frames: KeyFrames) -> dict[str, Any]:
-    """The shaking force (k, 3), None without reactions, and the largest force of all that are shown [N]."""
+    """The shaking force (k, 3), None without reactions, and the largest of all forces shown [N]."""
     if reactions is None:
         return {"shaking": None, "peak": 0.0}
     force = reactions.shaking_force[frames.states]
@@ -302,10 +319,10 @@ def _shaking(reactions: Reactions | None, frames: KeyFrames) -> dict[str, Any]:
 
 
 def _traces(press: Linkage, at: Poses, frames: KeyFrames, chosen: Sequence[tuple[str, ArrayLike]]) -> dict[str, Any]:
-    """Paths (k, 3): of the slide's origin, if there is a slide, and of the chosen points, each a link and x, y, z in its frame [m].
+    """Paths (k, 3) of the slide's origin, if there is a slide, and of the chosen points.
 
     Raises:
-        PinpressError: an unknown link, or a point that is none.
+        PinpressError: A link is unknown, or a point is not three finite numbers.
     """
     paths = []
     for trace in traced(press, chosen):
@@ -318,9 +335,9 @@ class Trace(NamedTuple):
     """A point whose path is drawn.
 
     Attributes:
-        name: of the path.
-        link: on which the point is.
-        joint: in whose frame the point is fixed.
+        name: Name of the path.
+        link: Link on which the point is.
+        joint: Joint in whose frame the point is fixed.
         point: (3,) place in that frame [m].
     """
 

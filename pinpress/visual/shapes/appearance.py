@@ -21,8 +21,8 @@ from ...linkage.urdf.document import Element
 from .solids import Box, Cylinder, Mesh, Part, Shape, Sphere, part, read_mesh
 from .stand_ins import plain_parts
 
-UNPAINTED = (0.62, 0.65, 0.69, 1.0)  # a visual without a colour
-MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # of all links together: a page with more hardly opens in a browser
+UNPAINTED = (0.62, 0.65, 0.69, 1.0)  # colour of a visual that has none
+MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # in all links together; a page with more hardly opens in a browser
 SHAPES = "<mesh>, <box>, <cylinder> and <sphere>"
 
 
@@ -31,10 +31,10 @@ class Body:
     """A link that is shown.
 
     Attributes:
-        name: of the link.
-        frame: its index in the frames of the model.
-        parts: its solids, in the link's frame; at least one.
-        drawn: whether the parts are the URDF's visuals; else they are made up from the link's bearings.
+        name: Name of the link.
+        frame: Index of the link in the frames of the model.
+        parts: One or more solids in the link's frame.
+        drawn: Whether the parts are the URDF's visuals; else they are made up from the link's bearings.
     """
 
     name: str
@@ -47,14 +47,15 @@ def bodies(press: Linkage, joint_position: Array) -> tuple[Body, ...]:
     """The links of a press as solids, in document order.
 
     A link without `<visual>` is shown as bars between its bearings, a slide as a block, the frame as pedestals and rails. Links that
-    are fixed to others without having a bearing of their own are left out.
+    are fixed to others and have no bearing of their own are left out.
 
     Args:
-        joint_position: (n, nv) of a motion [rad or m]: rails are as long as these travels.
+        press: The linkage.
+        joint_position: (n, nv) joint positions of a motion, whose travels are the lengths of rails [rad or m].
 
     Raises:
-        PinpressError: joint positions of wrong shape or not finite; a visual that is not finite or of no size, or whose mesh cannot be
-            read; more visuals or triangles than a page can show.
+        PinpressError: Joint positions have a wrong shape or are not finite; a visual is not finite or has no size, or its mesh cannot be
+            read; or there are more visuals or triangles than a page can show.
     """
     travel = _travel(press, joint_position)
     robot = press.document.robot
@@ -73,18 +74,18 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
     """The shapes that `record` shows, as a `pinocchio.GeometryModel` that goes with ``press.model``.
 
     They are the boxes, cylinders, spheres and meshes of the URDF's ``<visual>``, and plain shapes of links that have none. Objects are
-    named as Pinocchio names them, "link_0", "link_1", ... of each link; meshes are in them, without the names of their files. Every call
+    named as Pinocchio names them, "link_0", "link_1", ... for each link; they hold their meshes without the names of the files. Every call
     makes new ones.
 
     Args:
-        press: the linkage.
-        motion: rails of plain shapes are as long as its travels. By default these are of all crank angles that the press can take; of a
-            press with several drivers there are none.
+        press: The linkage.
+        motion: Motion whose travels are the lengths of plain rails. By default the travels are those over all crank angles that the press
+            can take; those of a press with several drivers are zero.
 
     Raises:
-        PinpressError: a visual that is not finite or of no size, or whose mesh cannot be read; more visuals or triangles than a page can
-            show; a motion of other joints.
-        SingularityError: no motion is given, and the linkage locks at its drawn pose.
+        PinpressError: A visual is not finite or has no size, or its mesh cannot be read; there are more visuals or triangles than a page
+            can show; or the motion has other joints.
+        SingularityError: No motion is given, and the linkage locks at its drawn pose.
     """
     found = pin.GeometryModel()
     for body in bodies(press, _positions(press) if motion is None else motion.joint_position):
@@ -99,7 +100,7 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
 
 
 def _drawn(file: str, robot: Element, colours: Mapping[str, Array]) -> dict[str, tuple[Part, ...]]:
-    """The visuals of the links that have any, by their names; counted as they are read, so that too many never are in memory."""
+    """The visuals of links that have any, by the links' names; they are counted while they are read, so that memory is never short."""
     drawn, shapes, triangles = {}, 0, 0
     for link in robot.all("link"):
         parts = []
@@ -130,7 +131,7 @@ def _travel(press: Linkage, joint_position: Array) -> Array:
 
 
 def _materials(robot: Element) -> dict[str, Array]:
-    """Colours by the names of materials: global ones first, then those that a visual brings along, as in Pinocchio."""
+    """Colours by the names of materials: global ones first, then those within visuals, as in Pinocchio."""
     inside = (visual.all("material") for link in robot.all("link") for visual in link.all("visual"))
     colours: dict[str, Array] = {}
     for material in itertools.chain(robot.all("material"), *inside):
@@ -194,7 +195,7 @@ def _numbers(link: str, element: Element, name: str, default: str | None = None)
 
 
 def _positions(press: Linkage) -> Array:
-    """(n, nv) joint coordinates over all crank angles, near enough for the lengths of rails; of several drivers the drawn pose."""
+    """(n, nv) joint coordinates over all crank angles, exact enough for rails; for several drivers those of the drawn pose."""
     if len(press.drivers) > 1:
         return press.closed[None]
     branch = press.branch_through_change_points

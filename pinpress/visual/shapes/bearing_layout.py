@@ -1,4 +1,4 @@
-"""The skeleton that plain shapes are put on: where the links' bearings are in the drawn pose, for links to be drawn from."""
+"""The skeleton of plain shapes: where the links' bearings are in the drawn pose."""
 
 import math
 from collections.abc import Callable, Collection, Mapping
@@ -14,13 +14,13 @@ from ...engines.joints import data_of
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.reader import describe
 
-PARALLEL = 1e-6  # axes closer than this [rad] are drawn as parallel
-SAME = 1e-6  # of the size: points closer than this are drawn as one
-TOWARDS = np.array([0.1, -1.0, 0.5])  # from where one looks
-WIDTH, LEAST_WIDTH = 0.042, 0.03  # of a bar, of the size
-SLIDE = 0.15  # of the size: how far a slide reaches at most for its centre of mass
-LARGEST_DISC = 0.1  # of the size: radius of a disc in place of a link that goes nowhere
-SHORTEST = 0.5  # of the shortest link: the width of a bar, if that is between these
+PARALLEL = 1e-6  # axes closer than this are drawn as parallel [rad]
+SAME = 1e-6  # points closer than this share of the size are drawn as one
+TOWARDS = np.array([0.1, -1.0, 0.5])  # direction towards the viewer
+WIDTH, LEAST_WIDTH = 0.042, 0.03  # width of a bar, as a share of the size
+SLIDE = 0.15  # largest reach of a slide for its centre of mass, as a share of the size
+LARGEST_DISC = 0.1  # largest radius of the disc of a compact link, as a share of the size
+SHORTEST = 0.5  # width of a bar, as a share of the shortest link, if that is between the two widths
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +28,12 @@ class Bearing:
     """A joint or a cut loop in the drawn pose, world axes. Side 0 is the parent's or link1's, side 1 the child's or link2's.
 
     Attributes:
-        kind: "pin", "ball" (in space alone: it turns about all axes), "guide" (it slides) or "weld".
-        links: that need plain shapes; None for a side whose link does not.
-        on_frame: whether a side is fixed to the frame.
+        kind: "pin", "ball" (only in space; it turns about all axes), "guide" (it slides) or "weld".
+        links: The links of the two sides that need plain shapes; None for a side whose link does not.
+        on_frame: Whether each side is fixed to the frame.
         points: (2, 3) places of the two sides [m].
-        axis: (3,) unit vector; of a ball and a weld in space it means nothing.
-        travel: lowest and highest position of a guide [m].
+        axis: (3,) unit vector; without meaning for a ball and a weld in space.
+        travel: Lowest and highest position of a guide [m].
     """
 
     kind: str
@@ -49,14 +49,14 @@ class BearingLayout:
     """Bearings in the drawn pose, world axes.
 
     Attributes:
-        links: that need plain shapes, in document order.
-        on_frame: those of them that are the frame, or fixed to it.
-        placements: link -> (4, 4) its frame.
-        normal: (3,) of a planar linkage, towards one who looks at it; None of one in space.
-        welded: link -> origin (3,) [m], at which it is welded to others, of links whose body has visuals that are not theirs.
-        bearings: joints, then cut loops.
-        masses: link -> centre of mass (3,) [m] and radii of gyration as a tensor (3, 3) [m2], of links with a mass.
-        size: of the linkage [m].
+        links: The links that need plain shapes, in document order.
+        on_frame: Those of them that are the frame, or fixed to it.
+        placements: Link -> (4, 4) placement of its frame.
+        bearings: Joints, then cut loops.
+        normal: (3,) normal of a planar linkage, towards the viewer; None for a linkage in space.
+        welded: Link -> origin (3,) at which it is welded to others, for links whose body has visuals of other links [m].
+        masses: Link -> centre of mass (3,) [m] and squared radii of gyration as a tensor (3, 3) [m2], for links with a mass.
+        size: Size of the linkage [m].
     """
 
     links: tuple[str, ...]
@@ -69,13 +69,13 @@ class BearingLayout:
     size: float
 
     def ends(self, link: str) -> list[tuple[Bearing, int]]:
-        """The bearings of a link, and its side of them."""
+        """The bearings of a link, each with the link's side of it."""
         return [(bearing, side) for bearing in self.bearings for side in (0, 1) if bearing.links[side] == link]
 
     def nodes(self, link: str) -> Array:
-        """(k, 3) places that a link joins, flat in the plane of a planar linkage, each once; more than one if there is any other to go to.
+        """(k, 3) places that a link joins, each once, projected on the plane of a planar linkage.
 
-        A link all of whose bearings are in one place reaches for its centre of mass, a slide in that direction.
+        A link all of whose bearings are in one place reaches for its centre of mass, a slide for a place in that direction.
         """
         points = [bearing.points[side] for bearing, side in self.ends(link)] + ([self.welded[link]] if link in self.welded else [])
         nodes = self._distinct(points)
@@ -88,11 +88,11 @@ class BearingLayout:
         return nodes
 
     def flat(self, points: Array) -> Array:
-        """Points without their heights along the normal."""
+        """Points projected on the plane of a planar linkage."""
         return points if self.normal is None else points - np.multiply.outer(points @ self.normal, self.normal)
 
     def disc_radius(self, link: str, axis: Array, least: float) -> float:
-        """Radius of the disc about an axis (3,) that has the inertia of a link, within reason; without a mass it is the least one [m]."""
+        """Radius of the disc about an axis (3,) that has the inertia of a link, within limits; the least without a mass [m]."""
         if link not in self.masses:
             return least
         gyration = float(axis @ self.masses[link][1] @ axis)
@@ -107,13 +107,13 @@ class BearingLayout:
 
     @cached_property
     def width(self) -> float:
-        """Of a bar [m]: in proportion to the size, less where links are short."""
+        """Width of a bar: in proportion to the size, less where links are short [m]."""
         lengths = [np.linalg.norm(b - a) for link in self.links if link not in self.on_frame for a, b in tree(self.nodes(link))]
         return float(np.clip(SHORTEST * min(lengths, default=np.inf), LEAST_WIDTH * self.size, WIDTH * self.size))
 
 
 def tree(nodes: Array) -> list[tuple[Array, Array]]:
-    """The shortest set of lines between nodes (k, 3) that connects them all."""
+    """The shortest lines between nodes (k, 3) that connect them all."""
     found, reached, left = [], [0], list(range(1, len(nodes)))
     while left:
         i, j = min(((i, j) for i in reached for j in left), key=lambda pair: float(np.linalg.norm(nodes[pair[1]] - nodes[pair[0]])))
@@ -124,17 +124,17 @@ def tree(nodes: Array) -> list[tuple[Array, Array]]:
 
 
 def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str]) -> BearingLayout:
-    """Where the bearings of a press are in the drawn pose.
+    """Lay out the bearings of a press in the drawn pose.
 
     Links that are welded together are drawn as one, the first of them, unless one of them has visuals.
 
     Args:
-        press: the linkage.
+        press: The linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
-        drawn: links that have visuals.
+        drawn: Links that have visuals.
 
     Raises:
-        PinpressError: the drawn pose is not finite.
+        PinpressError: The drawn pose is not finite.
     """
     model, data = press.model, data_of(press.model)
     pin.framesForwardKinematics(model, data, pin.neutral(model))
@@ -173,7 +173,7 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str]) -> B
 
 
 def _without_stubs(layout: BearingLayout) -> BearingLayout:
-    """Without links that are welded to one with visuals and go nowhere from there: that one stands for them."""
+    """The layout without links that are welded to one with visuals and join no other place: that one stands for them."""
     stubs = {link for link in layout.welded if len(layout.nodes(link)) < 2}
 
     def kept(link: str | None) -> str | None:
@@ -205,7 +205,7 @@ def _bearings(press: Linkage, data: pin.Data, travel: Array, owner: Callable[[st
 
 
 def _normal(bearings: list[Bearing]) -> Array | None:
-    """Of the plane in which a linkage moves: its pins are parallel and its guides across."""
+    """Normal of the plane of a linkage whose pins are parallel and whose guides are across; else None."""
     axes = {kind: [bearing.axis for bearing in bearings if bearing.kind == kind] for kind in ("pin", "guide")}
     if not axes["pin"]:
         return None
@@ -225,6 +225,6 @@ def _masses(press: Linkage, data: pin.Data, joint: Mapping[str, int]) -> dict[st
             turned = data.oMi[j].rotation
             with np.errstate(all="ignore"):
                 gyration = turned @ body.inertia @ turned.T / body.mass
-            if np.isfinite(gyration).all():  # a mass next to nothing
+            if np.isfinite(gyration).all():  # not of a mass next to nothing
                 found[link] = (data.oMi[j].act(body.lever), gyration)
     return found

@@ -16,13 +16,13 @@ from .appearance import Body
 from .solids import Box, Cylinder, Mesh, Shape
 
 LARGEST = float(np.finfo(np.float32).max)
-FLOATS, WHOLE_NUMBERS = 0x17, 0x16  # Meshcat's extension types of MessagePack: arrays of float32 and of uint32
+FLOATS, WHOLE_NUMBERS = 0x17, 0x16  # Meshcat's extension types of MessagePack for arrays of float32 and of uint32
 UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])  # three.js's cylinders lie along y, ours along z
-MOVES = 1e-9  # m, or of a quaternion: less is rest
+MOVES = 1e-9  # a smaller change of a pose is rest [m, or of a quaternion]
 
 
 def body_poses(press: Linkage, at: Poses, frame: int) -> Array:
-    """Pose of a frame over the keys, (k, 7): position [m] and quaternion x, y, z, w in world axes."""
+    """(k, 7) poses of a frame in the key frames: position [m] and quaternion x, y, z, w in world axes."""
     joint, placement = press.model.frames[frame].parentJoint, press.model.frames[frame].placement
     poses = np.empty((at.position.shape[1], 7))
     poses[:, :3] = at.points(joint, placement.translation)
@@ -43,12 +43,12 @@ def commands(bodies: Iterable[Body], poses: dict[str, Array], time: Array) -> It
     """Commands in the order in which the page handles them: the animation refers to groups, so it comes last.
 
     Args:
-        bodies: the links that are shown.
-        poses: name of a body -> (k, 7), see `body_poses`.
-        time: (k,) of the key frames [s].
+        bodies: The links that are shown.
+        poses: Name of a body -> (k, 7) poses, see `body_poses`.
+        time: (k,) times of the key frames [s].
 
     Raises:
-        PinpressError: a shape too large for single precision.
+        PinpressError: A shape is too large for single precision.
     """
     clips = []
     for i, body in enumerate(bodies):
@@ -69,8 +69,8 @@ def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
     """Commands as the viewer takes them: MessagePack, in base64 for the page.
 
     Raises:
-        PinpressError: Meshcat is not installed; a number beyond single precision, in which the viewer computes; times that it cannot tell
-            apart.
+        PinpressError: Meshcat is not installed, a number is too large for single precision, in which the viewer computes, or times are the
+            same there.
     """
     try:
         import umsgpack  # optional: it comes with Meshcat
@@ -79,7 +79,7 @@ def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
 
     def extended(array: Array) -> Any:
         if array.dtype.kind == "f":
-            with np.errstate(all="ignore"):  # what overflows was refused
+            with np.errstate(all="ignore"):  # numbers that overflow were refused before
                 return umsgpack.Ext(FLOATS, array.astype("<f4").tobytes())
         return umsgpack.Ext(WHOLE_NUMBERS, array.astype("<u4").tobytes())
 
@@ -91,7 +91,7 @@ def pack(commands: Iterable[dict[str, Any]]) -> list[str]:
 
 
 def _refuse_unseen(value: Any, what: str) -> None:
-    """Raise PinpressError where a number of a command is none in single precision, or times of a motion are the same there."""
+    """Raise PinpressError where a number of a command overflows single precision, or times of a motion are the same there."""
     if isinstance(value, dict):
         for name, part in value.items():
             _refuse_unseen(part, {"times": "the time of the motion", "values": "a pose of the motion"}.get(name, what))

@@ -24,14 +24,14 @@ from ...common.quantities import Array
 from ...linkage.urdf.document import Element, tree
 
 KINDS = "STL (.stl), Wavefront (.obj) or COLLADA (.dae)"
-# A page with as much would hardly open in a browser, and one mesh takes half a gigabyte while it is read.
+# A page with more would hardly open in a browser; a mesh of this size takes half a gigabyte while it is read.
 MOST_BYTES = 100_000_000
 MOST_TRIANGLES = 500_000
 MOST_CORNERS = 1000  # of one polygon
 MOST_NODES = 10_000  # of a COLLADA scene, every instance counted
 DEEPEST_NODES = 200
 
-_LINE = re.compile(rb"^[ \t]*(v|vt|vn|f)[ \t]([^\r\n]*)", re.MULTILINE)  # of a Wavefront file, what makes triangles
+_LINE = re.compile(rb"^[ \t]*(v|vt|vn|f)[ \t]([^\r\n]*)", re.MULTILINE)  # lines of a Wavefront file that make triangles
 _INDICES = re.compile(rb"<(?:p|v|vcount)\b[^>]*>([^<]*)<|(?:count|offset|stride)\s*=\s*[\"']([^\"']*)")
 _SHOWN = ("asset", "library_geometries", "library_nodes", "library_visual_scenes", "scene")  # libraries of a COLLADA file that are read
 _FACES = ("triangles", "tristrips", "trifans", "polylist", "polygons")
@@ -42,7 +42,7 @@ class Box:
     """A box about its own origin.
 
     Attributes:
-        size: along x, y, z [m].
+        size: Lengths along x, y, z [m].
     """
 
     size: tuple[float, float, float]
@@ -53,8 +53,8 @@ class Cylinder:
     """A cylinder about its own origin, along z.
 
     Attributes:
-        radius: [m].
-        length: [m].
+        radius: Radius [m].
+        length: Length [m].
     """
 
     radius: float
@@ -66,7 +66,7 @@ class Sphere:
     """A sphere about its own origin.
 
     Attributes:
-        radius: [m].
+        radius: Radius [m].
     """
 
     radius: float
@@ -77,8 +77,8 @@ class Mesh:
     """Triangles. Arrays are read-only.
 
     Attributes:
-        vertices: (n, 3) [m].
-        faces: (m, 3) indices of the vertices at their corners, anticlockwise seen from outside.
+        vertices: (n, 3) places of the vertices [m].
+        faces: (m, 3) indices of the vertices at the corners of each triangle, anticlockwise seen from outside.
     """
 
     vertices: Array
@@ -96,8 +96,8 @@ class Part:
     """A solid on a link, in a colour. Arrays are read-only.
 
     Attributes:
-        shape: of the solid.
-        placement: (4, 4) of the solid in the link's frame [m].
+        shape: Shape of the solid.
+        placement: (4, 4) placement of the solid in the link's frame [m].
         rgba: (4,) red, green, blue and opacity, from 0 to 1.
     """
 
@@ -107,7 +107,7 @@ class Part:
 
 
 def part(shape: Shape, placement: Array, rgba: Array | tuple[float, ...]) -> Part:
-    """A part with arrays of its own."""
+    """Make a part with arrays of its own."""
     return Part(shape, read_only(np.array(placement, dtype=float)), read_only(np.array(rgba, dtype=float)))
 
 
@@ -116,9 +116,9 @@ class Solid:
     """A solid of a link that is made up, in world axes in the drawn pose.
 
     Attributes:
-        shape: of the solid.
-        placement: (4, 4) of the solid [m].
-        steel: whether it is a pin, in the colour of pins, not of the link.
+        shape: Shape of the solid.
+        placement: (4, 4) placement of the solid [m].
+        steel: Whether it is a pin, which has the colour of steel instead of the link's.
     """
 
     shape: Shape
@@ -132,13 +132,13 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh
     A package is looked for in ROS_PACKAGE_PATH, among the folders that the URDF is in, and beside them.
 
     Args:
-        file: the URDF.
-        link: whose visual the mesh is.
-        name: that the URDF gives the mesh: a path, which may be relative to the URDF, ``file://...`` or ``package://...``.
-        scale: along x, y, z.
+        file: The URDF.
+        link: Link whose visual the mesh is.
+        name: Name of the mesh in the URDF: a path, which may be relative to the URDF, ``file://...`` or ``package://...``.
+        scale: Factors along x, y, z.
 
     Raises:
-        PinpressError: the mesh is not found, no mesh, without triangles, or flat or not finite after scaling.
+        PinpressError: The mesh is not found, is no mesh, has no triangles, or is flat or not finite after scaling.
     """
     place = f"link {link!r}: mesh {name!r}"
     factors = np.array(scale)
@@ -170,12 +170,12 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh
     if not np.isfinite(vertices).all():
         raise PinpressError(f"{place} has a vertex that is not finite; repair the mesh, or give a smaller scale")
     if np.prod(np.sign(factors)) < 0:
-        faces = faces[:, ::-1].copy()  # mirrored: the outside would be the inside
+        faces = faces[:, ::-1].copy()  # a mirrored mesh would have its outside inside
     return Mesh(read_only(vertices), read_only(faces))
 
 
 def _loaded(kind: str, content: bytes) -> Any:
-    """The mesh in such a content, unscaled; raises UnfitError where there is none."""
+    """The unscaled mesh of a file's content. Raises UnfitError where there is none."""
     import coal  # part of Pinocchio, but seldom needed
 
     with tempfile.TemporaryDirectory(prefix="pinpress-") as folder:
@@ -188,7 +188,7 @@ def _loaded(kind: str, content: bytes) -> Any:
 
 
 def _located(file: str, name: str) -> Path | None:
-    """Where a mesh is; None where its package is nowhere."""
+    """Path of a mesh; None where its package is not found."""
     folder = Path(file).resolve().parent
     if not name.startswith("package://"):
         return folder / re.sub("^file://", "", name)
@@ -207,14 +207,18 @@ def _located(file: str, name: str) -> Path | None:
 
 
 class UnfitError(Exception):
-    """Why a file is not what its name says, or too large."""
+    """A file is not of the kind that its name says, or too large."""
 
 
 def triangles_only(suffix: str, content: bytes) -> bytes:
-    """The content of a mesh file, ``suffix`` ".stl", ".obj" or ".dae", without all that makes no triangles.
+    """Reduce the content of a mesh file to what makes triangles.
+
+    Args:
+        suffix: ".stl", ".obj" or ".dae".
+        content: Content of the file.
 
     Raises:
-        UnfitError: no such file, or one that is broken or too large.
+        UnfitError: The content is of another kind, broken or too large.
     """
     if suffix == ".stl":
         return _stl(content)
@@ -269,7 +273,7 @@ def _collada(content: bytes) -> bytes:
 
 
 def _check_scene(root: Element, content: bytes) -> None:
-    """The number of nodes, of triangles and of levels below the scenes, every instance of a node or geometry counted."""
+    """Refuse too many nodes, triangles or levels below the scenes, where every instance of a node or geometry counts."""
     nodes = [element for element in _elements(root) if element.tag in ("node", "visual_scene")]
     geometries = {element.get("id"): _triangles(element, content) for element in _elements(root) if element.tag == "geometry"}
     libraries = set(root.all("library_nodes"))
@@ -312,7 +316,7 @@ def _check_scene(root: Element, content: bytes) -> None:
 
 
 def _triangles(geometry: Element, content: bytes) -> int:
-    """The most triangles that a geometry can have."""
+    """An upper limit of the triangles of a geometry."""
     total = 0
     for faces in (element for element in _elements(geometry) if element.tag in _FACES):
         stride = 1 + max((int(offset) for given in faces.all("input") if (offset := given.get("offset")).isdecimal()), default=0)

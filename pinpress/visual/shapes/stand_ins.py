@@ -30,12 +30,12 @@ COLOURS: tuple[Colour, ...] = (  # of links, in document order: red-orange, blue
     (0.85, 0.42, 0.60),
     (0.58, 0.40, 0.24),
 )
-DARKER = 0.68  # every further round of colours
+DARKER = 0.68  # factor of every further round of colours
 
 # Of planar links, in widths of a bar.
 THICKNESS = 0.5
 LAYER = 0.85
-EYE, EYE_LENGTH = 0.72, 0.62  # radius
+EYE, EYE_LENGTH = 0.72, 0.62  # radius and length
 PIN, STUB = 0.34, 0.42  # radius, and how far it stands out of the middle of the outermost link
 DISC = 1.25  # least radius
 COMPACT = 1.5  # a link shorter than this is a disc
@@ -56,12 +56,12 @@ GUIDE = 0.38
 
 
 def plain_parts(press: Linkage, travel: Array, drawn: Collection[str]) -> dict[str, tuple[Part, ...]]:
-    """Parts of the links that need plain shapes, by their names; none for a link that has no bearing of its own.
+    """Parts of links that need plain shapes, by the links' names; none for a link that has no bearing of its own.
 
     Args:
-        press: the linkage.
+        press: The linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
-        drawn: links that have visuals.
+        drawn: Links that have visuals.
     """
     layout = lay_out_bearings(press, travel, drawn)
     solids = _rod_solids(layout) if layout.normal is None else _layered_solids(layout, layout.normal)
@@ -82,7 +82,7 @@ def _colours() -> Iterator[Colour]:
 
 
 def _layered_solids(layout: BearingLayout, normal: Array) -> dict[str, list[Solid]]:
-    """Solids of the links, in world axes in the drawn pose."""
+    """Solids of the links of a planar linkage, in world axes in the drawn pose."""
     layers = _Layers(layout, normal)
     return {link: list(layers.frame(link) if link in layout.on_frame else layers.link(link)) for link in layout.links}
 
@@ -108,7 +108,7 @@ class _Layers:
         return bearing.kind == "guide" and side == 1 and not bearing.on_frame[0]
 
     def _rides(self, link: str) -> bool:
-        """Whether a link is nothing but a collar on another: it shares that one's layer."""
+        """Whether a link is only a collar on another link, whose layer it shares."""
         return link in self.collars and len(self.nodes[link]) == 1 and self.collars[link].links[0] is not None
 
     def _carrier(self, link: str) -> str:
@@ -125,7 +125,7 @@ class _Layers:
         return next((b for b, side in self.layout.ends(link) if b.kind == "guide" and side == 1 and b.on_frame[0]), None)
 
     def _height(self, bearing: Bearing, side: int) -> float:
-        """At which a link meets its bearing; where it has visuals, the true one."""
+        """Height at which a link meets its bearing; where the link has visuals, the true one."""
         link, height = bearing.links[side], float(bearing.points[side] @ self.normal)
         if link is None:
             return height
@@ -158,7 +158,7 @@ class _Layers:
         yield from self._pins(link)
 
     def _ends(self, bearing: Bearing) -> list[Array]:
-        """Where the travel of a guide ends; for other bearings the same place twice."""
+        """Ends of the travel of a guide; for other bearings the same place twice."""
         return [self.layout.flat(bearing.points[0]) + at * bearing.axis for at in bearing.travel]
 
     def _bars(self, link: str, nodes: Array) -> Iterator[Solid]:
@@ -168,7 +168,7 @@ class _Layers:
         if reach < COMPACT * w and link not in self.collars:
             radius = max(reach + 0.9 * w, self._disc(link, nodes))
             yield self._cylinder(pivot, height, radius, THICKNESS * w)
-            if len(nodes) == 1:  # so that one sees it turn
+            if len(nodes) == 1:  # so that its turning is seen
                 yield self._cylinder(pivot + 0.7 * radius * self.down, height, 0.14 * radius, EYE_LENGTH * w, steel=True)
         else:
             for a, b in tree(nodes):
@@ -184,13 +184,13 @@ class _Layers:
         return any(np.linalg.norm(node - point) < 1e-3 * self.width for point in points)
 
     def _pivot(self, link: str) -> Array:
-        """The place about which a link turns on its parent, else its first one."""
+        """The place about which a link turns on its parent, else its first place."""
         ends = self.layout.ends(link)
         at = next((b.points[1] for b, side in ends if side == 1 and b.kind == "pin"), None)
         return self.nodes[link][0] if at is None else self.layout.flat(at)
 
     def _disc(self, link: str, nodes: Array) -> float:
-        """Radius of the disc that has the inertia of a link which goes nowhere, within reason [m]."""
+        """Radius of the disc that stands for a compact link, by its inertia, within limits [m]."""
         if len(nodes) > 1:
             return DISC * self.width
         return self.layout.disc_radius(link, self.normal, DISC * self.width)
@@ -207,7 +207,7 @@ class _Layers:
         return np.cross(self.normal, guide.axis)
 
     def _extent(self, link: str | None, guide: Bearing) -> tuple[Array, Array]:
-        """From where to where a block reaches along its guide and across it, from the guide's point (2,) each [m]."""
+        """(2,) ends of a block along its guide, and (2,) across it, from the guide's point [m]."""
         nodes = [self.layout.flat(guide.points[1])]
         if link is not None:
             nodes += [*self.nodes[link], *(end for carried, side in self.layout.ends(link) if side == 0 for end in self._ends(carried))]
@@ -217,7 +217,7 @@ class _Layers:
         return np.array([low - BLOCK * w, high + BLOCK * w]), np.array([left - wider, right + wider])
 
     def _collar(self, link: str, guide: Bearing) -> Iterator[Solid]:
-        """A block about the bar on which it slides, and where the link goes on in another layer, what leads there."""
+        """A block about the bar on which it slides, and a rod to the rest of the link in another layer."""
         w, on = self.width, self._height(guide, 0)
         yield self._box(guide.points[1], guide.axis, on, (COLLAR * w, COLLAR_WIDTH * w, COLLAR_THICKNESS * w))
         if not self._rides(link):
@@ -297,7 +297,7 @@ def _rods(layout: BearingLayout, link: str) -> Iterator[Solid]:
 
 
 def _end(bearing: Bearing, side: int, w: float) -> Iterator[Solid]:
-    """What a link has at a bearing."""
+    """The solid of a link at a bearing."""
     point, axis = bearing.points[side], bearing.axis
     if bearing.kind == "pin":
         radius, length = BUSHES[side]
@@ -312,7 +312,7 @@ def _end(bearing: Bearing, side: int, w: float) -> Iterator[Solid]:
 
 
 def _disc(layout: BearingLayout, link: str, ends: list[tuple[Bearing, int]]) -> Iterator[Solid]:
-    """Of a link that goes nowhere: about its pin, with its inertia, within reason."""
+    """The disc that stands for a link with one place, about its pin, by its inertia, within limits."""
     w, pin = layout.width, next(((b, side) for b, side in ends if b.kind == "pin"), None)
     if pin is None:
         return
