@@ -19,10 +19,10 @@ def reproduced(document: str) -> Page:
     """Work out the page of a document.
 
     Args:
-        document: one of `DOCUMENTS`.
+        document: One of `DOCUMENTS`.
 
     Raises:
-        UnknownNameError: there is no such document.
+        UnknownNameError: There is no such document.
     """
     if document not in DOCUMENTS:
         raise UnknownNameError("document", document, DOCUMENTS)

@@ -1,4 +1,4 @@
-"""Charts for papers: Matplotlib figures in the width of a text column.
+"""Plots for papers: Matplotlib figures in the width of a text column.
 
     pp.plots.save(pp.plots.torque(reactions), "torque.svg")
     pp.plots.save(pp.plots.polar(reactions, "A", "D"), "polar.pdf")

@@ -1,4 +1,4 @@
-"""Charts of balancing: trade-offs between criteria."""
+"""Plots of balancing: trade-offs between criteria."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..balancing.optimum import TradeOffCurve
 from ..balancing.problem import AddedMass, Target
 from ..common.arguments import typed
 from ..common.errors import PinpressError
-from .style import COLOURS, GREY, drawing, grid, legend, plain
+from .style import COLOURS, GREY, drawing, grid, legend, panel_places, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -39,10 +39,8 @@ def trade_offs(curves: Mapping[str, TradeOffCurve]) -> Figure:
     rows = (len(panels) + 1) // 2
     with drawing(HIGH * rows) as figure:
         places = figure.add_gridspec(rows, 2 if len(panels) > 1 else 1)
-        for k, shown in enumerate(panels.values()):
-            alone = k == 0 and len(panels) % 2 == 1  # the first of an odd number takes a whole row
-            place = k + len(panels) % 2
-            _panel(figure.add_subplot(places[0, :] if alone else places[place // 2, place % 2]), shown)
+        for place, shown in zip(panel_places(places, len(panels)), panels.values(), strict=True):
+            _panel(figure.add_subplot(place), shown)
     return figure
 
 

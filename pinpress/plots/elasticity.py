@@ -1,4 +1,4 @@
-"""Charts of elastic presses: compliance by parts, bottom dead centre over speed, snap-through."""
+"""Plots of elastic presses: compliance by parts, bottom dead centre over speed, snap-through."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 HIGH = 7.0  # height of a chart [cm]
-ROOM = 0.28  # above a curve of height 1, for each name in the legend
-SMALLEST = 5e-3  # of the largest compliance: parts that never have as much are drawn together
+ROOM = 0.28  # height for each name in the legend, above a curve of height 1
+SMALLEST = 5e-3  # parts that never reach this share of the largest compliance are drawn together
 
 
 @typed
@@ -65,19 +65,19 @@ def snap_through(responses: Mapping[str, SnapThroughResponse]) -> Figure:
 
 
 def _alone(draw: Callable[[Axes, Any], None], shown: object) -> Figure:
-    """A chart in a figure of its own."""
+    """Draw a chart in a figure of its own."""
     with drawing(HIGH) as figure:
         draw(figure.subplots(), shown)
     return figure
 
 
 def draw_compliance(axes: Axes, elasticity: SlideCompliance) -> None:
-    """The chart of `compliance` on given axes."""
+    """Draw the chart of `compliance` on given axes."""
     from matplotlib.ticker import MaxNLocator  # optional, and slow to import
 
     order = np.argsort(elasticity.crank_angle)
     largest = float(elasticity.compliance.max())
-    parts = sorted(elasticity.parts.items(), key=lambda item: -round(float(item[1].mean()) / largest, 9))  # equal ones differ by rounding
+    parts = sorted(elasticity.parts.items(), key=lambda item: -round(float(item[1].mean()) / largest, 9))  # equal parts differ by rounding
     shown = [(name, part) for name, part in parts if part.max() >= SMALLEST * largest][: len(COLOURS)]
     rest = elasticity.compliance - np.sum([part for _, part in shown], axis=0)
     names, curves = [name for name, _ in shown], [part for _, part in shown]
@@ -97,7 +97,7 @@ def draw_compliance(axes: Axes, elasticity: SlideCompliance) -> None:
 
 
 def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, ElasticDeadCentre]) -> None:
-    """The chart of `dead_centre_shift` on given axes."""
+    """Draw the chart of `dead_centre_shift` on given axes."""
     _refuse_none(shifts, "dead_centre_shift", ElasticDeadCentre)
     grid(axes, "shift of bottom dead centre [µm]")
     lines: list[Artist] = []
@@ -109,7 +109,7 @@ def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, ElasticDeadCentre]) 
 
 
 def draw_snap_through(axes: Axes, responses: Mapping[str, SnapThroughResponse]) -> None:
-    """The chart of `snap_through` on given axes."""
+    """Draw the chart of `snap_through` on given axes."""
     _refuse_none(responses, "snap_through", SnapThroughResponse)
     grid(axes, "force / force at break-through [-]")
     axes.axhline(0.0, color=GREY, linewidth=0.6)
@@ -123,7 +123,7 @@ def draw_snap_through(axes: Axes, responses: Mapping[str, SnapThroughResponse]) 
 
 
 def _line(i: int) -> Any:
-    """Solid, dashed, dotted and so on, which tells coinciding curves apart."""
+    """A kind of line, solid, dashed, dotted and so on, which tells coinciding curves apart."""
     return LINES[i % len(LINES)]
 
 

@@ -1,4 +1,4 @@
-"""Charts of a press on its mounts: accelerations in time, acceleration and force on the floor over speed."""
+"""Plots of a press on its mounts: accelerations in time, acceleration and force on the floor over speed."""
 
 from __future__ import annotations
 

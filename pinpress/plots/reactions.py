@@ -1,4 +1,4 @@
-"""Charts of a motion and its reactions, drawn from the data of `visual.charts`, with its signs and axes."""
+"""Plots of a motion and its reactions, drawn from the data of `visual.charts`, with its signs and axes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion
 from ..visual import charts
 from ..visual.charts import Chart, Curve, Locus
-from .style import COLOURS, GREY, LIGHT, LINE, SMALL, THIN, WIDTH, Over, above, brief, draw, drawing, grid, legend, plain
+from .style import COLOURS, GREY, LIGHT, LINE, SMALL, THIN, WIDTH, Over, above, brief, draw, drawing, grid, legend, panel_places, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.text import Text
 
-SAME = 1e-6  # of the largest value: curves and paths that differ by less are drawn as one
-INTERPOLATED = 1e-6  # of the largest value: a smaller mean is an error of interpolation
+SAME = 1e-6  # curves and paths that differ by less than this share of the largest value are drawn as one
+INTERPOLATED = 1e-6  # a mean below this share of the largest value is an error of interpolation
 ROW = 0.45  # height of a row of a legend [cm]
-MOST_ABOVE = 4  # names of curves in a legend of one line above the axes
+MOST_ABOVE = 4  # most names of curves in a legend of one line above the axes
 BEFORE, PALE, AFTER = GREY, "#b0b0b0", COLOURS[0]
 # Polar diagrams
 FRAME, OWN = COLOURS[0], COLOURS[1]
 DASHED = (0, (4, 1.5))
 QUARTER = 90  # between marked crank angles [deg]
-CLOSE = 0.12  # of the largest force: marks that are closer together share a label
+CLOSE = 0.12  # marks that are closer together than this share of the largest force have one label
 TINY = 6.5  # size of the letters in a diagram [pt]
 LETTER = 0.16  # width of one of these [cm]
 LARGEST = 8.0  # longest side of a diagram [cm]
@@ -49,7 +49,7 @@ def slide(motion: Motion) -> Figure:
         motion: Result of `cycle`, `simulate` or `steady_state`.
 
     Raises:
-        PinpressError: the linkage has no slide, a value is not finite, or Matplotlib is not installed.
+        PinpressError: The linkage has no slide, a value is not finite, or Matplotlib is not installed.
     """
     shown = [*charts.slide(motion)]
     if not shown:
@@ -66,7 +66,7 @@ def torque(reactions: Reactions) -> Figure:
         reactions: Result of `inverse_dynamics`.
 
     Raises:
-        PinpressError: a value is not finite, or Matplotlib is not installed.
+        PinpressError: A value is not finite, or Matplotlib is not installed.
     """
     return _stacked(reactions.motion, [charts.torque(reactions)], 6.0)
 
@@ -81,7 +81,7 @@ def bearings(reactions: Reactions) -> Figure:
         reactions: Result of `inverse_dynamics`, with all bearings.
 
     Raises:
-        PinpressError: a value is not finite, or Matplotlib is not installed.
+        PinpressError: A value is not finite, or Matplotlib is not installed.
     """
     moments = charts.bearing_moment(reactions)
     shown = [_merged(chart) for chart in (charts.bearing(reactions), moments) if chart is not None]
@@ -115,7 +115,7 @@ def shaking(reactions: Reactions) -> Figure:
         reactions: Result of `inverse_dynamics`. Without a full period there are no harmonics.
 
     Raises:
-        PinpressError: a value is not finite, or Matplotlib is not installed.
+        PinpressError: A value is not finite, or Matplotlib is not installed.
     """
     motion, chart = reactions.motion, charts.shaking(reactions)
     found = harmonics(motion, reactions.shaking_force)
@@ -147,30 +147,31 @@ def comparison(before: Reactions, after: Reactions) -> Figure:
     if not peaks:
         raise PinpressError(f"{before.motion.linkage} and {after.motion.linkage} have no bearing of one name: there is nothing to compare")
     overs = Over(before.motion), Over(after.motion)
-    kinds = [over.abscissa.quantity for over in overs]
-    if _backwards(overs[0]) != _backwards(overs[1]):
-        raise PinpressError("one motion turns forwards, the other backwards: compare two that turn the same way")
-    if kinds[0] != kinds[1]:
-        raise PinpressError(f"one motion is drawn over {kinds[0]}, the other over {kinds[1]}: compare two cycles, or two runs")
+    _refuse_incomparable(*overs)
     pairs = _torques(before, after) + _shaking(before, after)
     rows = (len(pairs) + 1) // 2
     high = 0.62 * len(peaks) + 1.2
     with drawing(1.2 + 4.8 * rows + high) as figure:
         places = figure.add_gridspec(rows + 1, 2, height_ratios=[4.8] * rows + [high])
         lines = []
-        for k, pair in enumerate(pairs):
-            wide = k == 0 and len(pairs) % 2 == 1  # the first of an odd number takes a whole row
-            place = k + len(pairs) % 2
-            axes = figure.add_subplot(places[0, :] if wide else places[place // 2, place % 2])
-            lines = _compare(axes, overs, pair, wide)
+        for place, pair in zip(panel_places(places, len(pairs)), pairs, strict=True):
+            lines = _compare(figure.add_subplot(place), overs, pair, wide=len(place.colspan) == 2)
         _bars(figure.add_subplot(places[rows, :]), peaks)
         names = [f"before: {before.motion.linkage}", f"after: {after.motion.linkage}"]
         legend(figure, lines, names, loc="outside upper center", ncols=2)
     return figure
 
 
+def _refuse_incomparable(before: Over, after: Over) -> None:
+    kinds = [over.abscissa.quantity for over in (before, after)]
+    if (before.x[-1] < before.x[0]) != (after.x[-1] < after.x[0]):
+        raise PinpressError("one motion turns forwards, the other backwards: compare two that turn the same way")
+    if kinds[0] != kinds[1]:
+        raise PinpressError(f"one motion is drawn over {kinds[0]}, the other over {kinds[1]}: compare two cycles, or two runs")
+
+
 def _amplitudes(axes: Axes, chart: Chart, found: HarmonicAnalysis) -> None:
-    """Bars of the harmonics' amplitudes of a chart's components, side by side; the legend names their means."""
+    """Draw the amplitudes of the harmonics of a chart's components as bars side by side; the legend names the means."""
     factor = charts.factor(chart.quantity, chart.unit)
     apart = float(found.orders[1])
     width, bars, names = 0.8 * apart / len(chart.curves), [], []
@@ -189,12 +190,8 @@ def _amplitudes(axes: Axes, chart: Chart, found: HarmonicAnalysis) -> None:
     above(axes, bars, names)
 
 
-def _backwards(over: Over) -> bool:
-    return bool(over.x[-1] < over.x[0])
-
-
 def _stacked(motion: Motion, shown: Sequence[Chart], *least: float) -> Figure:
-    """Charts one below the other over one abscissa, as high as their legends need.
+    """Draw charts one below the other over one abscissa, as high as their legends need.
 
     Args:
         motion: The motion.
@@ -245,7 +242,15 @@ def _merged(chart: Chart) -> Chart:
 
 
 class _Pair(NamedTuple):
-    """One quantity before and after, (n,) and (m,), in one unit."""
+    """One quantity before and after, in one unit.
+
+    Attributes:
+        title: Name of the curve.
+        quantity: Quantity, see `charts.UNITS`.
+        unit: Unit of both.
+        before: (n,) values before.
+        after: (m,) values after.
+    """
 
     title: str
     quantity: str
@@ -300,7 +305,7 @@ def _compare(axes: Axes, overs: tuple[Over, Over], pair: _Pair, wide: bool) -> l
 
 
 def _bars(axes: Axes, peaks: Sequence[_Pair]) -> None:
-    """Peaks of the bearings' forces, with their changes."""
+    """Draw the peaks of the bearings' forces, with their changes."""
     rows = np.arange(len(peaks), dtype=float)
     sizes = np.array([(pair.before.max(), pair.after.max()) for pair in peaks])
     grid(axes, "")
@@ -331,7 +336,7 @@ def _number(value: float) -> str:
 
 
 def _draw_loci(motion: Motion, loci: Sequence[Locus]) -> Figure:
-    """A diagram for each locus in the last full period, with equal scales on both axes.
+    """Draw a diagram for each locus in the last full period, with equal scales on both axes.
 
     A diagram of a force on a link that does not turn has one path.
     """

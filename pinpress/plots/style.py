@@ -1,4 +1,4 @@
-"""Common parts of all plots: size, style, axes, legends, and saving to a file. They use Matplotlib without pyplot."""
+"""Common parts of all plots: size, style, axes, legends and files. They use Matplotlib without pyplot."""
 
 from __future__ import annotations
 
@@ -22,16 +22,17 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.gridspec import GridSpec, SubplotSpec
     from matplotlib.text import Text
 
 NOT_INSTALLED = "plots need Matplotlib, which is not installed: pip install 'pinpress[plots]'"
-CENTIMETRE = 1 / 2.54  # in inches
-WIDTH = 16.0  # of a text column, and so of every plot [cm]
+CENTIMETRE = 1 / 2.54  # [inch]
+WIDTH = 16.0  # width of a text column, and so of every plot [cm]
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")  # Okabe and Ito; its yellow is too light for lines
 LINES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
 GREY, LIGHT = "#7a7a7a", "#dddddd"
 SMALL, NORMAL = 8.0, 9.0  # sizes of letters [pt]
-LONGEST = 40  # letters of a name; more are cut off
+LONGEST = 40  # most letters of a name; more are cut off
 LINE, THIN = 1.3, 0.6  # widths of lines [pt]
 STYLE = {
     "font.size": NORMAL,
@@ -45,7 +46,7 @@ STYLE = {
     "lines.solid_joinstyle": "round",
 }
 FORMATS: dict[str, dict[str, str | None]] = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
-DOTS = 300  # of a PNG file, per inch
+DOTS = 300  # resolution of a PNG file [1/inch]
 
 
 @contextmanager
@@ -64,7 +65,7 @@ def drawing(height: float) -> Iterator[Figure]:
         figure = Figure(figsize=(WIDTH * CENTIMETRE, height * CENTIMETRE), dpi=DOTS, layout="constrained")
         yield figure
         figure.draw_without_rendering()
-        figure.set_layout_engine("none")  # it would move everything a little each time that the figure is drawn
+        figure.set_layout_engine("none")  # it would move all parts a little whenever the figure is drawn
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
@@ -91,7 +92,12 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
 
 
 class Over:
-    """The horizontal axis of curves over a motion. One period without its end is closed by its first state."""
+    """The horizontal axis of curves over a motion. One period without its end is closed by its first state.
+
+    Attributes:
+        abscissa: The quantity over which the motion is drawn.
+        x: (k,) its values, those of the closing state included.
+    """
 
     def __init__(self, motion: Motion) -> None:
         self.abscissa: Abscissa = abscissa(motion)
@@ -101,7 +107,7 @@ class Over:
         self.x: Array = np.append(x, x[0] + np.copysign(360.0 * self._turns, x[-1])) if self._closes else x
 
     def along(self, values: Array) -> Array:
-        """Values (n, ...) at `x`."""
+        """Values (k, ...) at `x` from values (n, ...) of the motion's states."""
         return np.concatenate([values, values[:1]]) if self._closes else values
 
     def label(self, axes: Axes, wide: bool = True) -> None:
@@ -111,7 +117,7 @@ class Over:
         plain(axes.set_xlabel(f"{self.abscissa.quantity} [{self.abscissa.unit}]" if self.abscissa.unit else self.abscissa.quantity))
         first, last = float(self.x[0]), float(self.x[-1])
         if first != last:
-            axes.set_xlim(first, last)  # backwards too: time runs to the right
+            axes.set_xlim(first, last)  # also for a falling crank angle, as time runs to the right
         if self.abscissa.unit == "deg":
             turned = abs(last - first)
             whole = MultipleLocator((45 if wide else 90) * self._turns)
@@ -120,7 +126,7 @@ class Over:
 
 def grid(axes: Axes, label: str) -> None:
     """Set the look of a chart's axes, and the label of the vertical one."""
-    # set for these axes, because ticks are made when they are drawn, when the style is not in force any more
+    # set for these axes, because ticks are made when the figure is drawn, after the style has ended
     axes.grid(True, color=LIGHT, linewidth=THIN)
     axes.set_axisbelow(True)
     axes.tick_params(labelsize=SMALL, width=THIN, length=3.0)
@@ -129,7 +135,7 @@ def grid(axes: Axes, label: str) -> None:
 
 
 def draw(axes: Axes, over: Over, curves: Sequence[Curve]) -> list[Artist]:
-    """Draw curves in colours that the colour-blind can tell apart, after these in other kinds of lines; return the lines."""
+    """Draw curves in colours that the colour-blind can tell apart, then in other kinds of lines; return the lines."""
     lines: list[Artist] = []
     for i, curve in enumerate(curves):
         look: dict[str, Any] = {"color": COLOURS[i % len(COLOURS)], "linestyle": LINES[i // len(COLOURS) % len(LINES)]}
@@ -140,7 +146,7 @@ def draw(axes: Axes, over: Over, curves: Sequence[Curve]) -> list[Artist]:
 
 
 def legend(owner: Axes | Figure, handles: Sequence[Artist], names: Sequence[str], **where: Any) -> None:
-    """Draw a legend of any names. Matplotlib itself would leave out names with a leading "_", and typeset text between two "$"."""
+    """Draw a legend of any names. Matplotlib alone would leave out names with a leading "_", and typeset text between two "$"."""
     texts = owner.legend(list(handles), ["-"] * len(names), frameon=False, handlelength=1.8, **where).get_texts()
     for text, name in zip(texts, names, strict=True):
         plain(text).set_text("\n".join(brief(line) for line in name.split("\n")))
@@ -150,6 +156,13 @@ def above(axes: Axes, handles: Sequence[Artist], names: Sequence[str]) -> None:
     """Draw a legend in one line above the axes, clear of the curves."""
     where = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
     legend(axes, handles, names, ncols=len(names), **where)
+
+
+def panel_places(places: GridSpec, count: int) -> list[SubplotSpec]:
+    """Places of panels in two columns; the first of an odd number of panels takes a whole row."""
+    odd = count % 2
+    pairs = [places[k // 2, k % 2] for k in range(2 * odd, count + odd)]
+    return [places[0, :], *pairs] if odd else pairs
 
 
 def brief(name: str) -> str:
