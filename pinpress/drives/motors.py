@@ -1,4 +1,4 @@
-"""Motors: what torque they give on their shaft at a speed, and what turns with it. They know no press.
+"""Motors: the torque on their shaft at a speed, and the inertia that turns with it. They know no press.
 
 Torques and speeds are positive along the motor's shaft, which it turns in the positive direction; ``Geared(motor, -1.0)`` turns it round.
 """

@@ -1,4 +1,4 @@
-"""What drives a press: the protocol that all drives follow, those of `drives` and a caller's own."""
+"""The protocol of drives, both those of `drives` and a caller's own."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..common.parameters import parameter as parameter  # named in pinpress.driv
 from ..common.quantities import Array
 
 Values = float | Array
-"""A number, or an array of them: one of each scenario on the last axis."""
+"""A number, or an array with one number for each scenario on the last axis."""
 
 
 @dataclass(frozen=True)
@@ -35,19 +35,20 @@ class Corner(Checked):
 
 @runtime_checkable
 class Drive(Protocol):
-    """What acts on a shaft with a torque that depends on its speed, and where it is ``timed`` on angle, time and states of its own too.
+    """A torque on a shaft that depends on the shaft's speed, and if it is ``timed`` on angle, time and its own states too.
 
-    Any class with these members can drive a press. Its torque is a function: the same arguments give the same torque whenever they are
-    asked, of an array element by element. What it remembers (an excitation, a hysteresis) it keeps in ``state`` with its ``rates``, not in
-    itself. `simulate` and `steady_state` try a caller's own drive before a run, and ask for the run's torques once more after it.
+    Any class with these members can drive a press. Its torque is a function: the same arguments always give the same torque, and arrays
+    give it element by element. Memory, as of an excitation or a hysteresis, belongs in ``state`` with its ``rates``, not in other
+    attributes. `simulate` and `steady_state` try a caller's own drive before a run, and ask for the run's torques again after it.
 
     Attributes:
-        inertia: of what turns with the shaft [kg m2]; (S,) where it differs between scenarios.
-        state: values at the start of the drive's own states; () for most.
-        timed: whether the torque depends on angle, time or states; where it is False, on the speed alone.
-        rated_torque: of the motor, at its own shaft, bearable without end [N m]; (S,) where it differs; None where it is not known.
-        corners: speeds of the shaft at which the torque is not a smooth function of speed [rad/s], in no order; a `Corner` where the torque
-            itself jumps; () where ``timed``.
+        inertia: of all that turns with the shaft [kg m2]; (S,) where it differs between scenarios.
+        state: values of the drive's own states at the start; () for most drives.
+        timed: whether the torque depends on angle, time or states; if not, it depends on the speed alone.
+        rated_torque: permanent torque of the motor at its own shaft [N m]; (S,) where it differs; None where it is not known.
+        corners: speeds of the shaft at which the torque is not a smooth function of speed [rad/s], in any order; a `Corner` where the
+        torque
+            itself jumps; () if ``timed``.
     """
 
     @property
@@ -62,11 +63,11 @@ class Drive(Protocol):
     def corners(self) -> tuple[Values | Corner, ...]: ...
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        """Torque on the shaft [N m], finite for every finite speed of either direction.
+        """Torque on the shaft [N m], finite for every finite speed in both directions.
 
         Args:
-            speed: of the shaft [rad/s], (...) or (..., S); (..., S) where a parameter is (S,). The result has its shape, or broadcasts it.
-            angle: of the shaft [rad]; it broadcasts with the speed, as the following do.
+            speed: of the shaft [rad/s], (...); (..., S) where a parameter is (S,). The result has its shape, or one that broadcasts to it.
+            angle: of the shaft [rad]. It broadcasts with the speed, as time and states do.
             time: [s].
             state: the drive's states.
         """
@@ -81,15 +82,15 @@ class Drive(Protocol):
         ...
 
     def motor_torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        """Torque of the motor at its own shaft [N m], that which accelerates its rotor included."""
+        """Torque of the motor at its own shaft [N m], including that which accelerates its rotor."""
         ...
 
 
 class SpeedTorqueDrive(Checked):
-    """Base of most drives: torque by speed alone and smooth, no states, a shaft that is the motor's own.
+    """Base of most drives: the torque is a smooth function of speed alone, there are no states, and the shaft is the motor's own.
 
-    A dataclass made from it has its declared parameters checked (see `parameter`), and must give ``torque``, ``inertia`` and
-    ``rated_torque``; what differs from the above it overrides.
+    A dataclass made from it has its declared parameters checked (see `parameter`). It must define ``torque``, ``inertia`` and
+    ``rated_torque``, and overrides what differs from the above.
     """
 
     @property
@@ -106,7 +107,7 @@ class SpeedTorqueDrive(Checked):
 
     @property
     def reversals(self) -> tuple[float, ...]:
-        """Speeds at which the torque changes its sign, where a `Geared` with losses has corners [rad/s]; () where none is known."""
+        """Speeds at which the torque changes its sign [rad/s], because a `Geared` with losses has corners there; () where none is known."""
         return ()
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
@@ -123,12 +124,12 @@ class SpeedTorqueDrive(Checked):
 
 
 def corners_of(drive: Drive) -> tuple[tuple[Values, bool], ...]:
-    """The speeds of the corners of a drive's torque [rad/s], and whether it jumps there: at a plain speed it does not."""
+    """The speeds of the corners of a drive's torque [rad/s], and whether the torque jumps there, which it does not at a plain speed."""
     return tuple((corner.speed, corner.jump) if isinstance(corner, Corner) else (corner, False) for corner in drive.corners)
 
 
 def limited(lowest: float, value: Values, highest: float) -> Values:
-    """Value limited to a range. Python's own min and max take a tenth of the time of NumPy's on one number."""
+    """A value limited to a range. For one number Python's own min and max take a tenth of the time of NumPy's."""
     if isinstance(value, float):
         return min(max(value, lowest), highest)
     return np.minimum(np.maximum(value, lowest), highest)

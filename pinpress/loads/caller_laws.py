@@ -1,8 +1,7 @@
-"""Functions that a caller has written himself, asked so that what is wrong with them is said.
+"""Functions that a caller has written, asked in a way that reports what is wrong with them.
 
-What they raise, and answers that are no finite numbers of the right shape, become a `LawError` that names the law and where it was asked;
-NumPy's warnings are those that the caller wants to see, whatever the library does not want to see around them. The library's own loads
-are asked as they are.
+Exceptions, and answers that are no finite numbers of the right shape, become a `LawError` that names the law and the arguments. NumPy warns
+in these functions as the caller has set it, whatever the library sets around them. The library's own loads are asked as they are.
 """
 
 import math
@@ -21,14 +20,18 @@ OF_LOAD, OF_TIME = (("height", "m"), ("velocity", "m/s")), (("time", "s"),)
 
 
 class LawError(SimulationError):
-    """A caller's law has failed, or answers what is none."""
+    """A caller's law has raised an exception, or its answer is no finite number.
+
+    Attributes:
+        problem: the message without time and crank angle.
+    """
 
     def __init__(self, problem: str, time: float | None = None, crank_angle: float | None = None) -> None:
         self.problem = problem
         super().__init__(problem, time, crank_angle)
 
     def within(self, time: float, crank_angle: float) -> "LawError":
-        """The same with time and crank angle, which a law itself may not know."""
+        """The same error with time and crank angle, which the law itself may not know."""
         return LawError(self.problem, time, crank_angle)
 
 
@@ -61,12 +64,12 @@ def is_known(load: object) -> bool:
 
 
 def asked_loads(loads: Sequence[Any]) -> list[Any]:
-    """Loads of a run: a caller's own ones to be asked with care, anything else as it is."""
+    """The loads of a run: a caller's own loads as `AskedLoad`, all others as they are."""
     return [asked_load(load) for load in loads]
 
 
 def asked_load(load: Any) -> Any:
-    """A process load or a force in time, as of `asked_loads`."""
+    """One load for `asked_loads`."""
     if isinstance(load, TimeForce):
         return load if isinstance(load.force, Law) else TimeForce(Law("TimeForce: force", OF_TIME, load.force, np.geterr()), load.edges)
     if is_known(load) or isinstance(load, type | AskedLoad) or not isinstance(load, ProcessLoad):
@@ -79,7 +82,7 @@ class ForceOfMotion:
     """A caller's function of a motion. What it returns is checked where it is used.
 
     Attributes:
-        what: e.g. "load on 'slide': force".
+        what: its name in messages, e.g. "load on 'slide': force".
         call: the function.
         errors: `numpy.geterr` of the caller.
     """
@@ -100,14 +103,14 @@ class ForceOfMotion:
 
 @dataclass(frozen=True)
 class Law:
-    """A caller's function of numbers, or arrays.
+    """A caller's function of numbers or arrays.
 
     Attributes:
-        what: e.g. "Fan: torque".
-        names: of its arguments, with their units.
+        what: its name in messages, e.g. "Fan: torque".
+        names: names of its arguments, with their units.
         call: the function.
         errors: `numpy.geterr` of the caller.
-        scenarios: how many numbers may answer one number; None: one.
+        scenarios: number of scenarios, for each of which it may return a number; None: it returns one.
     """
 
     what: str
@@ -145,7 +148,7 @@ class Law:
         return value
 
     def _said(self, at: tuple[Any, ...], good: Any = None) -> str:
-        """The law and the arguments at which it was asked; of arrays those of the first answer that is not good."""
+        """The law with its arguments; of arrays those of the first answer that is not ``good``."""
         parts = []
         for (label, unit), one in zip(self.names, at, strict=False):
             if isinstance(one, tuple) or (np.ndim(one) and good is None):

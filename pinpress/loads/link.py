@@ -1,8 +1,8 @@
-"""Forces on the links from outside, springs and dampers between them, friction in bearings and guides, and the kinds of load there are.
+"""External forces on links, springs and dampers between links, friction in bearings and guides, and the union of all loads.
 
-A bearing resists its turning with the torque c w + mu r F, where F is its radial force (across the axis of rotation), a guide its sliding
-with the force c v + mu F, where F is its force across the direction of sliding. F depends on the friction of all bearings: both are found
-together. At rest, in a dead centre, Coulomb friction can have any value up to its limit; zero is taken.
+A bearing resists its rotation with the torque c w + mu r F, where F is its radial force (across the axis of rotation). A guide resists its
+sliding with the force c v + mu F, where F is its force across the direction of sliding. F depends on the friction of all bearings, so that
+both are found together. At rest, in a dead centre, Coulomb friction can have any value up to its limit; it is taken as zero.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 class PointForce:
     """A force at a point of a link.
 
-    A force between the slide and the bolster, such as a forming load, does not reach the foundation: a process load (`loads`) has its
-    reaction on the frame with it; here give it as a second PointForce.
+    A force between slide and bolster, such as a forming load, does not reach the foundation. A process load (`loads`) acts on the frame
+    too; here give the reaction on the frame as a second PointForce.
 
     Attributes:
         link: name of the link; the frame (root link) may be named too.
@@ -45,14 +45,14 @@ class PointForce:
 
 @dataclass(frozen=True)
 class SpringDamper:
-    """A spring and a damper side by side between a point of one link and one of another, which may be the frame.
+    """A spring and a damper in parallel between two points of different links, one of which may be the frame.
 
-    Its force along the line between the points is stiffness x (length - free_length) + damping x (rate of length), drawing them together
-    where positive.
+    The force along the line between the points is stiffness x (length - free_length) + damping x (rate of length); a positive force draws
+    the points together.
 
     Attributes:
-        link1: name of the one link.
-        link2: name of the other.
+        link1: name of one link.
+        link2: name of the other link.
         stiffness: [N/m].
         damping: [N s/m].
         free_length: length at which the spring is slack [m].
@@ -77,9 +77,9 @@ class Friction:
     """Friction of a bearing or guide.
 
     Attributes:
-        coefficient: Coulomb's, mu [-].
+        coefficient: coefficient mu of Coulomb friction [-].
         radius: of the bearing [m]; a guide has none.
-        viscous: torque by angular speed [N m s/rad], in a guide force by speed [N s/m].
+        viscous: viscous torque by angular speed [N m s/rad], in a guide viscous force by speed [N s/m].
     """
 
     coefficient: float = field(default=0.0, metadata=parameter("-", "not negative"))
@@ -88,11 +88,11 @@ class Friction:
 
 
 def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
-    """The friction of a linkage's bearings, None where there is none.
+    """The friction of a linkage's bearings; None where there is none.
 
     Raises:
-        UnknownNameError: a bearing that the linkage does not have.
-        PinpressError: a bearing with friction that cannot move, no radius or one that makes no sense, a value negative or not finite.
+        UnknownNameError: the linkage does not have a bearing of that name.
+        PinpressError: a fixed loop has friction, a radius is missing or superfluous, or a value is negative or not finite.
     """
     if not isinstance(friction, Mapping):
         raise PinpressError("friction is no mapping: give {name of a bearing: Friction(...)}")

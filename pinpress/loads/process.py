@@ -240,17 +240,17 @@ class TimeForce:
 def step(x: ArrayLike, x0: float, h0: float, x1: float, h1: float) -> Array:
     """ADAMS' function STEP: h0 up to x0, h1 from x1, between them h0 + (h1 - h0) d^2 (3 - 2 d) with d = (x - x0)/(x1 - x0).
 
-    As in the load functions of Zhang 2007, 5.7.3 to 5.7.5.
+    Source: the load functions of Zhang 2007, 5.7.3 to 5.7.5.
 
     Args:
-        x: of any shape, that of what is returned.
-        x0: up to which the step is at its start.
-        h0: value at the start.
-        x1: from which the step is at its end, above x0.
-        h1: value at the end.
+        x: places, of any shape; the result has the same shape.
+        x0: place at which the step begins.
+        h0: value up to x0.
+        x1: place at which the step ends, above x0.
+        h1: value from x1 on.
 
     Raises:
-        PinpressError: x1 not above x0, or a value that is not a number.
+        PinpressError: x1 is not above x0, or a value is no number.
     """
     at = any_numbers("step: x", x)
     if np.isnan(at).any():
@@ -266,7 +266,7 @@ def step(x: ArrayLike, x0: float, h0: float, x1: float, h1: float) -> Array:
 
 
 def _check_span(load: Blanking | DeepDrawing) -> None:
-    """Raise PinpressError where a load does not start above its end, or so near to it that the rate of its force overflows."""
+    """Raise PinpressError where a load does not start above its end, or so close to it that the rate of its force overflows."""
     extent = load.start - load.end
     if not (extent > 0 and math.isfinite(extent) and math.isfinite(math.pi / extent)):
         raise PinpressError(
@@ -304,11 +304,11 @@ class ForceInterval:
     Attributes:
         upper: height up to which it acts, lower < height <= upper [m]; may be infinite.
         lower: height from which it acts [m]; may be infinite.
-        force: law of height [m] and velocity along the axis [m/s] that returns the force on the slide along the axis [N]. Of numbers it
-            gives a number, or (S,) where the load has scenarios; of arrays (..., S) the same shape. It is smooth, a little beyond the
-            interval too.
-        one_sided: whether it is a contact: where the law gives less than zero the contact is lost, and the force is zero.
-        heeds_velocity: whether the force depends on the velocity; of a contact: whether where it is lost does. It may be left at True.
+        force: law of height [m] and velocity along the axis [m/s] that returns the force on the slide along the axis [N]. For numbers it
+            returns a number, or (S,) where the load has scenarios; for arrays (..., S) the same shape. It is smooth, even a little beyond
+            the interval.
+        one_sided: whether the interval is a contact: where the law is negative the contact is lost, and the force is zero.
+        heeds_velocity: whether the force depends on the velocity, or the place where a contact is lost does. True is always right.
     """
 
     upper: float
@@ -320,9 +320,9 @@ class ForceInterval:
 
 @runtime_checkable
 class ProcessLoad(Protocol):
-    """A force between slide and bolster. Any class with these two members is one.
+    """A force between slide and bolster: any class with these two members.
 
-    Its intervals are the same whenever they are asked for, and their forces depend on height, velocity and direction of travel alone.
+    Its intervals are always the same, and their forces depend on height, velocity and direction of travel alone.
     """
 
     @property
@@ -341,7 +341,7 @@ def datum(load: ProcessLoad, press: Linkage) -> float:
     """Slide position from which the heights of a load are measured [m].
 
     Raises:
-        PinpressError: the linkage has no slide, or neither it has a bottom dead centre nor the load a datum.
+        PinpressError: the linkage has no slide, or the load has no datum and the linkage no bottom dead centre.
     """
     from ..kinematics.slide_path import dead_centres  # with Pinocchio, which describing a load does without
 
