@@ -12,9 +12,9 @@ from functools import cached_property
 import numpy as np
 
 from ..common.errors import PinpressError
-from ..common.quantities import RPM
+from ..common.quantities import RPM, Values
 from ..drives.motors import InductionMotor
-from ..drives.protocol import Drive, SpeedTorqueDrive, Values
+from ..drives.protocol import Drive, SpeedTorqueDrive
 from ..drives.transmission import Clutch, Flywheel, Geared, SwitchPoint
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage

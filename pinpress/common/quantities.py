@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-
+Values = float | Array
+"""A number, or an array with one number for each scenario on the last axis."""
 
 RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]: `speed=70 * pp.RPM`."""

@@ -16,8 +16,8 @@ import numpy as np
 from ..common.arguments import is_whole_number, suitable_numbers
 from ..common.errors import PinpressError, shown
 from ..common.parameters import parameter, set_field
-from ..common.quantities import RPM, Array
-from .protocol import SpeedTorqueDrive, Values, limited
+from ..common.quantities import RPM, Array, Values
+from .protocol import SpeedTorqueDrive, limited
 
 MOST_POLES = 1000
 

@@ -10,10 +10,7 @@ import numpy as np
 from ..common.arguments import truth_value
 from ..common.parameters import Checked
 from ..common.parameters import parameter as parameter  # named in pinpress.drives
-from ..common.quantities import Array
-
-Values = float | Array
-"""A number, or an array with one number for each scenario on the last axis."""
+from ..common.quantities import Values
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ import numpy as np
 from ..common.arguments import is_number
 from ..common.errors import PinpressError, shown
 from ..common.parameters import Checked, parameter
-from .protocol import Corner, Drive, Values, corners_of
+from ..common.quantities import Values
+from .protocol import Corner, Drive, corners_of
 
 
 @dataclass(frozen=True)

@@ -27,15 +27,12 @@ from ..common.errors import PinpressError, shown
 from ..common.frozen import read_only
 from ..common.parameters import Checked, set_field
 from ..common.parameters import parameter as parameter
-from ..common.quantities import Array
+from ..common.quantities import Array, Values
 
 if TYPE_CHECKING:
     from ..linkage.linkage import Linkage
 
 RESISTS = "positive resists the slide's work"
-
-Values = float | Array
-"""A number, or (S,) of them, one of each scenario."""
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ import numpy as np
 from ..common.arguments import any_numbers, suitable_numbers
 from ..common.errors import PinpressError, said, shown
 from ..common.parameters import scenario_lengths
-from ..common.quantities import Array
+from ..common.quantities import Array, Values
 from ..drives import motors
-from ..drives.protocol import Corner, Drive, Values, corners_of
+from ..drives.protocol import Corner, Drive, corners_of
 from ..drives.transmission import Geared
 from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
 from ..loads.caller_laws import name as name_of
