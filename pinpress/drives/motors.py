@@ -27,7 +27,7 @@ class ConstantTorque(SpeedTorqueDrive):
     """The same torque at every speed: the M_d of Zhang 2007, section 4.2. It has no inertia: give a `Flywheel`.
 
     Attributes:
-        value: [N m], or (S,) for S scenarios; negative: backwards. (``torque`` is the method that all drives have.)
+        value: the torque [N m], or (S,) for S scenarios; negative: backwards. (``torque`` is the method of all drives.)
     """
 
     value: Values = field(metadata=parameter("N m", scenarios=True))
@@ -48,13 +48,13 @@ class ConstantTorque(SpeedTorqueDrive):
 class InductionMotor(SpeedTorqueDrive):
     """An induction motor on the mains, from its nameplate, by Kloss's formula: T = 2 Tb / (s / sb + sb / s) with slip s.
 
-    It drives below its synchronous speed and brakes above it, as a generator; turned backwards it drives on against the motion. The slip
-    sb of the breakdown torque Tb = breakdown_ratio x rated torque is that at which the curve passes through the rated point. Electrical
-    transients and the skin effect at standstill are left out.
+    It drives below its synchronous speed and brakes above it, as a generator; turned backwards it drives against the motion. The slip sb of
+    the breakdown torque Tb = breakdown_ratio x rated torque is such that the curve passes through the rated point. Electrical transients
+    and the skin effect at standstill are neglected.
 
     Attributes:
         rated_power: [W], or (S,) for S scenarios.
-        rated_speed: [rad/s], below the synchronous one.
+        rated_speed: [rad/s], below the synchronous speed.
         frequency: of the mains [Hz].
         poles: number of poles (twice that of pole pairs).
         breakdown_ratio: breakdown torque by rated torque, above 1.
@@ -88,7 +88,7 @@ class InductionMotor(SpeedTorqueDrive):
 
     @cached_property
     def breakdown_torque(self) -> Values:
-        """Largest torque [N m]; (S,) where the power is."""
+        """Largest torque [N m]; (S,) if the power is."""
         return self.breakdown_ratio * self.rated_torque
 
     @cached_property
@@ -115,20 +115,20 @@ class InductionMotor(SpeedTorqueDrive):
 class InverterMotor(SpeedTorqueDrive):
     """An induction motor on an inverter that holds one frequency.
 
-    Up to the rated frequency fN the flux is constant, above it the voltage is, and the flux falls with fN / f: field weakening. The torque
-    is a slope times the speed by which the shaft lags behind the synchronous one; the slope is the rated torque by the rated lag, times
-    (fN / f)^2 above fN. The inverter limits it, both ways, to `torque_limit`.
+    Up to the rated frequency fN the flux is constant. Above it the voltage is constant, and the flux falls with fN / f (field weakening).
+    The torque is a slope times the speed by which the shaft lags behind the synchronous speed. The slope is the rated torque by the rated
+    lag, above fN times (fN / f)^2. The inverter limits the torque in both directions to `torque_limit`.
 
     Attributes:
         rated_torque: at the rated frequency [N m].
-        rated_speed: there [rad/s], below the synchronous one.
-        frequency: that it runs at [Hz].
+        rated_speed: at the rated frequency [rad/s], below the synchronous speed.
+        frequency: at which it runs [Hz].
         rated_frequency: [Hz].
         poles: number of poles (twice that of pole pairs).
-        overload: largest torque the inverter allows, by the permanent one.
+        overload: largest torque that the inverter allows by the permanent torque.
         breakdown_ratio: breakdown torque at the rated flux by rated torque, above 1.
-        curve: pairs of frequency [Hz], rising, and largest torque [N m]: a catalogue's, straight between its points, in place of what
-            `torque_limit` works out from overload and breakdown_ratio.
+        curve: pairs of rising frequency [Hz] and largest torque [N m], as from a catalogue, with straight lines between; in place of
+            overload and breakdown_ratio.
         inertia: of the rotor [kg m2], or (S,).
     """
 
@@ -161,17 +161,18 @@ class InverterMotor(SpeedTorqueDrive):
 
     @property
     def corners(self) -> tuple[Values, ...]:
-        """Where the limit sets in: driving, braking."""
+        """Speeds at which the limit sets in, in driving and in braking."""
         lag = self._limit / self._slope
         return (self.synchronous_speed - lag, self.synchronous_speed + lag)
 
     def torque_limit(self, frequency: Values) -> Values:
-        """Largest torque [N m] at frequencies [Hz] of any shape: the ``curve``, or overload x rated torque up to the rated frequency
-        and falling with fN / f above it, as Kong 2025, fig. 1, shows of the permanent torque; where the breakdown torque, that falls
-        with (fN / f)^2, lies below this, the breakdown torque.
+        """Largest torque [N m] at frequencies [Hz] of any shape.
+
+        It is that of the ``curve``; else overload x rated torque, which above the rated frequency falls with fN / f as the permanent torque
+        in Kong 2025, fig. 1, or the breakdown torque where that is smaller, which falls with (fN / f)^2.
 
         Raises:
-            PinpressError: a frequency that is not positive, or off the curve.
+            PinpressError: a frequency is not positive, or off the curve.
         """
         given = suitable_numbers("InverterMotor: frequency", frequency, "a positive number [Hz]", None, lambda values: values > 0)
         if self.curve is not None:
@@ -194,7 +195,7 @@ class InverterMotor(SpeedTorqueDrive):
 
     @cached_property
     def _slope(self) -> float:
-        """Torque by lag behind the synchronous speed [N m s/rad]."""
+        """Torque by the lag behind the synchronous speed [N m s/rad]."""
         flux = min(1.0, self.rated_frequency / self.frequency)
         return flux**2 * self.rated_torque / (_synchronous(self.rated_frequency, self.poles) - self.rated_speed)
 
@@ -234,25 +235,25 @@ def _curve(drive: object, given: object) -> tuple[tuple[float, float], ...]:
 class SlipClutchMotor(SpeedTorqueDrive):
     """An adjustable-speed motor with electromagnetic slip clutch ("YCT"): Zhang 2007, section 4.3, with closed-loop speed control.
 
-    An induction motor turns the clutch's driving half at n0, the excitation current I_f pulls the driven half after it:
-    n = n0 - K T^2 / I_f^4 (4.3.1), so T = I_f^2 sqrt((n0 - n) / K). I_f is in shares of its largest value. A proportional amplifier sets
-    it from the set speed less the tachometer's, between 0 and 1. K and its gain are ours, as the thesis prints none: K from the torque at
-    the top of the speed range with I_f = 1, the gain from the regulation. That is met at every set speed up to the top speed: the lower
-    the speed, the less current the rated torque takes.
+    An induction motor turns the driving half of the clutch at n0, and the excitation current I_f draws the driven half along:
+    n = n0 - K T^2 / I_f^4 (4.3.1), so T = I_f^2 sqrt((n0 - n) / K). I_f is a share of its largest value. A proportional amplifier sets it
+    between 0 and 1 from the set speed less the measured speed. The thesis prints neither K nor the gain. Here K follows from the torque at
+    the top of the speed range with I_f = 1, and the gain from the regulation, which is met at every set speed up to the top speed: at lower
+    speeds the rated torque takes less current.
 
-    It cannot brake: the torque is zero from the set speed on, or with a lag while there is current, from n0 on. There its slope is
-    infinite, as (4.3.1) has it; without a lag n0 is out of reach. Turned backwards the clutch slips more, and (4.3.1) is taken on: the
-    torque rises further, with the root of the slip. (The 30 kW of the thesis's YCT280-4A are not 189 N m at its 1320 r/min, which are
-    26 kW: they are nearer to what its induction motor gives, slip power included.)
+    It cannot brake: the torque is zero above the set speed, or with a lag, while there is current, above n0. The slope of the torque at n0
+    is infinite, as (4.3.1) has it; without a lag n0 is out of reach. Turned backwards the clutch slips more, and (4.3.1) is extrapolated:
+    the torque rises further with the root of the slip. (The 30 kW of the thesis's YCT280-4A do not agree with 189 N m at its 1320 r/min,
+    which are 26 kW: they are closer to the power of its induction motor, slip power included.)
 
     Attributes:
         rated_torque: [N m].
-        primary_speed: n0, of the driving half, constant [rad/s].
-        top_speed: highest speed of its range at which it gives the rated torque [rad/s]; below primary_speed.
+        primary_speed: n0, constant speed of the driving half [rad/s].
+        top_speed: highest speed at which it gives the rated torque [rad/s]; below primary_speed.
         set_speed: that the control holds [rad/s]; at most top_speed.
-        regulation: drop of speed from the set speed, where it gives no torque, to the rated torque, by the set speed; below 1.
-        lag: time constant with which the excitation current follows the amplifier [s]; 0: at once. With a lag the current is the one
-            state, zero at the start: switched on.
+        regulation: drop of speed from the set speed, where there is no torque, to the rated torque, as a share of the set speed; below 1.
+        lag: time constant with which the excitation current follows the amplifier [s]; 0: at once. With a lag the current is the only
+            state; it is zero at the start, when the motor is switched on.
         inertia: of the driven half [kg m2], or (S,).
     """
 
@@ -291,22 +292,22 @@ class SlipClutchMotor(SpeedTorqueDrive):
 
     @property
     def corners(self) -> tuple[Values, ...]:
-        """Where the amplifier comes off its largest current, and where it reaches zero."""
+        """Speeds at which the amplifier leaves its largest current, and at which it reaches zero."""
         return () if self.lag else (self.set_speed - 1.0 / self.gain, self.set_speed)
 
     @cached_property
     def gain(self) -> float:
-        """Of the amplifier: excitation current, in shares of its largest, by speed error [s/rad]."""
+        """Gain of the amplifier: excitation current, as a share of its largest value, by speed error [s/rad]."""
         drop = self.regulation * self.set_speed
         rated = (self.primary_speed - self.top_speed) / (self.primary_speed - self.set_speed + drop)  # to the fourth power
         return math.sqrt(math.sqrt(rated)) / drop
 
     def excitation(self, speed: Values) -> Values:
-        """Excitation current that the amplifier asks for, 0 to 1."""
+        """Excitation current that the amplifier demands, 0 to 1."""
         return limited(0.0, self.gain * (self.set_speed - speed), 1.0)
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        """As `Drive.torque`; ``state`` is the excitation current: without it that which the amplifier asks for."""
+        """See `Drive.torque`. ``state`` is the excitation current; without it the current is that which the amplifier demands."""
         current = state[0] if state else self.excitation(speed)
         share = limited(0.0, (self.primary_speed - speed) / (self.primary_speed - self.top_speed), math.inf)
         return self.rated_torque * (current * current) * share**0.5
@@ -315,7 +316,7 @@ class SlipClutchMotor(SpeedTorqueDrive):
         return ((self.excitation(speed) - state[0]) / self.lag,) if self.lag else ()
 
     def slip_power(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        """Power lost in the clutch, T (n0 - n) [W]; arguments as of ``torque``."""
+        """Power lost in the clutch, T (n0 - n) [W]; arguments as for ``torque``."""
         return self.torque(speed, angle, time, state) * (self.primary_speed - speed)
 
 
@@ -323,17 +324,18 @@ class SlipClutchMotor(SpeedTorqueDrive):
 class ServoMotor(SpeedTorqueDrive):
     """A servo motor that follows a motion program of its shaft.
 
-    The program is the cubic spline through its points that stands still at both ends, as it is held at the first angle before and at the
-    last one afterwards: its speed has no jump. The torque is stiffness x error of angle + damping x error of speed, within the peak torque.
+    The program is the cubic spline through its points that stands still at both ends, because the shaft is held at the first angle before
+    and at the last one afterwards: its speed does not jump. The torque is stiffness x error of angle + damping x error of speed, limited to
+    the peak torque.
 
     Attributes:
-        times: (k,) of the program's points, rising [s].
-        angles: (k,) of the shaft at them [rad].
+        times: (k,) rising times of the program's points [s].
+        angles: (k,) angles of the shaft at these times [rad].
         stiffness: [N m/rad].
         damping: [N m s/rad].
         peak_torque: [N m].
         inertia: of the rotor [kg m2], or (S,) for S scenarios.
-        rated_torque: bearable without end [N m]; None: not known.
+        rated_torque: permanent torque [N m]; None: not known.
     """
 
     times: Sequence[float] | Array
@@ -362,7 +364,7 @@ class ServoMotor(SpeedTorqueDrive):
 
     def program(self, time: Values) -> tuple[Values, Values]:
         """Angle [rad] and speed [rad/s] of the program at times [s] of any shape."""
-        # a number at a time is what an integrator asks for: an array of one takes forty times as long
+        # integrators ask for one number at a time, for which an array takes forty times as long
         start, a, b, c, d = (
             self._rows[bisect_right(self.times, time)]
             if isinstance(time, float)
@@ -373,8 +375,9 @@ class ServoMotor(SpeedTorqueDrive):
 
     @cached_property
     def _pieces(self) -> Array:
-        """(k + 1, 5): start of each piece of the program and its polynomial, constant first; the first and last are those it is held in."""
-        from scipy.interpolate import CubicSpline  # slow to import, and only servo motors need it
+        """(k + 1, 5): start of each piece of the program and its polynomial, constant first. In the first and last piece the shaft is
+        held."""
+        from scipy.interpolate import CubicSpline  # to save start-up time
 
         spline = CubicSpline(self.times, self.angles, bc_type="clamped")
         pieces = np.zeros((len(self.times) + 1, 5))

@@ -1,12 +1,12 @@
-"""What stands between motor and crank and turns with it: flywheel, gears, clutch and brake; and a drive that holds its speed.
+"""The parts between motor and crank: flywheel, gears, clutch and brake; and a drive that holds its speed.
 
 Torques and speeds are positive along the shaft on which the drive acts: the driver joint, or the faster shaft of a `Geared`. Several
 scenarios at once have their parameters in arrays (S,), where a class allows it, and their speeds on the last axis of an array. Wrong
 parameters raise a `PinpressError` that names class and field.
 
-Flywheel and drive stand before the clutch, the brake behind it, on the crank; all is reduced to the driver joint. While it slips, a clutch
-or brake transmits its friction torque, rising over its time of engagement; once its sides turn alike it holds, as long as it does not have
-to hold more than that.
+Flywheel and drive stand on the motor's side of the clutch, the brake on the crank; all is reduced to the driver joint. A clutch or brake
+that slips transmits its friction torque, which rises over its time of engagement. Once both sides turn at the same speed it holds, as long
+as that takes no more than the friction torque.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from .protocol import Corner, Drive, corners_of
 
 @dataclass(frozen=True)
 class Flywheel(Checked):
-    """A flywheel on the driver joint's shaft, or with whatever else turns with it, reduced to that shaft. No drive by itself.
+    """A flywheel on the driver joint's shaft, with all else that turns with it, reduced to that shaft. It is no drive by itself.
 
     Attributes:
-        inertia: [kg m2], or (S,) for S scenarios. A negative one takes away what the URDF has too much; the sum must stay positive.
-        speed: of the flywheel at the start, where an open clutch lets it differ from the crank's [rad/s]; None: that of the crank.
+        inertia: [kg m2], or (S,) for S scenarios. A negative inertia removes what the URDF has too much; the sum must stay positive.
+        speed: of the flywheel at the start, which an open clutch lets differ from that of the crank [rad/s]; None: that of the crank.
     """
 
     inertia: Values = field(metadata=parameter("kg m2", scenarios=True))
@@ -49,14 +49,14 @@ class PrescribedSpeed(Checked):
 
 @dataclass(frozen=True)
 class Geared(Checked):
-    """A drive through gears or a belt: its shaft turns ``ratio`` times as fast as that on which it acts.
+    """A drive through gears or a belt: its shaft turns ``ratio`` times as fast as the shaft on which the gears act.
 
-    Where the drive gives power (or starts), the torque is ratio x its torque x efficiency, where it takes power, ratio x torque /
-    efficiency. The losses are those of its torque alone; what accelerates the drive's own inertia passes the gears without loss.
+    Where the drive delivers power (or starts), the torque is ratio x its torque x efficiency; where it takes power, ratio x torque /
+    efficiency. Only the drive's torque has losses; the torque that accelerates the drive's own inertia passes the gears without loss.
 
     Attributes:
-        drive: any `Drive`, also another Geared.
-        ratio: speed of its shaft by that of the slower one; negative: it turns the other way.
+        drive: any `Drive`, even another Geared.
+        ratio: speed of its shaft by that of the slower one; negative: it turns in the opposite direction.
         gear_inertia: of the gears, at the slower shaft [kg m2], or (S,) for S scenarios. (``inertia`` is the total there.)
         efficiency: above 0, at most 1.
     """
@@ -96,13 +96,13 @@ class Geared(Checked):
 
     @property
     def reversals(self) -> tuple[float, ...]:
-        """Speeds at which the drive's torque changes its sign, where it says so."""
+        """Speeds at which the drive's torque changes its sign, if the drive names them [rad/s]."""
         return tuple(speed / self.ratio for speed in getattr(self.drive, "reversals", ()))
 
     @property
     def corners(self) -> tuple[Values | Corner, ...]:
-        """The drive's; with losses also those at which its power changes sign: standstill, where its torque jumps, and the synchronous
-        speed of an induction motor. (Where a drive names no `reversals`, let its own corners hold them.)"""
+        """The corners of the drive; with losses also the speeds at which its power changes sign: standstill, where the torque jumps, and
+        the synchronous speed of an induction motor. (A drive without `reversals` should name them among its own corners.)"""
         if self.timed:
             return ()
         lossy = (0.0, *self.reversals) if self.efficiency < 1 else ()
@@ -126,7 +126,7 @@ class Geared(Checked):
         return self.drive.motor_torque(self.ratio * speed, self.ratio * angle, time, state)
 
     def _passed(self, power: Values) -> Values:
-        """Torque behind the gears by that before them. At standstill the drive starts."""
+        """Torque behind the gears by that before them. At standstill the drive counts as delivering power."""
         if isinstance(power, float):
             return self.efficiency if power >= 0.0 else 1.0 / self.efficiency
         return np.where(power >= 0.0, self.efficiency, 1.0 / self.efficiency)
@@ -134,7 +134,7 @@ class Geared(Checked):
 
 @dataclass(frozen=True)
 class SwitchPoint:
-    """When a clutch or brake is switched: at a time, or where the crank passes an angle either way.
+    """When a clutch or brake is switched: at a time, or where the crank passes an angle in either direction.
 
     Attributes:
         time: [s]; None: at an angle.
@@ -154,11 +154,11 @@ class SwitchPoint:
 
 @dataclass(frozen=True)
 class Coupling(Checked):
-    """What a clutch and a brake have in common.
+    """Base of clutch and brake.
 
     Attributes:
         torque: that it transmits while it slips, at the driver joint [N m].
-        closes: when it closes; None: it is closed from the start, and holds what turns alike.
+        closes: when it closes; None: it is closed from the start, and holds if both sides have the same speed.
         opens: when it opens for good; None: never.
         rise: time in which its torque builds up [s].
     """
@@ -183,7 +183,7 @@ class Clutch(Coupling):
 
     Attributes:
         torque: that it transmits while it slips, at the driver joint [N m].
-        closes: when it closes; None: it is closed from the start, and holds where flywheel and crank turn alike.
+        closes: when it closes; None: it is closed from the start, and holds if flywheel and crank have the same speed.
         opens: when it opens for good; None: never.
         rise: time in which its torque builds up [s].
     """
