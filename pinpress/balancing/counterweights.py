@@ -50,9 +50,9 @@ class Counterweight(Record, units={"mass": "kg", "position": "m", "inertia": "kg
 
     def __post_init__(self) -> None:
         what = f"counterweight on {shown(self.link)}"
-        vars(self)["mass"] = number(f"{what}: mass", self.mass)
-        vars(self)["inertia"] = number(f"{what}: inertia", self.inertia)
-        vars(self)["position"] = tuple(numbers(f"{what}: position", self.position, (3,)).tolist())
+        vars(self)["mass"] = number(f"{what}: mass", self.mass, "kg")
+        vars(self)["inertia"] = number(f"{what}: inertia", self.inertia, "kg m2")
+        vars(self)["position"] = tuple(numbers(f"{what}: position", self.position, (3,), unit="m").tolist())
         if self.inertia * self.mass < 0 or (self.inertia and not self.mass):
             raise PinpressError(f"{what}: its inertia is {self.inertia:g} kg m2 at a mass of {self.mass:g} kg, which no body has")
 

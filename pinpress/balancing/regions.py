@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ..common.arguments import any_numbers, numbers, suitable_numbers, truth_value
+from ..common.arguments import any_numbers, in_unit, numbers, suitable_numbers, truth_value
 from ..common.conic_program import AT_MOST, CONE, Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
@@ -60,6 +60,8 @@ class CounterweightRegion:
     replaces: bool = False
 
     def __post_init__(self) -> None:
+        for name, unit in (("mass", "kg"), *((name, "m") for name in ("at", "radius", "centre", "corners", "gyration"))):
+            object.__setattr__(self, name, in_unit(f"{self.words}: {name}", getattr(self, name), unit))
         if self.at is not None:
             object.__setattr__(self, "at", tuple(numbers(f"{self.words}: at", self.at, (3,)).tolist()))
         object.__setattr__(self, "corners", self._checked_corners())

@@ -1,6 +1,8 @@
 """Checks of arguments. `typed` checks objects of the library, sequences, mappings, functions and truth values by the annotations of a
 public function; numbers, whole numbers and arrays are checked by functions that it calls.
 
+Numbers are in SI units, or quantities of pint, which `in_unit` turns into them; pint is not imported here.
+
 NumPy accepts as numbers what was hardly meant so: it drops masks and imaginary parts, reads texts, dates and truth values, and turns None
 into nan. Here all these are refused, with the name of the argument.
 """
@@ -165,8 +167,10 @@ def suitable_numbers(
     return values
 
 
-def number(name: str, value: object, positive: bool = False) -> float:
-    """The argument as a finite number; raises PinpressError where it is none, or not ``positive`` as asked for."""
+def number(name: str, value: object, unit: str | None = None, *, positive: bool = False) -> float:
+    """The argument as a finite number; raises PinpressError where it is none, or not ``positive`` as asked for. Quantities are turned into
+    the unit."""
+    value = in_unit(name, value, unit)
     if positive:
         return float(suitable_numbers(name, value, "one finite number, positive", suits=lambda found: found > 0))
     return float(suitable_numbers(name, value, "one finite number"))
@@ -181,7 +185,7 @@ def is_number(value: object) -> bool:
 def positive(what: str, value: object, unit: str) -> float:
     """A size as a number; raises PinpressError where it is not positive, or outside the range from `SMALLEST` to `LARGEST`."""
     wanted = f"a positive number [{unit}], from {SMALLEST:g} to {LARGEST:g}"
-    return float(suitable_numbers(what, value, wanted, suits=lambda size: (size >= SMALLEST) & (size <= LARGEST)))
+    return float(suitable_numbers(what, in_unit(what, value, unit), wanted, suits=lambda size: (size >= SMALLEST) & (size <= LARGEST)))
 
 
 def truth_value(name: str, value: object) -> bool:
@@ -203,19 +207,70 @@ def whole_number(name: str, value: object, least: int, most: int) -> int:
     return int(value)
 
 
-def numbers(name: str, values: object, shape: _Shape | None = None) -> Array:
+def in_unit(name: str, value: Any, unit: str | None) -> Any:
+    """A quantity of pint, or nested lists and tuples with such, as plain numbers; everything else as it is.
+
+    Args:
+        name: of the argument, for the message.
+        value: what is given.
+        unit: "m", "kg m2", "N m/rad" and the like; "-" for plain numbers. With None quantities stay what they are, and are refused later.
+
+    Raises:
+        PinpressError: a quantity that is no multiple of the unit; one without an angle for a unit with "rad/s": whether 1/min or Hz count
+            turns or radians is not known.
+    """
+    if unit is None or isinstance(value, float | int | np.ndarray):
+        return value
+    if isinstance(value, list | tuple) and _holds_quantities(value):
+        return type(value)(in_unit(name, each, unit) for each in value)
+    if not is_quantity(value):
+        return value
+    written = " ".join(str(value).split())
+    given = written if len(written) < 50 else f"in {value.units}"
+    try:
+        converted = value.to("" if unit == "-" else _power(unit.replace(" ", "*"))).magnitude
+    except Exception as error:  # whatever the registry says
+        wanted = "without a unit" if unit == "-" else f"in {unit}, or in a multiple of it"
+        raise PinpressError(f"{name} is {given}: give it {wanted}") from error
+    if "rad/s" in unit and not any(word in str(value.units) for word in _ANGLES):
+        raise PinpressError(f"{name} is {given}, which says no angle: give it in {unit}, or in revolutions or degrees by time (rpm)")
+    return converted
+
+
+_ANGLES = ("rad", "deg", "rev", "turn", "rpm", "cycle", "gon", "arc")  # in the names of units of an angle
+_QUANTITY = ("to", "to_base_units", "magnitude", "dimensionality", "units")  # what quantities of pint have
+
+
+def is_quantity(value: object) -> bool:
+    """Whether a value is a quantity of pint, by what it can do."""
+    return all(hasattr(type(value), name) for name in _QUANTITY)
+
+
+def _holds_quantities(values: Iterable[Any], level: int = 1) -> bool:
+    return level <= _DEEPEST and any(
+        _holds_quantities(value, level + 1) if isinstance(value, list | tuple) else is_quantity(value) for value in values
+    )
+
+
+def _power(unit: str) -> str:
+    """A unit in pint's words, kg*m**2 for kg*m2."""
+    return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", unit)
+
+
+def numbers(name: str, values: object, shape: _Shape | None = None, *, unit: str | None = None) -> Array:
     """The values as a new array of finite numbers.
 
     Args:
         name: of the argument, for the messages.
         values: a number, an array, or nested sequences of numbers.
         shape: of the array, in which None stands for any length along an axis; by default any shape.
+        unit: that quantities are turned into, see `in_unit`.
 
     Raises:
         PinpressError: the values are masked, complex or ragged, texts, truth values, dates or anything else that is no finite number, or
             have another shape.
     """
-    array = any_numbers(name, values, shape)
+    array = any_numbers(name, in_unit(name, values, unit), shape)
     if shape is not None and not _has_shape(array, shape):
         raise PinpressError(f"{name} has shape {array.shape}: give {_wanted(shape)}")
     if not np.isfinite(array).all():

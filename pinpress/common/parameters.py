@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import plausibility
-from .arguments import finite_numbers, is_whole_number, typed
+from .arguments import finite_numbers, in_unit, is_whole_number, typed
 from .errors import PinpressError, shown
 from .frozen import Frozen
 
@@ -59,7 +59,7 @@ class Parameter(NamedTuple):
 
     def checked(self, what: str, value: object) -> Any:
         """The value as a float or a read-only array; raises PinpressError with its name ``what`` where it is not as declared."""
-        values = finite_numbers(value)
+        values = finite_numbers(in_unit(what, value, self.unit))
         if values is not None and (not values.size or values.ndim not in (self.axes, self.axes + self.scenarios)):
             raise PinpressError(f"{what} has shape {values.shape}; give {self.wanted()}")
         if values is None or not np.all(_SIGNS[self.sign](values)):
@@ -118,6 +118,12 @@ def check_parameters(item: Any) -> None:
             f"{name}: {' and '.join(counts)} are for different numbers of scenarios, {', '.join(map(str, counts.values()))};"
             " give one value of each scenario in all"
         )
+
+
+def in_declared_units(item: Any) -> None:
+    """Put quantities with units in the declared fields of a dataclass into their SI units, and leave all else as it is."""
+    for field, declared in _declared(item):
+        set_field(item, field.name, in_unit(f"{type(item).__name__}: {field.name}", getattr(item, field.name), declared.unit))
 
 
 def set_field(item: object, field: str, value: object) -> None:

@@ -207,7 +207,7 @@ def _refuse_scenarios(name: str, interval: ForceInterval) -> None:
 def _in_time(load: TimeForce, motion: "Motion") -> Array:
     """The force (n,) of a load in time on the slide, along the guide's axis [N]."""
     for times in (motion.time[:1], motion.time):  # one time first: an array that does not depend on time may have as many values as states
-        force = numbers("TimeForce: force", load.force(times))
+        force = numbers("TimeForce: force", load.force(times), unit="N")
         if force.shape not in ((), times.shape):
             raise PinpressError(f"TimeForce: force of {len(times)} times has shape {force.shape}; give {times.shape}, as the time has")
     return np.broadcast_to(force, motion.time.shape)
@@ -216,7 +216,7 @@ def _in_time(load: TimeForce, motion: "Motion") -> Array:
 def _point_force(load: PointForce, press: "Linkage", motion: "Motion") -> AppliedForce:
     points, what = len(motion.crank_angle), f"load on {shown(load.link)}"
     joint, point = point_on_body(press, load.link, load.point, what, "point")
-    force = numbers(f"{what}: force", load.force(motion) if callable(load.force) else load.force)
+    force = numbers(f"{what}: force", load.force(motion) if callable(load.force) else load.force, unit="N")
     if force.shape not in ((3,), (points, 3)):
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,) or ({points}, 3), in world axes [N]")
     return AppliedForce(joint, point, np.broadcast_to(force, (points, 3)))
@@ -271,7 +271,7 @@ def point_on_body(press: "Linkage", link: str, point: ArrayLike, what: str, name
     """
     if link not in press.links:
         raise UnknownNameError("link", link, press.links)
-    position = numbers(f"{what}: {name}", point)
+    position = numbers(f"{what}: {name}", point, unit="m")
     if position.shape != (3,):
         raise PinpressError(f"{what}: {name} has shape {position.shape}; give x, y, z in the link's frame [m]")
     plausibility.point(f"{what}: {name}", position, press.size)

@@ -236,7 +236,7 @@ def _series(press: Linkage, values: Array) -> Array:
 
 
 def _speeds(speed: ArrayLike) -> Array:
-    speeds = np.atleast_1d(numbers("speed", speed))
+    speeds = np.atleast_1d(numbers("speed", speed, unit="rad/s"))
     if speeds.ndim != 1 or not len(speeds):
         raise PinpressError(f"speed has shape {speeds.shape}: give (S,) speeds of the crank [rad/s]")
     if not np.abs(speeds).max() <= LARGEST:

@@ -226,5 +226,5 @@ def compliances(stiffness: Mapping[str, float], bearings: Sequence[str]) -> Arra
     for name, value in stiffness.items():
         if name not in bearings:
             raise UnknownNameError("bearing", name, bearings)
-        result[bearings.index(name)] = 1 / number(f"stiffness of {shown(name)} [N/m]", value, positive=True)
+        result[bearings.index(name)] = 1 / number(f"stiffness of {shown(name)} [N/m]", value, "N/m", positive=True)
     return result

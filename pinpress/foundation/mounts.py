@@ -22,7 +22,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common.arguments import suitable_numbers, typed
+from ..common.arguments import in_unit, suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen, read_only
 from ..common.parameters import Checked, parameter, set_field
@@ -55,6 +55,8 @@ class Frame(Frozen):
     inertia: ArrayLike
 
     def __post_init__(self) -> None:
+        for name, unit in (("mass", "kg"), ("centre", "m"), ("inertia", "kg m2")):
+            set_field(self, name, in_unit(f"Frame: {name}", getattr(self, name), unit))
         suitable_numbers("Frame: mass", self.mass, "one finite number that is not negative [kg]", suits=_not_negative)
         suitable_numbers("Frame: centre", self.centre, "x, y, z [m], finite", (3,))
         inertia = self.tensor
@@ -107,10 +109,11 @@ class Mount:
                 continue
             wanted = f"x, y, z [{unit}], finite" + ("" if name == "point" else " and not negative")
             suits = np.isfinite if name == "point" else _not_negative
-            values = suitable_numbers(f"Mount: {name}", getattr(self, name), wanted, (3,), suits)
+            values = suitable_numbers(f"Mount: {name}", in_unit(f"Mount: {name}", getattr(self, name), unit), wanted, (3,), suits)
             set_field(self, name, tuple(values.tolist()))
         suitable_numbers("Mount: loss_factor", self.loss_factor, "one number that is not negative", suits=_not_negative)
         if self.area is not None:
+            set_field(self, "area", in_unit("Mount: area", self.area, "m2"))
             suitable_numbers("Mount: area", self.area, "a positive number [m2]", suits=lambda area: area > 0)
 
     @property

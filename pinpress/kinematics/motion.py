@@ -269,7 +269,7 @@ def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | No
 
 def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None) -> tuple[Array, Array, Array, Array]:
     """Angles, speeds, accelerations and times (n,) of `cycle`."""
-    given = numbers("speed", speed)
+    given = numbers("speed", speed, unit=f"{press.driver_coordinates[0].unit}/s")
     if given.ndim:
         raise PinpressError("speed is an array, but a turn at constant speed takes one number: write servo_cycle for a servo motion")
     rate = float(given)

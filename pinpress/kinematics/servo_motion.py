@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility
-from ..common.arguments import numbers, typed
+from ..common.arguments import in_unit, numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
@@ -87,6 +87,12 @@ def servo_cycle(
     """
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
     unit = press.driver_coordinates[0].unit
+    angle, speed, acceleration = (
+        in_unit("angle", angle, unit),
+        in_unit("speed", speed, f"{unit}/s"),
+        in_unit("acceleration", acceleration, f"{unit}/s2"),
+    )
+    time, period, height = in_unit("time", time, "s"), in_unit("period", period, "s"), in_unit("height", height, "m")
     if height is not None:
         angle = _angles_at(press, angle, speed, acceleration, time, height, flank)
     elif flank is not None:

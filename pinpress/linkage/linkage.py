@@ -397,7 +397,7 @@ class Linkage(Frozen):
             SingularityError: the linkage locks before it gets there.
             AssemblyError: the loops do not close.
         """
-        angles, several = numbers("angle", angle), len(self.drivers) > 1
+        angles, several = numbers("angle", angle, unit=self.driver_coordinates[0].unit), len(self.drivers) > 1
         one = angles.ndim == int(several)
         positions = angles[None] if one else angles
         if positions.size == 0 or positions.ndim != 1 + several or positions.shape[1:] != (len(self.drivers),) * several:

@@ -137,7 +137,7 @@ def assembled(
         model = pin.buildModelFromXML(description.text.decode())
     except (ValueError, RuntimeError) as error:  # nothing is known that passes the checks and ends here
         raise UrdfError(description.file, None, None, f"Pinocchio cannot read it: {error}", "simplify the file") from error
-    model.gravity.linear = numbers("gravity", gravity, (3,))
+    model.gravity.linear = numbers("gravity", gravity, (3,), unit="m/s2")
     if np.abs(model.gravity.linear).max() > LARGEST:
         raise PinpressError(f"gravity is {shown(gravity)}: give m/s2, {LARGEST:g} at most")
     places = {name: place for place, name in enumerate(tuple(model.names)[1:])}

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..common.arguments import suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
-from ..common.parameters import parameter
+from ..common.parameters import in_declared_units, parameter
 from ..engines.forces import FrictionLaw
 from .process import ProcessLoad, TimeForce
 
@@ -41,6 +41,9 @@ class PointForce:
     link: str
     force: ArrayLike | Callable[[Motion], ArrayLike] = field(metadata=parameter("N", axes=1))
     point: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), metadata=parameter("m", axes=1))
+
+    def __post_init__(self) -> None:
+        in_declared_units(self)
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,9 @@ class SpringDamper:
     point1: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), metadata=parameter("m", axes=1))
     point2: tuple[float, float, float] = field(default=(0.0, 0.0, 0.0), metadata=parameter("m", axes=1))
 
+    def __post_init__(self) -> None:
+        in_declared_units(self)
+
 
 Load = PointForce | SpringDamper | ProcessLoad | TimeForce
 
@@ -85,6 +91,9 @@ class Friction:
     coefficient: float = field(default=0.0, metadata=parameter("-", "not negative"))
     radius: float | None = field(default=None, metadata=parameter("m", "not negative"))
     viscous: float = 0.0
+
+    def __post_init__(self) -> None:
+        in_declared_units(self)
 
 
 def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:

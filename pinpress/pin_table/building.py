@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import AssemblyError, PinTableError, SingularityError, UnknownNameError, caution, suggestion
+from ..common.arguments import in_unit, is_quantity
+from ..common.errors import AssemblyError, PinpressError, PinTableError, SingularityError, UnknownNameError, caution, shown, suggestion
 from ..common.quantities import Array
 from ..common.results import Records, Tabular
 from ..common.tables import Columns
@@ -208,7 +210,11 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
     Warns:
         PinpressWarning: numbers that are hardly meant.
     """
-    return _drawn(given_table(values) if table is None else _with_parameters(read_table(table), values))
+    return _drawn(
+        given_table(_without_units(values, _length_of(values.get("units"))))
+        if table is None
+        else _with_parameters(read_table(table), values)
+    )
 
 
 def _drawn(entries: Entry) -> DrawnPress:
@@ -265,8 +271,30 @@ def _with_parameters(table: Entry, values: Mapping[str, Any]) -> Entry:
         if name not in known:
             where = f"its parameters are {', '.join(known)}" if known else "it has no parameters"
             table.refuse(f"no parameter {name}{suggestion(name, known)}", where)
-    given = given_table({"parameters": dict(values)}).items("parameters")
+    given = given_table({"parameters": _without_units(values, _length_of(items["units"].value if "units" in items else None))}).items(
+        "parameters"
+    )
     return overlaid(table, Entry({"parameters": given["parameters"]}, table.file, table.line, ()))
+
+
+def _without_units(value: Any, length: float) -> Any:
+    """Values with the quantities of pint among them as numbers of a table: lengths in its unit [m], angles in degrees, masses, moments of
+    inertia and densities in SI units."""
+    if isinstance(value, Mapping):
+        return {key: _without_units(each, length) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_units(each, length) for each in value]
+    if not is_quantity(value):
+        return value
+    for unit, one in (("m", length), ("kg", 1.0), ("kg m2", 1.0), ("kg/m3", 1.0), ("rad", np.pi / 180)):
+        with suppress(PinpressError):
+            return np.asarray(in_unit("a value", value, unit) / one).tolist()
+    raise PinpressError(f"build: {shown(value)} is none of what a table holds: give lengths, angles, masses or moments of inertia")
+
+
+def _length_of(name: object) -> float:
+    """The unit of length that a table names [m]; 1 where it names none, which is refused later."""
+    return UNITS.get(name, 1.0) if isinstance(name, str) else 1.0
 
 
 def _unit(entry: Entry) -> str:

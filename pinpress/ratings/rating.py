@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common import tables
-from ..common.arguments import positive, suitable_numbers, truth_value, typed, whole_number
+from ..common.arguments import in_unit, positive, suitable_numbers, truth_value, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
@@ -231,7 +231,7 @@ def _ratings(
 
 def _speed(speed: float) -> float:
     wanted = "one number that is not zero [rad/s], e.g. 70 * pinpress.RPM"
-    return float(suitable_numbers("speed", speed, wanted, suits=lambda value: SLOWEST <= abs(value) <= FASTEST))
+    return float(suitable_numbers("speed", in_unit("speed", speed, "rad/s"), wanted, suits=lambda value: SLOWEST <= abs(value) <= FASTEST))
 
 
 def _data(ratings: PressRatings) -> list[tuple[str, str]]:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility
-from ..common.arguments import is_whole_number, number, suitable_numbers, typed
+from ..common.arguments import in_unit, is_whole_number, number, suitable_numbers, typed
 from ..common.errors import PinpressError, SimulationError, UnknownScenarioError
 from ..common.frozen import read_only
 from ..common.numerics import gauss_rule, polynomial_values
@@ -152,9 +152,11 @@ def simulate_batch(
     began = clock.perf_counter()
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("scenarios are those of a press with one driver: give the Linkage that load returns")
-    until, tolerance = number("duration", duration, positive=True), checked_tolerance(tolerance)
+    until, tolerance = number("duration", duration, "s", positive=True), checked_tolerance(tolerance)
     states = state_count(points, 0.0)
     refuse_unlisted_loads(loads)
+    unit = press.driver_coordinates[0].unit
+    angle, speed = in_unit("angle", angle, unit), in_unit("speed", speed, f"{unit}/s")
     if not _is_number(angle):
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
     speeds, start = _speeds(speed, (drive, flywheel, *loads)), number("angle", angle)

@@ -420,7 +420,7 @@ def _point_force(press: Linkage, load: PointForce, row: int) -> tuple[Coordinate
             f"{what}: a simulation takes a constant force, (3,) in world axes [N]; for one that changes write one of pinpress.loads,"
             " or a class with their members `datum` and `intervals`"
         )
-    force = numbers(f"{what}: force", load.force)
+    force = numbers(f"{what}: force", load.force, unit="N")
     if force.shape != (3,):
         raise PinpressError(f"{what}: force has shape {force.shape}; give (3,), in world axes [N]")
     if not joint:  # on the frame, which does not move

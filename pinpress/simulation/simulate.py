@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import plausibility
-from ..common.arguments import number, suitable_numbers, typed
+from ..common.arguments import in_unit, number, suitable_numbers, typed
 from ..common.errors import PinpressError, SimulationError, caution, shown
 from ..common.parameters import refuse_scenarios
 from ..common.quantities import Array
@@ -107,7 +107,7 @@ def simulate(
     if not isinstance(press, Linkage):
         raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
     method = _method(press, method)
-    until, tolerance = number("duration", duration, positive=True), checked_tolerance(tolerance)
+    until, tolerance = number("duration", duration, "s", positive=True), checked_tolerance(tolerance)
     fixed = _fixed_step(step, until)
     if progress is not None and (not callable(progress) or isinstance(progress, type)):
         raise PinpressError(f"progress is {shown(progress)}: give a function of the time reached [s]")
@@ -115,7 +115,7 @@ def simulate(
     refuse_unlisted_loads(loads)
     if len(press.drivers) == 1:
         refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
-    angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed)
+    angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed, "/s")
     drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
@@ -146,7 +146,7 @@ def _fixed_step(given: float | None, until: float) -> float | None:
     """The step of the Runge-Kutta method [s]; raises PinpressError where the run would take too many steps."""
     if given is None:
         return None
-    step = number("step", given, positive=True)
+    step = number("step", given, "s", positive=True)
     if step < until / MOST_STEPS:
         raise PinpressError(
             f"step is {step:g} s: with it the run takes more than {MOST_STEPS} steps; give a longer one, or a shorter duration"
@@ -195,8 +195,9 @@ def refuse_many_turns(speeds: Array, until: float, angle: float) -> None:
         raise failure("too many turns", 0.0, angle, most=MOST_PERIODS)
 
 
-def _start(press: Linkage, name: str, value: ArrayLike) -> Array:
+def _start(press: Linkage, name: str, value: ArrayLike, by: str = "") -> Array:
     """(drivers,) angles or speeds at the start, from one number or one of each driver."""
+    value = in_unit(name, value, press.driver_coordinates[0].unit + by)
     if len(press.drivers) == 1:
         return np.array([number(name, value)])
     wanted = f"finite numbers, one of each of the {len(press.drivers)} drivers"

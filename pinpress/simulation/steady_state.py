@@ -80,7 +80,7 @@ def steady_state(
     state_count(points, 0.0)
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
-    start, near, tolerance = number("angle", angle), _speed(speed), checked_tolerance(tolerance)
+    start, near, tolerance = number("angle", angle, "rad"), _speed(speed), checked_tolerance(tolerance)
     if not press.driver_coordinates[0].turns:
         raise PinpressError(
             f"driver {press.driver!r} of {press.name} slides to and fro and has no steady state: let it run with simulate, or prescribe its"
@@ -102,7 +102,7 @@ def steady_state(
 
 def _speed(given: object) -> float:
     """The speed near which the steady state is searched [rad/s]."""
-    speed = number("speed", given)
+    speed = number("speed", given, "rad/s")
     plausibility.speeds("speed", speed)
     if not abs(speed) <= LARGEST:
         raise PinpressError(f"speed is {speed:g}: give rad/s, {LARGEST:g} at most")

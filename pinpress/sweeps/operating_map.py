@@ -226,7 +226,7 @@ def _loads(unit_load: Load | Sequence[Load], loads: Sequence[Load]) -> tuple[Seq
 
 
 def _axis(name: str, values: ArrayLike, unit: str) -> Array:
-    array = np.atleast_1d(numbers(name, values))
+    array = np.atleast_1d(numbers(name, values, unit=unit))
     if array.ndim != 1 or not array.size:
         raise PinpressError(f"{name} must be a sequence of finite numbers [{unit}], at least one")
     return read_only(array)

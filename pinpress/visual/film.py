@@ -83,7 +83,7 @@ def image(
         PinpressError: The page is no recording or fails in Chromium, the time or size is out of range, the file cannot be written, or
             Playwright or Chromium is missing.
     """
-    size, time = _size(size), number("time", time)
+    size, time = _size(size), number("time", time, "s")
     with files.written(path, _suffix(path, (PNG,))) as part, opened(page, size) as screen:
         if not 0 <= time <= screen.duration:
             raise PinpressError(f"time is {time:g} s, but the recording lasts from 0 to {screen.duration:.7g} s; give one within it")
