@@ -21,13 +21,13 @@ class DriverCoordinate:
     """What the coordinate of a driver joint is: its names and units in messages, tables, charts and the command line.
 
     Attributes:
-        position: What the coordinate is called.
-        effort: What moves the driver, "torque" or "force".
+        position: what the coordinate is called.
+        effort: what moves the driver, "torque" or "force".
         unit: SI unit of the coordinate.
         effort_unit: SI unit of the effort.
-        shown_unit: Unit in which messages and charts show the coordinate.
-        scale: Shown units in one SI unit.
-        zero: Where the coordinate is 0, as in "top dead centre"; empty for the drawn pose.
+        shown_unit: unit in which messages and charts show the coordinate.
+        scale: shown units in one SI unit.
+        zero: where the coordinate is 0, as in "top dead centre"; empty for the drawn pose.
     """
 
     position: str

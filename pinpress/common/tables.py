@@ -246,10 +246,10 @@ class Scale(NamedTuple):
     """How the numbers of one quantity are written under each other: in one unit, with as many decimals, rounding as 0.
 
     Attributes:
-        unit: With its prefix.
-        factor: Of these units in one SI unit.
-        decimals: Digits after the point.
-        least: Values up to this size are rounding [SI unit].
+        unit: with its prefix.
+        factor: of these units in one SI unit.
+        decimals: digits after the point.
+        least: values up to this size are rounding [SI unit].
     """
 
     unit: str
@@ -273,8 +273,8 @@ def scale(unit: str, values: Iterable[float], least: float = 0.0) -> Scale:
     Args:
         unit: SI unit of the values. N, N m, J and Pa take the prefix k from 10 000 and M from 10 000 000 on, W from a tenth of that, kg
             become t from 10 000 on, lengths are in mm with three decimals, and speeds below 10 mm/s in mm/s.
-        values: All that are shown under each other, or their extremes.
-        least: Size up to which values are rounding; at least 1e-9 of the largest.
+        values: all that are shown under each other, or their extremes.
+        least: size up to which values are rounding; at least 1e-9 of the largest.
     """
     largest = max(map(abs, values), default=0.0)
     prefixed, factor = unit, 1.0

@@ -37,14 +37,14 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
     """Extremes of one quantity over a motion's states, in its unit.
 
     Attributes:
-        quantity: Its name, for example "shaking force, x".
-        unit: Its unit.
-        smallest: Smallest value.
-        smallest_at: Crank angle of the smallest value, see `Motion.shown_position` [deg].
-        largest: Largest value.
-        largest_at: Crank angle of the largest value [deg].
-        range: Largest value less the smallest.
-        rms: Root mean square over the states; it is that over time where the states are equally spaced in time, as in a `cycle` or a run.
+        quantity: its name, for example "shaking force, x".
+        unit: its unit.
+        smallest: smallest value.
+        smallest_at: crank angle of the smallest value, see `Motion.shown_position` [deg].
+        largest: largest value.
+        largest_at: crank angle of the largest value [deg].
+        range: largest value less the smallest.
+        rms: root mean square over the states; it is that over time where the states are equally spaced in time, as in a `cycle` or a run.
     """
 
     quantity: str
@@ -65,7 +65,7 @@ def extremes(reactions: Reactions) -> Records[ExtremeValues]:
     moments are those that `held_moments` returns. Slide positions are in mm and crank speeds in r/min, all else is in SI units.
 
     Args:
-        reactions: Reactions of all bearings.
+        reactions: reactions of all bearings.
 
     Raises:
         PinpressError: A value is not finite, or bearings were left out.
@@ -130,8 +130,8 @@ class Rounding(NamedTuple):
     """Magnitudes below which a component is rounding.
 
     Attributes:
-        force: Limit for forces [N].
-        moment: Limit for moments and torques [N m].
+        force: limit for forces [N].
+        moment: limit for moments and torques [N m].
     """
 
     force: float
@@ -142,7 +142,7 @@ def rounding(reactions: Reactions) -> Rounding:
     """Limits of rounding: shares of the largest bearing force, and of the larger of driving torque and that force times the linkage's size.
 
     Raises:
-        PinpressError: Bearings were left out of the reactions, or a force is not finite.
+        PinpressError: bearings were left out of the reactions, or a force is not finite.
     """
     expect("reactions", reactions, Reactions, "inverse_dynamics")
     largest = max((float(np.abs(force).max(initial=0.0)) for force in finite_forces(reactions).values()), default=0.0)
@@ -154,7 +154,7 @@ def finite_forces(reactions: Reactions) -> dict[str, Array]:
     """Bearing forces (n, 3) [N] by the bearings' names.
 
     Raises:
-        PinpressError: Bearings were left out (the largest force decides what is rounding), or a force is not finite.
+        PinpressError: bearings were left out (the largest force decides what is rounding), or a force is not finite.
     """
     if reactions.left_out:
         raise PinpressError(
@@ -167,7 +167,7 @@ def finite(quantity: str, values: Array) -> Array:
     """The values (n, ...), after a check.
 
     Raises:
-        PinpressError: There is no value, or one is not finite.
+        PinpressError: there is no value, or one is not finite.
     """
     if not len(values):
         raise PinpressError(f"{quantity} has no states: give a motion of at least one")

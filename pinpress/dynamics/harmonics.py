@@ -52,9 +52,9 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> HarmonicAnalysi
     drivers.
 
     Args:
-        motion: The motion of n states.
+        motion: the motion of n states.
         force: (n, 3) a force over it, such as the shaking force [N].
-        orders: Highest order; fewer are returned where the states do not resolve it.
+        orders: highest order; fewer are returned where the states do not resolve it.
 
     Raises:
         PinpressError: force of another shape or with a value that is not finite, or orders that are no whole number from 0 on.

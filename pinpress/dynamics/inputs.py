@@ -41,10 +41,10 @@ def inputs(reactions: Reactions, motion: str = "", drives: Inputs = (), how: str
     """Press and file, motion, loads, friction and stiffnesses of reactions, and by what and when they were stated.
 
     Args:
-        reactions: The reactions.
-        motion: The motion in words, where they are not those of `motion_in_words`.
-        drives: What drives the press.
-        how: How the motion was found.
+        reactions: the reactions.
+        motion: the motion in words, where they are not those of `motion_in_words`.
+        drives: what drives the press.
+        how: how the motion was found.
     """
     return [
         *of_press(reactions._press),

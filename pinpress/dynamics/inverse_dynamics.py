@@ -44,11 +44,11 @@ class Reactions(Tabular):
     """Torques and forces over a motion of n states. All arrays are read-only; the module gives the signs.
 
     Attributes:
-        motion: The motion.
+        motion: the motion.
         engine: "plane" or "pinocchio".
-        loads: The loads as they were given. In a pickled copy, one that cannot be pickled is its description.
-        friction: The friction of bearings and guides as it was given.
-        stiffness: The stiffnesses of bearings and guides as they were given [N/m].
+        loads: the loads as they were given. In a pickled copy, one that cannot be pickled is its description.
+        friction: the friction of bearings and guides as it was given.
+        stiffness: the stiffnesses of bearings and guides as they were given [N/m].
         driving_torque: (n,) torque on the driver joint along its axis [N m], force on one that slides [N]; (n, drivers) for several
             drivers.
         coupling_torque: (n, 2) by the name of a joint with a ``<mimic>``: torques of the gear pair on this joint and on the joint it
@@ -56,7 +56,7 @@ class Reactions(Tabular):
             bearings were asked for, they are computed when they are first read.
         bearing_force: (n, 3) by the names of the joints and loops that were asked for [N].
         bearing_moment: (n, 3) by the names of the joints and loops that were asked for [N m].
-        left_out: Names of the joints and loops that were not asked for.
+        left_out: names of the joints and loops that were not asked for.
         friction_power: (n,) power lost, by the names of all joints and loops [W].
         shaking_force: (n, 3) [N]. It is computed when it is first read, from the bearings on the frame, even if they were left out.
         shaking_moment: (n, 3) about the world origin [N m], computed with the shaking force.
@@ -216,16 +216,16 @@ def inverse_dynamics(
     """Driving torque, bearing and guide forces and shaking force of a motion.
 
     Args:
-        press: The press.
-        motion: Its motion, from `cycle`, `servo_cycle` or `simulate`.
-        loads: Forces on links from outside, springs and dampers between links, process loads.
-        friction: Friction of bearings and guides, by their names.
-        stiffness: Stiffnesses of bearings and guides, by their names [N/m]. Where rigid mechanics leaves open how bearings share a force,
+        press: the press.
+        motion: its motion, from `cycle`, `servo_cycle` or `simulate`.
+        loads: forces on links from outside, springs and dampers between links, process loads.
+        friction: friction of bearings and guides, by their names.
+        stiffness: stiffnesses of bearings and guides, by their names [N/m]. Where rigid mechanics leaves open how bearings share a force,
             it is then shared with the least elastic energy (bearings without a stiffness count as rigid) instead of the least sum of
             squared bearing forces.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage, one configuration at a time), or "auto": "plane" where the
             linkage is planar.
-        bearings: Names of the bearings and guides whose force and moment are wanted; by default all, ``()`` for none. Torques, friction
+        bearings: names of the bearings and guides whose force and moment are wanted; by default all, ``()`` for none. Torques, friction
             power and shaking force are available in any case. Leaving bearings out saves time, unless they are needed for the others: with
             friction, where bearings share redundant forces, and where a guide is wanted. Results agree with those of all bearings to
             rounding.
@@ -366,11 +366,11 @@ def shaking(
     """Shaking force and shaking moment about the world origin, (n, 3) each, world axes [N, N m].
 
     Args:
-        press: The press.
-        motion: Its motion.
+        press: the press.
+        motion: its motion.
         force: (n, 3) forces, parent on child (link1 on link2), by the indices of all bearings that are `on_frame` [N].
         moment: (n, 3) moments by the indices of these bearings [N m].
-        loads: Forces on links; only those on the frame are added, because the bearing forces include the others.
+        loads: forces on links; only those on the frame are added, because the bearing forces include the others.
     """
     total = np.zeros((2, len(motion.crank_angle), 3))
 

@@ -36,8 +36,8 @@ class Drivers(NamedTuple):
     """The drivers of a linkage.
 
     Attributes:
-        names: Names of their joints.
-        coordinates: What their coordinates are.
+        names: names of their joints.
+        coordinates: what their coordinates are.
     """
 
     names: tuple[str, ...]
@@ -91,7 +91,7 @@ def driver_motion(
     """The motion of the drivers, with what of it is not given; arguments as of `servo_cycle`.
 
     Raises:
-        PinpressError: As of `servo_cycle`.
+        PinpressError: as of `servo_cycle`.
     """
     if time is not None:
         return _InTime(drivers, numbers("time", time), period).motion(angle, speed, acceleration)
@@ -137,7 +137,7 @@ class _Timing(NamedTuple):
     Attributes:
         time: (m,) [s].
         period: [s], None of a motion that is not closed.
-        repeated: Whether one more state is at the end of the period.
+        repeated: whether one more state is at the end of the period.
     """
 
     time: Array
@@ -248,7 +248,7 @@ class _InTime:
         """By what angle, a whole number of turns, the drivers have turned after the period; one that slides is back.
 
         Raises:
-            PinpressError: The motion does not come back.
+            PinpressError: the motion does not come back.
         """
         first, turning = self.drivers.coordinates[0], np.array([each.turns for each in self.drivers.coordinates]).reshape(angles.shape[1:])
         turn = np.where(turning, 2 * np.pi, np.maximum(np.ptp(angles, axis=0), np.finfo(float).tiny))

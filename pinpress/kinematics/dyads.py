@@ -31,10 +31,10 @@ class Dyad(Record, units={"least_transmission_angle": "rad", "crank_angle": "rad
     """Two links of a planar linkage and the three bearings that join them.
 
     Attributes:
-        bearing: Name of the bearing that joins the two links to each other.
-        ends: Names of the bearings that join them to the rest.
-        least_transmission_angle: Smallest transmission angle, 0 to pi/2, over all crank angles, see `least_transmission_angles` [rad].
-        crank_angle: Crank angle at which it is reached first [rad].
+        bearing: name of the bearing that joins the two links to each other.
+        ends: names of the bearings that join them to the rest.
+        least_transmission_angle: smallest transmission angle, 0 to pi/2, over all crank angles, see `least_transmission_angles` [rad].
+        crank_angle: crank angle at which it is reached first [rad].
     """
 
     bearing: str
@@ -64,8 +64,8 @@ def least_transmission_angles(press: Linkage) -> Records[Dyad]:
         The dyads in the order in which they follow from the driver; angles to 1e-12 rad, to 1e-7 rad where links come into line.
 
     Raises:
-        PinpressError: The linkage is not planar, or has several drivers.
-        AssemblyError: The loops do not stay closed.
+        PinpressError: the linkage is not planar, or has several drivers.
+        AssemblyError: the loops do not stay closed.
     """
     plane = press.plane_or_refuse(f"{press.name} has no transmission angles: they are those of planar linkages with one driver")
     bearings = [_bearings(press, plane, block) for block in plane.blocks if block.kind == "dyad"]

@@ -24,16 +24,16 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
     """What is asked first of a press. What it does not have is None.
 
     Attributes:
-        size: Largest extent of its bearings in the drawn pose [m].
-        moving_mass: Mass of all links but the frame [kg].
-        slide_mass: Mass of the slide, with what is welded to it [kg].
-        rotation: Sense in which the driver turns at a positive speed, see `sense_of_rotation`.
-        stroke: Distance between the dead centres; of a crank that does not turn fully, the way of the slide as far as it turns [m].
-        forward_share: Share of a period in which the slide goes from top to bottom dead centre at a constant positive speed [-].
-        drawn_height: Height of the slide above bottom dead centre in the drawn pose [m].
-        dead_centres: Where the slide turns back.
-        turns_between: Crank angles between which the linkage locks [rad].
-        no_stroke: Why the slide has no dead centres.
+        size: largest extent of its bearings in the drawn pose [m].
+        moving_mass: mass of all links but the frame [kg].
+        slide_mass: mass of the slide, with what is welded to it [kg].
+        rotation: sense in which the driver turns at a positive speed, see `sense_of_rotation`.
+        stroke: distance between the dead centres; of a crank that does not turn fully, the way of the slide as far as it turns [m].
+        forward_share: share of a period in which the slide goes from top to bottom dead centre at a constant positive speed [-].
+        drawn_height: height of the slide above bottom dead centre in the drawn pose [m].
+        dead_centres: where the slide turns back.
+        turns_between: crank angles between which the linkage locks [rad].
+        no_stroke: why the slide has no dead centres.
     """
 
     size: float
@@ -52,8 +52,8 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
     """The main data of a press.
 
     Args:
-        press: The press.
-        moves: Whether its motion can be looked at; it cannot where its loops do not close.
+        press: the press.
+        moves: whether its motion can be looked at; it cannot where its loops do not close.
     """
     masses = [float(inertia.mass) for inertia in press.model.inertias]
     slide = None if press.slide is None else masses[press.slide_guide.joint + 1]
@@ -87,8 +87,8 @@ def sense_of_rotation(press: Linkage, speed: float = 1.0) -> str:
     """How the driver turns, seen with x to the right and z up: "counter-clockwise", "clockwise", or the axis that it turns about.
 
     Args:
-        press: The press; of several drivers the first counts.
-        speed: Its sign is that of the driver's speed.
+        press: the press; of several drivers the first counts.
+        speed: its sign is that of the driver's speed.
     """
     driver = press.driver_indices[0]
     axis = drawn_placements(press.model)[driver + 1].rotation @ press.axes[driver].direction

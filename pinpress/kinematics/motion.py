@@ -32,10 +32,10 @@ class Motion(Tabular):
     """Closed states of a linkage, n of them. All arrays are read-only.
 
     Attributes:
-        linkage: Name of the linkage.
-        drivers: Names of its driver joints.
-        driver_coordinates: What their coordinates are: crank angles [rad], or positions of drivers that slide [m].
-        joints: Names of all joints, in the order of ``v``.
+        linkage: name of the linkage.
+        drivers: names of its driver joints.
+        driver_coordinates: what their coordinates are: crank angles [rad], or positions of drivers that slide [m].
+        joints: names of all joints, in the order of ``v``.
         crank_angle: (n,) angle of the driver joint, unwrapped [rad]; of a driver that slides its position [m]. Angle, speed and
             acceleration are (n, drivers) for several drivers.
         crank_speed: (n,) speed of the driver joint [rad/s or m/s].
@@ -50,7 +50,7 @@ class Motion(Tabular):
             `Linkage.slide_direction`) [m]. Reading it, or velocity or acceleration, raises PinpressError where the linkage has no slide.
         slide_velocity: (n,) velocity of the slide in this direction [m/s].
         slide_acceleration: (n,) acceleration of the slide in this direction [m/s2].
-        period_turns: Turns of the crank in a period, see `Linkage.period_turns`; None where the linkage has no period, or several drivers.
+        period_turns: turns of the crank in a period, see `Linkage.period_turns`; None where the linkage has no period, or several drivers.
     """
 
     linkage: str
@@ -163,19 +163,19 @@ def cycle(press: Linkage, speed: float | None = None, *, points: int | None = No
     is its highest speed, in the middle. For another motion over time, such as approach, pressing and return, use `servo_cycle`.
 
     Args:
-        press: The press, with one driver.
-        speed: Speed of the driver joint [rad/s or m/s]; negative to turn backwards, or to begin at the upper limit. It must be given.
-        points: Number of states; by default 360 for each turn, or for there and back.
+        press: the press, with one driver.
+        speed: speed of the driver joint [rad/s or m/s]; negative to turn backwards, or to begin at the upper limit. It must be given.
+        points: number of states; by default 360 for each turn, or for there and back.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": "plane" where the linkage is planar.
 
     Raises:
-        PinpressError: There is no speed, or it is 0; fewer than two points; several drivers; the linkage is not back after many turns; the
+        PinpressError: there is no speed, or it is 0; fewer than two points; several drivers; the linkage is not back after many turns; the
             motion is too fast for floating point; an unknown or unsuitable engine.
-        SingularityError: The linkage locks within the period, or before the driver's limits.
-        AssemblyError: The loops do not close.
+        SingularityError: the linkage locks within the period, or before the driver's limits.
+        AssemblyError: the loops do not close.
 
     Warns:
-        PinpressWarning: The speed is above 1000 rad/s, or 10 m/s, which is hardly meant.
+        PinpressWarning: the speed is above 1000 rad/s, or 10 m/s, which is hardly meant.
     """
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
     if speed is None:

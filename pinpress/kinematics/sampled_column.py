@@ -37,8 +37,8 @@ class SampledColumn:
     Attributes:
         time: (n,) rising [s].
         values: (n,) or (n, drivers).
-        period: After which the values come again [s], more than the time from first to last state; None where they do not.
-        advance: What they have grown by then, a number or (drivers,).
+        period: after which the values come again [s], more than the time from first to last state; None where they do not.
+        advance: what they have grown by then, a number or (drivers,).
     """
 
     time: Array

@@ -59,14 +59,14 @@ def servo_cycle(
     assembly is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
 
     Args:
-        press: The press.
+        press: the press.
         angle: (n,) of the driver joint, any angles up to 1e7 rad in any order; or one number, the angle at the start [rad]. Of a driver
             that slides its position, within the limits of its joint [m].
         speed: (n,) of the driver joint, or one number: a constant speed, with ``acceleration`` and the angle at the start that at the start
             [rad/s or m/s].
         acceleration: (n,) of the driver joint, or one number. The number 0 leaves out what a change of speed takes [rad/s2 or m/s2].
         time: (n,), rising [s].
-        period: Time after which the motion begins again, a whole number of turns on [s]: it is closed. The last state may be at its end,
+        period: time after which the motion begins again, a whole number of turns on [s]: it is closed. The last state may be at its end,
             where the first comes again, or one step before. By default the motion is not closed.
         height: (n,) of the slide above bottom dead centre [m].
         flank: "down": the crank angles at which the slide goes down where the crank turns positively; "up": the
@@ -76,10 +76,10 @@ def servo_cycle(
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
 
     Raises:
-        PinpressError: What is given does not determine the motion, or contradicts itself, with the instant; a number is not finite, arrays
+        PinpressError: what is given does not determine the motion, or contradicts itself, with the instant; a number is not finite, arrays
             differ in length, time does not rise, the slide does not reach a height.
-        SingularityError: The linkage locks within the motion.
-        AssemblyError: The loops do not close.
+        SingularityError: the linkage locks within the motion.
+        AssemblyError: the loops do not close.
 
     Warns:
         PinpressWarning: A derived acceleration is dominated by noise or uncertain, a varying speed in time has the acceleration 0, speeds
@@ -237,7 +237,7 @@ def _inverted(press: Linkage, ends: DeadCentres, heights: Array, low: float, hig
     """Crank angles (m,) between two dead centres at which the slide is at heights between them, to rounding.
 
     Raises:
-        PinpressError: The slide turns back between the dead centres.
+        PinpressError: the slide turns back between the dead centres.
     """
     nodes = np.linspace(low, high, NODES)
     way = motion_through_change_points(press, nodes, 1.0).slide_position - ends.bottom_position

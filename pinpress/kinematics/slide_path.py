@@ -32,12 +32,12 @@ class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "botto
     slides they are the outermost places of the slide within the driver's limits.
 
     Attributes:
-        top_angle: Angle of the driver joint at top dead centre, the upper end in an upright press, within the period
+        top_angle: angle of the driver joint at top dead centre, the upper end in an upright press, within the period
             [rad]; position of a driver that slides [m].
-        top_position: Position of the slide at top dead centre [m].
-        bottom_angle: Angle of the driver joint at bottom dead centre within the period [rad]; position of a driver that slides [m].
-        bottom_position: Position of the slide at bottom dead centre [m].
-        turns: Turns of the driver after which the slide repeats its motion; other links may be back only later (`Linkage.period_turns`). 1
+        top_position: position of the slide at top dead centre [m].
+        bottom_angle: angle of the driver joint at bottom dead centre within the period [rad]; position of a driver that slides [m].
+        bottom_position: position of the slide at bottom dead centre [m].
+        turns: turns of the driver after which the slide repeats its motion; other links may be back only later (`Linkage.period_turns`). 1
             of a driver that slides, for there and back.
     """
 
