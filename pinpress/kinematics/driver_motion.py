@@ -1,7 +1,7 @@
 """How the drivers of a linkage move: angle, speed, acceleration and time from any consistent part of them.
 
-States in time are a motion: what is missing is derived, what contradicts is refused with the instant. States without time, for which
-angle, speed and acceleration are given, stand each by itself.
+States with times are a motion: quantities that are missing are derived, and contradictions are refused with the instant. States without
+times, for which angle, speed and acceleration are given, are independent of each other.
 """
 
 from __future__ import annotations
@@ -73,7 +73,13 @@ class DriverMotion:
 
 
 class _Contradiction(NamedTuple):
-    """Where a column and its rate do not fit together, and how."""
+    """A state in which a column and its rate contradict each other.
+
+    Attributes:
+        state: index of the state.
+        driver: index of the driver.
+        said: words for the message, with gaps for names and units.
+    """
 
     state: int
     driver: int
@@ -101,7 +107,7 @@ def driver_motion(
 
 
 def _by_state(drivers: Drivers, angle: ArrayLike, speed: ArrayLike | None, acceleration: ArrayLike | None) -> DriverMotion:
-    """States that no time is given for."""
+    """The motion in states without given times."""
     angles = numbers("angle", angle)
     _refuse_shape(angles, drivers)
     refuse_far("angle", angles, drivers.coordinates)
@@ -132,11 +138,11 @@ def _by_state(drivers: Drivers, angle: ArrayLike, speed: ArrayLike | None, accel
 
 
 class _Timing(NamedTuple):
-    """The states of a motion that count: of a closed motion none is at the end of the period.
+    """The states of a motion from which derivatives are found: those of a closed motion without a state at the end of the period.
 
     Attributes:
         time: (m,) [s].
-        period: [s], None of a motion that is not closed.
+        period: [s]; None of a motion that is not closed.
         repeated: whether one more state is at the end of the period.
     """
 
@@ -145,11 +151,11 @@ class _Timing(NamedTuple):
     repeated: bool
 
     def column(self, values: Array, advance: Array | float = 0.0) -> SampledColumn:
-        """Values (n,) or (n, drivers) of all states, the one at the end of the period included."""
+        """The column of values (n,) or (n, drivers), which include any state at the end of the period; ``advance``: see `SampledColumn`."""
         return SampledColumn(self.time, values[: len(self.time)], self.period, advance)
 
     def all_states(self, values: Array) -> Array:
-        """Values of all states from those that count."""
+        """Values of all states, with that at the end of the period if there is one."""
         return np.concatenate([values, values[:1]]) if self.repeated else values
 
 
@@ -159,7 +165,13 @@ def _whole(time: Array) -> _Timing:
 
 @dataclass(frozen=True, eq=False)
 class _InTime:
-    """States at times (n,)."""
+    """States with times.
+
+    Attributes:
+        drivers: names of the drivers.
+        time: (n,) as given [s].
+        period: as given [s]; None of a motion that is not closed.
+    """
 
     drivers: Drivers
     time: Array
@@ -212,7 +224,7 @@ class _InTime:
         return DriverMotion(angles, speeds, accelerations, self.time)
 
     def _timing(self) -> _Timing:
-        """Raises PinpressError where times do not rise, or do not fit the period."""
+        """The states that count; raises PinpressError where times do not rise, or do not agree with the period."""
         time = self.time
         if time.ndim != 1 or not len(time):
             raise PinpressError(f"time has shape {time.shape}: give (n,) times [s]")
@@ -283,7 +295,7 @@ class _InTime:
         return advance
 
     def _derived(self, timing: _Timing, speeds: Array) -> Array:
-        """Accelerations of all states from the speeds."""
+        """Accelerations of all states, derived from the speeds."""
         if np.all(speeds == speeds[0]):
             return np.zeros_like(speeds)
         _refuse_few(len(timing.time), "the acceleration")
@@ -293,7 +305,7 @@ class _InTime:
 
 
 def _integral(timing: _Timing, rate: Array, what: str) -> Array:
-    """Integrals of a rate from the first state to each."""
+    """Integrals of a rate from the first state to each; ``what``: their name in messages."""
     if np.all(rate == rate[0]):
         since = timing.time - timing.time[0]
         return np.asarray(np.multiply.outer(np.append(since, timing.period) if timing.period and timing.repeated else since, rate[0]))
@@ -313,7 +325,7 @@ def _refuse_shape(angles: Array, drivers: Drivers) -> None:
 
 
 def _column(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Values for all states from as many, or from one number."""
+    """Values for all states; one number is that of all."""
     given = numbers(name, values)
     if given.ndim and given.shape != shape:
         raise PinpressError(f"{name} has shape {given.shape}, but angle has {shape}")
@@ -321,7 +333,7 @@ def _column(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 def _is_zero(acceleration: ArrayLike) -> bool:
-    """Whether the acceleration is left out on purpose: the number 0."""
+    """Whether the acceleration is the number 0, by which it is left out on purpose."""
     return np.ndim(acceleration) == 0 and float(np.asarray(acceleration)) == 0.0
 
 
@@ -331,7 +343,7 @@ def _refuse_few(states: int, what: str) -> None:
 
 
 def _refuse_wrap(angles: Array) -> None:
-    """Raise PinpressError where angles begin anew after a turn, as those of an encoder."""
+    """Raise PinpressError where angles start again after a turn, as those of an encoder."""
     steps = np.diff(angles, axis=0)
     wraps = np.abs(steps) > np.pi
     if not wraps.any() or len(steps) < FEWEST or np.median(np.abs(steps)) > 0.5 * np.pi:
@@ -349,9 +361,9 @@ def _refuse_wrap(angles: Array) -> None:
 def _times(angles: Array, speeds: Array) -> Array | None:
     """Time (n,) from 0, such that the integrals of the speeds are the angles; None where angles and speeds do not belong together.
 
-    At first by the trapezoidal rule, then by the quintic spline through the speeds: each step of time becomes longer as its angle is larger
-    than the spline's, until none does. Near a standstill with little acceleration the two rules differ, as hardly anything tells how
-    long it takes: such states have no time.
+    The trapezoidal rule gives first steps of time. Each is then multiplied by the ratio of its angle to that of the quintic spline through
+    the speeds, until no step changes any more. Near a standstill with little acceleration the two rules differ, because hardly anything
+    determines how long it takes: such states have no time.
     """
     with np.errstate(all="ignore"):
         steps = 2 * np.diff(angles) / (speeds[1:] + speeds[:-1])
@@ -395,7 +407,7 @@ def _no_time(drivers: Drivers, angles: Array, speeds: Array) -> str:
 
 
 def _doubt(drivers: Drivers, given: str, column: SampledColumn, order: int, speeds: Array) -> None:
-    """Warn where accelerations, derivatives of a column, depend on how they are found, beside what the speeds themselves accelerate."""
+    """Warn where accelerations, derivatives of a column, depend on how they are found, compared with those that follow from the speeds."""
     acceleration, by_speed = np.mean(column.derivative(order) ** 2, axis=0), np.mean((SLIGHT * speeds**2) ** 2, axis=0)
     size = np.sqrt(acceleration + by_speed)
     part = float(np.max(np.divide(column.uncertainty(order), size, out=np.zeros_like(size), where=size > 0)))

@@ -5,7 +5,7 @@ Between two states the quantity is the quintic that has its value, slope and cur
 step.
 
 Everything is analytic in the quantity, so that derivatives can be found by the complex-step method: numbers may have tiny imaginary parts,
-their changes with a parameter, and all decisions are made on real parts.
+which are their changes with a parameter, and all decisions are made on real parts.
 """
 
 import cmath
@@ -63,7 +63,7 @@ class Curve:
         return int(self.coefficients.shape[1])
 
     def at(self, place: Numbers) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
-        """The quantity and its first three derivatives by the place, (m,) each, at places (m,)."""
+        """The quantity and its first three derivatives by the place (m,) each, at places (m,)."""
         before = np.floor(place.real)
         since = place - before
         highest, next_highest, *others = self.coefficients[::-1, before.astype(int) % self.states]
@@ -77,7 +77,7 @@ class Curve:
         return value, first, second, third
 
     def turning_places(self) -> ComplexArray:
-        """Places (m,), from 0 to n, at which the quantity turns back. Two of them within one step are overlooked."""
+        """Places (m,) from 0 to n at which the quantity turns back. Two of them within one step are missed."""
         backwards = np.signbit(self.coefficients[1].real)
         before = np.flatnonzero(backwards != np.roll(backwards, -1)).astype(float)
         return zeros(lambda place: self.at(place)[1:3], before, before + 1)
@@ -88,7 +88,7 @@ class Curve:
         return complex(values[values.real.argmin()]), complex(values[values.real.argmax()])
 
     def number(self, value: complex) -> float:
-        """A result as it is returned: a plain number, complex where the quantity is complex.
+        """A result as it is returned: a float, or a complex number where the quantity is complex.
 
         Raises:
             PinpressError: the number is not finite.
@@ -141,7 +141,7 @@ def curve(what: str, value: Numbers, first: Numbers, second: Numbers, real: bool
         real: whether the quantity was given by real numbers.
 
     Raises:
-        PinpressError: a number that is not finite, too few states, or another value after the period than at its start.
+        PinpressError: a number is not finite, there are too few states, or the value after the period is not that at its start.
     """
     x, v, a = (np.asarray(values, dtype=complex) for values in (value, first, second))
     if not np.all(np.isfinite(x + v + a)):

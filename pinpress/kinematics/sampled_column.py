@@ -1,8 +1,8 @@
-"""A column of numbers over time, of one driver or of several: its derivatives and its integral, and what these may be wrong by.
+"""A column of numbers over time, of one driver or of several: its derivatives and its integral, with bounds of their errors.
 
-Over a period in equal steps they are those of the trigonometric polynomial, where its last harmonics have died away; elsewhere those of the
-quintic spline, periodic or with the not-a-knot condition. What they may be wrong by is told by comparison with the cubic spline and with
-central differences: where a column has a corner, jumps or is noisy, these differ.
+Over a period in equal steps they are those of the trigonometric polynomial, if its last harmonics have died away; else those of the quintic
+spline, periodic or with the not-a-knot condition. Their errors are judged by comparison with the cubic spline and with central differences,
+which differ where a column has a corner, jumps or is noisy.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ class SampledColumn:
     Attributes:
         time: (n,) rising [s].
         values: (n,) or (n, drivers).
-        period: after which the values come again [s], more than the time from first to last state; None where they do not.
-        advance: what they have grown by then, a number or (drivers,).
+        period: time after which the values repeat themselves [s], more than the time from first to last state; None where they do not.
+        advance: growth of the values over the period, a number or (drivers,).
     """
 
     time: Array
@@ -56,7 +56,7 @@ class SampledColumn:
 
     @property
     def central_differences(self) -> Array:
-        """First derivatives by central differences, at the ends of a column by those of one side."""
+        """First derivatives by central differences, at the ends of a column by one-sided differences."""
         if self.period is None:
             return np.asarray(np.gradient(self.values, self.time, axis=0))
         times = np.concatenate([[self.time[-1] - self.period], self._knots])
@@ -65,7 +65,7 @@ class SampledColumn:
 
     @cached_property
     def derivative_error(self) -> Array:
-        """What the first derivatives may be wrong by, corners, rounded values and noise considered, of the shape of the values."""
+        """Bounds for the errors of the first derivatives, with regard to corners, rounded values and noise, of the shape of the values."""
         rough, steps = self.roughness(1), np.diff(self._knots)
         slopes = np.diff(self._extended, axis=0) / _stretched(steps, self.values)
         bent = self._off_the_line(self._knots[:-1] + 0.5 * steps, slopes)
@@ -82,21 +82,21 @@ class SampledColumn:
 
     @cached_property
     def value_error(self) -> Array:
-        """What each value may be wrong by, of a smooth column that is rounded or has white noise on it, a number or (drivers,)."""
+        """Bound for the error of each value of a smooth column that is rounded or has white noise, a number or (drivers,)."""
         steps = _stretched(np.gradient(self.time), self.values)
         return np.asarray(NOISE * np.median(self.roughness(1) * steps, axis=0) + self._graduation)
 
     def roughness(self, order: int) -> Array:
-        """By what the derivatives depend on how they are found, of the shape of the values."""
+        """Differences between the derivatives of both splines, of the shape of the values."""
         quintic, cubic = self._splines
         return np.asarray(np.abs(quintic(self.time, order) - cubic(self.time, order)))
 
     def uncertainty(self, order: int) -> Array:
-        """The median of the roughness, a number or (drivers,): of noise a fifth of its deviation."""
+        """The median of the roughness, a number or (drivers,): for noise it is a fifth of the standard deviation."""
         return np.asarray(np.median(self.roughness(order), axis=0))
 
     def is_noisy(self, order: int) -> bool:
-        """Whether every second state determines the derivatives better than all do: noise is the less, the longer the steps."""
+        """Whether every second state determines the derivatives better than all states do: noise counts less with longer steps."""
         if len(self.time) < 2 * FEWEST:
             return False
         every, half = SampledColumn(self.time, self.values), SampledColumn(self.time[::2], self.values[::2])
@@ -104,7 +104,7 @@ class SampledColumn:
 
     @cached_property
     def gains(self) -> tuple[Array, Array]:
-        """Integrals over the steps, of a periodic column also over that to the next period, and what each may be wrong by."""
+        """Integrals over the steps, for a periodic column also over the step to the next period, and bounds for their errors."""
         steps = _stretched(np.diff(self._knots), self.values)
         gained = np.diff(self._splines[0].antiderivative()(self._knots), axis=0) + steps * self.values[0]
         cubic = np.diff(self._splines[1].antiderivative()(self._knots), axis=0) + steps * self.values[0]
@@ -147,7 +147,7 @@ class SampledColumn:
 
     @cached_property
     def _even(self) -> Array:
-        """Values at the knots from the first one on, without their trend: of a periodic column the last is the first."""
+        """Values at the knots less the first one and the trend, so that the last value of a periodic column is the first."""
         if self.period is None:
             return np.asarray(self.values - self.values[0])
         even = self._extended - self.values[0] - np.multiply.outer(self._knots - self.time[0], np.asarray(self._trend))
@@ -156,7 +156,7 @@ class SampledColumn:
 
     @cached_property
     def _splines(self) -> tuple[Any, Any]:
-        from scipy.interpolate import make_interp_spline  # slow to import, and motions at constant speed do not need it
+        from scipy.interpolate import make_interp_spline  # to save start-up time: motions at constant speed do not need it
 
         ends = None if self.period is None else "periodic"
         quintic, cubic = (make_interp_spline(self._knots, self._even, k=degree, bc_type=ends) for degree in (5, 3))
@@ -168,7 +168,7 @@ class SampledColumn:
 
     @cached_property
     def _rates(self) -> ComplexArray:
-        """Factors (harmonics,) of the first derivative. That of an even number of states has none at the last one."""
+        """Factors (harmonics,) of the first derivative; zero for the last harmonic of an even number of states."""
         orders = np.arange(len(self.time) // 2 + 1)
         rates = 2j * np.pi / (self.period or np.inf) * orders
         if len(self.time) % 2 == 0:
@@ -189,38 +189,38 @@ class SampledColumn:
 
     @cached_property
     def _graduation(self) -> Array:
-        """The step in which the values are rounded, as those of a table or an encoder, where they show it; a number or (drivers,)."""
+        """Step to which the values are rounded, as in a table or by an encoder, if they show it; a number or (drivers,)."""
         steps = _stretched(np.gradient(self.time), self.values)
         largest = STEPPED * np.max(self.roughness(1) * steps, axis=0)
         common = np.array([_common_step(values) for values in self.values.reshape(len(self.time), -1).T])
         return np.asarray(np.minimum(largest, common.reshape(largest.shape)))
 
     def _off_the_line(self, at: Array, values: Array) -> Array:
-        """What values are off the line between their neighbours, at the ends as beside them."""
+        """Distances of values from the line between their neighbours; those at the ends are taken from beside them."""
         part = _stretched((at[1:-1] - at[:-2]) / (at[2:] - at[:-2]), values)
         off = np.abs(values[1:-1] - (1 - part) * values[:-2] - part * values[2:])
         return np.concatenate([off[:1], off, off[-1:]])
 
     def _about(self, values: Array) -> Array:
-        """The largest of each value and those `ABOUT` to either side."""
+        """The largest of each value and its `ABOUT` neighbours on either side."""
         sides = [(ABOUT, ABOUT)] + [(0, 0)] * (values.ndim - 1)
         padded = np.pad(values, sides, mode="edge" if self.period is None else "wrap")
         return np.asarray(np.max([padded[shift : shift + len(values)] for shift in range(2 * ABOUT + 1)], axis=0))
 
 
 def _stretched(along: Any, values: Any) -> Any:
-    """Numbers (n,) in the shape in which they multiply values (n,) or (n, drivers)."""
+    """Numbers (n,) in a shape that multiplies values (n,) or (n, drivers)."""
     return along.reshape(-1, *([1] * (values.ndim - 1)))
 
 
 def _common_step(values: Array) -> float:
-    """The step of which all differences of values (n,) are multiples; 0 where there is none."""
+    """Step of which all differences of values (n,) are multiples; 0 where there is none."""
     least = SAME * float(np.abs(values).max())
     steps = np.diff(np.unique(values))
     steps = steps[steps > least]
     common = 0.0
     different = np.unique(np.round(steps / least), return_index=True)[1]
-    for step in steps[different[:SHOWN]]:  # by Euclid
+    for step in steps[different[:SHOWN]]:  # Euclid's algorithm
         larger, smaller = float(step), common
         while smaller > least:
             larger, smaller = smaller, abs(larger - smaller * round(larger / smaller))

@@ -40,7 +40,8 @@ def servo_cycle(
 
     Give any part of the motion that determines it:
 
-    - ``angle`` and ``time``, where you know them ``speed`` and ``acceleration``: what is missing is derived, what contradicts is refused.
+    - ``angle`` and ``time``, and if you know them ``speed`` and ``acceleration``: what is missing is derived, and contradictions are
+      refused.
     - ``speed`` (n,) and ``time`` with one number for ``angle``, that at the start. Or ``acceleration`` (n,) and ``time`` with one number
       for each of angle and speed at the start.
     - ``height`` of the slide and ``time``, with the ``flank``.
@@ -192,7 +193,7 @@ def _flanks(heights: Array, stroke: float, flank: Flank | Sequence[Flank] | None
 
 
 def _last_of(chosen: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """For each of so many states the last one of the chosen that is not behind it, at first the first."""
+    """For each of ``count`` states the last of the chosen ones up to it; the first chosen one where there is none."""
     return np.asarray(chosen[np.maximum(np.searchsorted(chosen, np.arange(count), side="right") - 1, 0)])
 
 
@@ -215,7 +216,7 @@ def _refuse_unclear_turns(heights: Array, stroke: float) -> None:
 
 
 def _on_flanks(press: Linkage, ends: DeadCentres, heights: Array, down: NDArray[np.bool_]) -> Array:
-    """Crank angles (n,) at heights on the flanks, one following the other through the dead centres; the first from 0 to a period."""
+    """Crank angles (n,) at heights on the flanks, in sequence through the dead centres; the first is from 0 to a period."""
     period = 2 * np.pi * ends.turns
     top, bottom = ends.top_angle, ends.bottom_angle + (period if ends.bottom_angle < ends.top_angle else 0.0)
     at_bottom, at_top = heights <= EQUAL * ends.stroke, heights >= (1 - EQUAL) * ends.stroke
@@ -227,7 +228,7 @@ def _on_flanks(press: Linkage, ends: DeadCentres, heights: Array, down: NDArray[
     turned = np.zeros(len(heights))
     for state in np.flatnonzero(down[1:] != down[:-1]) + 1:
         upwards = at_top[state - 1] or (not at_bottom[state - 1] and heights[state - 1] + heights[state] > ends.stroke)
-        if upwards:  # through top dead centre a new turn begins, or the last one again
+        if upwards:  # through top dead centre a new turn begins, or the last one begins again
             turned[state:] += period if down[state] else -period
     angles += turned
     return np.asarray(angles - period * np.floor(angles[:1] / period))
