@@ -13,7 +13,7 @@ from ..common.errors import AssemblyError, PinpressError, SingularityError, Urdf
 from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.engine import ACCEPTED
-from ..engines.joints import LoopJoint, configuration, data_of
+from ..engines.joints import LoopJoint, configuration, data_of, drawn_placements
 from ..engines.planar.model import PARALLEL
 from ..engines.spatial.kinematics import PassiveJacobian, rank, singular_values
 from ..engines.spatial.model import Rows
@@ -21,6 +21,7 @@ from . import mobility
 from .linkage import Linkage
 from .urdf import element_checks, units
 from .urdf.document import Element, Finding
+from .urdf.reader import describe
 
 CLOSE_TO_DRAWN = 0.25  # how far closing the drawn pose may turn a joint [rad], or move it in lengths of the linkage
 SEEN = 1e-9  # gaps below are rounding [lengths of the linkage, rad]
@@ -32,6 +33,8 @@ HARDLY_OPEN = 1e-7  # gaps below are not told as numbers [m]
 OPEN = 1e-6  # a loop drawn further open than this is reported [lengths of the linkage, rad]
 FAR_OPEN = 0.01  # a loop drawn further open than this is hardly meant [lengths of the linkage, rad], nor is
 CLOSED_FAR = 0.05  # one that a joint has to move as far to close [rad or m]
+CLOSED = 1e-3  # a loop is closed if it is drawn less open than this [lengths of the linkage]
+ALONG = 0.999  # cosine of the angle between axes that are taken for one
 TOO_FAR_OPEN = 0.1  # a loop drawn further open than this is closed only where it is asked for [lengths of the linkage, rad]
 LONGEST_STROKE = 5.0  # that a slide has [m]
 OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
@@ -72,7 +75,8 @@ def too_far_open(press: Linkage) -> Iterator[Finding]:
     close."""
     for each in _loops(_open_beyond(press, TOO_FAR_OPEN)):
         problem = f"it is {opening_in_words(press, each, press.drawn_gaps)} apart as drawn, in a linkage of {press.size:.3g} m"
-        remedy = f"correct its points or the lengths; allow_open=True (--allow-open) closes it even so, and moves {_moved_to_close(press)}"
+        likely = _read_otherwise(press, each) or "correct its points or the lengths"
+        remedy = f"{likely}; allow_open=True (--allow-open) closes it even so, and moves {_moved_to_close(press)}"
         yield Finding.of(UrdfError(press.file, mobility.element(press, each), each.by.line, problem, remedy))
 
 
@@ -127,13 +131,13 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     problem = f"mobility is {freedom}, but {drive}"
     if freedom > len(press.drivers):
         problem += f": with {_driver(press)} held still, {_joints(mobility.undetermined(press, rows))} can move"
-        remedy = "a <loop_joint> is missing, a link hangs free, or a driver is missing"
+        remedy = _without_axis(press) or "a <loop_joint> is missing, a link hangs free, or a driver is missing"
     else:
         if alone := mobility.overconstraining(press, rows):
             problem += f": {' or '.join(each.title for each in alone)} contradicts the others"
         elif freedom == 0 and (locking := mobility.locking(press, rows)):
             problem += f": held by {', '.join(each.title for each in locking)}"
-        stuck = rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
+        stuck = _without_axis(press) or rounded(press) or "a loop, a gear pair or a fixed joint too many: nothing can move"
         remedy = "drive fewer joints" if freedom > 0 else stuck
     return Finding.of(UrdfError(press.file, _robot(press), None, problem, remedy))
 
@@ -164,12 +168,13 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial_model.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
     in_degrees = next((f"{found.problem}; {found.remedy}" for found in units.angles(press.document.robot)), None)
-    remedy = in_degrees or rounded(press) or "draw it closed, or change the link lengths"
-    if press.engine().redundant(press.as_drawn):
-        remedy += "; loops hold each other here, so that lengths and angles must fit to all digits"
+    common = in_degrees or _without_axis(press) or rounded(press)
+    fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
+    beside = fit if press.engine().redundant(press.as_drawn) else ""
     for k in sorted(still_open, key=lambda k: -gaps[k]):
         each, iterations = owners[k], press.drawn.iterations
         problem = "does not close near the drawn pose"
+        remedy = (common or _read_otherwise(press, each) or "draw it closed, or change the link lengths") + beside
         error = AssemblyError(f"{press.file}:{each.by.line}: {each.title} {problem}; {remedy}", 0.0, gaps[k], iterations)
         yield Finding(
             "error",
@@ -185,6 +190,41 @@ def _apart(opening: str) -> str:
     return f"{opening} apart as drawn" if opening else "it is drawn closed, but the others cannot close beside it"
 
 
+def _without_axis(press: Linkage) -> str | None:
+    """What to write where joints have no ``<axis>`` and others do not turn or slide along x, which is what none means."""
+    moving = [joint for joint in press.document.robot.all("joint") if joint.get("name") in press.joints]
+    without = [joint for joint in moving if not joint.all("axis")]
+    others = [press.axes[press.joints.index(joint.get("name"))].direction for joint in moving if joint not in without]
+    if not without or all(abs(direction[0]) > ALONG for direction in others):
+        return None
+    named = ", ".join(f"{joint.get('name')!r} (line {joint.line})" for joint in without)
+    have, turn = ("has", "its") if len(without) == 1 else ("have", "their")
+    return f"joint{'s' * (len(without) > 1)} {named} {have} no <axis>, which means x: write {turn} <axis>"
+
+
+def _read_otherwise(press: Linkage, each: mobility.Constraint) -> str | None:
+    """What to write where a loop that is drawn open would be closed if its points were read otherwise: with its links exchanged, or one of
+    them in world axes."""
+    loop = next((loop for loop in describe(press.document).loops if loop.name == each.by.name), None)
+    if loop is None or not isinstance(each.by, LoopJoint) or each.gap(press.drawn_gaps) <= CLOSED * press.size:
+        return None
+    places = drawn_placements(press.model)
+
+    def placed(link: str, xyz: tuple[float, float, float]) -> Array:
+        frame = press.model.frames[press.model.getFrameId(link, pin.BODY)]
+        return np.asarray((places[frame.parentJoint] * frame.placement).act(np.array(xyz)))
+
+    (link1, xyz1), (link2, xyz2) = ((end.link, end.xyz) for end in (loop.link1, loop.link2))
+    readings = (
+        ("link1 and link2 are exchanged: write each point with the link in whose frame it is", placed(link2, xyz1), placed(link1, xyz2)),
+        (f"the point of link {link1!r} is in world axes: write it in that link's frame", np.array(xyz1), placed(link2, xyz2)),
+        (f"the point of link {link2!r} is in world axes: write it in that link's frame", placed(link1, xyz1), np.array(xyz2)),
+    )
+    gaps = [float(np.linalg.norm(one - other)) for _, one, other in readings]
+    best = int(np.argmin(gaps))
+    return readings[best][0] if gaps[best] <= CLOSED * press.size else None
+
+
 def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
     columns = rows.columns[:, press.spatial_model.passive_joints]
     values = singular_values(columns)
@@ -192,7 +232,7 @@ def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
         return
     problem = f"{_driver(press)} does not determine the drawn pose"
     free = _joints(mobility.undetermined(press, rows))
-    remedy = f"draw the linkage away from its dead point ({free} can move with the driver held still)"
+    remedy = _without_axis(press) or f"draw the linkage away from its dead point ({free} can move with the driver held still)"
     smallest = float(values.min()) if len(values) == columns.shape[1] else 0.0
     error = SingularityError(f"{press.file}: {problem}; {remedy}", 0.0, smallest)
     yield Finding("error", _robot(press), None, problem, remedy, error)
@@ -319,7 +359,7 @@ def _drawn_open(press: Linkage, those: list[mobility.Constraint]) -> Iterator[Fi
     """Warnings of loops and gear pairs, that they are drawn open."""
     for each in those:
         problem = f"it is {opening_in_words(press, each, press.drawn_gaps)} apart as drawn"
-        remedy = f"draw it closed; to close it, load has moved {_moved_to_close(press)}"
+        remedy = f"{_read_otherwise(press, each) or 'draw it closed'}; to close it, load has moved {_moved_to_close(press)}"
         yield Finding("warning", mobility.element(press, each), each.by.line, problem, remedy)
 
 

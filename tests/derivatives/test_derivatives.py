@@ -150,9 +150,9 @@ def test_reaction_derivatives_are_those_of_changed_presses(name):
 
 
 @pytest.mark.parametrize("turned_round", [False, True])
-def test_a_process_load_follows_the_slide(tmp_path, turned_round):
+def test_a_process_load_follows_the_slide(turned_round):
     """A die 0.15 m above bottom dead centre, met and left between two of the states whatever the step; the guide's axis up, and down."""
-    press = texts.load(texts.guide_turned_round("zxn2_3000b"), tmp_path) if turned_round else texts.shipped("zxn2_3000b")
+    press = texts.load(texts.guide_turned_round("zxn2_3000b")) if turned_round else texts.shipped("zxn2_3000b")
     load = pp.loads.ElasticDie(height=0.15, stiffness=2e6, damping=1e4, datum=pp.dead_centres(press).bottom_position)
     check_trials(press, pp.cycle(press, SPEED, points=24), direction(press, np.random.default_rng(5)), [load])
 

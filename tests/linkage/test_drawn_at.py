@@ -38,14 +38,14 @@ def test_it_is_the_same_machine(name: str) -> None:
     same_machine(press, drawn, ANGLE)
 
 
-def test_in_space(tmp_path) -> None:
-    press = texts.load(bennett(), tmp_path)
+def test_in_space() -> None:
+    press = texts.load(bennett())
     same_machine(press, press.drawn_at(ANGLE), ANGLE)
 
 
-def test_gears_with_an_offset(tmp_path) -> None:
+def test_gears_with_an_offset() -> None:
     """The wheel stands elsewhere as drawn; at the new pose its coordinate and the offset are 0."""
-    press = texts.load(changed((GEAR, GEAR.replace("/>", ' offset="0.7"/>'))), tmp_path)
+    press = texts.load(changed((GEAR, GEAR.replace("/>", ' offset="0.7"/>'))))
     drawn = press.drawn_at(ANGLE)
     assert [coupling.offset for coupling in drawn.couplings] == [0.0]
     same_machine(press, drawn, ANGLE)
@@ -79,9 +79,9 @@ def test_written_and_read(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(("angle", "says"), [(np.nan, "finite"), (1e9, "angle"), ("top", "angle")])
-def test_what_is_refused(angle, says: str, tmp_path) -> None:
+def test_what_is_refused(angle, says: str) -> None:
     with pytest.raises(pp.PinpressError, match=says):
         texts.shipped("crank_slide").drawn_at(angle)
     several = changed((GEAR, ""), (TRANSMISSION, TRANSMISSION + '<transmission><joint name="G"/></transmission>'))
     with pytest.raises(pp.PinpressError, match="one driver that turns"):
-        texts.load(several, tmp_path).drawn_at(1.0)
+        texts.load(several).drawn_at(1.0)

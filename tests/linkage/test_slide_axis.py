@@ -14,8 +14,8 @@ PRESSES = ("crank_slide", "zxn2_3000b")
 
 
 @pytest.fixture(scope="module", params=PRESSES)
-def both(request, tmp_path_factory):
-    return texts.shipped(request.param), texts.load(texts.guide_turned_round(request.param), tmp_path_factory.getbasetemp())
+def both(request):
+    return texts.shipped(request.param), texts.load(texts.guide_turned_round(request.param))
 
 
 def same(first, second, tolerance=1e-9):

@@ -472,7 +472,7 @@ def _names(robot: Element, *tags: str) -> Iterator[Finding]:
         if name != name.strip():
             yield _warning(element, f"the name {name!r} has spaces around it", f'write name="{name.strip()}" here and where it is used')
         alike = first.setdefault(" ".join(name.split()).casefold(), element)
-        if alike is not element:
+        if alike.get("name") != name:  # a name that is there twice is an error
             said = f"{alike.get('name')!r} on line {alike.line}"
             yield _warning(element, f"the name {name!r} differs from {said} only in case or spaces", "give one of them another name")
 
