@@ -13,6 +13,8 @@ from ..dynamics.summary import summary
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
+from ..ratings.permissible_force import Capacities, capacities_in_words
+from ..ratings.rating import PressRatings, rate
 from ..visual.recording import traced
 from . import part_specs
 from .options import (
@@ -49,6 +51,13 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option = parser.add_argument
     option("--speed", type=quantity("r/min"), required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
     add_force_options(parser)
+    option("--nominal-force", type=quantity("N"), metavar="N", help="permissible force at any height, to compare the process force with")
+    option(
+        "--nominal-height",
+        type=quantity("m"),
+        metavar="H",
+        help="height from which down the crank's torque lets the nominal force act (default: at any); other limits see pinpress ratings",
+    )
     add_out_option(parser, "the files")
     add_report_option(parser)
     option("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")
@@ -80,17 +89,27 @@ def run(options: argparse.Namespace) -> int:
     middle = time.perf_counter()
     reactions = inverse_dynamics(press, motion, **acting, engine=options.engine)
     end = time.perf_counter()
-    print(summary(press, motion, reactions))
+    permissible = _permissible(press, options)
+    print(summary(press, motion, reactions, None if permissible is None else permissible.utilisation(reactions)))
     took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
     further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
     print(tables.entry("time taken", f"{took[0]:.1f}", further))
-    print_inputs(inputs(reactions))
+    print_inputs([*inputs(reactions), *([] if permissible is None else capacities_in_words(permissible.capacities))])
     if options.out is not None:
         before = None if options.before is None else _before(options)
         make_folder(options.out)
         reactions.to_csv(options.out / "cycle.csv")
-        write_pages(press, reactions, options, ["cycle.csv"], before)
+        write_pages(press, reactions, options, ["cycle.csv"], before, permissible)
     return 0
+
+
+def _permissible(press: Linkage, options: argparse.Namespace) -> PressRatings | None:
+    """The permissible force over the height; None where none is given."""
+    if options.nominal_force is None:
+        if options.nominal_height is not None:
+            raise PinpressError("--nominal-height is that of a nominal force: give --nominal-force too")
+        return None
+    return rate(press, options.speed * RPM, Capacities(options.nominal_force, options.nominal_height))
 
 
 def _before(options: argparse.Namespace) -> Reactions:

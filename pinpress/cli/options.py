@@ -15,6 +15,7 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load, presses
 from ..loads.link import Friction, Load
+from ..ratings.rating import PressRatings
 from . import part_specs
 
 SIGNS = """\
@@ -161,7 +162,12 @@ def trace(words: str) -> tuple[str, tuple[float, float, float]]:
 
 
 def write_pages(
-    press: Linkage, reactions: Reactions, options: argparse.Namespace, written: Sequence[str], before: Reactions | None = None
+    press: Linkage,
+    reactions: Reactions,
+    options: argparse.Namespace,
+    names: Sequence[str],
+    before: Reactions | None = None,
+    ratings: PressRatings | None = None,
 ) -> None:
     """Write recording.html, and report.html where it is wanted, and say what has been written.
 
@@ -169,8 +175,9 @@ def write_pages(
         press: the linkage that is shown.
         reactions: to the motion that is shown.
         options: those of `add_out_option`, `add_report_option` and `add_trace_option`.
-        written: names of the files that have been written before, in the same folder.
+        names: of the files that have been written before, in the same folder.
         before: reactions of another press, for the report.
+        ratings: permissible forces of the press, for the report.
     """
     from ..visual.recording import record  # the pages are slow to import
 
@@ -179,9 +186,10 @@ def write_pages(
     if options.report:
         from ..visual.report import report  # slow to import
 
-        report(press, reactions.motion, options.out / "report.html", reactions=reactions, traces=options.trace, before=before)
+        page = options.out / "report.html"
+        report(press, reactions.motion, page, reactions=reactions, traces=options.trace, before=before, ratings=ratings)
         pages.append("report.html")
-    say_written(options.out, [*written, *pages])
+    say_written(options.out, [*names, *pages])
 
 
 def print_inputs(rows: Inputs) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from ..common.files import make_folder
 from ..common.quantities import RPM
-from ..dynamics.inputs import Inputs, of_press, stated, written
-from ..ratings.permissible_force import UNITS, Capacities
+from ..dynamics.inputs import of_press, stated
+from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
 from . import part_specs
 from .options import add_out_option, add_press_options, load_press, print_inputs, say_written
@@ -80,16 +80,10 @@ def run(options: argparse.Namespace) -> int:
         make_folder(options.out)
     print(found)
     speed = f"{options.speed:g} r/min, {'with' if options.at_speed else 'without'} weights and inertia forces"
-    print_inputs([*of_press(press), ("speed", speed), *_capacities(capacities), stated()])
+    print_inputs([*of_press(press), ("speed", speed), *capacities_in_words(capacities), stated()])
     if options.out is not None:
         _write(found, options.out)
     return 0
-
-
-def _capacities(given: Capacities) -> Inputs:
-    """The capacities in words."""
-    rows = [(name.replace("_", " "), written(value, unit)) for name, unit in UNITS.items() if (value := getattr(given, name)) is not None]
-    return [*rows, *((f"bearing {name}", written(force, "N")) for name, force in given.bearings.items())]
 
 
 def _write(found: PressRatings, folder: Path) -> None:

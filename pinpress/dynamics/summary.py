@@ -18,16 +18,23 @@ AXES = "xyz"
 CLOSED = 1e-12  # gap [lengths of the linkage] or residual that is rounding
 
 
-def summary(press: Linkage, motion: Motion, reactions: Reactions) -> str:
+def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None = None) -> str:
     """Stroke, peaks and ranges over the period, with units, crank angles and heights, and how well the equations are fulfilled.
 
     Peaks are the largest values among the motion's states; dead centres are exact. Heights of the slide are above bottom dead centre. Signs
     are those of `inverse_dynamics`.
+
+    Args:
+        press: The press.
+        motion: One period at constant speed.
+        reactions: Reactions to this motion.
+        utilisation: (n,) process force divided by the permissible force [-]; None: it is not known.
     """
     lines = [
         f"{press.name}: {_speed(press, motion)}",
         f"  {len(motion.crank_angle)} crank angles{f' from {press.zero}' if press.zero else ''}, engine {reactions.engine!r}",
         *_slide(press, motion),
+        *_process(press, motion, reactions, utilisation),
         *_torque(motion, reactions),
         *_gear_pairs(motion, reactions),
         *bearing_table(reactions),
@@ -82,6 +89,26 @@ def _slide(press: Linkage, motion: Motion) -> list[str]:
         extreme("largest acceleration up" if up == "up" else "acceleration towards top", acceleration, "m/s2"),
         extreme("largest acceleration down" if down == "down" else "... towards bottom", -acceleration, "m/s2"),
     ]
+
+
+def _process(press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None) -> list[str]:
+    """Largest force and work of the process; nothing without a process."""
+    if not reactions.process_force.any():
+        return []
+    ends, work = _dead_centres(press), reactions.process_work
+    turns = motion.period_turns if ends is None or motion.period_turns is None else ends.turns
+    work *= (turns or 1) / (motion.period_turns or 1)
+    scale = tables.scale("J", [work])
+    lines = [
+        "",
+        "Process (force of the loads between slide and frame)",
+        _extreme("largest force", reactions.process_force, motion, "N", np.argmax, ends),
+        tables.entry("work", scale.shown(work), scale.unit, "a stroke" if ends else "a period"),
+    ]
+    if utilisation is not None:
+        at = int(np.argmax(utilisation))
+        lines.append(tables.entry("of the permissible force", f"{100 * utilisation[at]:.2f}", "%", _place(motion, at, ends)))
+    return lines
 
 
 def _torque(motion: Motion, reactions: Reactions) -> list[str]:
@@ -166,8 +193,13 @@ def _extreme(
 ) -> str:
     """A line with an extreme of a quantity [SI unit] and the crank angle where it is reached, with dead centres the slide's height too."""
     at, scale = int(choose(values)), tables.scale(unit, [float(np.abs(values).max())])
+    return tables.entry(name, scale.shown(float(values[at])), scale.unit, _place(motion, at, ends))
+
+
+def _place(motion: Motion, at: int, ends: DeadCentres | None) -> str:
+    """The crank angle of a state, with dead centres the slide's height too."""
     height = "" if ends is None else f", {1e3 * (motion.slide_position[at] - ends.bottom_position):9.3f} mm"
-    return tables.entry(name, scale.shown(float(values[at])), scale.unit, f"at {_degrees(motion, at):8.3f} deg{height}")
+    return f"at {_degrees(motion, at):8.3f} deg{height}"
 
 
 def _degrees(motion: Motion, at: int) -> float:

@@ -21,6 +21,7 @@ from ..common.arguments import positive, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
 from ..common.quantities import RPM, Array
+from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion
 from ..kinematics.servo_motion import servo_cycle
@@ -108,6 +109,12 @@ class Capacities(Frozen):
         if self.motor_power is not None:
             found["motor energy"] = self.motor_power * 2 * math.pi * turns / abs(speed)
         return found
+
+
+def capacities_in_words(given: Capacities) -> Inputs:
+    """The capacities of a press that are given, by their names."""
+    rows = [(name.replace("_", " "), written(value, unit)) for name, unit in UNITS.items() if (value := getattr(given, name)) is not None]
+    return [*rows, *((f"bearing {name}", written(force, "N")) for name, force in given.bearings.items())]
 
 
 def known_bearings(capacities: Capacities, press: Linkage) -> tuple[str, ...]:

@@ -9,12 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common import tables
-from ..common.arguments import in_unit, positive, suitable_numbers, truth_value, typed, whole_number
+from ..common.arguments import expect, in_unit, positive, suitable_numbers, truth_value, typed, whole_number
 from ..common.errors import PinpressError
+from ..common.frozen import read_only
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
+from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics import measures
 from ..kinematics.motion import Motion, cycle
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from .permissible_force import (
     Capacities,
@@ -112,6 +115,23 @@ class PressRatings(Tabular):
                 *tables.table([heads, *(_row(self, k) for k in _shown(self))], [14, 20, 24, 14, 13, 0]),
             ]
         )
+
+    def utilisation(self, reactions: Reactions) -> Array:
+        """(n,) process force of reactions divided by the permissible force at the slide's height [-], read-only: 1 where the press is used
+        up, above 1 where it is overloaded. Between the ratings' heights the permissible force is interpolated linearly.
+
+        Args:
+            reactions: Reactions of the same press to a motion of n states under process loads.
+
+        Raises:
+            PinpressError: The reactions are of another press.
+        """
+        expect("reactions", reactions, Reactions, "inverse_dynamics")
+        press = reactions._press
+        if press.name != self.press_name:
+            raise PinpressError(f"the reactions are of {press.name}, the ratings of {self.press_name}: give those of the same press")
+        height = reactions.motion.slide_position - dead_centres(press).bottom_position
+        return read_only(reactions.process_force / np.interp(height, self.height[::-1], self.force[::-1]))
 
     def columns(self) -> dict[str, Array | list[str]]:
         """A row for each height from top to bottom dead centre, with all quantities."""

@@ -14,6 +14,7 @@ from ..common.arguments import expect
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import read_only
 from ..common.quantities import RPM, Array
+from ..dynamics.applied_loads import turning_points
 from ..dynamics.extremes import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion, loaded_bodies, poses
@@ -21,6 +22,7 @@ from ..linkage import mobility
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
 
+BEYOND = 1.25  # height shown over the process, divided by the largest at which there is a force
 UNITS = {  # quantity -> (limit of the largest value in SI units, unit, number of it in an SI unit), ...
     "position": ((1e-4, "µm", 1e6), (10.0, "mm", 1e3), (math.inf, "m", 1.0)),
     "velocity": ((1e-2, "mm/s", 1e3), (math.inf, "m/s", 1.0)),
@@ -96,6 +98,25 @@ class Locus:
     unit: str
     frame: Array
     own: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ForceOverHeight:
+    """Force of the process over the slide's height.
+
+    Attributes:
+        unit: of the force.
+        height: (n,) above bottom dead centre, or above the lowest state where there is none [mm].
+        force: (n,) on the slide, positive where it resists the working stroke, in that unit.
+        reach: largest height to be shown [mm].
+        above_bottom: whether heights are above bottom dead centre.
+    """
+
+    unit: str
+    height: Array
+    force: Array
+    reach: float
+    above_bottom: bool
 
 
 def abscissa(motion: Motion) -> Abscissa:
@@ -188,6 +209,23 @@ def shaking(reactions: Reactions) -> Chart:
 def shaking_moment(reactions: Reactions) -> Chart:
     """Chart of the world components of the shaking moment about the world origin, without those that are zero, unless all are."""
     return _components("Shaking moment", "moment", "shaking moment", reactions.shaking_moment, rounding(reactions).moment)
+
+
+def process(reactions: Reactions) -> Chart | None:
+    """Force of the process loads on the slide; None where there is none."""
+    force = reactions.process_force
+    return _chart("Process force", "force", {"process force": finite("process force", force)}) if force.any() else None
+
+
+def force_over_height(reactions: Reactions) -> ForceOverHeight | None:
+    """Force of the process loads over the slide's height; None where there is none."""
+    if (chart := process(reactions)) is None:
+        return None
+    position, bottom = reactions.motion.slide_position, turning_points(reactions._press)[0]
+    height = 1e3 * (position - (bottom if math.isfinite(bottom) else position.min()))
+    force = chart.curves[0].values
+    reach = min(BEYOND * float(height[force != 0].max()), float(height.max()))
+    return ForceOverHeight(chart.unit, read_only(height), force, reach, math.isfinite(bottom))
 
 
 def locus(reactions: Reactions, name: str) -> Locus:

@@ -60,7 +60,8 @@ def record(
         motion: Motion of the linkage, with times.
         path: Path of the file, usually ending in `.html`. An old file is replaced only when the page is complete.
         reactions: Reactions to this motion. Bearing and guide forces (on child and link2, at their points of action) and the shaking force
-            (with its tip at the foot of the press) are drawn as arrows, with one scale of length and colour for all.
+            (with its tip at the foot of the press) are drawn as arrows, with one scale of length and colour for all; so is the force of
+            their process loads, with its tip at the slide's origin.
         traces: Points whose paths are drawn, each the name of a link and x, y, z in its frame [m]. The slide's path is always drawn.
 
     Raises:
@@ -101,6 +102,7 @@ def scene(
         "size": press.size,
         **_bearings(press, at, frames, reactions),
         **_shaking(reactions, frames),
+        "process": None if reactions is None else _process(press, at, frames, reactions),
         **_traces(press, at, frames, traces),
         "scene": meshcat_commands.pack(meshcat_commands.commands(drawn, of_body, frames.time)),
     }
@@ -314,8 +316,19 @@ def _shaking(reactions: Reactions | None, frames: KeyFrames) -> dict[str, Any]:
         return {"shaking": None, "peak": 0.0}
     force = reactions.shaking_force[frames.states]
     all_forces = [force, *(values[frames.states] for values in reactions.bearing_force.values())]
+    all_forces.append(reactions.process_force[frames.states, None])
     peak = max(float(np.linalg.norm(values, axis=1).max()) for values in all_forces)
     return {"shaking": packed(force, "shaking_force"), "peak": peak}
+
+
+def _process(press: Linkage, at: Poses, frames: KeyFrames, reactions: Reactions) -> dict[str, str] | None:
+    """The process force on the slide (k, 3), and where it acts (k, 3); None without one."""
+    along = reactions.process_force[frames.states]
+    if not along.any():
+        return None
+    (slide,) = (trace for trace in traced(press, ()) if trace.link == press.slide)
+    place = _packed_path(at.points(slide.joint, slide.point), "the place of the process force")
+    return {"place": place, "force": packed(along[:, None] * press.slide_direction, "process_force")}
 
 
 def _traces(press: Linkage, at: Poses, frames: KeyFrames, chosen: Sequence[tuple[str, ArrayLike]]) -> dict[str, Any]:

@@ -16,15 +16,20 @@ from ..common.arguments import expect, typed
 from ..common.errors import PinpressError
 from ..common.quantities import RPM
 from ..dynamics.extremes import AXES, ExtremeValues, extremes, rounding
-from ..dynamics.harmonics import HarmonicAnalysis, harmonics
+from ..dynamics.harmonics import HarmonicAnalysis, harmonics, is_cycle
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion
+from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
-from ..simulation.run import Run
+from ..ratings.permissible_force import capacities_in_words
+from ..ratings.rating import PressRatings
+from ..simulation.run import Run, inputs_of
 from . import charts, pages
 from .charts import Chart
 from .pages import packed
 from .recording import KeyFrames, key_frames, scene
+
+MOST_POINTS = 5000  # states of which each is a point of the process force over the height
 
 
 @typed
@@ -36,13 +41,15 @@ def report(
     reactions: Reactions | None = None,
     traces: Sequence[tuple[str, ArrayLike]] = (),
     before: Reactions | None = None,
+    ratings: PressRatings | None = None,
 ) -> Path:
     """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return its path.
 
     The charts show slide position, velocity and acceleration; driving torque, and crank speed where it is not constant; every bearing and
     guide force, its magnitude, components, and polar diagrams in the world's axes and in those of the link on which it acts; moments in
-    guides; shaking force with its harmonics, and shaking moment. A table lists the extremes over all states. Curves have the recording's
-    key frames, at most 360 a turn.
+    guides; shaking force with its harmonics, and shaking moment. Under process loads they show these over the crank angle and over the
+    slide's height, and their work in a stroke. The page states what it was computed from, with the version and the day. A table lists the
+    extremes over all states. Curves have the recording's key frames, at most 360 a turn.
 
     Args:
         press: As for `record`.
@@ -52,6 +59,7 @@ def report(
         traces: As for `record`.
         before: Reactions of another press, or of this one at another operating point. They are drawn as dashed curves, and the table gives
             their ranges too.
+        ratings: Ratings of the press, whose permissible force is drawn beside the process force, over the height.
 
     Raises:
         PinpressError: As `record`, or a run under loads has no reactions, Plotly is not installed, or ``before`` is over another quantity
@@ -65,18 +73,24 @@ def report(
         reactions = inverse_dynamics(press, motion)
     if before is not None:
         expect("before", before, Reactions, "inverse_dynamics")
-    data = scene(press, motion, frames, reactions, traces) | {"report": _report(press, reactions, frames, before)}
+    if ratings is not None:
+        expect("ratings", ratings, PressRatings, "ratings.rate")
+    data = scene(press, motion, frames, reactions, traces) | {"report": _report(press, reactions, frames, before, ratings)}
     content = pages.page("report.html", press.name, data, pages.meshcat() | pages.plotly())
     return files.write(path, content)
 
 
-def _report(press: Linkage, reactions: Reactions, frames: KeyFrames, before: Reactions | None) -> dict[str, Any]:
+def _report(
+    press: Linkage, reactions: Reactions, frames: KeyFrames, before: Reactions | None, ratings: PressRatings | None
+) -> dict[str, Any]:
     over = charts.abscissa(reactions.motion).quantity
     other = None if before is None else _other(before, reactions.motion, over)
     values = extremes(reactions)
     return {
         "subtitle": _subtitle(reactions, other),
-        "cards": _cards(values),
+        "cards": [*_cards(values), *_process_cards(reactions)],
+        "inputs": _inputs(reactions, before, ratings),
+        "process": _process(reactions, frames, ratings),
         "over": {"quantity": over, "unit": {"crank angle": "deg", "time": "s"}[over]},
         "before": None if other is None else other["x"],
         "sections": [
@@ -90,9 +104,10 @@ def _report(press: Linkage, reactions: Reactions, frames: KeyFrames, before: Rea
 
 
 def _sections(reactions: Reactions) -> list[tuple[str, list[Chart]]]:
-    speed, moments = charts.crank_speed(reactions.motion), charts.bearing_moment(reactions)
+    speed, moments, process = charts.crank_speed(reactions.motion), charts.bearing_moment(reactions), charts.process(reactions)
     sections = [
         ("Slide", list(charts.slide(reactions.motion))),
+        ("Process", [] if process is None else [process]),
         ("Drive", [charts.torque(reactions), *([] if speed is None else [speed])]),
         ("Bearings and guides", [charts.bearing(reactions), *([] if moments is None else [moments])]),
         ("Foundation", [charts.shaking(reactions), charts.shaking_moment(reactions)]),
@@ -192,6 +207,47 @@ def _words(motion: Motion) -> str:
     if motion.crank_speed.ndim == 1 and charts.crank_speed(motion) is None:
         return f"crank at {motion.crank_speed[0] / RPM:.6g} r/min".replace("-", "\u2212")
     return "prescribed motion"
+
+
+def _inputs(reactions: Reactions, before: Reactions | None, ratings: PressRatings | None) -> list[dict[str, Any]]:
+    """What the page was computed from, and the dashed curves."""
+    capacities = [] if ratings is None else capacities_in_words(ratings.capacities)
+    given = [("Inputs", [*inputs_of(reactions), *capacities])]
+    if before is not None:
+        given.append(("Inputs of the dashed curves", [*inputs_of(before)]))
+    return [{"title": title, "rows": [list(row) for row in rows]} for title, rows in given]
+
+
+def _process(reactions: Reactions, frames: KeyFrames, ratings: PressRatings | None) -> dict[str, Any] | None:
+    """Process force and permissible force over the height; None without a process."""
+    chart = charts.force_over_height(reactions)
+    if chart is None:
+        return None
+    closed = np.append(np.arange(len(chart.height)), 0 if is_cycle(reactions.motion) else [])
+    every = closed.astype(int) if len(closed) <= MOST_POINTS else frames.states
+    permissible = None
+    if ratings is not None:
+        factor = charts.factor("force", chart.unit)
+        permissible = {"height": packed(1e3 * ratings.height, "height"), "force": packed(factor * ratings.force, "permissible force")}
+    return {
+        "unit": chart.unit,
+        "axis": "height above bottom dead centre" if chart.above_bottom else "height above the lowest state",
+        "reach": chart.reach,
+        "height": packed(chart.height[every], "height"),
+        "force": packed(chart.force[every], "process force"),
+        "keys": {"height": packed(chart.height[frames.states], "height"), "force": packed(chart.force[frames.states], "process force")},
+        "permissible": permissible,
+    }
+
+
+def _process_cards(reactions: Reactions) -> list[dict[str, str]]:
+    """The work of the process, by strokes where the motion is one period."""
+    if not reactions.process_force.any():
+        return []
+    work, turns, when = reactions.process_work, stroke_turns(reactions._press), "over the motion"
+    if is_cycle(reactions.motion) and turns is not None and reactions.motion.period_turns is not None:
+        work, when = work * turns / reactions.motion.period_turns, "a stroke"
+    return [{"name": "work of the process", "value": _with_prefix(work, "J"), "at": when}]
 
 
 def _cards(values: Sequence[ExtremeValues]) -> list[dict[str, str]]:

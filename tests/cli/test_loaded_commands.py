@@ -51,6 +51,24 @@ def test_analysis_under_everything(tmp_path: Path, capsys: pytest.CaptureFixture
     assert np.ptp(expected.driving_torque - pp.inverse_dynamics(press, motion).driving_torque) > 1e3
 
 
+def test_process_beside_what_is_permitted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    limits = ["--nominal-force", "3000kN", "--nominal-height", "13mm", "--out", str(tmp_path), "--report"]
+    assert main([*ANALYSE, "--load", BLANKING, *limits]) == 0
+    text = capsys.readouterr().out
+    press, motion = shipped()
+    reactions = pp.inverse_dynamics(press, motion, [BLANK])
+    ratings = pp.ratings.rate(press, 70 * pp.RPM, pp.ratings.Capacities(3e6, nominal_height=0.013))
+    section = text.split("\nProcess")[1].split("\n\n")[0]
+    numbers = [float(number) for number in re.findall(r"^  [a-z ]+? +([\d.]+) (?:kN|J|%)", section, flags=re.MULTILINE)]
+    assert numbers == pytest.approx(
+        [reactions.process_force.max() / 1e3, 1e6 * 0.004 * 2 / np.pi, 100 * ratings.utilisation(reactions).max()], rel=1e-4
+    )
+    assert "  nominal height   13 mm" in text
+    data = data_in(tmp_path / "report.html")["report"]
+    assert ["nominal force", "3000 kN"] in data["inputs"][0]["rows"]
+    assert data["process"]["permissible"] is not None
+
+
 def test_the_press_before_is_under_the_same(tmp_path: Path) -> None:
     words = ["--load", BLANKING, "--friction", "A:coefficient=0.1,radius=0.1", "--before", "zxn2_3000b_balanced", "--report"]
     assert main([*ANALYSE, *words, "--out", str(tmp_path)]) == 0
@@ -109,6 +127,7 @@ def test_simulation_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
         ([*ANALYSE, "--spring", "link1=frame,link2=slide,point1=1/2"], "point1 is '1/2', not x/y/z as 0/0/-0.2"),
         ([*ANALYSE, "--spring", "link1=frame,link2=slide,stiffness=-1"], "stiffness is -1"),
         ([*ANALYSE, "--load", "point-force:link=slide,force=5kN"], "force is '5kN', not x/y/z"),
+        ([*ANALYSE, "--nominal-height", "13mm"], "give --nominal-force too"),
         ([*ANALYSE, "--stiffness", "A"], "it takes NAME=N/m, a positive stiffness [N/m]; write e.g. --stiffness A=1e9"),
         ([*ANALYSE, "--stiffness", "Q=1e9"], "no bearing 'Q'"),
         (["record", "zxn2_3000b", "--speed", "70", "--out", "x.html", "--no-forces", "--load", BLANKING], "--no-forces leaves out"),

@@ -73,6 +73,7 @@ function addForces() {
   if (!(data.peak > 0)) { element("show-forces").hidden = element("scale").hidden = true; return; }
   for (const { place, force } of data.bearings) addArrow(places[place], floats(force), false);
   addArrow(foot(), floats(data.shaking), true);
+  if (data.process) addArrow(floats(data.process.place), floats(data.process.force), true);
   const colours = [0, 0.25, 0.5, 0.75, 1].map(share => `rgb(${mapped(share)})`);
   element("scale").querySelector("i").style.background = `linear-gradient(90deg, ${colours})`;
   element("peak").textContent = newtons(data.peak);
@@ -130,6 +131,7 @@ function addLabels() {
   const named = data.bearings.map(({ name, place }, i) => ({ name, place, arrow: arrows[i] }));
   places.forEach((series, place) => addLabel(series, named.filter(bearing => bearing.place === place)));
   if (arrows.length) addLabel(foot(), [{ name: "shaking force", arrow: arrows[named.length] }]);
+  if (data.process) addLabel(floats(data.process.place), [{ name: "process force", arrow: arrows[named.length + 1] }]);
 }
 
 function addLabel(series, named) {

@@ -138,6 +138,51 @@ function polarChart(parent, title, axes, unit, path, before) {  // the tip of th
   return () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); };
 }
 
+function forceStrokeChart(parent) {  // over the height, down and up; the cursor is a dot on the curve
+  const { unit, axis, reach, height, force, keys, permissible } = report.process, title = "Force over " + axis;
+  const box = card(parent, title, unit), plot = document.createElement("div"), heights = floats(keys.height), forces = floats(keys.force);
+  const line = { mode: MODE, hovertemplate: `%{y:.5g} ${unit} at %{x:.4g} mm` };
+  const traces = [{ ...line, x: floats(height), y: floats(force), name: "process force", line: { color: COLOURS[0], width: 1.8, simplify: false } }];
+  const curves = [{ name: "process force", colour: COLOURS[0], traces: [0] }];
+  if (permissible) {
+    traces.push({ ...line, x: floats(permissible.height), y: floats(permissible.force), name: "permissible force", line: { color: COLOURS[1], width: 1.8, simplify: false } });
+    curves.push({ name: "permissible force", colour: COLOURS[1], traces: [1] });
+  }
+  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, hovermode: "closest", showlegend: false, xaxis: { ...AXIS, range: [0, reach], title: { text: `${axis} [mm]`, standoff: 6 } }, yaxis: { ...AXIS, rangemode: "tozero" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
+  const [value, limit] = legend(box, plot, curves);
+  if (limit) limit.remove();
+  plot.className = "plot";
+  box.append(plot);
+  Plotly.newPlot(plot, traces, layout, CONFIG);
+  const largest = largestOf(forces);
+  seekOnClick(plot, ({ x, y }) => {
+    const far = k => Math.hypot((heights[k] - x) / reach, (forces[k] - y) / (largest || 1));
+    return data.time[heights.reduce((best, _, k) => far(k) < far(best) ? k : best, 0)];
+  });
+  const dot = make("div", plot, { className: "tip" });
+  const follow = () => {
+    const { xaxis, yaxis } = plot._fullLayout, x = xaxis.l2p(number(heights)), y = yaxis.l2p(number(forces));
+    value.textContent = rounded(number(forces), largest);
+    dot.hidden = x < 0 || x > xaxis._length || y < 0 || y > yaxis._length;
+    Object.assign(dot.style, { left: `${xaxis._offset + x}px`, top: `${yaxis._offset + y}px` });
+  };
+  plot.on("plotly_relayout", follow);
+  plot.on("plotly_afterplot", follow);
+  listeners.push(follow);
+}
+
+function inputs(parent) {
+  for (const { title, rows } of report.inputs) {
+    make("h2", parent, { textContent: title });
+    const box = make("section", parent, { className: "chart inputs" });
+    const list = make("dl", box);
+    for (const [name, words] of rows) {
+      make("dt", list, { textContent: name });
+      make("dd", list, { textContent: words });
+    }
+  }
+}
+
 function bearingDetail(parent) {  // one at a time: a press has up to a dozen
   const heading = make("h2", parent, { textContent: "Force in " }), choice = make("select", heading, { id: "bearing", ariaLabel: "Bearing or guide" });
   report.bearings.forEach((bearing, i) => make("option", choice, { value: i, textContent: bearing.name }));
@@ -191,7 +236,7 @@ function table(parent) {
 
 function drawReport() {
   const article = element("charts");
-  element("subtitle").textContent = report.subtitle;
+  element("subtitle").textContent = report.subtitle + "; all inputs stand at the end";
   for (const { name, value, at } of report.cards) {
     const box = make("div", element("cards"));
     make("small", box, { textContent: name });
@@ -201,9 +246,11 @@ function drawReport() {
   for (const { title, charts } of report.sections) {
     make("h2", article, { textContent: title });
     for (const chart of charts) lineChart(article, chart);
+    if (title === "Process" && report.process) forceStrokeChart(article);
     if (title === "Bearings and guides" && report.bearings.length) bearingDetail(article);
     if (title === "Foundation" && report.harmonics) harmonicsChart(article);
   }
   table(article);
+  inputs(article);
   seek(now);
 }

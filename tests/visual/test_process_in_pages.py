@@ -1,0 +1,133 @@
+"""Process loads in recordings and reports: the arrow on the slide, force over height, work, and the inputs that a page states."""
+
+import base64
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support import texts
+from support.in_browser import data_in
+
+import pinpress as pp
+from pinpress.simulation.run import inputs_of
+
+SPEED = 70 * pp.RPM
+LOAD = pp.loads.DeepDrawing(1.5e6, 0.04, 0.002)
+CHARTS = """() => Object.fromEntries([...document.querySelectorAll('.chart')].filter(box => box.querySelector('.plot')).map(box => [
+    box.querySelector('h3').textContent, box.querySelector('.plot').data.map(({ x, y }) => [[...x], [...y]]),
+]))"""
+STATED = """() => [...document.querySelectorAll('.inputs')].map(box => [
+    box.previousSibling.textContent, [...box.querySelectorAll('dt')].map(name => [name.textContent, name.nextSibling.textContent]),
+])"""
+ARROW = """time => {
+    setPlaying(false);
+    seek(time);
+    const { group, parts: [,, shaft, head] } = arrows.at(-1), along = new THREE.Vector3(0, 1, 0).applyQuaternion(group.quaternion);
+    const tip = group.position.clone().addScaledVector(along, shaft.scale.y + head.scale.y);
+    return { shown: group.visible, foot: group.position.toArray(), tip: tip.toArray() };
+}"""
+
+
+def numbers(words: str) -> Any:
+    return np.frombuffer(base64.b64decode(words), "<f4")
+
+
+@pytest.fixture(scope="module")
+def press() -> Any:
+    return texts.shipped("zxn2_3000b")
+
+
+@pytest.fixture(scope="module")
+def pressed(press: Any) -> Any:
+    return pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=180), [LOAD])
+
+
+@pytest.fixture(scope="module")
+def ratings(press: Any) -> Any:
+    return pp.ratings.rate(press, SPEED, pp.ratings.Capacities(3e6, nominal_height=0.013))
+
+
+@pytest.fixture(scope="module")
+def written(press: Any, pressed: Any, ratings: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    idle = pp.inverse_dynamics(press, pressed.motion)
+    path = tmp_path_factory.mktemp("report") / "out.html"
+    return pp.report(press, pressed.motion, path, reactions=pressed, before=idle, ratings=ratings)
+
+
+@pytest.fixture
+def page(written: Path, shared_view: Callable[..., Any]) -> Any:
+    return shared_view(written, (1000, 500))
+
+
+def height(press: Any, motion: Any) -> Any:
+    """[mm]"""
+    return 1e3 * (motion.slide_position - pp.dead_centres(press).bottom_position)
+
+
+def test_the_force_acts_on_the_slide(press: Any, pressed: Any, tmp_path: Path) -> None:
+    data = data_in(pp.record(press, pressed.motion, tmp_path / "out.html", reactions=pressed))
+    force, place = (numbers(data["process"][name]).reshape(-1, 3) for name in ("force", "place"))
+    assert_allclose(force[:-1], np.outer(pressed.process_force, [0, 0, 1]), rtol=1e-6)
+    assert_allclose(place[:-1, 2], pressed.motion.slide_position, rtol=1e-6)
+    others = [*pressed.bearing_force.values(), pressed.shaking_force]
+    assert data["peak"] == max(*(np.linalg.norm(other, axis=1).max() for other in others), pressed.process_force.max())
+    idle = pp.inverse_dynamics(press, pressed.motion)
+    assert data_in(pp.record(press, idle.motion, tmp_path / "idle.html", reactions=idle))["process"] is None
+
+
+def test_the_arrow_pushes_the_slide_up(page: Any, pressed: Any) -> None:
+    most = int(pressed.process_force.argmax())
+    arrow = page.evaluate(ARROW, float(pressed.motion.time[most]))
+    assert arrow["shown"]
+    assert_allclose(arrow["tip"][2], pressed.motion.slide_position[most], atol=1e-5)
+    assert arrow["foot"][2] < arrow["tip"][2] - 0.1
+    assert not page.evaluate(ARROW, 0.0)["shown"]  # on the way up
+    assert "process force" in page.inner_text("#labels")
+
+
+def test_force_over_height(page: Any, press: Any, pressed: Any, ratings: Any) -> None:
+    charts = page.evaluate(CHARTS)
+    (process, permissible) = charts["Force over height above bottom dead centre [kN]"]
+    assert_allclose(process[0][:-1], height(press, pressed.motion), rtol=1e-5, atol=1e-4)
+    assert_allclose(process[1][:-1], pressed.process_force / 1e3, rtol=1e-6)
+    assert_allclose(permissible[0], 1e3 * ratings.height, rtol=1e-6)
+    assert_allclose(permissible[1], ratings.force / 1e3, rtol=1e-6)
+    assert len(charts["Process force [kN]"]) == 1  # the idle press has none to be dashed
+    assert f"{pressed.process_work / 1e3:.4g} kJ" in page.inner_text("#cards")
+
+
+def test_a_page_states_its_inputs(page: Any, press: Any, pressed: Any) -> None:
+    stated = {title: dict(rows) for title, rows in page.evaluate(STATED)}
+    assert stated["Inputs"] == dict(inputs_of(pressed)) | {"nominal force": "3000 kN", "nominal height": "13 mm"}
+    assert stated["Inputs"]["load"] == "DeepDrawing(force=1500 kN, start=40 mm, end=2 mm)"
+    assert stated["Inputs of the dashed curves"]["loads"] == "none but weight"
+
+
+def test_a_run_states_its_motor_and_flywheel(press: Any, tmp_path: Path) -> None:
+    """Without a browser; work of several strokes is that of the whole run."""
+    motor = pp.drives.Geared(pp.drives.InductionMotor(75e3, 1485 * pp.RPM, inertia=1.2), 20.7)
+    run = pp.simulate(press, 1.8, speed=SPEED, drive=motor, flywheel=pp.drives.Flywheel(2000.0), loads=[LOAD])
+    loaded = pp.inverse_dynamics(press, run, [LOAD])
+    report = data_in(pp.report(press, run, tmp_path / "run.html", reactions=loaded))["report"]
+    rows = dict(report["inputs"][0]["rows"])
+    assert rows["flywheel"] == "Flywheel(inertia=2000 kg m2)"
+    assert rows["drive"].startswith("Geared(drive=InductionMotor(rated_power=75 kW, rated_speed=1485 r/min")
+    (card,) = [card for card in report["cards"] if card["name"] == "work of the process"]
+    assert (card["value"], card["at"]) == (f"{run.load_work[-1] / 1e3:.4g} kJ", "over the motion")
+
+
+def test_utilisation(press: Any, pressed: Any, ratings: Any) -> None:
+    found = ratings.utilisation(pressed)
+    at = int(found.argmax())
+    motion = pp.servo_cycle(press, pressed.motion.crank_angle[at : at + 1], speed=SPEED)
+    torque = pp.ratings.rate(press, SPEED, ratings.capacities, points=2001).torque_capacity
+    permissible = torque * SPEED / abs(motion.slide_velocity[0])  # above the nominal height by virtual work
+    assert height(press, motion)[0] > 13
+    assert found[at] == pytest.approx(pressed.process_force[at] / permissible, rel=1e-3)
+    other = texts.shipped("crank_slide")
+    idle = pp.inverse_dynamics(other, pp.cycle(other, SPEED, points=12))
+    with pytest.raises(pp.PinpressError, match=r"the reactions are of crank_slide, the ratings of zxn2_3000b"):
+        ratings.utilisation(idle)
