@@ -155,7 +155,7 @@ def _side_effects(balanced: BalancedPress) -> Records[CriterionChange]:
 
 def _criteria_of(press: Linkage) -> Iterator[Criterion]:
     yield Range("driving_torque") if len(press.drivers) == 1 else Peak("driving_torque")
-    yield from (Peak("bearing_force", bearing=bearing) for bearing in press.bearings)
+    yield from (Peak("bearing_force", bearing=bearing) for bearing in press.bearings_as_drawn)
     yield from (Range(quantity, axis) for quantity in ("shaking_force", "shaking_moment") for axis in AXES)
 
 
@@ -199,7 +199,12 @@ def _counterweight_lines(balanced: BalancedPress) -> list[str]:
     width = max(26, *(len(weight.link) + 2 for weight in weights)) if weights else 26
     heads = ("mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]")
     limited = "" if most is None else f", at most {most:g} kg"
-    rows = [[weight.link, *(tables.cell(value) for value in (weight.mass, *weight.position, weight.inertia))] for weight in weights]
+    least = ROUNDING * balanced.original.size
+    places = [[0.0 if abs(part) < least else float(part) for part in weight.position] for weight in weights]
+    rows = [
+        [weight.link, *(tables.cell(value) for value in (weight.mass, *place, weight.inertia))]
+        for weight, place in zip(weights, places, strict=True)
+    ]
     *lines, added = tables.table([["", *heads], *rows, ["added mass", tables.cell(balanced.added_mass)]], [width, 16])
     return [
         "",
@@ -220,13 +225,14 @@ def _objective_lines(balanced: BalancedPress) -> list[str]:
             " condition"
         )
         before = sum(weight for target, weight in terms.items() if isinstance(target, Criterion))
+    gap = balanced.value - balanced.bound
     return [
         "",
         f"Objective: {what}",
         tables.entry("before", f"{before:.6g}", unit),
         tables.entry("reached", f"{balanced.value:.6g}", unit),
         tables.entry("proven bound", f"{balanced.bound:.6g}", unit, "no counterweights in these regions have less"),
-        tables.entry("gap", f"{balanced.value - balanced.bound:.3g}", unit),
+        tables.entry("gap", "0" if abs(gap) < ROUNDING * (abs(before) or abs(balanced.value)) else f"{gap:.3g}", unit),
     ]
 
 

@@ -72,12 +72,12 @@ class AssemblyError(PinpressError):
     Attributes:
         crank_angle: angle of the driver joint [rad]; position of one that slides [m].
         gap: largest distance left between the two sides of a loop [m].
-        iterations: Newton steps taken.
+        iterations: steps of Newton's method taken.
     """
 
     def __init__(self, problem: str, crank_angle: float, gap: float, iterations: int, coordinate: DriverCoordinate = CRANK) -> None:
         self.crank_angle, self.gap, self.iterations = crank_angle, gap, iterations
-        super().__init__(f"{problem} ({coordinate.at(crank_angle)}, gap {gap:.3g} m after {iterations} Newton steps)")
+        super().__init__(f"{problem} ({coordinate.at(crank_angle)}, {1e3 * gap:.3g} mm open after {iterations} iterations)")
 
 
 class SingularityError(PinpressError):
@@ -90,7 +90,7 @@ class SingularityError(PinpressError):
 
     def __init__(self, problem: str, crank_angle: float, smallest_singular_value: float, coordinate: DriverCoordinate = CRANK) -> None:
         self.crank_angle, self.smallest_singular_value = crank_angle, smallest_singular_value
-        super().__init__(f"{problem} ({coordinate.at(crank_angle)}, smallest singular value {smallest_singular_value:.3g})")
+        super().__init__(f"{problem} ({coordinate.at(crank_angle)})")
 
 
 class SimulationError(PinpressError):

@@ -61,7 +61,7 @@ class DriverCoordinate:
 
     def shown(self, value: float, digits: str = ".6g") -> str:
         """A coordinate in words: "30 deg", "12 mm"."""
-        return f"{value * self.scale:{digits}} {self.shown_unit}"
+        return f"{round(value * self.scale, 9) + 0.0:{digits}} {self.shown_unit}"  # without what is rounding
 
     def at(self, value: float) -> str:
         """A place in words: "crank angle 30 deg", "driver position 12 mm", "crank angle 30 deg from top dead centre"."""

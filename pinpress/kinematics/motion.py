@@ -280,7 +280,7 @@ def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None
     turns = press.period_turns
     period = 2 * np.pi * turns
     if not (rate and math.isfinite(period / rate)):
-        raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give a speed [rad/s], e.g. 70 * pinpress.RPM")
+        raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give another, 70 r/min are 70 * pinpress.RPM [rad/s]")
     count = POINTS * turns if points is None else whole_number("points", points, 2, MOST_POINTS)
     angles: Array = np.arange(count, dtype=float) * (math.copysign(period, rate) / count)
     return angles, np.full(count, rate), np.zeros(count), angles / rate
