@@ -108,6 +108,7 @@ def _checked(press: Linkage, speed: object, points: object, repeats: object, sce
     """The speed as a number, after all arguments are checked [rad/s]."""
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: accuracy is measured of a linkage with one")
+    press.refuse_sliding_driver("accuracy is measured of a crank that turns under a flywheel")
     turning = number("speed", speed)
     if not SMALLEST <= abs(turning) <= LARGEST:
         raise PinpressError(f"speed is {turning:g}: give the speed of the crank [rad/s], e.g. 70 * pinpress.RPM")

@@ -6,7 +6,6 @@ import time
 from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
-from ..common.quantities import RPM
 from ..dynamics.inputs import inputs
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
@@ -19,6 +18,7 @@ from ..visual.recording import traced
 from . import part_specs
 from .options import (
     SIGNS,
+    SPEED,
     add_force_options,
     add_out_option,
     add_press_options,
@@ -31,7 +31,7 @@ from .options import (
     with_zero,
     write_pages,
 )
-from .units import quantity
+from .units import driver_speed
 
 POINTS = 720  # of a turn
 
@@ -49,7 +49,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=quantity("r/min"), required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
+    option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
     add_force_options(parser)
     option("--nominal-force", type=quantity("N"), metavar="N", help="permissible force at any height, to compare the process force with")
     option(
@@ -85,7 +85,8 @@ def run(options: argparse.Namespace) -> int:
     walk = time.perf_counter()
     _ = press.branch  # followed here, so that the times below are those of any further motion
     start = time.perf_counter()
-    motion = cycle(press, speed=options.speed * RPM, points=_points(press, options), engine=options.engine)
+    speed = options.speed.of(press.driver_coordinates[0])
+    motion = cycle(press, speed=speed, points=_points(press, options), engine=options.engine)
     middle = time.perf_counter()
     reactions = inverse_dynamics(press, motion, **acting, engine=options.engine)
     end = time.perf_counter()
@@ -114,9 +115,11 @@ def _permissible(press: Linkage, options: argparse.Namespace) -> PressRatings | 
 
 def _before(options: argparse.Namespace) -> Reactions:
     press = with_zero(load(options.before), options.zero)
-    motion = cycle(press, speed=options.speed * RPM, points=_points(press, options))
+    motion = cycle(press, speed=options.speed.of(press.driver_coordinates[0]), points=_points(press, options))
     return inverse_dynamics(press, motion, **forces(options, press))
 
 
 def _points(press: Linkage, options: argparse.Namespace) -> int:
-    return options.points if options.points is not None else POINTS * press.period_turns
+    if options.points is not None:
+        return int(options.points)
+    return POINTS * (press.period_turns if press.driver_coordinates[0].turns else 1)

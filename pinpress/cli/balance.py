@@ -14,7 +14,6 @@ from ..balancing.regions import CounterweightRegion, Vector
 from ..balancing.result import BalancedPress
 from ..common.errors import PinpressError, suggestion
 from ..common.files import make_folder
-from ..common.quantities import RPM
 from ..dynamics.inputs import Inputs, motion_in_words, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
@@ -22,6 +21,7 @@ from ..linkage.linkage import Linkage
 from ..linkage.writing import write_urdf
 from . import part_specs
 from .options import (
+    SPEED,
     add_force_options,
     add_out_option,
     add_press_options,
@@ -32,7 +32,7 @@ from .options import (
     say_written,
     with_zero,
 )
-from .units import quantity, read_quantity
+from .units import driver_speed, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
 MASS = "added_mass"
@@ -68,11 +68,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option = parser.add_argument
     option(
         "--speed",
-        type=quantity("r/min"),
+        type=driver_speed,
         action="append",
         required=True,
         metavar="RPM",
-        help="crank speed, in r/min; may be given several times: each criterion then counts at its worst speed",
+        help=f"{SPEED}; may be given several times: each criterion then counts at its worst speed",
     )
     option(
         "--region",
@@ -121,7 +121,8 @@ def run(options: argparse.Namespace) -> int:
     acting = loads(options)
     as_drawn = load_as_drawn(options)
     press = with_zero(as_drawn, options.zero)
-    conditions = [OperatingCondition(cycle(press, speed * RPM, points=options.points), acting) for speed in options.speed]
+    speeds = [speed.of(press.driver_coordinates[0]) for speed in options.speed]
+    conditions = [OperatingCondition(cycle(press, speed, points=options.points), acting) for speed in speeds]
     balanced = balance(press, conditions, regions=regions, minimise=minimise, limits=limits)
     if options.out is not None:
         make_folder(options.out)

@@ -23,6 +23,7 @@ angles are in degrees of the driver joint, 0 as the file draws it, or with --zer
 (of a loop, of link1 on link2) in world axes, z up; the shaking force is the action of the machine on its foundation.
 """
 ZEROS = {"drawn": "the drawn pose", "tdc": "top dead centre", "bdc": "bottom dead centre"}
+SPEED = "crank speed, in r/min, negative: backwards; highest speed of a driver that slides, in mm/s"
 FILE = f"pin table (.yaml), URDF, SDF or MJCF file, or the name of a shipped press: {', '.join(presses())}"
 
 

@@ -10,8 +10,8 @@ from ..dynamics.inputs import of_press, stated
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
 from . import part_specs
-from .options import add_out_option, add_press_options, load_press, print_inputs, say_written
-from .units import quantity
+from .options import SPEED, add_out_option, add_press_options, load_press, print_inputs, say_written
+from .units import driver_speed, quantity
 
 EPILOG = """\
 numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min.
@@ -44,7 +44,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=quantity("r/min"), required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
+    option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
     option("--nominal-force", type=quantity("N"), required=True, metavar="N", help="largest process force at any height")
     for name, (value, unit, words) in NUMBERS.items():
         option(f"--{name}", type=quantity(unit), metavar=value, help=words)
@@ -75,12 +75,13 @@ def run(options: argparse.Namespace) -> int:
         options.nominal_force, bearings=part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6"), **numbers
     )
     press = load_press(options)
-    found = rate(press, options.speed * RPM, capacities, at_speed=options.at_speed, points=options.points, **extra)
+    speed = options.speed.of(press.driver_coordinates[0])
+    found = rate(press, speed, capacities, at_speed=options.at_speed, points=options.points, **extra)
     if options.out is not None:
         make_folder(options.out)
     print(found)
-    speed = f"{options.speed:g} r/min, {'with' if options.at_speed else 'without'} weights and inertia forces"
-    print_inputs([*of_press(press), ("speed", speed), *capacities_in_words(capacities), stated()])
+    at = f"{speed / RPM:g} r/min, {'with' if options.at_speed else 'without'} weights and inertia forces"
+    print_inputs([*of_press(press), ("speed", at), *capacities_in_words(capacities), stated()])
     if options.out is not None:
         _write(found, options.out)
     return 0

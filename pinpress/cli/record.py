@@ -5,13 +5,14 @@ import math
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
 from ..common.errors import PinpressError
-from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.motion import Motion, cycle
 from . import part_specs
-from .options import SIGNS, add_force_options, add_press_options, add_refused_option, add_trace_option, forces, load_press, progress
-from .units import quantity
+from .options import SIGNS, SPEED, add_force_options, add_press_options, add_refused_option, add_trace_option, forces, load_press, progress
+from .units import driver_position, driver_speed
 
 EPILOG = f"""\
 {part_specs.explained("load", "spring", "friction")}
@@ -32,11 +33,17 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=quantity("r/min"), required=True, metavar="RPM", help="crank speed, in r/min; negative: backwards")
+    option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
     option("--out", type=Path, metavar="HTML", help="write this page")
     option("--video", type=Path, metavar="MP4", help="write this film, .mp4 or .gif")
     option("--png", type=Path, metavar="PNG", help="write this picture")
-    option("--at", type=quantity("deg"), default=0.0, metavar="DEG", help="crank angle of the picture (default: 0)")
+    option(
+        "--at",
+        type=driver_position,
+        default="0",
+        metavar="DEG",
+        help="crank angle of the picture, position in mm of a driver that slides (default: 0)",
+    )
     option("--size", type=_size, metavar="WxH", help="size of film and picture, in pixels (default: 1280x720 and 1280x960)")
     option("--fps", type=int, default=30, metavar="N", help="frames per second of the film (default: %(default)s)")
     option(
@@ -64,8 +71,6 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.out is options.video is options.png is None:
         raise PinpressError("nothing to write: give --out page.html, --video film.mp4 or --png picture.png")
-    if not math.isfinite(options.at):
-        raise PinpressError(f"--at is {options.at}: give a crank angle in degrees")
     paths = [path.absolute() for path in (options.out, options.video, options.png) if path is not None]
     if len(set(paths)) < len(paths):
         raise PinpressError("--out, --video and --png name one file: give each its own")
@@ -76,14 +81,18 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError("--no-forces leaves out what loads, springs and friction would show: leave out either")
     press = load_press(options)
     acting = forces(options, press)
-    motion = cycle(press, speed=options.speed * RPM, points=options.points)
+    coordinate = press.driver_coordinates[0]
+    at = options.at.of(coordinate)
+    if not math.isfinite(at):
+        raise PinpressError(f"--at is {options.at.text}: give a crank angle in degrees")
+    motion = cycle(press, speed=options.speed.of(coordinate), points=options.points)
     reactions = inverse_dynamics(press, motion, **acting) if options.forces else None
     with tempfile.TemporaryDirectory() as folder:
         page = options.out or Path(folder, "recording.html")
         record(press, motion, page, reactions=reactions, traces=options.trace)
         size = {} if options.size is None else {"size": options.size}
         if options.png is not None:
-            image(page, options.png, time=_time(options.at, options.speed, press.period_turns), **size)
+            image(page, options.png, time=_time(motion, at), **size)
         if options.video is not None:
             shown = {"frames_per_second": options.fps, "slowdown": options.slowdown, "repeats": options.repeats}
             with progress(1.0, "{percentage:3.0f} % |{bar}| {remaining} to go") as tell:
@@ -93,9 +102,11 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _time(degrees: float, speed: float, turns: int) -> float:
-    """Time [s] within a period of some turns at which a crank at constant speed [r/min] reaches an angle."""
-    return (degrees if speed > 0 else -degrees) / 360 % turns * 60 / abs(speed)
+def _time(motion: Motion, at: float) -> float:
+    """Time [s] within a period at which the driver of a cycle is at a crank angle [rad], or nearest to a position [m]."""
+    if motion.period_turns is None:
+        return float(motion.time[np.abs(motion.crank_angle - at).argmin()])
+    return float(at / motion.crank_speed[0] % (2 * math.pi * motion.period_turns / abs(motion.crank_speed[0])))
 
 
 def _size(words: str) -> tuple[int, int]:

@@ -1,13 +1,11 @@
 """`pinpress simulate`: a press under drive, flywheel and process loads."""
 
 import argparse
-import math
 import time
 
 from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
-from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..simulation.run import Run, inputs_of, simulation_summary, stroke_duties
 from ..simulation.simulate import METHODS, simulate
@@ -29,7 +27,7 @@ from .options import (
     refuse_pages_without_folder,
     write_pages,
 )
-from .units import quantity
+from .units import driver_position, driver_speed, quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
 
@@ -49,12 +47,18 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option = parser.add_argument
     option(
         "--speed",
-        type=quantity("r/min"),
-        default=0.0,
+        type=driver_speed,
+        default="0",
         metavar="RPM",
-        help="crank speed at the start, or near that of the steady state, in r/min",
+        help="crank speed at the start, or near that of the steady state, in r/min; of a driver that slides in mm/s",
     )
-    option("--angle", type=quantity("deg"), default=0.0, metavar="DEG", help="crank angle at the start (default: 0)")
+    option(
+        "--angle",
+        type=driver_position,
+        default="0",
+        metavar="DEG",
+        help="crank angle at the start, position in mm of a driver that slides (default: 0)",
+    )
     until = parser.add_mutually_exclusive_group(required=True)
     until.add_argument("--duration", type=quantity("s"), metavar="S", help="length of the run, in s")
     until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")
@@ -99,10 +103,11 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
     if options.out is not None:
         make_folder(options.out)  # before a run that may be long
-    speed, angle, shared = options.speed * RPM, math.radians(options.angle), {"points": options.points, "tolerance": options.tolerance}
+    coordinate, shared = press.driver_coordinates[0], {"points": options.points, "tolerance": options.tolerance}
+    speed, angle = options.speed.of(coordinate), options.angle.of(coordinate)
     done: Run
     if options.steady:
-        _refuse_beside_steady(options)
+        _refuse_beside_steady(options, speed)
         parts = {"drive": drive, "flywheel": flywheel, "loads": acting}
         done = steady_state(press, speed, angle=angle, **parts, **shared)  # type: ignore[arg-type]  # it refuses what has no motor
     else:
@@ -135,9 +140,9 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _refuse_beside_steady(options: argparse.Namespace) -> None:
+def _refuse_beside_steady(options: argparse.Namespace, speed: float) -> None:
     for name, absent in (("clutch", None), ("brake", None), ("step", None), ("method", "auto")):
         if getattr(options, name) != absent:
             raise PinpressError(f"--{name} does not go with --steady: leave it out, or give --duration in place of --steady")
-    if options.speed == 0:
+    if speed == 0:
         raise PinpressError("--steady needs a --speed other than 0, about which the press runs, e.g. --speed 70")

@@ -4,8 +4,10 @@ import argparse
 import math
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
-from ..common.errors import suggestion
+from ..common.errors import PinpressError, suggestion
+from ..common.quantities import RPM, DriverCoordinate
 
 # Factors to the first unit of each row, which is the one that help and messages name.
 _ROWS: tuple[Mapping[str, float], ...] = (
@@ -20,6 +22,8 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"W": 1.0, "kW": 1e3, "MW": 1e6},
     {"Hz": 1.0, "kHz": 1e3},
     {"m/s": 1.0, "mm/s": 1e-3},
+    {"mm": 1.0, "m": 1e3, "um": 1e-3, "cm": 10.0, "in": 25.4},
+    {"mm/s": 1.0, "m/s": 1e3, "m/min": 1e3 / 60},
     {"m/s2": 1.0, "mm/s2": 1e-3},
     {"N/m": 1.0, "kN/m": 1e3, "kN/mm": 1e6, "N/mm": 1e3, "MN/m": 1e6, "GN/m": 1e9},
     {"N s/m": 1.0, "Ns/m": 1.0, "kNs/m": 1e3},
@@ -61,3 +65,52 @@ def quantity(unit: str) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(f"{text!r} is {error}") from None
 
     return read
+
+
+@dataclass(frozen=True)
+class OfDriver:
+    """A speed or position of the driver as it was given, whose unit depends on the press.
+
+    Attributes:
+        text: As given.
+        turning: Unit of a bare number where the driver turns, "r/min" or "deg".
+        sliding: Unit of a bare number where it slides, "mm/s" or "mm".
+    """
+
+    text: str
+    turning: str
+    sliding: str
+
+    def of(self, coordinate: DriverCoordinate) -> float:
+        """The number in SI units, of a driver with this coordinate.
+
+        Raises:
+            PinpressError: its unit is of something else.
+        """
+        unit = self.turning if coordinate.turns else self.sliding
+        try:
+            number = read_quantity(self.text, unit)
+        except ValueError:
+            does = "turns" if coordinate.turns else "slides"
+            raise PinpressError(
+                f"{self.text!r} is of no driver that {does}: give a number in {unit}, or in {', '.join(UNITS[unit])}"
+            ) from None
+        return math.radians(number) if unit == "deg" else number * (RPM if unit == "r/min" else 1e-3)
+
+
+def driver_speed(text: str) -> OfDriver:
+    """Reads an option of `argparse`: a speed of the driver."""
+    return _of_driver(text, "r/min", "mm/s")
+
+
+def driver_position(text: str) -> OfDriver:
+    """Reads an option of `argparse`: a crank angle, or the position of a driver that slides."""
+    return _of_driver(text, "deg", "mm")
+
+
+def _of_driver(text: str, turning: str, sliding: str) -> OfDriver:
+    try:
+        read_quantity(text, sliding)
+    except ValueError:
+        quantity(turning)(text)  # refuses what is neither
+    return OfDriver(text, turning, sliding)

@@ -6,7 +6,7 @@ Signs and axes are those of `inverse_dynamics`. All functions raise `PinpressErr
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
@@ -40,9 +40,9 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
         quantity: its name, for example "shaking force, x".
         unit: its unit.
         smallest: smallest value.
-        smallest_at: crank angle of the smallest value, see `Motion.shown_position` [deg].
+        smallest_at: crank angle of the smallest value, see `Motion.shown_position` [deg; of a driver that slides mm].
         largest: largest value.
-        largest_at: crank angle of the largest value [deg].
+        largest_at: crank angle of the largest value [deg or mm].
         range: largest value less the smallest.
         rms: root mean square over the states; it is that over time where the states are equally spaced in time, as in a `cycle` or a run.
     """
@@ -55,6 +55,11 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
     largest_at: float
     range: float
     rms: float
+
+
+@dataclass(frozen=True, repr=False)
+class ExtremesOverTravel(ExtremeValues, units={"smallest_at": "mm", "largest_at": "mm"}):
+    """Extremes of one quantity over a motion of a driver that slides; attributes as of `ExtremeValues`, places in mm."""
 
 
 @typed
@@ -73,7 +78,8 @@ def extremes(reactions: Reactions) -> Records[ExtremeValues]:
     motion = reactions.motion
     angle = finite("crank angle", motion.shown_position)
     series = _series(reactions)
-    return Records(ExtremeValues, (_extreme_values(quantity, unit, finite(quantity, values), angle) for quantity, unit, values in series))
+    kind = ExtremeValues if motion.driver_coordinates[0].turns else ExtremesOverTravel
+    return Records(kind, (_extreme_values(kind, quantity, unit, finite(quantity, values), angle) for quantity, unit, values in series))
 
 
 def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
@@ -84,10 +90,12 @@ def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
         yield "slide velocity", "m/s", motion.slide_velocity
         yield "slide acceleration", "m/s²", motion.slide_acceleration
     if not is_constant(finite("crank speed", motion.crank_speed)):
-        yield from _by_driver("crank speed", "r/min", motion.crank_speed / RPM, motion)
-    yield from _by_driver("driving torque", "N m", torque_without_rounding(reactions), motion)
+        speeds = [("crank speed", "r/min", RPM) if each.turns else ("driver speed", "mm/s", 1e-3) for each in motion.driver_coordinates]
+        yield from _by_driver(speeds, motion.crank_speed, motion)
+    efforts = [(each.effort, each.effort_unit) for each in motion.driver_coordinates]
+    yield from _by_driver([(f"driving {effort}", unit, 1.0) for effort, unit in efforts], torque_without_rounding(reactions), motion)
     if isinstance(motion, DrivenMotion):
-        yield from _by_driver("drive torque", "N m", motion.drive_torque, motion)
+        yield from _by_driver([(f"drive {effort}", unit, 1.0) for effort, unit in efforts], motion.drive_torque, motion)
     for name, force in reactions.bearing_force.items():
         yield from _vector(f"force in {name}", "N", force, least.force)
     for name, moment in held_moments(reactions).items():
@@ -97,12 +105,15 @@ def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
     yield from _vector("shaking moment", "N m", reactions.shaking_moment, least.moment)
 
 
-def _by_driver(quantity: str, unit: str, values: Array, motion: Motion) -> Iterator[tuple[str, str, Array]]:
-    """Name, unit and values (n,) of a quantity of the driver, or of each of several drivers."""
+def _by_driver(heads: Sequence[tuple[str, str, float]], values: Array, motion: Motion) -> Iterator[tuple[str, str, Array]]:
+    """Name, unit and values (n,) of a quantity of the driver, or of each of several drivers; ``heads``: name, unit and its size
+    in SI units, by driver."""
     if values.ndim == 1:
-        yield quantity, unit, values
+        quantity, unit, size = heads[0]
+        yield quantity, unit, values / size
     else:
-        yield from ((f"{quantity} of {driver}", unit, values[:, i]) for i, driver in enumerate(motion.drivers))
+        for i, (driver, (quantity, unit, size)) in enumerate(zip(motion.drivers, heads, strict=True)):
+            yield f"{quantity} of {driver}", unit, values[:, i] / size
 
 
 def _vector(name: str, unit: str, vector: Array, least: float) -> Iterator[tuple[str, str, Array]]:
@@ -113,14 +124,14 @@ def _vector(name: str, unit: str, vector: Array, least: float) -> Iterator[tuple
         yield f"{name}, {AXES[i]}", unit, vector[:, i]
 
 
-def _extreme_values(quantity: str, unit: str, values: Array, angle: Array) -> ExtremeValues:
+def _extreme_values(kind: type[ExtremeValues], quantity: str, unit: str, values: Array, angle: Array) -> ExtremeValues:
     low, high = int(values.argmin()), int(values.argmax())
     smallest, largest = float(values[low]), float(values[high])
     size = float(np.abs(values).max()) or 1.0  # divided by before squaring: squares of large numbers overflow
     smallest, largest = (0.0 if abs(value) < ROUNDING_OF_VALUES * size else value for value in (smallest, largest))
     width = largest - smallest if largest - smallest > ROUNDING_OF_VALUES * size else 0.0
     rms = size * float(np.sqrt(np.mean((values / size) ** 2)))
-    return ExtremeValues(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), width, rms)
+    return kind(quantity, unit, smallest, float(angle[low]), largest, float(angle[high]), width, rms)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- what is rounding

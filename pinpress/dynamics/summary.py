@@ -6,7 +6,7 @@ import numpy as np
 
 from ..common import tables
 from ..common.errors import PinpressError
-from ..common.quantities import RPM, Array
+from ..common.quantities import RPM, Array, DriverCoordinate
 from ..kinematics.main_data import directions, forward_share, sense_of_rotation
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import DeadCentres, dead_centres
@@ -32,7 +32,8 @@ def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: A
     """
     lines = [
         f"{press.name}: {_speed(press, motion)}",
-        f"  {len(motion.crank_angle)} crank angles{f' from {press.zero}' if press.zero else ''}, engine {reactions.engine!r}",
+        f"  {len(motion.crank_angle)} {motion.driver_coordinates[0].position}s{f' from {press.zero}' if press.zero else ''},"
+        f" engine {reactions.engine!r}",
         *_slide(press, motion),
         *_process(press, motion, reactions, utilisation),
         *_torque(motion, reactions),
@@ -48,6 +49,9 @@ def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: A
 
 def _speed(press: Linkage, motion: Motion) -> str:
     """Speed and sense of rotation in words, and strokes per minute where the slide makes one in some turns."""
+    if not motion.driver_coordinates[0].turns:
+        fastest = float(np.abs(motion.crank_speed).max())
+        return f"{press.driver} slides there and back, harmonically, at up to {1e3 * fastest:g} mm/s"
     speed = float(motion.crank_speed[0])
     turning = f"{press.driver} turns {sense_of_rotation(press, speed)} at {abs(speed) / RPM:g} r/min"
     ends = _dead_centres(press)
@@ -61,14 +65,8 @@ def _slide(press: Linkage, motion: Motion) -> list[str]:
         ends = dead_centres(press)
     except PinpressError as error:
         return ["", f"Slide ({press.slide}): {error}"]
-    speed = float(motion.crank_speed[0])
-    period = 2 * np.pi * ends.turns / abs(speed)
     velocity, acceleration = motion.slide_velocity, motion.slide_acceleration
-    forward = forward_share(ends, speed)
-    down, up = directions(press)
-
-    def time(angle: float) -> float:
-        return float((angle if speed > 0 else 2 * np.pi * ends.turns - angle) / abs(speed))
+    coordinate, (down, up) = motion.driver_coordinates[0], directions(press)
 
     def extreme(name: str, values: Array, unit: str) -> str:
         return _extreme(name, values, motion, unit, np.argmax, ends)
@@ -77,13 +75,7 @@ def _slide(press: Linkage, motion: Motion) -> list[str]:
         "",
         f"Slide ({press.slide}), heights above bottom dead centre",
         tables.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
-        *(
-            tables.entry(name, f"{np.degrees(angle):.3f}", "deg", f"at {time(angle):.6f} s")
-            for name, angle in (("top dead centre", ends.top_angle), ("bottom dead centre", ends.bottom_angle))
-        ),
-        *([] if press.zero else [tables.entry("as drawn (0 deg)", f"{1e3 * (motion.slide_position[0] - ends.bottom_position):.3f}", "mm")]),
-        tables.entry("working stroke", f"{100 * forward:.3f}", "%", f"of the time, {forward * period:.6f} s, {down}"),
-        tables.entry("return stroke", f"{100 * (1 - forward):.3f}", "%", f"of the time, {(1 - forward) * period:.6f} s, {up}"),
+        *(_turning(press, motion, ends, down, up) if coordinate.turns else _sliding(coordinate, ends)),
         extreme("fastest, working stroke", -velocity, "m/s"),
         extreme("fastest, return stroke", velocity, "m/s"),
         extreme("largest acceleration up" if up == "up" else "acceleration towards top", acceleration, "m/s2"),
@@ -111,15 +103,40 @@ def _process(press: Linkage, motion: Motion, reactions: Reactions, utilisation: 
     return lines
 
 
+def _turning(press: Linkage, motion: Motion, ends: DeadCentres, down: str, up: str) -> list[str]:
+    """Lines with the dead centres of a crank that turns, and with the time that the strokes take."""
+    speed = float(motion.crank_speed[0])
+    period, forward = 2 * np.pi * ends.turns / abs(speed), forward_share(ends, speed)
+
+    def time(angle: float) -> float:
+        return float((angle if speed > 0 else 2 * np.pi * ends.turns - angle) / abs(speed))
+
+    return [
+        *(
+            tables.entry(name, f"{np.degrees(angle):.3f}", "deg", f"at {time(angle):.6f} s")
+            for name, angle in (("top dead centre", ends.top_angle), ("bottom dead centre", ends.bottom_angle))
+        ),
+        *([] if press.zero else [tables.entry("as drawn (0 deg)", f"{1e3 * (motion.slide_position[0] - ends.bottom_position):.3f}", "mm")]),
+        tables.entry("working stroke", f"{100 * forward:.3f}", "%", f"of the time, {forward * period:.6f} s, {down}"),
+        tables.entry("return stroke", f"{100 * (1 - forward):.3f}", "%", f"of the time, {(1 - forward) * period:.6f} s, {up}"),
+    ]
+
+
+def _sliding(coordinate: DriverCoordinate, ends: DeadCentres) -> list[str]:
+    """Lines with the dead centres of a press whose driver slides."""
+    places = (("top dead centre", ends.top_angle), ("bottom dead centre", ends.bottom_angle))
+    return [tables.entry(name, f"{coordinate.scale * place:.3f}", coordinate.shown_unit, "of the driver") for name, place in places]
+
+
 def _torque(motion: Motion, reactions: Reactions) -> list[str]:
-    torque = reactions.driving_torque
+    torque, coordinate = reactions.driving_torque, motion.driver_coordinates[0]
     rms = float(np.sqrt(np.mean(torque**2)))
-    scale = tables.scale("N m", [float(np.abs(torque).max())])
+    scale = tables.scale(coordinate.effort_unit, [float(np.abs(torque).max())])
     return [
         "",
-        "Driving torque (on the driver, along its axis)",
-        _extreme("largest", torque, motion, "N m", np.argmax),
-        _extreme("smallest", torque, motion, "N m", np.argmin),
+        f"Driving {coordinate.effort} (on the driver, along its axis)",
+        _extreme("largest", torque, motion, coordinate.effort_unit, np.argmax),
+        _extreme("smallest", torque, motion, coordinate.effort_unit, np.argmin),
         tables.entry("rms", scale.shown(rms), scale.unit),
         _extreme("largest power", torque * motion.crank_speed, motion, "W", np.argmax),
     ]
@@ -145,12 +162,13 @@ def bearing_table(reactions: Reactions) -> list[str]:
     turning = tables.scale("N m", moments, ROUNDING * largest * press.size)
     axes = [i for i in range(3) if any(np.abs(reactions.bearing_force[name][:, i]).max() > forces.least for name in names)]
     ends = _dead_centres(press)
-    heads = [f"peak force [{forces.unit}]", "at crank [deg]", *(["height [mm]"] if ends else [])]
+    first = motion.driver_coordinates[0]
+    heads = [f"peak force [{forces.unit}]", f"at {first.part} [{first.shown_unit}]", *(["height [mm]"] if ends else [])]
     heads += [*(f"range {AXES[i]} [{forces.unit}]" for i in axes), f"peak moment [{turning.unit}]"]
     rows = [["", *heads]]
     for name, moment in zip(names, moments, strict=True):
         at = int(sizes[name].argmax())
-        place = [f"{_degrees(motion, at):.2f}", *([f"{1e3 * (motion.slide_position[at] - ends.bottom_position):.3f}"] if ends else [])]
+        place = [f"{_shown(motion, at):.2f}", *([f"{1e3 * (motion.slide_position[at] - ends.bottom_position):.3f}"] if ends else [])]
         if sizes[name][at] <= forces.least:
             place = ["-"] * len(place)
         ranges = [forces.shown(float(np.ptp(reactions.bearing_force[name][:, i]))) for i in axes]
@@ -199,8 +217,8 @@ def _extreme(
 def _place(motion: Motion, at: int, ends: DeadCentres | None) -> str:
     """The crank angle of a state, with dead centres the slide's height too."""
     height = "" if ends is None else f", {1e3 * (motion.slide_position[at] - ends.bottom_position):9.3f} mm"
-    return f"at {_degrees(motion, at):8.3f} deg{height}"
+    return f"at {_shown(motion, at):8.3f} {motion.driver_coordinates[0].shown_unit}{height}"
 
 
-def _degrees(motion: Motion, at: int) -> float:
+def _shown(motion: Motion, at: int) -> float:
     return float(motion.shown_position[at])

@@ -58,15 +58,19 @@ class DeflectedSlide(Tabular):
 
     def __str__(self) -> str:
         low, high = int(self.deflection.argmin()), int(self.deflection.argmax())
-        angles = np.degrees(self.motion.crank_angle)
+        first, places = self.motion.driver_coordinates[0], self.motion.crank_angle
         return (
-            f"{self.motion.linkage}: slide deflected by {1e3 * self.deflection[low]:.5g} mm (crank angle {angles[low]:.5g} deg)"
-            f" to {1e3 * self.deflection[high]:.5g} mm ({angles[high]:.5g} deg)"
+            f"{self.motion.linkage}: slide deflected by {1e3 * self.deflection[low]:.5g} mm"
+            f" ({first.position} {first.shown(places[low], '.5g')}) to {1e3 * self.deflection[high]:.5g} mm"
+            f" ({first.shown(places[high], '.5g')})"
         )
 
     def columns(self) -> dict[str, Array]:
         """A row for each state: crank angle, slide position, deflection and the parts' shares."""
-        columns = {"crank_angle [rad]": self.motion.crank_angle, "slide_position [m]": self.slide_position}
+        columns = {
+            "{} [{}]".format(*self.motion.driver_coordinates[0].heads[0]): self.motion.crank_angle,
+            "slide_position [m]": self.slide_position,
+        }
         return columns | {"deflection [m]": self.deflection} | {f"deflection_{name} [m]": part for name, part in self.parts.items()}
 
 
@@ -166,6 +170,7 @@ def dead_centre_shift(
         PinpressError: As `compliance`, or a speed is not finite, a load depends on the speed, the press is so soft that it has no bottom
             dead centre within 6 degrees of the rigid one, or its slide repeats its motion before the other links do.
     """
+    press.refuse_sliding_driver("the dead centre moves with the speed of a crank; see slide_deflection of a motion")
     speeds = _speeds(speed)
     _refuse_dependent(loads)
     centres = dead_centres(press)

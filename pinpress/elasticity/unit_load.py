@@ -20,7 +20,7 @@ from ..common import tables
 from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
-from ..common.quantities import Array
+from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import Motion
@@ -44,7 +44,7 @@ class SlideCompliance(Tabular):
     Attributes:
         press_name: Name of the press.
         stiffness: Stiffnesses of its parts.
-        crank_angle: (n,) angle of the driver joint [rad].
+        crank_angle: (n,) angle of the driver joint [rad], position of one that slides [m].
         slide_position: (n,) slide position of the rigid press [m].
         height: (n,) height of the slide above bottom dead centre [m].
         compliance: (n,) compliance of the slide against the table along the guide, with the crank held [m/N].
@@ -73,6 +73,11 @@ class SlideCompliance(Tabular):
         most_first = sorted(self.bottom_shares.items(), key=lambda item: -round(item[1], 9))  # equal ones differ by rounding
         return "\n".join([heading, *tables.fitted([[name, f"{100 * share:6.2f} %"] for name, share in most_first])])
 
+    @property
+    def coordinate(self) -> DriverCoordinate:
+        """What the coordinate of the driver is."""
+        return self._held.press.driver_coordinates[0]
+
     @cached_property
     def effective_mass(self) -> Array:
         """(n,) mass of the slide and of the links that move with it while the press yields, with the crank held [kg].
@@ -84,7 +89,11 @@ class SlideCompliance(Tabular):
 
     def columns(self) -> dict[str, Array]:
         """A row for each crank angle: angle, position, height, compliance and its parts."""
-        columns = {"crank_angle [rad]": self.crank_angle, "slide_position [m]": self.slide_position, "height [m]": self.height}
+        columns = {
+            "{} [{}]".format(*self.coordinate.heads[0]): self.crank_angle,
+            "slide_position [m]": self.slide_position,
+            "height [m]": self.height,
+        }
         return columns | {"compliance [m/N]": self.compliance} | {f"{name} [m/N]": part for name, part in self.parts.items()}
 
 
@@ -98,7 +107,8 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
     Args:
         press: A press with one driver and a slide.
         stiffness: Stiffnesses of its parts.
-        angle: (n,) crank angles [rad]; by default 360 a turn over one period, its end left out.
+        angle: (n,) crank angles [rad]; by default 360 a turn over one period, its end left out. Positions of a driver that slides [m]; by
+            default 361 over its travel.
 
     Raises:
         UnknownNameError: The linkage has no such bearing or link.
@@ -108,16 +118,20 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
     """
     parts(press, stiffness)  # refuses wrong stiffnesses before anything is computed
     centres = dead_centres(press)
-    angles = np.arange(POINTS * press.period_turns) * (2 * np.pi / POINTS) if angle is None else angle
-    motion = servo_cycle(press, speed=0.0, angle=angles)
+    if angle is None and press.driver_coordinates[0].turns:
+        angle = np.arange(POINTS * press.period_turns) * (2 * np.pi / POINTS)
+    elif angle is None:
+        angle = np.linspace(press.branch.angles[0], press.branch.angles[-1], POINTS + 1)
+    motion = servo_cycle(press, speed=0.0, angle=angle)
     held = hold(press, stiffness, motion)
     shares = held.moved(held.unit)
     total = np.sum(list(shares.values()), axis=0)
     bottom = _compliances_at(press, stiffness, centres.bottom_angle)
     at_bottom = sum(bottom.values())
     if not total.min() > RIGID * max(float(total.max()), at_bottom) or not at_bottom > RIGID * total.max():
-        where = np.degrees(motion.crank_angle[int(total.argmin())] if at_bottom > RIGID * total.max() else centres.bottom_angle)
-        raise PinpressError(f"nothing of {press.name} yields at crank angle {where:.6g} deg: give a part in the line of force a stiffness")
+        where = motion.crank_angle[int(total.argmin())] if at_bottom > RIGID * total.max() else centres.bottom_angle
+        place = press.driver_coordinates[0].at(where)
+        raise PinpressError(f"nothing of {press.name} yields at {place}: give a part in the line of force a stiffness")
     return SlideCompliance(
         press_name=press.name,
         stiffness=stiffness,

@@ -207,7 +207,7 @@ def press_inertia(press: Linkage) -> Array:
     Raises:
         PinpressError: The crank does not turn fully, or there are several drivers.
     """
-    model, period = press.model, cycle(press, 1.0, points=POSES * press.period_turns)
+    model, period = press.model, cycle(press, 1.0, points=POSES * (press.period_turns if press.driver_coordinates[0].turns else 1))
     data = data_of(model)
     total = np.zeros((6, 6))
     for q in period.q:

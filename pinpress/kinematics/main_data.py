@@ -9,6 +9,7 @@ import numpy as np
 
 from ..common import tables
 from ..common.errors import PinpressError
+from ..common.quantities import CRANK, Array, DriverCoordinate
 from ..common.results import Record
 from ..engines.joints import drawn_placements
 from ..linkage.linkage import UPRIGHT, Linkage
@@ -29,11 +30,13 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
         slide_mass: mass of the slide, with what is welded to it [kg].
         rotation: sense in which the driver turns at a positive speed, see `sense_of_rotation`.
         stroke: distance between the dead centres; of a crank that does not turn fully, the way of the slide as far as it turns [m].
-        forward_share: share of a period in which the slide goes from top to bottom dead centre at a constant positive speed [-].
+        forward_share: share of a period in which the slide goes from top to bottom dead centre at a constant positive speed [-]; None
+            where the driver slides.
         drawn_height: height of the slide above bottom dead centre in the drawn pose [m].
         dead_centres: where the slide turns back.
         turns_between: crank angles between which the linkage locks [rad].
         no_stroke: why the slide has no dead centres.
+        coordinate: what the coordinate of the driver is.
     """
 
     size: float
@@ -46,6 +49,7 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
     dead_centres: DeadCentres | None = field(default=None, repr=False)
     turns_between: tuple[float, float] | None = field(default=None, repr=False)
     no_stroke: str | None = field(default=None, repr=False)
+    coordinate: DriverCoordinate = field(default=CRANK, repr=False)
 
 
 def main_data(press: Linkage, moves: bool = True) -> MainData:
@@ -57,7 +61,7 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
     """
     masses = [float(inertia.mass) for inertia in press.model.inertias]
     slide = None if press.slide is None else masses[press.slide_guide.joint + 1]
-    data = MainData(press.size, sum(masses[1:]), slide, sense_of_rotation(press))
+    data = MainData(press.size, sum(masses[1:]), slide, sense_of_rotation(press), coordinate=press.driver_coordinates[0])
     if press.slide is None or not moves:
         return data
     if len(press.drivers) > 1:
@@ -67,7 +71,8 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
     except PinpressError as error:
         return _as_far_as_it_turns(press, replace(data, no_stroke=str(error)))
     drawn = float(motion_through_change_points(press, np.zeros(1), 0.0).slide_position[0]) - ends.bottom_position
-    return replace(data, stroke=ends.stroke, forward_share=forward_share(ends), drawn_height=drawn, dead_centres=ends)
+    forward = forward_share(ends) if data.coordinate.turns else None
+    return replace(data, stroke=ends.stroke, forward_share=forward, drawn_height=drawn, dead_centres=ends)
 
 
 def _as_far_as_it_turns(press: Linkage, data: MainData) -> MainData:
@@ -84,7 +89,8 @@ def _as_far_as_it_turns(press: Linkage, data: MainData) -> MainData:
 
 
 def sense_of_rotation(press: Linkage, speed: float = 1.0) -> str:
-    """How the driver turns, seen with x to the right and z up: "counter-clockwise", "clockwise", or the axis that it turns about.
+    """How the driver turns, seen with x to the right and z up: "counter-clockwise", "clockwise", or the axis that it turns about; of one
+    that slides the direction in which it does in the drawn pose.
 
     Args:
         press: the press; of several drivers the first counts.
@@ -92,11 +98,16 @@ def sense_of_rotation(press: Linkage, speed: float = 1.0) -> str:
     """
     driver = press.driver_indices[0]
     axis = drawn_placements(press.model)[driver + 1].rotation @ press.axes[driver].direction
+    if not press.driver_coordinates[0].turns:
+        return f"along ({_directed(axis, speed)})"
     across = -float(axis[1]) * (1.0 if speed > 0 else -1.0)  # towards the reader
     if abs(across) > ALONG:
         return "counter-clockwise" if across > 0 else "clockwise"
-    directed = ", ".join(f"{part:.3g}" for part in np.round(axis, 6) * (1.0 if speed > 0 else -1.0) + 0.0)
-    return f"about the axis ({directed})"
+    return f"about the axis ({_directed(axis, speed)})"
+
+
+def _directed(axis: Array, speed: float) -> str:
+    return ", ".join(f"{part:.3g}" for part in np.round(axis, 6) * (1.0 if speed > 0 else -1.0) + 0.0)
 
 
 def forward_share(ends: DeadCentres, speed: float = 1.0) -> float:
@@ -115,23 +126,24 @@ def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:
     """The main data in words, a line each."""
     mass = tables.scale("kg", [data.moving_mass])
     slide = "" if data.slide_mass is None else f", slide {mass.shown(data.slide_mass)} {mass.unit}"
-    seen = "" if data.rotation.startswith("about") else ", seen with x to the right and z up"
+    seen = "" if data.rotation.startswith(("about", "along")) else ", seen with x to the right and z up"
+    moves = "turns" if data.coordinate.turns else "slides"
     return [
         *_stroke_lines(data, drivers[0]),
-        tables.entry("driver", ", ".join(drivers), "", f"a positive speed turns it {data.rotation}{seen}"),
+        tables.entry("driver", ", ".join(drivers), "", f"a positive speed {moves} it {data.rotation}{seen}"),
         tables.entry("largest extent", f"{1e3 * data.size:.1f}", "mm", "of the bearings as drawn"),
         tables.entry("moving mass", mass.shown(data.moving_mass), mass.unit, f"all links but the frame{slide}"),
     ]
 
 
 def _stroke_lines(data: MainData, driver: str) -> list[str]:
-    if data.dead_centres is not None and data.forward_share is not None and data.drawn_height is not None:
-        ends, forward = data.dead_centres, data.forward_share
-        ways = (("from top to bottom", forward), ("from bottom to top", 1.0 - forward))
+    if data.dead_centres is not None and data.drawn_height is not None:
+        ends, forward, unit, scale = data.dead_centres, data.forward_share, data.coordinate.shown_unit, data.coordinate.scale
+        ways = () if forward is None else (("from top to bottom", forward), ("from bottom to top", 1.0 - forward))
         return [
             tables.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
-            tables.entry("top dead centre", f"{np.degrees(ends.top_angle):.3f}", "deg", f"of {driver}, which is at 0 deg as drawn"),
-            tables.entry("bottom dead centre", f"{np.degrees(ends.bottom_angle):.3f}", "deg"),
+            tables.entry("top dead centre", f"{scale * ends.top_angle:.3f}", unit, f"of {driver}, which is at 0 {unit} as drawn"),
+            tables.entry("bottom dead centre", f"{scale * ends.bottom_angle:.3f}", unit),
             tables.entry("slide as drawn", f"{1e3 * data.drawn_height + 0.0:.3f}", "mm", "above bottom dead centre"),
             *(
                 tables.entry(way, f"{100 * part:.3f}", "%", f"of the time, {360 * ends.turns * part:.2f} deg of {driver}")

@@ -119,6 +119,11 @@ def step_angle(motion: CrankMotion) -> float:
         raise PinpressError(f"the motion has fewer than three states, or one that is not finite: {remedy}")
     made = float(angle[-1] - angle[0])
     turns = motion.period_turns
+    if turns is None and not all(each.turns for each in getattr(motion, "driver_coordinates", ())):
+        raise PinpressError(
+            "the driver of the motion slides to and fro, and measures are those of a crank at constant speed: dead_centres(press) has the"
+            " stroke, extremes(reactions) has speeds and forces"
+        )
     if turns is None:
         raise PinpressError(f"the linkage of the motion has no period after which all is where it was: {remedy}")
     period = math.copysign(2 * np.pi * turns, made)

@@ -4,6 +4,7 @@ A linkage is not loaded where its drawn pose does not close, or its drivers do n
 loaded.
 """
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -38,7 +39,7 @@ ALONG = 0.999  # cosine of the angle between axes that are taken for one
 TOO_FAR_OPEN = 0.1  # a loop drawn further open than this is closed only where it is asked for [lengths of the linkage, rad]
 LONGEST_STROKE = 5.0  # that a slide has [m]
 OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
-HARDLY = 1.0  # a driver that turns by less hardly moves the linkage [deg]
+HARDLY = math.radians(1.0)  # a driver that moves by less hardly moves the linkage [rad, lengths of the linkage]
 SAMPLES = 720  # crank angles of a turn at which limits are looked at
 POSES = 6  # poses in which redundancy is looked for: one alone may be a dead centre, where idle forces do not reach all loops
 
@@ -296,21 +297,25 @@ def remarks(press: Linkage, robot: "Element", allow_open: bool) -> Iterator[Find
         try:
             branch = press.branch
         except PinpressError as error:
-            yield Finding("warning", *where, f"the drawn assembly cannot be followed through a turn: {error}", "change the link lengths")
+            way = "a turn" if press.driver_coordinates[0].turns else "the driver's travel"
+            yield Finding("warning", *where, f"the drawn assembly cannot be followed through {way}: {error}", "change the link lengths")
         else:
             poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], POSES))])
-            if branch.period is None and not any(branch.locks):
+            coordinate = branch.coordinate
+            if not coordinate.turns and not any(branch.locks):
+                pass  # as a driver that slides should
+            elif branch.period is None and not any(branch.locks):
                 problem = f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of it"
                 yield Finding("note", *where, problem, "it is followed through as many turns either way: keep motions inside")
             elif branch.period is None and (points := press.branch_through_change_points.change_points):
-                places = ", ".join(f"{place:.6g}" for place in sorted(np.degrees(point.angle) for point in points))
-                problem = f"two assemblies meet at crank angles of {places} deg"
+                places = ", ".join(f"{place * coordinate.scale:.6g}" for place in sorted(point.angle for point in points))
+                problem = f"two assemblies meet at {coordinate.position}s of {places} {coordinate.shown_unit}"
                 yield Finding("note", *where, problem, "a simulated run goes through, in the drawn one; a prescribed turn is refused there")
             elif branch.period is None:
-                low, high = np.degrees([branch.angles[0], branch.angles[-1]])
-                severity = "note" if high - low > HARDLY else "warning"
-                remedy = "keep motions inside, or correct the lengths"
-                yield Finding(severity, *where, f"it turns only from {low:.6g} to {high:.6g} deg, where the linkage locks", remedy)
+                low, high = float(branch.angles[0]), float(branch.angles[-1])
+                severity = "note" if high - low > HARDLY * (1.0 if coordinate.turns else press.size) else "warning"
+                moves = f"it {'turns' if coordinate.turns else 'slides'} only from {low * coordinate.scale:.6g} to {coordinate.shown(high)}"
+                yield Finding(severity, *where, f"{moves}, where the linkage locks", "keep motions inside, or correct the lengths")
             yield from _limits(press, branch, robot)
     yield from _redundant(press, poses)
     yield from _engine(press)
@@ -386,7 +391,8 @@ def _moved_to_close(press: Linkage) -> str:
 def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Finding]:
     """Warnings of joints that leave their limits within a turn of the driver, or as far as it turns."""
     low, high = branch.angles[0], branch.angles[-1]
-    angles = np.linspace(low, high, 1 + max(1, round(SAMPLES * (high - low) / (2 * np.pi))))
+    turns = (high - low) / (2 * np.pi) if branch.coordinate.turns else 1.0
+    angles = np.linspace(low, high, 1 + max(1, round(SAMPLES * turns)))
     positions = predict(branch, angles)
     for name, (lower, upper, element) in element_checks.limits(robot).items():
         joint = press.joints.index(name)
@@ -395,7 +401,7 @@ def _limits(press: Linkage, branch: Branch, robot: "Element") -> Iterator[Findin
         for beyond, side, limit in ((lower - positions[joint], "lower", lower), (positions[joint] - upper, "upper", upper)):
             at = int(np.argmax(beyond))
             if beyond[at] > OUTSIDE:
-                reached = f"it reaches {_value(press, joint, positions[joint, at])} at crank angle {np.degrees(angles[at]):.6g} deg"
+                reached = f"it reaches {_value(press, joint, positions[joint, at])} at {branch.coordinate.at(angles[at])}"
                 remedy = "widen the limit, or correct the lengths (limits do not enter any computation)"
                 yield Finding("warning", str(element), element.line, f"{reached}, beyond its {side} limit {limit:g}", remedy)
 
@@ -439,7 +445,9 @@ def _not_planar(press: Linkage) -> str:
     if len(press.drivers) > 1:
         return f"there are {len(press.drivers)} drivers"
     joints, loops = mobility.joints_off_plane(press), mobility.loops_off_plane(press)
-    plane = f"the plane in which joint {press.driver!r} turns"
+    if (turning := mobility.turning_joint(press)) is None:
+        return "no joint turns"
+    plane = f"the plane in which joint {press.joints[turning]!r} turns"
     if (off := max(joints)) > PARALLEL:
         joint = joints.index(off)
         if press.axes[joint].turns:

@@ -301,16 +301,18 @@ class Linkage(Frozen):
         """
         if self.turns_until_back is not None:
             return self.turns_until_back
-        if not self.driver_coordinates[0].turns:
-            raise PinpressError(
-                f"{self.name} has no period: driver {self.driver!r} slides to and fro; cycle(press, speed=...) moves it there and back"
-            )
+        self.refuse_sliding_driver("it has no period of turns; cycle(press, speed=...) moves it there and back")
         if self.branch_through_change_points.period is None:
             raise branch.out_of_branch(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)
         raise PinpressError(
             f"{self.name} has no period: an unbalanced shaft is geared so that it is not back after {branch.MOST_TURNS} turns; give crank"
             " angles, servo_cycle(press, angle, speed=...), or another gear ratio"
         )
+
+    def refuse_sliding_driver(self, refusal: str) -> None:
+        """Raise PinpressError where the first driver slides; ``refusal``: why that does not do, and what does."""
+        if not self.driver_coordinates[0].turns:
+            raise PinpressError(f"driver {self.driver!r} of {self.name} slides to and fro: {refusal}")
 
     @property
     @per_linkage

@@ -133,7 +133,8 @@ def redundancy(press: Linkage, x: Array) -> Redundancy:
 
 
 def lies_in_plane(press: Linkage) -> bool:
-    """Whether the linkage is planar: the axes of all joints and loops are parallel to the driver's, and all guides perpendicular to it."""
+    """Whether the linkage is planar: the axes of all joints and loops are parallel to that of the `turning_joint`, and all guides
+    perpendicular to it."""
     return all(off <= PARALLEL for off in [*joints_off_plane(press), *loops_off_plane(press)])
 
 
@@ -154,14 +155,14 @@ def own_axes(press: Linkage) -> Array:
 
 
 def joints_off_plane(press: Linkage) -> list[float]:
-    """For every joint the angle between its axis and the first driver's, or between its guide and the plane normal to that axis [rad]."""
+    """For every joint the angle between its axis and that of the `turning_joint`, or between its guide and the plane across it [rad]."""
     normal, turned = _normal(press), _drawn_rotations(press)
     angles = (_angle(turned[j + 1] @ axis.direction, normal) for j, axis in enumerate(press.axes))
     return [angle if axis.turns else np.pi / 2 - angle for angle, axis in zip(angles, press.axes, strict=True)]
 
 
 def loops_off_plane(press: Linkage) -> list[float]:
-    """For every loop the larger of the angles between its axis at both ends and the first driver's axis [rad]; 0 for one without an
+    """For every loop the larger of the angles between its axis at both ends and that of the `turning_joint` [rad]; 0 for one without an
     axis."""
     normal, turned = _normal(press), _drawn_rotations(press)
     ends = [((loop.joint1, loop.rotation1), (loop.joint2, loop.rotation2)) if loop.type == "revolute" else () for loop in press.loops]
@@ -173,9 +174,17 @@ def _angle(direction: Array, other: Array) -> float:
     return float(np.arctan2(np.linalg.norm(np.cross(direction, other)), abs(direction @ other)))
 
 
-def _normal(press: Linkage) -> Array:
+def turning_joint(press: Linkage) -> int | None:
+    """Index in v of the joint in whose plane a planar linkage moves: the first driver, or where that slides the first joint that turns;
+    None where no joint turns."""
     driver = press.driver_indices[0]
-    return np.asarray(_drawn_rotations(press)[driver + 1] @ press.axes[driver].direction)
+    return driver if press.axes[driver].turns else next((j for j, axis in enumerate(press.axes) if axis.turns), None)
+
+
+def _normal(press: Linkage) -> Array:
+    """(3,) axis of the `turning_joint`; of a linkage without any that of world y, across presses."""
+    joint = turning_joint(press)
+    return np.array([0.0, -1.0, 0.0]) if joint is None else np.asarray(_drawn_rotations(press)[joint + 1] @ press.axes[joint].direction)
 
 
 def _drawn_rotations(press: Linkage) -> list[Array]:

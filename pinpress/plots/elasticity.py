@@ -87,10 +87,14 @@ def draw_compliance(axes: Axes, elasticity: SlideCompliance) -> None:
     colours = [*COLOURS[: len(shown)], GREY]
     areas: list[Artist] = list(
         axes.stackplot(
-            np.degrees(elasticity.crank_angle[order]), [1e9 * curve[order] for curve in curves], colors=colours, alpha=0.75, linewidth=0
+            elasticity.coordinate.scale * elasticity.crank_angle[order],
+            [1e9 * curve[order] for curve in curves],
+            colors=colours,
+            alpha=0.75,
+            linewidth=0,
         )
     )
-    plain(axes.set_xlabel("crank angle [deg]"))
+    plain(axes.set_xlabel(f"{elasticity.coordinate.position} [{elasticity.coordinate.shown_unit}]"))
     axes.set_ylim(0.0, 1.45e9 * largest)  # room for the names
     axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 1.5, 3, 4.5, 9, 10]))
     legend(axes, areas[::-1], names[::-1], loc="upper center", ncols=3, columnspacing=1.0, borderaxespad=0.1)

@@ -179,7 +179,7 @@ def permissible_eccentricity(
     worst = int(np.argmax(np.abs(constant) - most))
     if most[worst] <= 0 or abs(constant[worst]) > most[worst]:
         raise PinpressError(
-            f"at crank angle {motion.shown_position[worst]:.6g} deg the gibs bear no eccentricity of a force of {newtons:.6g} N: a central"
+            f"at {motion.place(worst)} the gibs bear no eccentricity of a force of {newtons:.6g} N: a central"
             " force reaches the pressure already, or does not press on a single gib; give larger gibs, less force, or two gibs without"
             " clearance"
         )
@@ -255,10 +255,9 @@ def _pressure(guide: Guide, normal: Array, tilting: Array, motion: Motion) -> tu
         return linear, np.ones_like(n)
     tips = m >= 0.5 * guide.length * n
     if np.any(tips & (m > 0)):
-        angle = motion.shown_position[int(np.argmax(tips & (m > 0)))]
         raise PinpressError(
-            f"the slide tips at crank angle {angle:.6g} deg: the force on the gib acts beyond its end; give longer gibs, less eccentricity,"
-            " or two gibs without clearance (one_sided=False)"
+            f"the slide tips at {motion.place(int(np.argmax(tips & (m > 0))))}: the force on the gib acts beyond its end; give longer gibs,"
+            " less eccentricity, or two gibs without clearance (one_sided=False)"
         )
     lifted = m > n * guide.length / 6
     held = np.where(lifted, 3 * (0.5 * guide.length * n - m), guide.length * n)  # contact length times force

@@ -190,6 +190,9 @@ def rate(
     truth_value("at_speed", at_speed)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
+    press.refuse_sliding_driver(
+        "ratings are those of a crank; the drive's force at the slide is driving force x driver speed / slide speed"
+    )
     period = cycle(press, speed, engine=engine)
     quick_return = measures.quick_return_ratio(period)  # refuses a slide with several working strokes
     rated = rated_stroke(press, capacities, speed, bool(at_speed), engine)

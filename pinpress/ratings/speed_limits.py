@@ -90,6 +90,9 @@ def speed_limit(
     known_bearings(capacities, press)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
+    press.refuse_sliding_driver(
+        "ratings are those of a crank; the drive's force at the slide is driving force x driver speed / slide speed"
+    )
     if torque is not None:
         positive("torque", torque, "N m")
         if capacities.torque is not None:

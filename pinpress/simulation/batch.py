@@ -152,6 +152,7 @@ def simulate_batch(
     began = clock.perf_counter()
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("scenarios are those of a press with one driver: give the Linkage that load returns")
+    press.refuse_sliding_driver("scenarios are those of a crank; call simulate for each")
     until, tolerance = number("duration", duration, "s", positive=True), checked_tolerance(tolerance)
     states = state_count(points, 0.0)
     refuse_unlisted_loads(loads)

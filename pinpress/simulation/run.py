@@ -17,6 +17,7 @@ from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records
 from ..drives.protocol import Drive
+from ..drives.transmission import Geared
 from ..dynamics import inputs
 from ..dynamics.inverse_dynamics import Reactions
 from ..dynamics.summary import bearing_table, checks
@@ -285,6 +286,9 @@ UNITS = {
 }
 
 
+OVER_TRAVEL = UNITS | dict.fromkeys(("mean_speed", "highest_speed", "lowest_speed"), "m/s")  # of a driver that slides
+
+
 @dataclass(frozen=True, repr=False)
 class MotorDuty(Record, units=UNITS):
     """The duty of motor and flywheel in a stroke, or in any other part of a run.
@@ -322,6 +326,16 @@ class MotorDuty(Record, units=UNITS):
     utilisation: float | None
 
 
+@dataclass(frozen=True, repr=False)
+class ScrewDuty(MotorDuty, units=OVER_TRAVEL):
+    """The duty of a motor behind a screw, whose nut is a driver that slides: attributes of `MotorDuty`, speeds of the driver [m/s]."""
+
+
+@dataclass(frozen=True, repr=False)
+class ForceDuty(MotorDuty, units=OVER_TRAVEL | {"motor_rms": "N", "motor_peak": "N"}):
+    """The duty of a drive without a shaft on a driver that slides: attributes of `MotorDuty`, speeds [m/s], the drive's force [N]."""
+
+
 @typed
 def duty_cycle(run: Run, start: float = 0.0, end: float | None = None) -> MotorDuty:
     """The duty of motor and flywheel of a run.
@@ -350,14 +364,15 @@ def stroke_duties(run: Run) -> Records[MotorDuty]:
     """One `MotorDuty` for each stroke, counted from the crank angle at the start of the run.
 
     A stroke takes one turn of the crank, or several where gears bring the slide back only after these (`DeadCentres.turns`). There is none
-    where the crank does not turn that far.
+    where the crank does not turn that far, or where the driver slides.
 
     Raises:
         PinpressError: the linkage has several drivers.
     """
     _check(run)
     turns = stroke_turns(run.problem.driven.press)
-    marks = np.zeros(0) if turns is None else _stroke_ends(run, 2 * np.pi * turns)
+    turning = run.driver_coordinates[0].turns
+    marks = np.zeros(0) if turns is None or not turning else _stroke_ends(run, 2 * np.pi * turns)
     return Records(MotorDuty, _duties(run, marks) if len(marks) else ())
 
 
@@ -411,7 +426,8 @@ def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> Mo
     duration = end - start
     mean, rms = angle / duration, math.sqrt(max(0.0, float(gained[MOTOR_SQUARED])) / duration)
     rated = None if drive is None else drive.rated_torque
-    return MotorDuty(
+    kind = MotorDuty if run.driver_coordinates[0].turns else ScrewDuty if isinstance(drive, Geared) else ForceDuty
+    return kind(
         start=start,
         duration=duration,
         mean_speed=mean,
@@ -480,11 +496,11 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: b
         f"{press.name}: {'a period of its steady state, ' if steady else ''}{run.time[-1]:.6g} s, {len(run.crank_angle)} states,"
         f" method {run.stats.method!r}",
         *_end(run, steady),
-        *_speeds(whole, steady),
-        *_work(whole),
+        *_speeds(run, whole, steady),
+        *_work(run, whole),
         *_motor(run, whole),
         *_torque(reactions),
-        *_strokes(stroke_duties(run), stroke_turns(run.problem.driven.press)),
+        *(_strokes(stroke_duties(run), stroke_turns(run.problem.driven.press)) if run.driver_coordinates[0].turns else []),
         *bearing_table(reactions),
         "",
         "Checks",
@@ -496,35 +512,50 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: b
 
 
 def _end(run: Run, steady: bool) -> list[str]:
-    angle = np.degrees(run.crank_angle)
-    turns = f"{(angle[-1] - angle[0]) / 360 + 0.0:.6g} turns from the start"
+    first, (unit, size) = run.driver_coordinates[0], _speed_unit(run)
+    angle = first.scale * run.crank_angle
+    way = float(angle[-1] - angle[0]) + 0.0
+    moved = f"{way / 360 + 0.0:.6g} turns from the start" if first.turns else f"{way:.6g} mm from the start"
     return [
         "",
         "At the end, as at the start" if steady else "At the end",
-        tables.entry("crank angle", f"{angle[-1]:.3f}", "deg", turns),
-        tables.entry("crank speed", f"{run.crank_speed[-1] / RPM:.6g}", "r/min"),
+        tables.entry(first.position, f"{angle[-1]:.3f}", first.shown_unit, moved),
+        tables.entry(f"{first.part} speed", f"{run.crank_speed[-1] / size:.6g}", unit),
     ]
 
 
-def _speeds(whole: MotorDuty, steady: bool) -> list[str]:
+def _speed_unit(run: Run) -> tuple[str, float]:
+    """The unit in which a driver's speed is shown, and its size in SI units."""
+    return ("r/min", RPM) if run.driver_coordinates[0].turns else ("mm/s", 1e-3)
+
+
+def _speeds(run: Run, whole: MotorDuty, steady: bool) -> list[str]:
+    unit, size = _speed_unit(run)
     recovery = [tables.entry("from lowest to highest", f"{whole.recovery_time:.6g}", "s")] if steady else []
     return [
         "",
-        "Crank speed",
-        tables.entry("mean", f"{whole.mean_speed / RPM:.6g}", "r/min"),
-        tables.entry("highest", f"{whole.highest_speed / RPM:.6g}", "r/min"),
-        tables.entry("lowest", f"{whole.lowest_speed / RPM:.6g}", "r/min"),
+        f"{run.driver_coordinates[0].part.capitalize()} speed",
+        tables.entry("mean", f"{whole.mean_speed / size:.6g}", unit),
+        tables.entry("highest", f"{whole.highest_speed / size:.6g}", unit),
+        tables.entry("lowest", f"{whole.lowest_speed / size:.6g}", unit),
         tables.entry("speed drop", f"{100 * whole.speed_drop + 0.0:.4f}", "%", "of the mean"),
         *recovery,
     ]
 
 
-def _work(whole: MotorDuty) -> list[str]:
-    works = (
-        ("drive", whole.drive_work, "on the crank's shaft"),
+def _work(run: Run, whole: MotorDuty) -> list[str]:
+    turns = run.driver_coordinates[0].turns
+    works = [
+        ("drive", whole.drive_work, "on the crank's shaft" if turns else "on the driver"),
         ("loads", whole.load_work, "taken"),
-        ("flywheel", whole.flywheel_work, "given off, with the drive's inertia, from highest to lowest speed"),
-        ("lost", whole.lost, "in clutch and brake"),
+    ]
+    works += (
+        []
+        if not turns
+        else [
+            ("flywheel", whole.flywheel_work, "given off, with the drive's inertia, from highest to lowest speed"),
+            ("lost", whole.lost, "in clutch and brake"),
+        ]
     )
     scale = tables.scale("J", [work for _, work, _ in works])
     return ["", "Work", *(tables.entry(name, scale.shown(work), scale.unit, remark) for name, work, remark in works)]
@@ -534,10 +565,11 @@ def _motor(run: Run, whole: MotorDuty) -> list[str]:
     if run.problem.driven.drive is None and run.problem.driven.prescribed is None:
         return []
     use = [] if whole.utilisation is None else [tables.entry("utilisation", f"{100 * whole.utilisation:.4g}", "%", "rms by rated torque")]
-    scale = tables.scale("N m", [whole.motor_rms, whole.motor_peak])
+    geared = isinstance(run.problem.driven.drive, Geared) or run.driver_coordinates[0].turns
+    scale = tables.scale("N m" if geared else "N", [whole.motor_rms, whole.motor_peak])
     return [
         "",
-        "Motor (torque at its own shaft)",
+        "Motor (torque at its own shaft)" if geared else "Drive",
         tables.entry("rms", scale.shown(whole.motor_rms), scale.unit),
         tables.entry("peak", scale.shown(whole.motor_peak), scale.unit),
         *use,
@@ -545,13 +577,17 @@ def _motor(run: Run, whole: MotorDuty) -> list[str]:
 
 
 def _torque(reactions: Reactions) -> list[str]:
-    lines = ["", "Torque at the crank (flywheel, drive, clutch and brake together)"]
     torque, motion = reactions.driving_torque, reactions.motion
-    scale = tables.scale("N m", [float(np.abs(torque).max())])
+    first = motion.driver_coordinates[0]
+    title = "Torque at the crank (flywheel, drive, clutch and brake together)" if first.turns else "Force on the driver"
+    lines, scale = ["", title], tables.scale(first.effort_unit, [float(np.abs(torque).max())])
     for name, at in (("largest", int(torque.argmax())), ("smallest", int(torque.argmin()))):
         lines.append(
             tables.entry(
-                name, scale.shown(float(torque[at])), scale.unit, f"at {motion.shown_position[at]:8.3f} deg, {motion.time[at]:.6f} s"
+                name,
+                scale.shown(float(torque[at])),
+                scale.unit,
+                f"at {motion.shown_position[at]:8.3f} {first.shown_unit}, {motion.time[at]:.6f} s",
             )
         )
     return lines

@@ -80,12 +80,8 @@ def steady_state(
     state_count(points, 0.0)
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
+    press.refuse_sliding_driver("it has no steady state; let it run with simulate, or prescribe its motion with cycle or servo_cycle")
     start, near, tolerance = number("angle", angle, "rad"), _speed(speed), checked_tolerance(tolerance)
-    if not press.driver_coordinates[0].turns:
-        raise PinpressError(
-            f"driver {press.driver!r} of {press.name} slides to and fro and has no steady state: let it run with simulate, or prescribe its"
-            " motion with cycle or servo_cycle"
-        )
     refuse_far("angle", np.array(start), press.driver_coordinates)
     refuse_unlisted_loads(loads)
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))

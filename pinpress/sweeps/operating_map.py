@@ -150,6 +150,7 @@ def operating_points(
     """
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: operating points are of a press with one")
+    press.refuse_sliding_driver("operating points are those of a crank at constant speeds; sweep computes any points")
     speed, force = _axis("speeds", speeds, "rad/s"), _axis("forces", forces, "N")
     if not (np.all(speed > 0) or np.all(speed < 0)):
         raise PinpressError("speeds: give them all positive or all negative, as loads depend on the direction of travel; none zero")

@@ -69,8 +69,8 @@ class Abscissa:
     """The quantity over which states are drawn.
 
     Attributes:
-        quantity: "crank angle", "time" or "state".
-        unit: "deg", "s" or, for numbers of states, empty.
+        quantity: "crank angle", "driver position", "time" or "state".
+        unit: "deg", "mm", "s" or, for numbers of states, empty.
         values: (n,) values in that unit.
     """
 
@@ -130,16 +130,17 @@ def abscissa(motion: Motion) -> Abscissa:
     """
     expect("motion", motion, Motion, "cycle or simulate")
     angle, speed = finite("crank angle", motion.crank_angle), finite("crank speed", motion.crank_speed)
+    first = motion.driver_coordinates[0]
     one_way = angle.ndim == 1 and _one_way(angle)
     if one_way and np.ptp(angle) <= 2 * np.pi * (motion.period_turns or 1) * (1 + ROUNDING) and is_constant(speed):
-        return Abscissa("crank angle", "deg", read_only(np.degrees(angle)))
+        return Abscissa(first.position, first.shown_unit, read_only(first.scale * angle))
     try:
         return Abscissa("time", "s", read_only(finite("time", motion.time)))
     except PinpressError:
         if motion._time is not None:
             raise
     if one_way:
-        return Abscissa("crank angle", "deg", read_only(np.degrees(angle)))
+        return Abscissa(first.position, first.shown_unit, read_only(first.scale * angle))
     return Abscissa("state", "", read_only(np.arange(len(angle), dtype=float)))
 
 
@@ -153,21 +154,24 @@ def slide(motion: Motion) -> tuple[Chart, ...]:
 
 
 def crank_speed(motion: Motion) -> Chart | None:
-    """Chart of the speed of every driver, where one is not constant; else None."""
-    curves = _by_driver("crank speed", motion, motion.crank_speed)
+    """Chart of the speed of every driver that turns, or slides, as the first does, where one is not constant; else None."""
+    first = motion.driver_coordinates[0]
+    curves = _by_driver(f"{first.part} speed", motion, motion.crank_speed)
     if all(is_constant(finite("crank speed", values)) for values in curves.values()):
         return None
-    return _chart("Crank speed", "speed", curves)
+    return _chart(f"{first.part.capitalize()} speed", "speed" if first.turns else "velocity", curves)
 
 
 def torque(reactions: Reactions) -> Chart:
-    """Chart of the driving torque, a curve a driver; for a `Run` also the torque of its drive, which turns the flywheel too."""
+    """Chart of the driving torque, a curve a driver; for a `Run` also the torque of its drive, which turns the flywheel too. Where the
+    first driver slides, it is the driving force."""
     motion = _motion_of(reactions)
-    curves = _by_driver("driving torque", motion, torque_without_rounding(reactions))
+    effort = motion.driver_coordinates[0].effort
+    curves = _by_driver(f"driving {effort}", motion, torque_without_rounding(reactions))
     if isinstance(motion, Run):
         drives = _by_driver("drive", motion, motion.drive_torque)
         curves |= {name if name == "drive" else f"drive of {name}": values for name, values in drives.items()}
-    return _chart("Driving torque", "torque", curves)
+    return _chart(f"Driving {effort}", effort, curves)
 
 
 def _motion_of(reactions: Reactions) -> Motion:
@@ -291,8 +295,11 @@ def _clean(vector: Array, least: float) -> Array:
 
 
 def _by_driver(name: str, motion: Motion, values: Array) -> dict[str, Array]:
-    """A curve (n,) by its name; for several drivers (n, drivers) curves by the names of the drivers."""
-    return {name: values} if values.ndim == 1 else {driver: values[:, i] for i, driver in enumerate(motion.drivers)}
+    """A curve (n,) by its name; for several drivers (n, drivers) curves by the names of those that turn, or slide, as the first does."""
+    if values.ndim == 1:
+        return {name: values}
+    kinds = motion.driver_coordinates
+    return {driver: values[:, i] for i, driver in enumerate(motion.drivers) if kinds[i] == kinds[0]}
 
 
 def _chart(title: str, quantity: str, series: Mapping[str, Array]) -> Chart:

@@ -98,6 +98,7 @@ def scene(
         "legend": _legend(drawn, of_body),
         "front": _front(press, at, drawn),
         "turn": frames.turn,
+        "driver": {"name": motion.driver_coordinates[0].part, "unit": "°" if motion.driver_coordinates[0].turns else " mm"},
         "period": None if motion.period_turns is None else 360 * motion.period_turns,  # deg
         "size": press.size,
         **_bearings(press, at, frames, reactions),
@@ -136,7 +137,8 @@ class KeyFrames:
     Attributes:
         states: (k,) indices of states of the motion.
         time: (k,) times, 0 at the first [s].
-        crank: (k,) angles of the (first) driver [rad].
+        crank: (k,) angles of the (first) driver [rad]; positions of one that slides [m].
+        shown: (k,) the same as they are shown [deg or mm].
         slide: (k,) slide positions [m]; None where there is no slide.
         turn: Number of keys of one period, after which the linkage repeats its path; all of them where it does not.
     """
@@ -144,6 +146,7 @@ class KeyFrames:
     states: NDArray[np.intp]
     time: Array
     crank: Array
+    shown: Array
     slide: Array | None
     turn: int
 
@@ -168,13 +171,14 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     if period is not None and last is not None:  # the first state once more, so that the loop has no jump
         order, time = np.append(order, 0), np.append(time, last)
         crank = np.append(crank, crank[0] + np.sign(crank[-1] - crank[0]) * period)
-    turns = float(np.abs(np.diff(crank)).sum() / (2 * np.pi))
+    first = motion.driver_coordinates[0]  # there and back is the turn of a driver that slides
+    turns = float(np.abs(np.diff(crank)).sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))
     if turns * FEWEST_PER_TURN > MOST:
         raise PinpressError(
             f"{turns:.0f} turns are more than a recording holds ({MOST // FEWEST_PER_TURN}): record a shorter part of the motion"
         )
     widest = float(np.abs(np.diff(crank)).max(initial=0.0))
-    if widest > FARTHEST:
+    if first.turns and widest > FARTHEST:
         raise PinpressError(
             f"the crank turns {np.degrees(widest):.0f} deg from one state to the next, too far to show what is between:"
             f" give a state every {np.degrees(FARTHEST):.0f} deg at least"
@@ -185,7 +189,7 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     slide = np.asarray(motion.slide_position)[order] if press.slide is not None else None
     beyond = np.flatnonzero(np.abs(crank - crank[0]) >= (period or np.inf) * (1 - 1e-9))
     turn = int(beyond[0]) + 1 if len(beyond) else len(order)
-    return KeyFrames(order, time[kept], crank, slide, turn)
+    return KeyFrames(order, time[kept], crank, first.scale * crank, slide, turn)
 
 
 def _refuse_broken(motion: Motion, has_slide: bool) -> None:
@@ -239,7 +243,7 @@ def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions
 def _series(frames: KeyFrames) -> dict[str, Any]:
     return {
         "time": _short(frames.time),  # s
-        "crank": _short(np.degrees(frames.crank)),  # deg
+        "crank": _short(frames.shown),  # deg or mm
         "slide": None if frames.slide is None else _short(frames.slide),  # m
     }
 

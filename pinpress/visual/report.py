@@ -83,7 +83,8 @@ def report(
 def _report(
     press: Linkage, reactions: Reactions, frames: KeyFrames, before: Reactions | None, ratings: PressRatings | None
 ) -> dict[str, Any]:
-    over = charts.abscissa(reactions.motion).quantity
+    abscissa = charts.abscissa(reactions.motion)
+    over = abscissa.quantity
     other = None if before is None else _other(before, reactions.motion, over)
     values = extremes(reactions)
     return {
@@ -91,7 +92,7 @@ def _report(
         "cards": [*_cards(values), *_process_cards(reactions)],
         "inputs": _inputs(reactions, before, ratings),
         "process": _process(reactions, frames, ratings),
-        "over": {"quantity": over, "unit": {"crank angle": "deg", "time": "s"}[over]},
+        "over": {"quantity": over, "unit": abscissa.unit},
         "before": None if other is None else other["x"],
         "sections": [
             {"title": title, "charts": [_chart(chart, frames, matching) for chart, matching in _paired(all_charts, other, title)]}
@@ -121,9 +122,9 @@ def _other(before: Reactions, motion: Motion, over: str) -> dict[str, Any]:
     if its != over:
         raise PinpressError(f"before is over {its}, the motion over {over}: compare a cycle with a cycle, or a run with a run")
     frames = key_frames(before._press, before.motion)
-    if over == "crank angle" and (motion.crank_angle[-1] > motion.crank_angle[0]) != (frames.crank[-1] > frames.crank[0]):
+    if over != "time" and (motion.crank_angle[-1] > motion.crank_angle[0]) != (frames.crank[-1] > frames.crank[0]):
         raise PinpressError("before turns the other way than the motion: compare two that turn the same way")
-    x = np.degrees(frames.crank) if over == "crank angle" else frames.time
+    x = frames.time if over == "time" else before.motion.driver_coordinates[0].scale * frames.crank
     words = f"{before._press.name}, {_words(before.motion)}"
     return {"words": words, "frames": frames, "x": packed(x, "before"), "sections": dict(_sections(before))}
 
@@ -205,7 +206,9 @@ def _words(motion: Motion) -> str:
     if isinstance(motion, Run):
         return f"simulated run of {motion.time[-1]:.6g} s"
     if motion.crank_speed.ndim == 1 and charts.crank_speed(motion) is None:
-        return f"crank at {motion.crank_speed[0] / RPM:.6g} r/min".replace("-", "\u2212")
+        speed = float(motion.crank_speed[0])
+        moving = f"crank at {speed / RPM:.6g} r/min" if motion.driver_coordinates[0].turns else f"driver at {1e3 * speed:.6g} mm/s"
+        return moving.replace("-", "\u2212")
     return "prescribed motion"
 
 
@@ -252,18 +255,20 @@ def _process_cards(reactions: Reactions) -> list[dict[str, str]]:
 
 def _cards(values: Sequence[ExtremeValues]) -> list[dict[str, str]]:
     """What is looked for first."""
-    by_name = {value.quantity: value for value in values}
+    by_name, unit = {value.quantity: value for value in values}, values[0].units["smallest_at"]
     cards = []
     if travel := by_name.get("slide position"):
         cards.append({"name": "slide travel", "value": _with_prefix(1e-3 * travel.range, "m"), "at": ""})
-    torques = [value for value in values if value.quantity.startswith("driving torque")]
+    torques = [value for value in values if value.quantity.startswith("driving ")]
     forces = [value for value in values if value.quantity.startswith("force in ") and value.quantity.endswith(", magnitude")]
-    for name, some in (("largest driving torque", torques), ("largest bearing force", forces)):
+    for name, some in ((f"largest {torques[0].quantity}" if torques else "", torques), ("largest bearing force", forces)):
         if some:
             most = max(some, key=lambda value: max(abs(value.smallest), abs(value.largest)))
             size, at = max((abs(most.smallest), most.smallest_at), (abs(most.largest), most.largest_at))
             where = most.quantity.removeprefix("force in ").removesuffix(", magnitude") + ", " if "bearing" in name else ""
-            cards.append({"name": name, "value": _with_prefix(size, most.unit), "at": f"{where}at {at:.1f}°"})
+            cards.append(
+                {"name": name, "value": _with_prefix(size, most.unit), "at": f"{where}at {at:.1f}{'°' if unit == 'deg' else f' {unit}'}"}
+            )
     for axis in "xyz":
         if value := by_name.get(f"shaking force, {axis}"):
             cards.append({"name": f"shaking force {axis}, range", "value": _with_prefix(value.range, value.unit), "at": ""})
@@ -279,7 +284,8 @@ def _with_prefix(value: float, unit: str) -> str:
 
 
 def _table(values: Sequence[ExtremeValues], before: Sequence[ExtremeValues] | None) -> dict[str, Any]:
-    head = ["", "unit", "smallest", "at [deg]", "largest", "at [deg]", "range", "rms"]
+    at = f"at [{values[0].units['smallest_at']}]"
+    head = ["", "unit", "smallest", at, "largest", at, "range", "rms"]
     if before is None:
         return {"head": head, "rows": [_row(value) for value in values]}
     known, rows = {value.quantity: value for value in before}, []

@@ -4,6 +4,7 @@ import contextlib
 import math
 
 import pytest
+from support import sliding_presses
 
 from pinpress.cli.main import main
 from pinpress.cli.units import UNITS, read_quantity
@@ -103,3 +104,17 @@ def test_wrong_units_are_refused(capsys, words, said):
     with contextlib.suppress(SystemExit):
         assert main([*words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_driver_that_slides_takes_speeds_in_mm_per_second(tmp_path, capsys):
+    path = tmp_path / "toggle.urdf"
+    path.write_text(sliding_presses.TOGGLE)
+    for speed in ("100", "100mm/s", "0.1m/s"):
+        assert main(["analyse", str(path), "--speed", speed, "--points", "12"]) == 0
+        assert "screw slides there and back, harmonically, at up to 100 mm/s" in capsys.readouterr().out
+    assert main(["analyse", str(path), "--speed", "70rpm"]) != 0
+    assert "'70rpm' is of no driver that slides" in capsys.readouterr().err
+    assert main(["analyse", "crank_slide", "--speed", "70mm/s"]) != 0
+    assert "'70mm/s' is of no driver that turns" in capsys.readouterr().err
+    assert main(["simulate", str(path), "--duration", "0.05", "--angle=-0.1m", "--motor", "constant:value=20"]) == 0
+    assert "simulated from driver position -100 mm" in capsys.readouterr().out

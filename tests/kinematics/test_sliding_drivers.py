@@ -1,67 +1,14 @@
-"""Presses whose driver slides: a hydraulic cylinder that swings between two pins, and the nut of a ball screw that pushes a toggle.
-
-Both have closed forms. The cylinder G-K turns a bell crank O by the law of cosines. The nut at height h spreads two equal links, of which
-one is hinged at the nut and the other at the slide, or see `toggle_height`.
-"""
+"""Motions and forces of presses whose driver slides: `support.sliding_presses`."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
+from support import sliding_presses
+from support.sliding_presses import ARM, BELL, LOWER, NUT, RETRACTED, TOGGLE, UPPER, G, lever_angle, potential
 
 import pinpress as pp
 from pinpress.common.quantities import RAM
-
-ARM, RETRACTED = 0.3, 0.5  # O to K; G to K as drawn [m]
-G = np.array([-0.5, 0.3])
-LEVER = np.array([0.2, 0.1])  # centre of mass of the bell crank as drawn [m]
-MASSES = {"barrel": 20.0, "piston": 10.0, "lever": 40.0}
-CENTRES = {"barrel": 0.2, "piston": -0.1}  # from G, from K, along the cylinder [m]
-
-BELL = """<robot name="bell_crank">
-<link name="frame"/>
-<link name="barrel"><inertial><origin xyz="0.2 0 0"/><mass value="20"/>
-  <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.5" iyz="0" izz="0.5"/></inertial></link>
-<link name="piston"><inertial><origin xyz="-0.1 0 0"/><mass value="10"/>
-  <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.2"/></inertial></link>
-<link name="lever"><inertial><origin xyz="0.2 0 0.1"/><mass value="40"/>
-  <inertia ixx="1" ixy="0" ixz="0" iyy="1.5" iyz="0" izz="1"/></inertial></link>
-<joint name="G" type="continuous"><parent link="frame"/><child link="barrel"/><origin xyz="-0.5 0 0.3"/><axis xyz="0 -1 0"/></joint>
-<joint name="cylinder" type="prismatic"><parent link="barrel"/><child link="piston"/><origin xyz="0.5 0 0"/><axis xyz="1 0 0"/>
-  <limit lower="-0.1" upper="0.15" effort="1e6" velocity="1"/></joint>
-<joint name="O" type="continuous"><parent link="frame"/><child link="lever"/><axis xyz="0 -1 0"/></joint>
-<loop_joint name="K" type="spherical"><link1 link="piston"/><link2 link="lever" xyz="0 0 0.3"/></loop_joint>
-<transmission name="drive"><joint name="cylinder"/></transmission>
-</robot>"""
-
-UPPER = LOWER = 0.4
-NUT = 0.1  # how far the nut stands beside the line of the toggle as drawn [m]
-
-# A horizontal screw pushes the knee of a toggle between the frame's pin U and the slide, by a link of no length: the nut carries a slot.
-TOGGLE = f"""<robot name="screw_toggle">
-<link name="frame"/>
-<link name="nut"><inertial><mass value="15"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
-<link name="block"><inertial><mass value="2"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial></link>
-<link name="upper"><inertial><origin xyz="0 0 -0.2"/><mass value="12"/>
-  <inertia ixx="0.2" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.01"/></inertial></link>
-<link name="lower"><inertial><origin xyz="0 0 -0.2"/><mass value="12"/>
-  <inertia ixx="0.2" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.01"/></inertial></link>
-<link name="slide"><inertial><mass value="300"/><inertia ixx="5" ixy="0" ixz="0" iyy="5" iyz="0" izz="5"/></inertial></link>
-<joint name="screw" type="prismatic"><parent link="frame"/><child link="nut"/><axis xyz="1 0 0"/>
-  <origin xyz="{-NUT} 0 -0.3872983346207417"/><limit lower="-0.15" upper="0.09" effort="1e6" velocity="1"/></joint>
-<joint name="slot" type="prismatic"><parent link="nut"/><child link="block"/><axis xyz="0 0 1"/>
-  <limit lower="-1" upper="1" effort="1e6" velocity="1"/></joint>
-<joint name="U" type="continuous"><parent link="frame"/><child link="upper"/>
-  <origin rpy="0 {math.asin(NUT / UPPER)!r} 0"/><axis xyz="0 -1 0"/></joint>
-<joint name="K" type="continuous"><parent link="upper"/><child link="lower"/>
-  <origin xyz="0 0 {-UPPER}" rpy="0 {-2 * math.asin(NUT / UPPER)!r} 0"/><axis xyz="0 -1 0"/></joint>
-<joint name="slide_guide" type="prismatic"><parent link="frame"/><child link="slide"/><origin xyz="0 0 -0.7745966692414834"/>
-  <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1e6" velocity="10"/></joint>
-<loop_joint name="N" type="spherical"><link1 link="block"/><link2 link="lower"/></loop_joint>
-<loop_joint name="S" type="spherical"><link1 link="lower" xyz="0 0 {-LOWER}"/><link2 link="slide"/></loop_joint>
-<transmission name="drive"><joint name="screw"/></transmission>
-</robot>"""
 
 
 @pytest.fixture(scope="module")
@@ -76,23 +23,6 @@ def toggle(tmp_path_factory):
     path = tmp_path_factory.mktemp("toggle") / "toggle.urdf"
     path.write_text(TOGGLE)
     return pp.load(path)
-
-
-def lever_angle(travel):
-    """Angle of the bell crank from the drawn pose, positive counter-clockwise (x towards z), by the law of cosines."""
-    frame = np.linalg.norm(G)
-    at_o = np.arccos((frame**2 + ARM**2 - (RETRACTED + travel) ** 2) / (2 * frame * ARM))
-    return -(at_o - np.arccos((frame**2 + ARM**2 - RETRACTED**2) / (2 * frame * ARM)))
-
-
-def potential(travel):
-    """Potential energy of the cylinder's and the crank's weights [J]."""
-    angle = lever_angle(travel)
-    knee = ARM * np.array([-np.sin(angle), np.cos(angle)])
-    along = (knee - G[:, None]) / (RETRACTED + travel)
-    lever = np.sin(angle) * LEVER[0] + np.cos(angle) * LEVER[1]
-    heights = {"barrel": G[1] + CENTRES["barrel"] * along[1], "piston": knee[1] + CENTRES["piston"] * along[1], "lever": lever}
-    return 9.81 * sum(MASSES[name] * height for name, height in heights.items())
 
 
 def test_a_cylinder_turns_a_bell_crank_by_the_law_of_cosines(bell):
@@ -115,7 +45,7 @@ def test_the_force_of_a_resting_cylinder_is_the_slope_of_the_potential_energy(be
 def test_the_slide_of_a_toggle_goes_down_as_its_screw_straightens_it(toggle):
     travel = np.linspace(-0.15, 0.09, 13)
     motion = pp.servo_cycle(toggle, travel, speed=0.0, acceleration=0.0)
-    np.testing.assert_allclose(motion.slide_position, -2 * np.sqrt(UPPER**2 - (travel - NUT) ** 2), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(motion.slide_position, sliding_presses.slide_position(travel), rtol=0, atol=1e-13)
     ends = pp.dead_centres(toggle)
     assert (ends.top_angle, ends.bottom_angle, ends.turns) == (-0.15, 0.09, 1)
     assert ends.stroke == pytest.approx(2 * np.sqrt(UPPER**2 - 0.01**2) - 2 * np.sqrt(UPPER**2 - 0.25**2), abs=1e-13)
@@ -185,7 +115,7 @@ def test_what_a_driver_that_slides_cannot_do_is_refused_by_name(bell):
     only = "the driver slides from -100 mm to 150 mm only: keep the motion inside, or widen the <limit> of its joint"
     with pytest.raises(pp.PinpressError, match=only):
         pp.servo_cycle(bell, [0.0, 0.16], speed=0.1, acceleration=0.0)
-    with pytest.raises(pp.PinpressError, match="has no period: driver 'cylinder' slides to and fro"):
+    with pytest.raises(pp.PinpressError, match="driver 'cylinder' of bell_crank slides to and fro: it has no period"):
         _ = bell.period_turns
     with pytest.raises(pp.PinpressError, match=r"speed of the driver \[m/s\]: give one number for a period, cycle\(press, 0.1\)"):
         pp.cycle(bell)

@@ -15,7 +15,8 @@ function seek(time) {
   for (const { dot, series } of dots) dot.position.copy(vector(series));
   const angle = number(data.crank);
   show("time", "", now.toFixed(DIGITS) + " s");
-  show("crank", "crank", (UNWRAPPED ? angle : (angle % data.period + data.period) % data.period).toFixed(1) + "°");
+  const within = UNWRAPPED ? angle : (angle % data.period + data.period) % data.period;
+  show("crank", data.driver.name, within.toFixed(1) + data.driver.unit);
   if (data.slide) show("slide", "slide", `${(number(data.slide) * PER_METRE).toFixed(PLACES)} ${LENGTH}`);
   element("slider").value = now;
   fillLabels();

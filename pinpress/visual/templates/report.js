@@ -6,7 +6,7 @@ const CONFIG = {  // nothing that would send a chart anywhere
   responsive: true, displaylogo: false, modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
 };
 const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true };
-const over = report.over.unit === "deg" ? data.crank : data.time;
+const over = report.over.unit === "s" ? data.time : data.crank;
 const overBefore = report.before && floats(report.before);
 const asText = text => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");  // Plotly takes some tags
 const MODE = over.length > 1 ? "lines" : "markers";
@@ -110,7 +110,7 @@ function polarChart(parent, title, axes, unit, path, before) {  // the tip of th
   const circles = Array.from({ length: Math.ceil(largest / step) }, (_, i) => (i + 1) * step).map(r => ({ type: "circle", layer: "below", x0: -r, x1: r, y0: -r, y1: r, line: { color: "#dfe5ea", width: 1 } }));
   const limit = 1.08 * Math.ceil(largest / step) * step, axis = { ...AXIS, showgrid: false, range: [-limit, limit], dtick: 2 * step, tickangle: 0, zeroline: true };
   const hover = { mode: MODE, hovertemplate: `%{text}<br>${axes[0]} %{x:.4g}, ${axes[1]} %{y:.4g} ${unit}<extra></extra>` };
-  const texts = values => Array.from(values, value => `${report.over.quantity} ${value.toFixed(report.over.unit === "deg" ? 1 : 4)} ${report.over.unit}`);
+  const texts = values => Array.from(values, value => `${report.over.quantity} ${value.toFixed(report.over.unit === "s" ? 4 : 1)} ${report.over.unit}`);
   const traces = [{ ...hover, x: column(points, 0), y: column(points, 1), text: texts(over), line: { color: COLOURS[0], width: 1.8, simplify: false } }];
   if (before) traces.unshift({ ...hover, x: column(others, 0), y: column(others, 1), text: texts(overBefore), line: { color: "#8a949e", width: 1.4, dash: "dash", simplify: false } });
   const layout = { margin: { l: 46, r: 10, t: 8, b: 40 }, font: FONT, hovermode: "closest", showlegend: false, shapes: circles, xaxis: { ...axis, title: { text: axes[0], standoff: 4 }, constrain: "domain" }, yaxis: { ...axis, title: { text: axes[1], standoff: 2 }, scaleanchor: "x", constrain: "domain" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
