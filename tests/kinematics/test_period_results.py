@@ -1,6 +1,7 @@
 """What is made from motions of presses that repeat themselves only after several turns: vibration on mounts, runs, recordings, plots,
 designs and files. Against the crank-slider alone for the one that its motor turns through a gear pair, or against sums over all turns."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -355,7 +356,8 @@ def test_commands(press, name, folder, tmp_path, capsys):
 def test_time_of_a_picture(degrees, speed, turns, time):
     from pinpress.cli.record import _time
 
-    assert _time(degrees, speed, turns) == pytest.approx(time, rel=1e-12)
+    motion = SimpleNamespace(period_turns=turns, crank_speed=[speed * pp.RPM])
+    assert _time(motion, np.radians(degrees)) == pytest.approx(time, rel=1e-12)
 
 
 # No period
