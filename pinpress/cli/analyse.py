@@ -31,7 +31,7 @@ from .options import (
     with_zero,
     write_pages,
 )
-from .units import driver_speed
+from .units import driver_speed, quantity
 
 POINTS = 720  # of a turn
 
@@ -110,7 +110,7 @@ def _permissible(press: Linkage, options: argparse.Namespace) -> PressRatings | 
         if options.nominal_height is not None:
             raise PinpressError("--nominal-height is that of a nominal force: give --nominal-force too")
         return None
-    return rate(press, options.speed * RPM, Capacities(options.nominal_force, options.nominal_height))
+    return rate(press, options.speed.of(press.driver_coordinates[0]), Capacities(options.nominal_force, options.nominal_height))
 
 
 def _before(options: argparse.Namespace) -> Reactions:
