@@ -261,6 +261,7 @@ def public():
 
 # What public functions return and results hold that is no result.
 DESCRIPTIONS = {
+    "DriverCoordinate",
     "AddedMass",
     "Capacities",
     "Frame",
