@@ -10,7 +10,7 @@ import numpy as np
 from ..common.errors import suggestion
 from ..common.quantities import Array
 from .formulas import number
-from .links import Guide, Link, turned
+from .links import Link, turned
 from .placement import AXES, Pin
 from .reading import Entry
 
@@ -84,7 +84,7 @@ class _Copying:
         guide = link.guide
         if guide is not None:
             carrier = guide.carrier + suffix if guide.carrier in self.named else guide.carrier
-            guide = Guide(guide.name + suffix, carrier, move.turn @ guide.direction)
+            guide = replace(guide, name=guide.name + suffix, carrier=carrier, direction=move.turn @ guide.direction)
         still = np.array_equal(move.turn, np.eye(3)) or np.array_equal(link.rotation, np.eye(3))
         rotation = link.rotation if still else turned(move.turn @ link.rotation[:, 0])
         return replace(

@@ -22,7 +22,7 @@ FRAME = "frame"
 STEEL = 7850.0  # density unless the table gives one [kg/m3]
 MASSLESS = 1e-6  # mass of every link where the table says ``masses: none`` [kg]
 SLENDER = 1 / 10  # thickness of a rod of which only the mass is given, beside its length
-KEYS = ("pins", "guide", "mass", "com", "inertia", "gyration", "section", "overhang", "box", "disc", "density", "parts", "note")
+KEYS = ("pins", "guide", "travel", "mass", "com", "inertia", "gyration", "section", "overhang", "box", "disc", "density", "parts", "note")
 PART_KEYS = ("mass", "disc", "box", "density", "at", "inertia", "note")
 SOLIDS = ("section", "box", "disc")
 
@@ -35,11 +35,13 @@ class Guide:
         name: of the bearing.
         carrier: the link that has the guide.
         direction: (3,) unit vector in the drawn pose.
+        travel: how far it slides either way from the drawn pose, lowest and highest coordinate [m]; None where that is not said.
     """
 
     name: str
     carrier: str
     direction: Array
+    travel: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +136,10 @@ class _Reader:
         items = entry.known(KEYS, "a link")
         pins = self.carried[name]
         guide = self._guide(name, items["guide"]) if "guide" in items else None
+        if "travel" in items:
+            if guide is None:
+                items["travel"].refuse(f"{name} has no guide", "say where it slides: guide: up")
+            guide = replace(guide, travel=self._travel(items["travel"]))
         origin = self.pins[pins[0]].point
         rotation = self._rotation(pins, guide)
         space = _Space(self, name, pins, guide, origin, rotation)
@@ -190,6 +196,15 @@ class _Reader:
         if not np.linalg.norm(way) > 0:
             entry.refuse(f"{start} and {end} are one point", "name two points that are apart")
         return Guide(name, carrier, way / np.linalg.norm(way))
+
+    def _travel(self, entry: Entry) -> tuple[float, float]:
+        parts = entry.list("how far it slides from the drawn pose, lowest and highest: [-180, 120]")
+        if len(parts) != 2:
+            entry.refuse(f"{len(parts)} numbers", "write the lowest and the highest, from the drawn pose: [-180, 120]")
+        lower, upper = (number(part, self.parameters) * self.unit for part in parts)
+        if not (lower <= 0.0 <= upper and lower < upper):
+            entry.refuse(f"it slides from {parts[0].value} to {parts[1].value}", "count from the drawn pose: [0 or less, 0 or more]")
+        return lower, upper
 
     def _carrier(self, link: str, entry: Entry, start: str, end: str) -> str:
         """The link that has both ends of a guide; the frame where none has."""

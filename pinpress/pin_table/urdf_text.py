@@ -18,9 +18,8 @@ from .links import FRAME, Link, turned
 from .placement import Pin
 from .tree import Joint, Tree
 
-REACH = 2.0  # limits of guides, beside the size of the press: guides end nowhere
+REACH = 2.0  # limits of guides, beside the size of the press: those whose travel is not said end nowhere
 EFFORT, VELOCITY = 1e9, 1e3  # which URDF asks of guides; they limit nothing here
-SHAFT = "_drive"  # added to the name of a driven guide
 CROSS = "_cross"  # added to the name of a ball joint that a link hangs by
 
 
@@ -78,8 +77,7 @@ class _Writer:
         lines.append("")
         lines += [self._loop(*each) for each in self._loops()]
         for name in self.tree.drivers:
-            driver = f"{name}{SHAFT}" if self._slides(name) else name
-            lines += ["", f'  <transmission name="{name}_transmission"><joint name="{driver}"/></transmission>']
+            lines += ["", f'  <transmission name="{name}_transmission"><joint name="{name}"/></transmission>']
         return "\n".join([*lines, "</robot>", ""])
 
     # Links
@@ -124,21 +122,10 @@ class _Writer:
         assert link.guide is not None
         place = self.places[joint.child]
         axis = _vector(place.rotation.T @ link.guide.direction, 1.0)
-        reach = _number(REACH * self.size)
-        limit = f'<limit lower="-{reach}" upper="{reach}" effort="{_number(EFFORT)}" velocity="{_number(VELOCITY)}"/>'
+        lower, upper = link.guide.travel or (-REACH * self.size, REACH * self.size)
+        limit = f'<limit lower="{_number(lower)}" upper="{_number(upper)}" effort="{_number(EFFORT)}" velocity="{_number(VELOCITY)}"/>'
         ends = f'<parent link="{joint.parent}"/><child link="{joint.child}"/>{self._origin(self.places[joint.parent].inside(place))}'
-        mimic = self._mimic(joint.name)
-        lines = []
-        if joint.name in self.tree.drivers:
-            # A guide is driven by a shaft of 1 m per radian: its angle is the travel in m, its torque the force in N. A shaft must have
-            # some mass: its inertia adds 1e-9 kg to what the guide moves.
-            shaft = f"{joint.name}{SHAFT}"
-            lines = [
-                _light(f"{shaft}_shaft", 1e-6, 1e-9),
-                self._hinge(shaft, FRAME, f"{shaft}_shaft", np.array([0.0, -1.0, 0.0]), self.places[FRAME]),
-            ]
-            mimic = f'<mimic joint="{shaft}" multiplier="1" offset="0"/>'
-        return [*lines, f'  <joint name="{joint.name}" type="prismatic">{ends}<axis xyz="{axis}"/>{limit}{mimic}</joint>']
+        return [f'  <joint name="{joint.name}" type="prismatic">{ends}<axis xyz="{axis}"/>{limit}{self._mimic(joint.name)}</joint>']
 
     def _ball(self, joint: Joint, link: Link, at: Pin) -> list[str]:
         """Hinges with massless crosses between them: two where the link is a rod between balls, which cannot spin then, else three."""
@@ -182,9 +169,6 @@ class _Writer:
         kind = "revolute" if hinge else "spherical"
         axis = '<axis xyz="1 0 0"/>' if hinge else ""
         return f'  <loop_joint name="{name}" type="{kind}">{end("link1", link1)}{end("link2", link2)}{axis}</loop_joint>'
-
-    def _slides(self, name: str) -> bool:
-        return any(joint.name == name and joint.pin is None for joint in self.tree.joints)
 
     def _origin(self, place: _Place) -> str:
         return _origin(place.origin, place.rotation, self.size)

@@ -1,6 +1,8 @@
 """Presses from pin tables: against their URDFs, closed forms of plain bodies, and whatever the order in which a table is written."""
 
+import math
 import random
+import re
 from pathlib import Path
 
 import numpy as np
@@ -63,14 +65,23 @@ STROKES = {
 }
 
 
+def toggle_slide(travel):
+    """Position of the slide of the toggle by the law of cosines in the triangle of its upper pin, the cylinder's trunnion and the knee."""
+    trunnion, knee = np.array([-0.9, -0.12]), 0.3 * np.array([math.cos(math.radians(-130)), math.sin(math.radians(-130))])
+    frame, cylinder = math.hypot(*trunnion), math.dist(trunnion, knee) + travel
+    angle = math.atan2(*trunnion[::-1]) + np.arccos((frame**2 + 0.3**2 - cylinder**2) / (2 * frame * 0.3))
+    return 0.3 * np.sin(angle) - np.sqrt(0.34**2 - (0.3 * np.cos(angle)) ** 2)
+
+
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_templates_are_presses(name, tmp_path):
     path = tmp_path / f"{name}.yaml"
     path.write_bytes(template(name))
     press = pp.build(path)
-    if name == "toggle":  # its driver is a piston: to and fro
-        travel = np.linspace(0.0, 0.05, 40)
-        motion = pp.servo_cycle(press, angle=travel, speed=np.full(40, 0.01), acceleration=np.zeros(40))
+    if name == "toggle":
+        motion = pp.cycle(press, speed=0.05, points=40)
+        np.testing.assert_allclose(motion.slide_position, toggle_slide(motion.crank_angle), rtol=0, atol=1e-13)
+        assert (press.drivers, motion.crank_angle.min(), motion.crank_angle.max()) == (("cylinder",), -0.08, 0.195)
     else:
         motion = pp.cycle(press, speed=TURN, points=360)
         assert np.ptp(motion.slide_position) * 1e3 == pytest.approx(STROKES[name], abs=0.6 if name == "guide-bar" else 6e-3)
@@ -284,3 +295,38 @@ def test_sketches_are_drawings():
     sketch = draft(URDF / "zxn2_3000b.yaml").sketch
     words = {each.text for each in ElementTree.fromstring(sketch).iter("{http://www.w3.org/2000/svg}text")}
     assert {"A", "B", "C", "D", "E", "F", "143", "1243", "375", "480", "crank", "slide"} <= words
+
+
+@pytest.mark.parametrize(
+    ("travel", "said"),
+    [
+        ("20", "a text where how far it slides"),
+        ("[20]", "1 numbers; write the lowest and the highest"),
+        ("[10, 20]", "it slides from 10 to 20; count from the drawn pose"),
+        ("[0, 0]", "it slides from 0 to 0; count from the drawn pose"),
+        ("[-20mm, 0]", "-20mm"),
+    ],
+)
+def test_travel_that_is_none(tmp_path, travel, said):
+    path = tmp_path / "press.yaml"
+    path.write_bytes(template("toggle").replace(b"[-80, 195]", travel.encode()))
+    with pytest.raises(pp.PinTableError, match="links: piston: travel: .*" + re.escape(said)):
+        pp.build(path)
+
+
+def test_travel_needs_a_guide(tmp_path):
+    path = tmp_path / "press.yaml"
+    path.write_bytes(template("crank-slide").replace(b"crank: {", b"crank: {travel: [-1, 1], "))
+    with pytest.raises(pp.PinTableError, match="crank has no guide; say where it slides"):
+        pp.build(path)
+
+
+def test_a_screw_on_geared_spindles_turns_metres_into_radians(tmp_path):
+    """The same toggle, its knee pushed by a nut: the driver is the spindle, geared to the guide by its lead."""
+    text = template("toggle").replace(b"drive: cylinder", b"gears: {cylinder: 0.02/(2*pi) * M}\ndrive: M")
+    text = text.replace(b"frame: U G", b"frame: U G M").replace(b"  U: [0, 0]", b"  U: [0, 0]\n  M: [-1000, 200]")
+    path = tmp_path / "press.yaml"
+    path.write_bytes(text.replace(b"links:", b"links:\n  spindle: {pins: M, mass: 3, inertia: 0.01}", 1))
+    press = pp.build(path)
+    motion = pp.servo_cycle(press, angle=np.linspace(-20, 50, 8), speed=0.0, acceleration=0.0)
+    np.testing.assert_allclose(motion.slide_position, toggle_slide(np.linspace(-20, 50, 8) * 0.02 / (2 * np.pi)), rtol=0, atol=1e-12)
