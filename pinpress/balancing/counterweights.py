@@ -24,7 +24,7 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce
 
-PHYSICAL = 1e-9  # of the largest principal moment of inertia: rounding may violate the triangle inequality by this much
+PHYSICAL = 1e-9  # rounding may violate the triangle inequality by this share of the largest principal moment of inertia
 
 
 @dataclass(frozen=True, repr=False)

@@ -31,15 +31,16 @@ from .program import LARGEST, ProvenOptimum, infeasible_limits, objective_value,
 from .regions import CounterweightRegion, RegionVariables
 from .result import ActiveConstraint, BalancedPress, CriterionChange
 
-NEGLIGIBLE = 1e-5  # of the press's moving mass: a counterweight that is lighter is left out,
-TRACE = 1e-9  # where without it no criterion is worse by more than this of its value before balancing
-SUFFIX = "_balanced"  # of a balanced press's name
-PRICELESS = 1e-7  # of the objective before balancing, for as much again of what is limited: a constraint of that price does not count
-INERTIA_ROUNDING = 1e-11  # of a counterweight's mass times the square of its distance: a moment of inertia this small is rounding
-ENDLESS = 0.999  # of the most that the program allows: a mass this large grows without end
-CONFIRMED = 1e-8  # of the forces before balancing: inverse dynamics of the balanced press agrees with the program this well
-GIVEN = 1e-7  # of a criterion before balancing: an end of a trade-off may be this much worse than the best, to improve the other criterion
-MOST_POINTS = 10_000  # of a trade-off, each an optimisation
+# Shares of values before balancing, unless another reference is named
+NEGLIGIBLE = 1e-5  # counterweights below this share of the moving mass are left out where no criterion grows by more than a trace
+TRACE = 1e-9  # largest growth of a criterion that counts as none
+PRICELESS = 1e-7  # a constraint does not count if the objective falls by less for a limit relaxed by the whole limited quantity
+INERTIA_ROUNDING = 1e-11  # a moment of inertia below this share of the counterweight's mass times its squared distance is rounding
+ENDLESS = 0.999  # a mass above this share of the program's largest grows without end
+CONFIRMED = 1e-8  # largest difference between the program and inverse dynamics of the balanced press
+GIVEN = 1e-7  # an end of a trade-off may be this much worse than the best, to improve the other criterion
+MOST_POINTS = 10_000  # largest number of points of a trade-off, each an optimisation
+SUFFIX = "_balanced"  # end of a balanced press's name
 
 
 @typed
@@ -351,7 +352,7 @@ def _refuse_longer_period(conditions: Sequence[OperatingCondition], press: Linka
 
 
 def _size_of_one(problem: BalancingProblem, objective: Mapping[Target, float]) -> float:
-    """What an objective of one means, in the unit of its only criterion."""
+    """Size of an objective of one, in the unit of its only criterion."""
     (target,) = objective
     return problem.moving_mass if isinstance(target, AddedMass) else next(s.size for s in problem.signals if s.criterion == target)
 

@@ -24,8 +24,8 @@ from ..linkage.linkage import Linkage
 from .counterweights import MassResponse, OperatingCondition, mass_response, moving_mass
 from .regions import CounterweightRegion, RegionVariables, points_of, region_variables
 
-ROUNDING = 1e-11  # of the most that the regions can change of a criterion: a criterion this small is zero
-NOISE = 1e-12  # of the vectors of which a criterion takes a component: a criterion this small is rounding
+ROUNDING = 1e-11  # a criterion below this share of the largest change that the regions can cause is zero
+NOISE = 1e-12  # a criterion below this share of the vector of which it takes a component is rounding
 QUANTITIES = {"shaking_force": "N", "shaking_moment": "N m", "driving_torque": "N m", "bearing_force": "N", "bearing_moment": "N m"}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 

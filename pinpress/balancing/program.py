@@ -19,13 +19,13 @@ from ..common.quantities import Array
 from .problem import AddedMass, BalancingProblem, Range, Rms, Signal, Target, limit_words
 
 Program = tuple[Array, tuple[Rows, ...]]  # cost and constraints
-FIRST_STATES = 24  # of a motion, with which a program begins, besides the extremes of each signal's parts
-VIOLATED = 1e-10  # of a criterion before balancing: a state that exceeds the program's extreme by less does not violate it
-MOST_ROUNDS = 60  # of taking in states; ten are many
+FIRST_STATES = 24  # states of a motion with which a program begins, besides the extremes of each signal's parts
+VIOLATED = 1e-10  # a state violates the program's extreme by more than this share of the criterion before balancing
+MOST_ROUNDS = 60  # most rounds of taking in states; ten are many
 LARGEST = 10.0  # times the moving mass: counterweights without limits that would weigh more grow without end
-LIGHTER = 1e-6  # of the objective before balancing: the worth of saving the press's whole moving mass, so that the lightest of equals wins
-ZERO = 1e-10  # of a criterion before balancing, and of the largest effect on it: less is rounding
-INVOLVED = 1e-6  # of all parts in a contradiction, which sum to one: a limit with a smaller part is not named
+LIGHTER = 1e-6  # worth of saving the whole moving mass, as a share of the objective before balancing; the lightest of equals wins
+ZERO = 1e-10  # values below this share of a criterion before balancing, or of the largest effect on it, are rounding
+INVOLVED = 1e-6  # a limit with a smaller part in a contradiction, whose parts sum to one, is not named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,7 +152,7 @@ def _violated(signal: Signal, u: Array, states: Array) -> Array:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class _Columns:
-    """Where the program's variables stand.
+    """The columns of the program's variables.
 
     Attributes:
         regions: Number of the regions' variables, which come first.
@@ -176,7 +176,7 @@ class _Columns:
 
 
 class _Ceiling(NamedTuple):
-    """What a target must stay below, divided by its size.
+    """A number below which a target must stay, divided by its size.
 
     Attributes:
         column: Column of a variable that is added to the number; None for a limit.

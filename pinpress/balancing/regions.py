@@ -24,12 +24,12 @@ from ..linkage.linkage import Linkage
 from .counterweights import PointMasses, carrying_joint, rigid_body, unit_tensor
 
 Vector = tuple[float, float, float]
-FLAT = 1e-9  # of the press's size: corners this close to a plane are in it
+FLAT = 1e-9  # corners this close to a plane are in it, as a share of the press's size
 
 
 @dataclass(frozen=True)
 class CounterweightRegion:
-    """Where on a link a counterweight may be, and how heavy. All positions are in the link's own frame [m].
+    """The region of a link in which a counterweight may be, and its mass. All positions are in the link's own frame [m].
 
     The place is either the point ``at``, or the circle of ``radius`` about ``centre`` in the plane of motion, or the hull of ``corners``
     (a segment or polygon) in one plane of motion. With ``replaces`` and none of these the counterweight is the link's own mass, which keeps

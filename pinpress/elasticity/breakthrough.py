@@ -31,14 +31,14 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 
 WEAKEST = 1e-6  # ratio of reverse load to force; below it the reverse load limits no force
-GROWTH = 1.05  # of the force from trial to trial, in the search with clearance
+GROWTH = 1.05  # ratio of the forces of two trials in the search with clearance
 AT_ONCE = 1e-9  # w tau below which a break is sudden: the reverse load differs by (w tau)^2 / 24
-NO_CLEARANCE = 1e-13  # of the deflection F / k: a clearance this small is none
+NO_CLEARANCE = 1e-13  # a clearance below this share of the deflection F / k is none
 LONGEST = 1e3  # periods that a break-through may take
-STEPS = 32  # of half a period, in which turning points and edges of the clearance are looked for
-PERIODS = 6  # of vibration after the force is gone
-CALM = 1e-24  # of the elastic energy: less is rounding
-TOUCHING = 1e-13  # of the deflection F / k: a slide this close to an edge of the clearance is on it
+STEPS = 32  # steps of half a period in which turning points and edges of the clearance are looked for
+PERIODS = 6  # periods of vibration after the force is gone
+CALM = 1e-24  # a kinetic energy below this share of the elastic energy is rounding
+TOUCHING = 1e-13  # a slide closer to an edge of the clearance than this share of the deflection F / k is on it
 MOST = 20_000  # segments of half a period
 
 
@@ -196,7 +196,16 @@ def permissible_breakthrough(
 
 
 class Release(NamedTuple):
-    """A break-through; attributes as the arguments of `snap_through`."""
+    """A break-through, with the arguments of `snap_through`.
+
+    Attributes:
+        force: Force F at break-through [N].
+        stiffness: Stiffness k of the press [N/m].
+        mass: Mass m of the slide and the parts that move with it [kg].
+        damping_ratio: Damping ratio zeta [-].
+        break_time: Time tau in which the force falls to zero [s].
+        clearance: Clearance g of the bearings together [m].
+    """
 
     force: float
     stiffness: float

@@ -31,8 +31,8 @@ from .springs import Stiffness
 from .unit_load import HeldPress, hold
 
 WINDOW = np.radians(6.0)  # on both sides of the rigid bottom dead centre, where the elastic one is looked for [rad]
-NODES = 24  # of the polynomials in this window
-UNRESOLVED = 1e-9  # of a polynomial's largest coefficient: its last ones must be smaller
+NODES = 24  # nodes of the polynomials in this window
+UNRESOLVED = 1e-9  # the last coefficients of a polynomial must be below this share of its largest one
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -23,7 +23,7 @@ from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
 
 SHAFT, FRAME = "shaft", "frame"  # names of these parts
-MEET = 1e-9  # of the linkage's size: two bearings that are closer together have no line between them
+MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
 
 
 @dataclass(frozen=True)

@@ -30,10 +30,10 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce
 from .springs import Part, Stiffness, internal_forces, parts, sharing
 
-RIGID = 1e-12  # of the largest compliance over the motion: less is rounding
-POINTS = 360  # of a turn
-UNSHARED = 1e-9  # of a deflection: an error by wrong sharing of forces is accepted up to this
-NOTHING_IDLE = 1e-16  # of the deflection energy under the unit force: idle forces with less are rounding
+RIGID = 1e-12  # a compliance below this share of the largest over the motion is rounding
+POINTS = 360  # states of a turn
+UNSHARED = 1e-9  # largest error of a deflection by wrong sharing of forces that is accepted, as a share of it
+NOTHING_IDLE = 1e-16  # idle forces with less than this share of the deflection energy under the unit force are rounding
 SOFT = 1e9  # stiffness given to a rigid bearing in order to share forces in another way [N/m]
 
 

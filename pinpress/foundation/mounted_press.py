@@ -50,8 +50,8 @@ from .mounts import (
     weight_wrench,
 )
 
-POSES = 180  # of a turn, over which the moving mass is averaged: harmonics below this order leave the mean exact
-MOST_ORDERS = 10_000  # of `resonance_speeds`, against lists without end
+POSES = 180  # poses of a turn over which the moving mass is averaged; harmonics below this order leave the mean exact
+MOST_ORDERS = 10_000  # most orders of `resonance_speeds`, against lists without end
 MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
 
 

@@ -29,9 +29,9 @@ from ..common.parameters import Checked, parameter, set_field
 from ..common.quantities import Array
 
 Vector = tuple[float, float, float]
-HARDEST, SOFTEST = 80.0, 20.0  # Shore A: Gent's formula holds between them
-SMALLEST = 1e-10  # of the stiffest mode: a mode softer than this has no stiffness
-PULLED = 1e-9  # of the weight: rounding may pull a mount by this much
+HARDEST, SOFTEST = 80.0, 20.0  # limits between which Gent's formula holds [Shore A]
+SMALLEST = 1e-10  # a mode softer than this share of the stiffest has no stiffness
+PULLED = 1e-9  # rounding may pull a mount by this share of the weight
 COORDINATES = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
 
 

@@ -30,11 +30,11 @@ from ..simulation.run import Run
 from .mounted_press import MountedPress, quadrature, state_matrix
 from .mounts import rows_at
 
-UNRESOLVED = 1e-3  # of the largest harmonic: with more than this in the last third of them, the states do not resolve the force
-ROUNDING = 1e-9  # of weight and forces: a harmonic this small is rounding
-NOTHING = 1e-9  # of the weight: a shaking force this small is rounding
-EVEN = 1e-9  # relative: the crank's speed is constant up to this difference
-SAME_SPEED = 1e-6  # relative: speeds at both ends of a period, and those of flywheel and crank, are equal up to this difference
+UNRESOLVED = 1e-3  # states do not resolve a force whose last third of harmonics exceeds this share of the largest one
+ROUNDING = 1e-9  # harmonics below this share of weight and forces are rounding
+NOTHING = 1e-9  # a shaking force below this share of the weight is rounding
+EVEN = 1e-9  # the crank's speed is constant up to this relative difference
+SAME_SPEED = 1e-6  # relative difference up to which speeds at both ends of a period, or of flywheel and crank, are equal
 RESONANCE = "a harmonic meets a natural frequency that has no damping: give the mounts damping or a loss factor, or another speed"
 Points = Mapping[str, "ArrayLike | tuple[str, ArrayLike]"]
 

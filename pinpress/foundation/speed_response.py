@@ -28,11 +28,11 @@ from .mounted_press import MountedPress, mounted, undamped, with_mounts
 from .mounts import Frame, Mount, listed_mounts, rows_at
 from .response import NOTHING, Points, checked_harmonics, displacement_amplitudes, frame_wrench, mount_forces, named_points
 
-STATES = 360  # of a turn: harmonics to order 179
-ROUNDED = 1e-14  # of the largest force: harmonics this small are rounding and left out
+STATES = 360  # states of a turn, which resolve harmonics to order 179
+ROUNDED = 1e-14  # harmonics below this share of the largest force are rounding and left out
 AXES = {"x": 0, "y": 1, "z": 2}
-TRIALS = 97  # of stiffnesses, evenly spaced in their logarithm, from the stiffest down
-SOFTEST, STIFFEST = 0.01, 4.0  # lowest natural frequency tried: from this times the lowest to this times the highest speed
+TRIALS = 97  # number of stiffnesses tried, evenly spaced in their logarithm, from the stiffest down
+SOFTEST, STIFFEST = 0.01, 4.0  # the lowest natural frequency is tried from this times the lowest to this times the highest speed
 REFINED = 1e-9  # relative error of the stiffness found
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 AUXILIARY = 0.0297  # auxiliary crank of the shipped press [m]
-RADIUS, ROD_RADIUS = 0.15, 0.30  # of counterweights on crank and rod: ours, as the thesis prints none [m]
+RADIUS, ROD_RADIUS = 0.15, 0.30  # radii of counterweights on crank and rod; ours, as the thesis prints none [m]
 FORMULA = "formula"
 
 

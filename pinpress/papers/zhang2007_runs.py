@@ -40,7 +40,7 @@ NAMES = ("crank angle [rad]", "crank speed [rad/s]", "height [mm]", "slide veloc
 TOP, PRIMARY, SET = 1320 * RPM, 1470 * RPM, 900 * RPM  # the thesis prints the first; 900 r/min are 300 strokes/min behind its 3 to 1
 # Process loads
 NOMINAL = 1250e3  # [N]
-ALLEGED = 1250.0  # what stands in the thesis' load functions, whose unit in ADAMS is the newton [N]
+ALLEGED = 1250.0  # the force in the thesis' load functions, whose unit in ADAMS is the newton [N]
 START_HEIGHT, BREAK_HEIGHT = 0.010, 0.005  # slide heights at 0.1616 and 0.1738 s, the window of its text [m]
 # Crank speed [rad/s] where the punch meets the sheet in the first stroke and where its force ends, of a solver without pinpress; work W [J]
 BLANKING, DRAWING = ("31.9220326706", "31.1117998356"), ("31.9220326706", "30.3740590987")

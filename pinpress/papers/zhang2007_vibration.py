@@ -34,19 +34,19 @@ PAD = RubberPad(length=0.2, width=0.2, thickness=0.01, hardness=65, loss_factor=
 FEET = tuple((x, y, -1.3) for x in (-0.55, 0.55) for y in (-0.5, 0.6))
 # four columns, together 2.4 GN/m: 0.5 mm under 1250 kN
 COLUMNS = tuple(Mount((x, y, -0.3), (1e8, 1e8, 6e8), loss_factor=0.02) for x in (-0.55, 0.55) for y in (-0.4, 0.5))
-WHOLE = Frame(16000, (0, 0, -0.4), (11e3, 10e3, 5500))  # in one part, for the choice of springs
+WHOLE = Frame(16000, (0, 0, -0.4), (11e3, 10e3, 5500))  # the frame in one part, for the choice of springs
 SPRINGS = tuple(Mount(foot, (1e6, 1e6, 1e6), loss_factor=0.05) for foot in FEET)
-UNBALANCE = 940 * 0.04e-3  # of the flywheel, 940 kg of grade G 1.6 at 400 per min: 40 um eccentric [kg m]
+UNBALANCE = 940 * 0.04e-3  # unbalance of the flywheel, 940 kg of grade G 1.6 at 400 per min, 40 um eccentric [kg m]
 FLYWHEEL = Flywheel(136)
 # With 1250 kN, and with 100 kN, feet lift off, where the linear model ends. Vibration is proportional to the force, its decay the same.
 PILING = ConstantForce(force=50e3, height=4.86e-5)
 POINTS = {"top beam": ("crown", (0, 0, 0.9)), "column": ("crown", (-0.6, 0.5, 0.1)), "lower beam": (0, 0, -1.1)}
 SPEEDS = np.linspace(150, 450, 121) * RPM
-WORKING = slice(20, 101)  # of these, 200 to 400 per min
+WORKING = slice(20, 101)  # those from 200 to 400 per min
 PRESSES = {"plain": "jf75g_125_plain", "with its counterweight": "jf75g_125", "symmetric": "jf75g_125_symmetric"}
 REAL = "with its counterweight"
-AT = 350 * RPM  # of the thesis's signals
-STEP = 1e-4  # of a run under piling [s]: a sixtieth of the stretching's period
+AT = 350 * RPM  # speed of the thesis's signals
+STEP = 1e-4  # step of a run under piling, a sixtieth of the stretching's period [s]
 
 
 class Finding(NamedTuple):

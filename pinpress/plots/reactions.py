@@ -34,7 +34,7 @@ BEFORE, PALE, AFTER = GREY, "#b0b0b0", COLOURS[0]
 # Polar diagrams
 FRAME, OWN = COLOURS[0], COLOURS[1]
 DASHED = (0, (4, 1.5))
-QUARTER = 90  # between marked crank angles [deg]
+QUARTER = 90  # difference of marked crank angles [deg]
 CLOSE = 0.12  # marks that are closer together than this share of the largest force have one label
 TINY = 6.5  # size of the letters in a diagram [pt]
 LETTER = 0.16  # width of one of these [cm]

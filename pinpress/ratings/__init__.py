@@ -1,4 +1,4 @@
-"""What a press may be used with: permissible force over the stroke, work, speed, eccentric loads.
+"""The limits of a press in use: permissible force over the stroke, work, speed, eccentric loads.
 
     capacities = pp.ratings.Capacities(3e6, nominal_height=0.013, bearings={"A": 2e6}, flywheel_inertia=2000.0, speed_drop=0.2)
     rated = pp.ratings.rate(press, 70 * pp.RPM, capacities)

@@ -31,7 +31,7 @@ from ..loads.link import PointForce
 from .permissible_force import largest_factor, without_masses
 
 DIRECTION = 1e-9  # component along the guide that a gib's normal may have
-ROUNDING = 1e-12  # of the process force: a force this small is rounding
+ROUNDING = 1e-12  # forces below this share of the process force are rounding
 
 
 @dataclass(frozen=True)

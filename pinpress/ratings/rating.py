@@ -31,9 +31,9 @@ from .permissible_force import (
 )
 from .speed_limits import PermissibleSpeed, limiting_speed
 
-DWELL = 0.01  # of the stroke: distance from bottom dead centre that counts as dwell
+DWELL = 0.01  # distance from bottom dead centre that counts as dwell, as a share of the stroke
 MOST_POINTS = 10**5  # crank angles; more would be a mistake
-ROWS = 16  # of the table of forces, besides the heights at which another limit begins to govern
+ROWS = 16  # rows of the table of forces, besides the heights at which another limit begins to govern
 SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares and whose time for a turn have meaning in floating point
 
 

@@ -29,11 +29,11 @@ from ..loads.process import ProcessLoad
 from .permissible_force import BEARING, TORQUE, Capacities, known_bearings, largest_factor, without_masses
 
 SHAKING, ACCELERATION = "shaking force", "slide acceleration"
-STATES = 360  # of a turn, at which every limit is evaluated first
+STATES = 360  # states of a turn at which every limit is evaluated first
 AROUND = 9  # states to each round of refining about the worst state
-ROUNDS = 8  # of refining; each divides the interval by four, in all from a degree to 3e-7 rad, whose square counts
+ROUNDS = 8  # rounds of refining; each divides the interval by four, in all from a degree to 3e-7 rad, whose square counts
 NEARLY = 1.05  # times the least squared speed: between two states a limit above this cannot fall below the least
-NOTHING = 1e-12  # of the largest force by inertia: less is rounding
+NOTHING = 1e-12  # forces below this share of the largest by inertia are rounding
 FAST = 100.0  # times the speed at which inertia forces are about as large as weights
 
 

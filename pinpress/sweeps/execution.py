@@ -16,7 +16,7 @@ Function = Callable[..., Mapping[str, object]]
 
 TASK = 0.1  # length of a task [s]; sending one costs a tenth of a millisecond with processes, and some milliseconds with a cluster
 LONGEST_TASK = 2 * TASK  # after this time a task returns the points it has done [s]
-LEAVE_TIME = 1.0  # for finished tasks to arrive after one has failed [s]
+LEAVE_TIME = 1.0  # time in which finished tasks may arrive after one has failed [s]
 
 
 class Outcome(NamedTuple):

@@ -43,10 +43,10 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 
-SLOW = 1e-9  # of the highest speed: here inertia is below rounding, but the slide still has a direction of travel
-BETWEEN = 0.37  # of the highest speed and amplitude: here the coefficients are confirmed too
-AFFINE = 1e-9  # of the largest value: a quantity with a larger difference is not affine
-NOTHING = 1e-13  # of the largest component: a component this small is rounding
+SLOW = 1e-9  # share of the highest speed at which inertia is below rounding, but the slide still has a direction of travel
+BETWEEN = 0.37  # share of the highest speed and amplitude at which the coefficients are confirmed too
+AFFINE = 1e-9  # a quantity that differs by more than this share of its largest value is not affine
+NOTHING = 1e-13  # components below this share of the largest one are rounding
 TILES = 16  # along either axis: with fewer more states remain in each, and more take longer to prepare
 LEAST = 24  # points of a tile along either axis
 Quantities = dict[str, Array]

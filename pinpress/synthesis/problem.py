@@ -16,9 +16,9 @@ from ..common.quantities import Array
 from ..derivatives.motion import STEP, Displacements, Pivots, directed, displaced
 from .design import Design, Trial
 
-STEPS = (1e-6, 1e-5, 1e-7)  # of the scaled variables; the second and third are tried where the first meets a kink
+STEPS = (1e-6, 1e-5, 1e-7)  # steps of the scaled variables; the second and third are tried where the first meets a kink
 SAME = 1e-3  # relative difference between a gradient and a difference quotient of values
-NOISE = 1e-6  # of the value: rounding of a difference quotient
+NOISE = 1e-6  # rounding of a difference quotient, as a share of the value
 Function = Callable[[Trial], ArrayLike]
 
 

@@ -25,10 +25,10 @@ MOST_LOST = 10  # designs of a descent that cannot be assembled, after which it 
 ALL_LOST = 30  # designs of all descents that cannot be assembled, after which the search gives up
 NARROWED = 0.2  # factor on the reach after a descent without progress
 SHORTEST_REACH = 1e-3  # the search gives up with a reach shorter than this
-PRECISION = 1e-15  # of the scaled objective, at which a descent stops
+PRECISION = 1e-15  # change of the scaled objective at which a descent stops
 ROUNDING = 1e-12  # error of SLSQP in keeping the bounds of scaled variables
 NO_WAY = 1e6  # scaled objective of a design that cannot be assembled: the line search steps back from it
-STARTS = 16  # of a global search beside the given one, a power of two as Sobol's sequence needs
+STARTS = 16  # starts of a global search besides the given one, a power of two as Sobol's sequence needs
 TOUCHED = 1e-6  # scaled distance at which a bound counts as met
 WITHOUT = 1e-9  # scaled gradient below which a variable has no influence
 

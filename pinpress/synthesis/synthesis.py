@@ -42,7 +42,7 @@ from .search import ActiveBound, Search, optimum
 
 SYNTHESISED = "_synthesised"  # end of the name of a press that was found
 UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
-SAME = 1e-9  # of the linkage's size: the found press moves as its trial does up to this difference
+SAME = 1e-9  # largest difference between the motions of the found press and its trial, as a share of the linkage's size
 WIDE = 14  # letters of a number's column
 
 

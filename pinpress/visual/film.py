@@ -37,7 +37,7 @@ SMALLEST, LARGEST = 64, 4096  # sides of a picture [pixels]
 PNG = ".png"
 # The colours that players expect of a film. The file names them too, as some players go by that.
 BT709 = "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709"
-ENCODING = {  # by the file's suffix, for ffmpeg
+ENCODING = {  # options of ffmpeg by the file's suffix
     ".mp4": ("-vf", BT709, "-c:v", "libx264", "-crf", "18", "-movflags", "+faststart"),
     ".gif": ("-vf", "split[frames][same];[same]palettegen[palette];[frames][palette]paletteuse=dither=none:diff_mode=rectangle"),
 }
@@ -48,7 +48,7 @@ NO_CHROMIUM = (
     " https://www.chromium.org/getting-involved/download-chromium), or set the environment variable CHROMIUM to its program"
 )
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # by the processor: the same everywhere
+DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # drawn by the processor, the same everywhere
 # tiles that are drawn again in part differ a little from run to run
 FLAGS = (*DRAWN, "--disable-partial-raster", "--disable-dev-shm-usage", "--hide-scrollbars")
 LONGER_SIDE = 960.0

@@ -27,9 +27,9 @@ from ...linkage.urdf.text import MOMENTS, tag
 from ..counterweights import combined, rigid_body
 from .crank_slider import CENTRED, CrankSlider, as_crank_slider
 
-SPARE = 0.1  # of the auxiliary crank radius: the counterweight's limits are this far beyond its travel
+SPARE = 0.1  # distance of the counterweight's limits beyond its travel, in auxiliary crank radii
 SIDES = ("left", "right")
-BELOW_ROUNDING = 1e-15  # of a quantity's size: what turned frames leave of a zero
+BELOW_ROUNDING = 1e-15  # rounding of a zero in turned frames, as a share of a quantity's size
 
 
 @typed

@@ -26,12 +26,12 @@ from ...linkage.linkage import Linkage
 from ..counterweights import Counterweight
 from .rotor import Correction
 
-CENTRED = 1e-9  # of the linkage's size: the rounded figures of a drawing may put the slide's pin this far beside the shaft
-LARGEST_RATIO = 1 - 1e-9  # of crank radius to rod length; nearer to 1 the series below has millions of terms
-SMALLEST_TERM = 1e-18  # of that series, beside its first
-ROUNDING = 1e-12  # of the largest bearing force: harmonics this small are rounding
-UNCHANGED = 1e-9  # of an amplitude: a harmonic that changes by less is unchanged
-SAME_SPEED = 1e-9  # relative: speeds are equal up to this difference
+CENTRED = 1e-9  # rounding may put the slide's pin this far beside the shaft, as a share of the linkage's size
+LARGEST_RATIO = 1 - 1e-9  # largest ratio of crank radius to rod length; nearer to 1 the series below has millions of terms
+SMALLEST_TERM = 1e-18  # smallest term of that series, divided by its first
+ROUNDING = 1e-12  # harmonics below this share of the largest bearing force are rounding
+UNCHANGED = 1e-9  # a harmonic that changes by less than this share of its amplitude is unchanged
+SAME_SPEED = 1e-9  # speeds are equal up to this relative difference
 LINE, SPACE = ("along", "across"), "xyz"  # parts of a complex number and of a vector in a table
 
 
@@ -397,7 +397,7 @@ def _correction(press: Linkage, main: CrankSlider, link: str, centre: complex, p
 def _amplitudes(
     reactions: Reactions, axes: Array, normal: Array, shaft: Array, orders: int
 ) -> tuple[dict[float, Array], tuple[float, float, float]]:
-    """By order, amplitudes (3,) of the forces along and across and of the moment about the shaft; and below which each is rounding."""
+    """Order -> (3,) amplitudes of the forces along and across and of the moment about the shaft, and their rounding limits."""
     force = reactions.shaking_force
     moment = (reactions.shaking_moment - np.cross(shaft, force)) @ normal
     found = harmonics(reactions.motion, np.column_stack([force @ axes.T, moment]), orders)

@@ -27,8 +27,8 @@ KINDS = "STL (.stl), Wavefront (.obj) or COLLADA (.dae)"
 # A page with more would hardly open in a browser; a mesh of this size takes half a gigabyte while it is read.
 MOST_BYTES = 100_000_000
 MOST_TRIANGLES = 500_000
-MOST_CORNERS = 1000  # of one polygon
-MOST_NODES = 10_000  # of a COLLADA scene, every instance counted
+MOST_CORNERS = 1000  # corners of one polygon
+MOST_NODES = 10_000  # nodes of a COLLADA scene, every instance counted
 DEEPEST_NODES = 200
 
 _LINE = re.compile(rb"^[ \t]*(v|vt|vn|f)[ \t]([^\r\n]*)", re.MULTILINE)  # lines of a Wavefront file that make triangles

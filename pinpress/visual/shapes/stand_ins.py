@@ -39,8 +39,8 @@ EYE, EYE_LENGTH = 0.72, 0.62  # radius and length
 PIN, STUB = 0.34, 0.42  # radius, and how far it stands out of the middle of the outermost link
 DISC = 1.25  # least radius
 COMPACT = 1.5  # a link shorter than this is a disc
-BLOCK, BLOCK_WIDTH = 1.15, 1.45  # from its outermost place to its ends along the guide, and across
-BLOCK_SHAPE = 0.3  # of a long block's length: half its least width
+BLOCK, BLOCK_WIDTH = 1.15, 1.45  # distance of its outermost place from its ends along the guide, and across
+BLOCK_SHAPE = 0.3  # half the least width of a long block, as a share of its length
 COLLAR, COLLAR_WIDTH, COLLAR_THICKNESS = 2.4, 1.9, 0.92
 RAIL, CLEARANCE = 0.7, 0.1
 
