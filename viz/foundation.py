@@ -43,7 +43,7 @@ def page(model: vibration.Vibration) -> str:
     return "\n".join(parts) + "\n"
 
 
-def table(findings: Iterable[vibration.Finding]) -> str:
+def table(findings: Iterable[vibration.VibrationFinding]) -> str:
     """Findings in Markdown."""
     lines = ["| Zhang 2007 says | pinpress gives | agrees |", "|---|---|---|"]
     return "\n".join(lines + [f"| {each.says} | {each.gives} | {each.agrees} |" for each in findings])

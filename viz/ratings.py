@@ -33,7 +33,7 @@ ASSUMED = {
     },
     "jf75g_125": {"nominal_height": 0.003, "speed_drop": 0.15, "bearings": {"O": 1.4e6, "P4": 1.4e6}},
 }
-GUIDES = {"zxn2_3000b": pp.ratings.Guide(length=1.2, width=0.3), "jf75g_125": pp.ratings.Guide(length=0.6, width=0.2)}
+GIBS = {"zxn2_3000b": pp.ratings.Gibs(length=1.2, width=0.3), "jf75g_125": pp.ratings.Gibs(length=0.6, width=0.2)}
 PRESSURE = 6e6  # permissible on the gibs [Pa]
 
 
@@ -88,7 +88,7 @@ def main_data() -> str:
         "idle speed at which a capacity is reached",
         [f"{one.speed_limit.strokes_per_minute:.0f} strokes/min ({one.speed_limit.limited_by})" for one in found.values()],
     )
-    row("gibs, pressure (assumed)", [f"{GUIDES[n].length:g} m x {GUIDES[n].width:g} m, {PRESSURE / 1e6:g} MPa" for n in names])
+    row("gibs, pressure (assumed)", [f"{GIBS[n].length:g} m x {GIBS[n].width:g} m, {PRESSURE / 1e6:g} MPa" for n in names])
     row("eccentricity of the nominal force up to the nominal height", [eccentricity(name) for name in names])
     head = f"| | {' | '.join(TITLES[name] for name in names)} |\n|---|{'---|' * len(names)}\n"
     return head + "\n".join(f"| {what} | {' | '.join(cells)} |" for what, cells in rows)
@@ -106,8 +106,8 @@ def eccentricity(name: str) -> str:
     assert one.capacities.nominal_height is not None
     motion = pp.servo_cycle(press, speed=0.0, angle=one.crank_angle[one.height <= one.capacities.nominal_height + 1e-12])
     force = one.capacities.nominal_force
-    left, right = pp.ratings.permissible_eccentricity(press, motion, force=force, guide=GUIDES[name], pressure=PRESSURE)
-    central = pp.ratings.eccentric_load(press, motion, force=force, offset=(0.0, 0.0, 0.0), guide=GUIDES[name]).pressure.max()
+    left, right = pp.ratings.permissible_eccentricity(press, motion, force=force, gibs=GIBS[name], pressure=PRESSURE)
+    central = pp.ratings.eccentric_load(press, motion, force=force, offset=(0.0, 0.0, 0.0), gibs=GIBS[name]).pressure.max()
     return f"{1e3 * left:.1f} to {1e3 * right:+.1f} mm (centred: {central / 1e6:.2f} MPa)"
 
 

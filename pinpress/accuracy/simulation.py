@@ -18,7 +18,7 @@ from ..simulation.run import Run
 from ..simulation.simulate import LEAST_TOLERANCE, simulate
 from .contests import Contest, Contestant, Errors, force_error, peak_force
 from .measurements import FREE_RUN, SPEED_LAW, TABLE
-from .peers.peer import End, Peer, Solver
+from .peers.peer import ClosedFormSolver, Peer, RunEnd
 from .scenes import Scene
 
 METHODS = ("reduced", "implicit", "constraint")
@@ -67,7 +67,7 @@ class Reference:
         error, force = self._errors(float(ended.run.crank_angle[-1]), force_error(ended.last.bearing_force, self.last, self.peak))
         return Errors(error, force, stats.closure_error, stats.energy_error, stats.evaluations)
 
-    def judge_peer(self, end: End) -> Errors:
+    def judge_peer(self, end: RunEnd) -> Errors:
         """Errors of a run of a peer."""
         forces = {name: force[None] for name, force in end.force.items()}
         error, force = self._errors(end.crank_angle, force_error(forces, self.last, self.peak, determined=True))
@@ -77,7 +77,7 @@ class Reference:
         return max(abs(angle - self.angle), self.certificate), max(force, self.force_certificate)
 
 
-def simulation_contest(press: Linkage, scene: Scene, peers: Sequence[Peer], solvers: Sequence[Solver]) -> Contest:
+def simulation_contest(press: Linkage, scene: Scene, peers: Sequence[Peer], solvers: Sequence[ClosedFormSolver]) -> Contest:
     """All methods over tolerances and fixed steps, peers over their steps, and solvers of the closed form over their tolerances.
 
     The reference is a run of all joints with the least tolerance. It must agree with the reduced equation, which shares no equation of
@@ -144,15 +144,15 @@ def _peer_runs(peer: Peer, scene: Scene, reference: Reference) -> Iterator[Conte
         yield Contestant(scene.group, peer.name, f"step {1e3 * step:.3g} ms", step, work, reference.judge_peer)
 
 
-def _solver_runs(solver: Solver, scene: Scene, reference: Reference) -> Iterator[Contestant]:
+def _solver_runs(solver: ClosedFormSolver, scene: Scene, reference: Reference) -> Iterator[Contestant]:
     run = solver.prepared(scene)
     for tolerance in solver.tolerances:
         setting = f"tolerance {tolerance:.0e}"
         yield Contestant(scene.group, solver.name, setting, tolerance, partial(run, tolerance), reference.judge_peer)
 
 
-def _left_out(peers: Sequence[Peer], solvers: Sequence[Solver], scene: Scene) -> list[Peer | Solver]:
-    runners: list[Peer | Solver] = [*(peer for peer in peers if peer.steps), *solvers]
+def _left_out(peers: Sequence[Peer], solvers: Sequence[ClosedFormSolver], scene: Scene) -> list[Peer | ClosedFormSolver]:
+    runners: list[Peer | ClosedFormSolver] = [*(peer for peer in peers if peer.steps), *solvers]
     return [each for each in runners if scene.group in each.left_out]
 
 

@@ -23,7 +23,7 @@ from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import reduced_model_of
 from .contests import inverse_dynamics_contest, measured, proximal_contest
 from .measurements import SCENES, Measurement, WorkPrecision
-from .peers.peer import Peer, Solver
+from .peers.peer import ClosedFormSolver, Peer
 from .scenes import Scene, build_scene
 from .simulation import simulation_contest, table_contest
 
@@ -134,7 +134,7 @@ def find_peers(press: Linkage) -> tuple[tuple[Peer, ...], tuple[str, ...]]:
     return tuple(peers), tuple(skipped)
 
 
-def find_solvers(press: Linkage) -> tuple[tuple[Solver, ...], tuple[str, ...]]:
+def find_solvers(press: Linkage) -> tuple[tuple[ClosedFormSolver, ...], tuple[str, ...]]:
     """The solvers that can treat a press, or a line that says why there are none."""
     from .peers.six_bar_press import INTEGRATORS, HandScript, SixBarEquation  # slow to import: SciPy
 

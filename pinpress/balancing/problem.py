@@ -30,7 +30,7 @@ QUANTITIES = {"shaking_force": "N", "shaking_moment": "N m", "driving_torque": "
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
-class Forces(Protocol):
+class ForceSeries(Protocol):
     """The forces that `Reactions` and their changes by masses (`MassResponse`) have in common."""
 
     @property
@@ -99,7 +99,7 @@ class Criterion:
         point = f" about {_point_words(self.about)}" if any(self.about) else ""
         return f"{type(self).__name__.lower()} of the {what}{where}{point}"
 
-    def vector(self, forces: Forces) -> Array:
+    def vector(self, forces: ForceSeries) -> Array:
         """The vector (n, 3) whose component is measured; (n, drivers) for the driving torque."""
         values = getattr(forces, self.quantity)
         if self.bearing is not None:
@@ -108,7 +108,7 @@ class Criterion:
             values = values - np.cross(self.about, forces.shaking_force)
         return np.asarray(values.reshape(len(values), -1))
 
-    def series(self, forces: Forces) -> Array:
+    def series(self, forces: ForceSeries) -> Array:
         """The series (n, components) whose range, rms or peak is taken; it is linear in the forces."""
         values = self.vector(forces)
         if self.axis is None:
@@ -120,7 +120,7 @@ class Criterion:
         """A series (n, components) without its constant part, where that does not count."""
         return np.asarray(series - series.mean(axis=0))
 
-    def value(self, forces: Forces) -> float:
+    def value(self, forces: ForceSeries) -> float:
         """The criterion of `Reactions`, in its unit."""
         return self.of(self.series(forces))
 
@@ -337,7 +337,7 @@ def _signal(
         responses: Response to one of each variable.
         own: Response to the masses that regions replace.
     """
-    forces: list[Forces] = [reactions, *responses, *own]
+    forces: list[ForceSeries] = [reactions, *responses, *own]
     fixed, *others = (criterion.varying(criterion.series(each)) for each in forces)
     effects, replaced = np.stack(others[: len(responses)], axis=2), others[len(responses) :]
     # Where the criterion is zero before, the effect of the regions gives the size; where they have none either, all is rounding.

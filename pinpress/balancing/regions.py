@@ -192,7 +192,7 @@ def _shape_variables(
     )
 
 
-class _Shape(NamedTuple):
+class _RegionShape(NamedTuple):
     """A circle or polygon in the plane of motion.
 
     Attributes:
@@ -208,7 +208,7 @@ class _Shape(NamedTuple):
     corners: Array | None
 
 
-def _shape(press: Linkage, region: CounterweightRegion, joint: int) -> _Shape:
+def _shape(press: Linkage, region: CounterweightRegion, joint: int) -> _RegionShape:
     plane = press.plane_or_refuse(f"{region.words}: {press.name} is not planar: give a point, at=..., there")
     frame = plane.frames[joint - 1]
     ends = np.array([carrying_joint(press, region.link, end, region.words)[1] for end in region.corners or [region.centre]])
@@ -219,7 +219,7 @@ def _shape(press: Linkage, region: CounterweightRegion, joint: int) -> _Shape:
     size = float(region.radius) if region.radius is not None else float(np.linalg.norm(arms, axis=1).max())
     if not size > 0:
         raise PinpressError(f"{region.words} has no extent: give a point, at=..., instead")
-    return _Shape(centre, frame[:2], size, arms[:, :2] / size if region.corners else None)
+    return _RegionShape(centre, frame[:2], size, arms[:, :2] / size if region.corners else None)
 
 
 def _moments(corners: Array | None, inertia_counts: bool) -> Array:
@@ -232,7 +232,7 @@ def _moments(corners: Array | None, inertia_counts: bool) -> Array:
     return moments
 
 
-def _shape_rows(region: CounterweightRegion, shape: _Shape, moments: Array, own_spread: Array, inertia_counts: bool) -> list[Rows]:
+def _shape_rows(region: CounterweightRegion, shape: _RegionShape, moments: Array, own_spread: Array, inertia_counts: bool) -> list[Rows]:
     """The constraints that keep material within the shape. ``own_spread``: moment of inertia (variables,) by the radius of gyration."""
     mass, first, second, inertia = moments
     corners, rows = shape.corners, list[Rows]()

@@ -28,7 +28,7 @@ MAKERS = {
     "Run": "simulate",
     "Stiffness": "Stiffness",
     "Capacities": "Capacities",
-    "Guide": "Guide(length, width)",
+    "Gibs": "Gibs(length, width)",
     "SlideCompliance": "compliance",
     "PressRatings": "rate",
     "WorkPrecision": "accuracy.compare",

@@ -70,8 +70,8 @@ class Stiffness(Frozen):
     frame: float | None = None
 
 
-class Part(NamedTuple):
-    """One spring, with the bearings from whose forces its internal force is found.
+class Spring(NamedTuple):
+    """A part that yields, with the bearings from whose forces its internal force is found.
 
     Attributes:
         name: Name in tables.
@@ -88,7 +88,7 @@ class Part(NamedTuple):
     line: tuple[int, int] = (0, 0)
 
 
-def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
+def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
     """The springs of a press.
 
     Raises:
@@ -110,9 +110,9 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
     found += [_rod_spring(press, rod) for rod in stiffness.rods]
     if stiffness.shaft is not None:
         driver = press.bearings.index(press.driver)
-        found.append(Part(SHAFT, 1 / positive("stiffness of the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
+        found.append(Spring(SHAFT, 1 / positive("stiffness of the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
     if stiffness.frame is not None:
-        found.append(Part(FRAME, 1 / positive("stiffness of the frame", stiffness.frame, "N/m"), "frame", tuple(_on_crown(press))))
+        found.append(Spring(FRAME, 1 / positive("stiffness of the frame", stiffness.frame, "N/m"), "frame", tuple(_on_crown(press))))
     if not found:
         raise PinpressError(f"no part of {press.name} yields: give Stiffness the stiffness of at least one")
     names = [part.name for part in found]
@@ -121,7 +121,7 @@ def parts(press: Linkage, stiffness: Stiffness) -> tuple[Part, ...]:
     return tuple(found)
 
 
-def sharing(press: Linkage, springs: Sequence[Part]) -> dict[str, float]:
+def sharing(press: Linkage, springs: Sequence[Spring]) -> dict[str, float]:
     """Stiffnesses of bearings for `inverse_dynamics`, by which they share the forces that rigid-body mechanics leaves undetermined.
 
     Each bearing that yields also gets half of the compliance of the rods that end there. So internal forces that parallel rods exert on
@@ -134,7 +134,7 @@ def sharing(press: Linkage, springs: Sequence[Part]) -> dict[str, float]:
     return {press.bearings[bearing]: 1 / value for bearing, value in compliance.items() if value}
 
 
-def internal_forces(press: Linkage, springs: Sequence[Part], motion: Motion, reactions: Reactions) -> list[Array]:
+def internal_forces(press: Linkage, springs: Sequence[Spring], motion: Motion, reactions: Reactions) -> list[Array]:
     """The internal force of every part over a motion, (n, 3) for bearings, (n, 1) for other parts [N, N m].
 
     Forces of rods and of the frame's columns are positive in tension.
@@ -187,21 +187,21 @@ def _without_travel(press: Linkage, motion: Motion, bearing: int, force: Array) 
     return np.asarray(force - np.einsum("nk,nk->n", force, along)[:, None] * along)
 
 
-def _bearing_spring(press: Linkage, name: str, stiffness: float) -> Part:
+def _bearing_spring(press: Linkage, name: str, stiffness: float) -> Spring:
     compliance = 1 / positive(f"stiffness of bearing {shown(name)}", stiffness, "N/m")
-    return Part(name, compliance, "bearing", ((_bearing(press, name), 1.0),))
+    return Spring(name, compliance, "bearing", ((_bearing(press, name), 1.0),))
 
 
-def _guide_spring(press: Linkage, name: str, stiffness: float) -> Part:
+def _guide_spring(press: Linkage, name: str, stiffness: float) -> Spring:
     """The spring of a guide against turning of the slide."""
     guide = _bearing(press, name)
     if guide >= len(press.joints) or press.axes[guide].turns:
         raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
     compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", stiffness, "N m/rad")
-    return Part(f"{name} turning", compliance, "moment", ((guide, 1.0),))
+    return Spring(f"{name} turning", compliance, "moment", ((guide, 1.0),))
 
 
-def _rod_spring(press: Linkage, rod: Rod) -> Part:
+def _rod_spring(press: Linkage, rod: Rod) -> Spring:
     if rod.link not in press.links or rod.link == press.root:
         raise UnknownNameError("moving link", rod.link, [link for link in press.links if link != press.root])
     if not isinstance(rod.between, tuple | list) or len(rod.between) != 2 or rod.between[0] == rod.between[1]:
@@ -218,7 +218,7 @@ def _rod_spring(press: Linkage, rod: Rod) -> Part:
             raise PinpressError(f"rod of {shown(rod.link)}: bearing {shown(press.bearings[k])} is not on that link; there are: {names}")
     compliance = 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m")
     loads = ((one, -0.5 * signs[one]), (another, 0.5 * signs[another])) if len(signs) == 2 else ((another, signs[another]),)
-    return Part(rod.name, compliance, "rod", loads, (one, another))
+    return Spring(rod.name, compliance, "rod", loads, (one, another))
 
 
 def _acting_bodies(press: Linkage) -> tuple[int, ...]:

@@ -28,7 +28,7 @@ from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce
-from .springs import Part, Stiffness, internal_forces, parts, sharing
+from .springs import Spring, Stiffness, internal_forces, sharing, springs_of
 
 RIGID = 1e-12  # a compliance below this share of the largest over the motion is rounding
 POINTS = 360  # states of a turn
@@ -116,7 +116,7 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
             angle, or a guide's moment or an arm would share forces with parallel rods.
         SingularityError: The linkage locks.
     """
-    parts(press, stiffness)  # refuses wrong stiffnesses before anything is computed
+    springs_of(press, stiffness)  # refuses wrong stiffnesses before anything is computed
     centres = dead_centres(press)
     if angle is None and press.driver_coordinates[0].turns:
         angle = np.arange(POINTS * press.period_turns) * (2 * np.pi / POINTS)
@@ -158,7 +158,7 @@ class HeldPress:
     """
 
     press: Linkage
-    springs: tuple[Part, ...]
+    springs: tuple[Spring, ...]
     motion: Motion
     shared: Mapping[str, float]
 
@@ -205,10 +205,10 @@ def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> HeldPress:
     """The elastic press in the poses of a motion.
 
     Raises:
-        UnknownNameError: As `springs.parts`.
-        PinpressError: As `springs.parts`, or a guide's moment or an arm would share forces with parallel rods.
+        UnknownNameError: As `springs_of`.
+        PinpressError: As `springs_of`, or a guide's moment or an arm would share forces with parallel rods.
     """
-    springs = parts(press, stiffness)
+    springs = springs_of(press, stiffness)
     held = HeldPress(press, springs, motion, sharing(press, springs))
     apart = any(part.kind == "moment" or (part.kind == "rod" and len(part.bearings) == 1) for part in springs)
     if apart and press.engine().redundant(press.closed):

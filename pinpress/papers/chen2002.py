@@ -19,7 +19,7 @@ from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..synthesis.design import Trial
 from ..synthesis.synthesis import SynthesisResult, synthesise
-from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Entry, Erratum, Page, Panel, Row, draw
+from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Erratum, Page, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,7 +52,7 @@ def page() -> Page:
         " rocker-slide behind it, so that the ram works at an even speed and returns quickly. `thin_wall`, at 7.54 rad/s. The paper has"
         " no tables. Written by `python -m pinpress.papers chen2002`.",
         (
-            Entry(("Fig. 1",), "scheme of the press", NO_RESULT),
+            PageEntry(("Fig. 1",), "scheme of the press", NO_RESULT),
             _ends(press),
             _speeds(press, motion, even[0].press),
             _example(press, motion),
@@ -110,7 +110,7 @@ def largest_pressure(press: Linkage, motion: Motion) -> float:
     return math.degrees(pressure_angle(motion, at["E"], at["D"], AXIS))
 
 
-def _ends(press: Linkage) -> Entry:
+def _ends(press: Linkage) -> PageEntry:
     ends = dead_centres(press)
     start, end = math.degrees(ends.top_angle) - 360.0, math.degrees(ends.bottom_angle)
     half = math.degrees(HALF)
@@ -121,7 +121,7 @@ def _ends(press: Linkage) -> Entry:
         Row("its end, printed lengths [deg]", "197.973159", end, 1e-5, None, SOLVER),
     )
     reason = "(11) for K = 1.5; ours are those of the lengths, which are rounded to millimetres, the crank's by up to 0.5 %."
-    return Entry(("Fig. 2",), "crank angles at the ends of the stroke", FORMULAS, rows, reason)
+    return PageEntry(("Fig. 2",), "crank angles at the ends of the stroke", FORMULAS, rows, reason)
 
 
 def _working(motion: Motion) -> tuple[Array, Array]:
@@ -129,7 +129,7 @@ def _working(motion: Motion) -> tuple[Array, Array]:
     return np.degrees(motion.crank_angle), -1e3 * motion.slide_velocity
 
 
-def _speeds(press: Linkage, motion: Motion, even: Linkage) -> Entry:
+def _speeds(press: Linkage, motion: Motion, even: Linkage) -> PageEntry:
     def down(degrees: float) -> float:
         return -1e3 * float(servo_cycle(press, speed=SPEED, angle=[math.radians(degrees)]).slide_velocity[0])
 
@@ -152,10 +152,10 @@ def _speeds(press: Linkage, motion: Motion, even: Linkage) -> Entry:
 
     reason = "No number is printed in the figure; what the text says of it follows below."
     caption = "Towards the work is positive."
-    return Entry(("Fig. 3",), "speed of the ram over the crank angle", CURVES, rows, reason, "chen2002_speed", shown, caption)
+    return PageEntry(("Fig. 3",), "speed of the ram over the crank angle", CURVES, rows, reason, "chen2002_speed", shown, caption)
 
 
-def _example(press: Linkage, motion: Motion) -> Entry:
+def _example(press: Linkage, motion: Motion) -> PageEntry:
     bar = STROKE / (2 * math.sin(HALF))
     rows = (
         Row("time ratio K", "1.5", quick_return_ratio(motion), 0.5, 5),
@@ -176,10 +176,10 @@ def _example(press: Linkage, motion: Motion) -> Entry:
         "l1 = 108, l3 = 648, l4 = 220, l6 = 350, h = 630 mm. Time ratio and stroke are those of these lengths, to what rounding to"
         " millimetres leaves (0.5 % of the crank); bar and height are not the rounded ones of the paper's own rules. l4 is discussed below."
     )
-    return Entry(("Example",), "lengths, time ratio, stroke, pressure angle", PARTLY, rows, reason)
+    return PageEntry(("Example",), "lengths, time ratio, stroke, pressure angle", PARTLY, rows, reason)
 
 
-def _uniform(press: Linkage, motion: Motion) -> Entry:
+def _uniform(press: Linkage, motion: Motion) -> PageEntry:
     part = servo_cycle(press, speed=SPEED, angle=np.radians(np.linspace(60.0, 120.0, 601)))
     travel = 1e3 * float(part.slide_position[0] - part.slide_position[-1])
     speed = -part.slide_velocity
@@ -193,10 +193,10 @@ def _uniform(press: Linkage, motion: Motion) -> Entry:
         "The paper claims at least 120 mm at a nearly uniform speed, from 60 to 120 deg. The travel agrees; how uniform the speed is, the"
         " paper does not say."
     )
-    return Entry(("Uniform section",), "travel at even speed", CURVES, rows, reason)
+    return PageEntry(("Uniform section",), "travel at even speed", CURVES, rows, reason)
 
 
-def _objective(press: Linkage, motion: Motion) -> Entry:
+def _objective(press: Linkage, motion: Motion) -> PageEntry:
     def value(l1: float, l4: float) -> float:
         return speed_ratio(cycle(reshaped(press, design_rules(l1, l4)), SPEED, points=360))
 
@@ -225,10 +225,10 @@ def _objective(press: Linkage, motion: Motion) -> Entry:
         " that bound. From bound to infinity f falls by 0.03 %."
     )
     caption = "Cross: l4 as printed; dashes: the limit."
-    return Entry(("(22), (23)",), "objective and its optimum", NOT, rows, reason, "chen2002_objective", shown, caption)
+    return PageEntry(("(22), (23)",), "objective and its optimum", NOT, rows, reason, "chen2002_objective", shown, caption)
 
 
-def _even(motion: Motion, found: list[SynthesisResult]) -> Entry:
+def _even(motion: Motion, found: list[SynthesisResult]) -> PageEntry:
     rows = [Row("drop of speed over 120 mm, printed lengths [%]", "3.69", 100 * speed_variation(motion, DRAWN), 0.2, None, SOLVER)]
     for degrees, theirs, best in zip((40, 10), ("3.39", "3.64"), found, strict=True):
         rows += [
@@ -240,4 +240,4 @@ def _even(motion: Motion, found: list[SynthesisResult]) -> Entry:
         "The purpose of the press: a speed as even as possible over the 120 mm that are drawn, with free l4 and h under a limit of the"
         " pressure angle. This objective has an optimum, little better than the paper's lengths: the guide bar decides."
     )
-    return Entry(("Even speed",), "objective with an optimum", BEYOND, tuple(rows), reason)
+    return PageEntry(("Even speed",), "objective with an optimum", BEYOND, tuple(rows), reason)

@@ -25,7 +25,7 @@ from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..loads.link import PointForce
 from ..simulation.simulate import simulate
-from .pages import BEYOND, DATA, NO_RESULT, NOT, PARTLY, REPRODUCED, Entry, Erratum, Page, Panel, Row, draw
+from .pages import BEYOND, DATA, NO_RESULT, NOT, PARTLY, REPRODUCED, Erratum, Page, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,7 +49,7 @@ PINS = ("A", "B", "C", "D", "E", "F")
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class PressTurn:
     """The press before or after balancing, over one turn.
 
     Attributes:
@@ -77,14 +77,14 @@ class State:
         return {MOMENT: self.moment, ACROSS: self.on_frame[:, 0], UPRIGHT: self.on_frame[:, 2]}
 
 
-def state(name: str, points: int = POINTS, gravity: float = 9.81) -> State:
+def state(name: str, points: int = POINTS, gravity: float = 9.81) -> PressTurn:
     """A shipped press at 70 strokes/min."""
     press = load(name, gravity=(0, 0, -gravity))
     motion = cycle(press, SPEED, points=points)
-    return State(press, motion, inverse_dynamics(press, motion))
+    return PressTurn(press, motion, inverse_dynamics(press, motion))
 
 
-def states() -> tuple[State, State]:
+def states() -> tuple[PressTurn, PressTurn]:
     """Before and after balancing."""
     return state("zxn2_3000b"), state("zxn2_3000b_balanced")
 
@@ -102,9 +102,9 @@ def page() -> Page:
         " [(18)](#18-the-weight-that-it-leaves-out). Written by `python -m pinpress.papers kong2025`.",
         (
             _motor(),
-            Entry(("Fig. 2",), "kinematic model and photograph", NO_RESULT),
+            PageEntry(("Fig. 2",), "kinematic model and photograph", NO_RESULT),
             _kinematics(before),
-            Entry(("Fig. 4",), "forces on each link", NO_RESULT),
+            PageEntry(("Fig. 4",), "forces on each link", NO_RESULT),
             _masses(before, after),
             _torque_figure(before, after),
             _table("Table 2", "driving torque before and after balancing", (MOMENT,), before, after),
@@ -124,7 +124,7 @@ def motor() -> InverterMotor:
     return InverterMotor(rated_torque=482.0, rated_speed=1485 * RPM, frequency=50.0, overload=1.0)
 
 
-def _motor() -> Entry:
+def _motor() -> PageEntry:
     frequency = np.linspace(5.0, 100.0, 400)
     limit = np.asarray(motor().torque_limit(frequency))
 
@@ -141,12 +141,12 @@ def _motor() -> Entry:
         "The figure prints the rated point; the curve is constant flux below 50 Hz and constant voltage above it. One gear ratio cannot"
         " give both ends of the printed ranges: 724.9 r/min belong to 35 strokes/min, or to 50 strokes/min of a press that runs up to 100."
     )
-    return Entry(
+    return PageEntry(
         ("Fig. 1",), "torque of the motor over frequency", REPRODUCED, rows, reason, "kong2025_motor", shown, "Cross: rated point."
     )
 
 
-def _kinematics(before: State) -> Entry:
+def _kinematics(before: PressTurn) -> PageEntry:
     motion, ends = before.motion, dead_centres(before.press)
     s, v, a = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
     rows = (
@@ -175,11 +175,13 @@ def _kinematics(before: State) -> Entry:
 
     caption = "Dashes: the extremes as printed."
     reason = "The paper allows itself 0.5 % (300 mm stroke on the nameplate)."
-    return Entry(("Fig. 3",), "position, velocity, acceleration of the slide", REPRODUCED, rows, reason, "kong2025_slide", shown, caption)
+    return PageEntry(
+        ("Fig. 3",), "position, velocity, acceleration of the slide", REPRODUCED, rows, reason, "kong2025_slide", shown, caption
+    )
 
 
-def _masses(before: State, after: State) -> Entry:
-    def body(each: State, joint: str) -> tuple[float, float]:
+def _masses(before: PressTurn, after: PressTurn) -> PageEntry:
+    def body(each: PressTurn, joint: str) -> tuple[float, float]:
         inertia = each.press.model.inertias[each.press.model.getJointId(joint)]
         return float(inertia.mass), float(inertia.lever[0])
 
@@ -189,10 +191,10 @@ def _masses(before: State, after: State) -> Entry:
         rows += [Row(f"mass of the {link} [kg]", mass, m2), Row(f"centre of mass of the {link} from its first pin [m]", centre, c2)]
         words.append(f"{m2 - m1:.3f} kg at {(m2 * c2 - m1 * c1) / (m2 - m1):.4f} m on the {link}")
     reason = f"Taken over. The differences are counterweights of {words[0]} and {words[1]}."
-    return Entry(("Table 1",), "masses and centres of mass after balancing", DATA, tuple(rows), reason)
+    return PageEntry(("Table 1",), "masses and centres of mass after balancing", DATA, tuple(rows), reason)
 
 
-def _table(number: str, title: str, names: tuple[str, ...], before: State, after: State) -> Entry:
+def _table(number: str, title: str, names: tuple[str, ...], before: PressTurn, after: PressTurn) -> PageEntry:
     rows = []
     for name in names:
         curves = before.columns()[name], after.columns()[name]
@@ -208,14 +210,14 @@ def _table(number: str, title: str, names: tuple[str, ...], before: State, after
         " The paper does not say on which body the force acts; ours acts from the crank on the frame, which is much nearer than the"
         " opposite."
     )
-    return Entry((number,), title, NOT, tuple(rows), WHY_NOT + (direction if ACROSS in names else ""))
+    return PageEntry((number,), title, NOT, tuple(rows), WHY_NOT + (direction if ACROSS in names else ""))
 
 
 TURNING = ("B", "D", "E")  # joints of the links whose inertias matter at constant crank speed: coupler, rocker, rod
 
 
 @dataclass(frozen=True, eq=False)
-class Parts:
+class CurveParts:
     """The summands of the curves of tables 2 and 3, in the order of `PRINTED`; forces are linear in weights and inertias.
 
     Attributes:
@@ -229,7 +231,7 @@ class Parts:
     inertia: Array
 
 
-def parts(given: State) -> Parts:
+def parts(given: PressTurn) -> CurveParts:
     """The parts of a press before or after balancing."""
     whole = _curves(given.press, given.motion, ())
     crank = given.press.model.inertias[given.press.model.getJointId("A")]
@@ -237,10 +239,10 @@ def parts(given: State) -> Parts:
     holding = PointForce("crank", (0.0, 0.0, 9.81 * crank.mass), (x, y, z))
     weight = whole - _curves(given.press, given.motion, [holding])
     inertia = np.array([whole - _curves(_without_inertia(given.press, joint), given.motion, ()) for joint in TURNING])
-    return Parts(whole - weight - inertia.sum(axis=0), weight, inertia)
+    return CurveParts(whole - weight - inertia.sum(axis=0), weight, inertia)
 
 
-def rms_deviation(pair: Sequence[Parts], weight: float, shares: ArrayLike) -> float:
+def rms_deviation(pair: Sequence[CurveParts], weight: float, shares: ArrayLike) -> float:
     """Root mean square of the deviations of the twelve extremes in tables 2 and 3, each by the printed range before balancing [%].
 
     Args:
@@ -258,17 +260,18 @@ def rms_deviation(pair: Sequence[Parts], weight: float, shares: ArrayLike) -> fl
     return float(100 * np.sqrt(np.mean(np.square(deviations))))
 
 
-def least_deviation(pair: Sequence[Parts], weight: float) -> float:
+def least_deviation(pair: Sequence[CurveParts], weight: float) -> float:
     """The least `rms_deviation` [%] for any inertias that are not negative, searched from the shipped ones."""
     from scipy.optimize import minimize  # slow to import
 
-    coarse = [Parts(each.rest[:, ::10], each.weight[:, ::10], each.inertia[:, :, ::10]) for each in pair]  # quicker, and enough to search
+    # every tenth state is enough to search
+    coarse = [CurveParts(each.rest[:, ::10], each.weight[:, ::10], each.inertia[:, :, ::10]) for each in pair]
     # extremes have corners, where other crank angles take over: a search without gradients
     found = minimize(lambda shares: rms_deviation(coarse, weight, shares), np.ones(4), method="Nelder-Mead", bounds=[(0.0, None)] * 4)
     return rms_deviation(pair, weight, found.x)
 
 
-def _equation_18(before: State, after: State) -> Entry:
+def _equation_18(before: PressTurn, after: PressTurn) -> PageEntry:
     """The deviation from the tables without the crank's weight, which (18) leaves out, and without inertias, which the paper omits."""
     pair = [parts(each) for each in (before, after)]
     rows: list[Row] = []
@@ -290,13 +293,13 @@ def _equation_18(before: State, after: State) -> Entry:
         " zero. So the tables seem to be computed without the weight of the crank, and with inertias of zero or far below ours. That is"
         " not all: 3 % stay unexplained, and the printed change of the torque's range, -1.8713 %, is near ours with G1, not without."
     )
-    return Entry(("(18)",), "the weight that it leaves out", BEYOND, tuple(rows), reason)
+    return PageEntry(("(18)",), "the weight that it leaves out", BEYOND, tuple(rows), reason)
 
 
 def _curves(press: Linkage, motion: Motion, loads: Sequence[PointForce]) -> Array:
     """The curves of tables 2 and 3, (3, n), in the order of `PRINTED`."""
     result = inverse_dynamics(press, motion, loads=loads, bearings=["A"])
-    return np.array(list(State(press, motion, result).columns().values()))
+    return np.array(list(PressTurn(press, motion, result).columns().values()))
 
 
 def _without_inertia(press: Linkage, joint: str) -> Linkage:
@@ -307,7 +310,7 @@ def _without_inertia(press: Linkage, joint: str) -> Linkage:
     return replace(press, model=model)
 
 
-def _torque_figure(before: State, after: State) -> Entry:
+def _torque_figure(before: PressTurn, after: PressTurn) -> PageEntry:
     def shown() -> "Figure":
         curves = {when: (each.motion.time, each.moment / 1e3) for when, each in (("before", before), ("after", after))}
         return draw("time [s]", [Panel("M_b [kN m]", curves, [value / 1e3 for pair in PRINTED[MOMENT] for value in pair])], 6.0)
@@ -320,10 +323,10 @@ def _torque_figure(before: State, after: State) -> Entry:
     )
     reason = f"Its numbers are those of table 2. {WHY_NOT} The torque does change slowly at bottom dead centre."
     caption = "Dashes: the extremes of table 2."
-    return Entry(("Fig. 5",), "driving torque before and after balancing", NOT, rows, reason, "kong2025_torque", shown, caption)
+    return PageEntry(("Fig. 5",), "driving torque before and after balancing", NOT, rows, reason, "kong2025_torque", shown, caption)
 
 
-def _bearings(before: State, after: State) -> Entry:
+def _bearings(before: PressTurn, after: PressTurn) -> PageEntry:
     def shown() -> "Figure":
         panels = []
         for bearing in PINS:
@@ -351,10 +354,10 @@ def _bearings(before: State, after: State) -> Entry:
         " At bottom dead centre the forces in A, B and C are small, but they are smallest at another crank angle."
     )
     caption = "Forces of parent on child, in C and F of link 1 on link 2; x across, y up."
-    return Entry(("Fig. 6",), "forces in the bearings A to F", NOT, tuple(rows), reason, "kong2025_bearings", shown, caption)
+    return PageEntry(("Fig. 6",), "forces in the bearings A to F", NOT, tuple(rows), reason, "kong2025_bearings", shown, caption)
 
 
-def _claims(before: State, after: State) -> Entry:
+def _claims(before: PressTurn, after: PressTurn) -> PageEntry:
     def change(first: Array, second: Array) -> tuple[float, float]:
         across, up = 100 * (np.ptp(second[:, ::2], axis=0) / np.ptp(first[:, ::2], axis=0) - 1)  # y of the world is across the plane
         return float(across), float(up)
@@ -372,7 +375,7 @@ def _claims(before: State, after: State) -> Entry:
         " reference [20]. Two of them agree as far as the printed centres of mass allow: rounded to 0.1 mm, these leave 0.1 % of the first"
         " and 0.7 % of the last open. The other two differ by 3 and 4 %."
     )
-    return Entry(("Reference [20]",), "what the balancing does to centre of mass and shaking force", PARTLY, rows, reason)
+    return PageEntry(("Reference [20]",), "what the balancing does to centre of mass and shaking force", PARTLY, rows, reason)
 
 
 def _centre_of_mass(press: Linkage, points: int = 720) -> Array:
@@ -381,7 +384,7 @@ def _centre_of_mass(press: Linkage, points: int = 720) -> Array:
     return np.array([pin.centerOfMass(press.model, data, q).copy() for q in cycle(press, SPEED, points=points).q])
 
 
-def _moments(before: State, after: State) -> Entry:
+def _moments(before: PressTurn, after: PressTurn) -> PageEntry:
     weightless = [state(name, gravity=0.0) for name in ("zxn2_3000b", "zxn2_3000b_balanced")]
     named = (("inertia alone", weightless), ("with the weights", (before, after)))
     rows = tuple(
@@ -394,10 +397,10 @@ def _moments(before: State, after: State) -> Entry:
     ours = float(np.ptp(again.shaking_moment[:, 1]))
     rows += (Row("the same, by counterweights as point masses, after [N m]", "", ours, places=0),)
     reason = "The paper does not mention the shaking moment. It falls too, as far as our inertias can say."
-    return Entry(("Shaking moment",), "range about the rocker's pivot", BEYOND, rows, reason)
+    return PageEntry(("Shaking moment",), "range about the rocker's pivot", BEYOND, rows, reason)
 
 
-def _runs(press: Linkage) -> Entry:
+def _runs(press: Linkage) -> PageEntry:
     # angle and speed after 2 s by an independent integration that shares no code with pinpress
     solved = {2000.0: ("13.0853886242", "7.1703212858"), 500.0: ("-0.57766521797", "7.4974476849")}
     rows = []
@@ -410,7 +413,7 @@ def _runs(press: Linkage) -> Entry:
         "The paper has no forward dynamics. From crank angle 0 at 70 strokes/min, without a motor: with the light flywheel the crank cannot"
         " climb to top dead centre, and swings back."
     )
-    return Entry(("Forward dynamics",), "free runs", BEYOND, tuple(rows), reason)
+    return PageEntry(("Forward dynamics",), "free runs", BEYOND, tuple(rows), reason)
 
 
 ERRATA = (

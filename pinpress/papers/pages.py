@@ -100,7 +100,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Entry:
+class PageEntry:
     """One table or figure of a document, several of one kind, or a claim of its text.
 
     Attributes:
@@ -168,7 +168,7 @@ class Page:
     name: str
     title: str
     introduction: str
-    entries: tuple[Entry, ...]
+    entries: tuple[PageEntry, ...]
     errata: tuple[Erratum, ...]
 
     @property

@@ -15,7 +15,7 @@ from ..balancing.counterweights import Counterweight, with_counterweights
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
 from . import zhang2007_balancing, zhang2007_runs, zhang2007_vibration
-from .pages import FINDINGS, FORMULAS, NO_RESULT, NOT, Entry, Erratum, Page, Panel, Row, draw, figures
+from .pages import FINDINGS, FORMULAS, NO_RESULT, NOT, Erratum, Page, PageEntry, Panel, Row, draw, figures
 from .zhang2007_balancing import GRAVITY, POINTS, SPEED, clean, presses, turning
 
 if TYPE_CHECKING:
@@ -38,13 +38,13 @@ def page() -> Page:
         " lengths can agree only as far as these do. We read the thesis in a transcription: what may be a mistake of the transcription is"
         " marked `as our text reads`. Gravity is not printed; ours is 9.80665 m/s2. Written by `python -m pinpress.papers zhang2007`.",
         (
-            Entry(figures(1, 1, 4), "presses of others", NO_RESULT),
-            Entry(figures(2, 1, 6), "photograph, scheme, CAD model, instruments, measuring points", NO_RESULT),
+            PageEntry(figures(1, 1, 4), "presses of others", NO_RESULT),
+            PageEntry(figures(2, 1, 6), "photograph, scheme, CAD model, instruments, measuring points", NO_RESULT),
             _vibration(),
-            Entry(("Fig. 2-16",), "photograph of the tool for piling", NO_RESULT),
+            PageEntry(("Fig. 2-16",), "photograph of the tool for piling", NO_RESULT),
             *_balancing(given),
             *zhang2007_runs.motion_entries(given),
-            Entry(figures(5, 1, 7), "flow chart, ADAMS models, schemes and screenshot", NO_RESULT),
+            PageEntry(figures(5, 1, 7), "flow chart, ADAMS models, schemes and screenshot", NO_RESULT),
             *zhang2007_balancing.entries(given),
             *zhang2007_runs.load_entries(given["jf75g_125_symmetric"]),
         ),
@@ -52,7 +52,7 @@ def page() -> Page:
     )
 
 
-def _vibration() -> Entry:
+def _vibration() -> PageEntry:
     """Chapter 2: what accelerometers on the frame showed, on 10 mm of rubber, at 200 to 400 r/min."""
     model = zhang2007_vibration.Vibration()
     rows = tuple(Row(f"{one.place}: {one.says}", "in words", f"{one.gives}. Agrees: {one.agrees}") for one in model.findings())
@@ -63,10 +63,10 @@ def _vibration() -> Entry:
     )
     numbers = (*figures(2, 7, 15), "Fig. 2-17", "Fig. 2-18")
     caption = "Ours: acceleration of the top beam, idle."
-    return Entry(numbers, "vibration of the frame", FINDINGS, rows, reason, "zhang2007_vibration", model.draw, caption)
+    return PageEntry(numbers, "vibration of the frame", FINDINGS, rows, reason, "zhang2007_vibration", model.draw, caption)
 
 
-def _balancing(given: Mapping[str, Linkage]) -> tuple[Entry, ...]:
+def _balancing(given: Mapping[str, Linkage]) -> tuple[PageEntry, ...]:
     plain, opposed, symmetric = given.values()
     before, after = turning(plain), turning(opposed)
     return (
@@ -80,7 +80,7 @@ def _balancing(given: Mapping[str, Linkage]) -> tuple[Entry, ...]:
     )
 
 
-def _rotors() -> Entry:
+def _rotors() -> PageEntry:
     masses, places, planes = [2.0, -1.2], [[0.10, 0.05, 0.0], [0.0, 0.20, 0.15]], (0.0, 0.30)
     products = [np.array([0.2, 0.0]), np.array([0.0, -0.18])]  # m r, across the shaft [kg m]
     alone = classical.static_balance(masses, places)
@@ -100,10 +100,10 @@ def _rotors() -> Entry:
         "The thesis has formulas without an example. Ours: 2 kg at 100 mm and a hole of 1.2 kg at 150 mm across, 50 and 200 mm along the"
         " shaft; planes at 0 and 300 mm."
     )
-    return Entry(("Fig. 3-1", "Fig. 3-2"), "balancing of rotors in one and two planes", FORMULAS, rows, reason)
+    return PageEntry(("Fig. 3-1", "Fig. 3-2"), "balancing of rotors in one and two planes", FORMULAS, rows, reason)
 
 
-def _slide(before: Reactions) -> Entry:
+def _slide(before: Reactions) -> PageEntry:
     motion, radius, ratio, speed = before.motion, 0.015, 0.05, SPEED
     angle = motion.crank_angle
     formula = speed**2 * radius * (np.cos(angle) + ratio * np.cos(2 * angle))
@@ -136,10 +136,10 @@ def _slide(before: Reactions) -> Entry:
 
     reason = "(3.2.2) is the first two terms of a series; with the inferred crank of 15 mm and rod of 300 mm. Upwards is positive."
     caption = "Crosses: (3.2.2)."
-    return Entry(("Fig. 3-3",), "motion of the slide", FORMULAS, rows, reason, "zhang2007_slide", shown, caption)
+    return PageEntry(("Fig. 3-3",), "motion of the slide", FORMULAS, rows, reason, "zhang2007_slide", shown, caption)
 
 
-def _complete(plain: Linkage, before: Reactions) -> Entry:
+def _complete(plain: Linkage, before: Reactions) -> PageEntry:
     main = classical.as_crank_slider(plain)
     h1, h2 = main.crank_centre.real, main.rod_centre.real
     on_rod = (main.rod_mass * h2 + main.slide_mass * main.rod_length) / ROD_RADIUS
@@ -164,10 +164,10 @@ def _complete(plain: Linkage, before: Reactions) -> Entry:
         "The thesis has formulas without an example. Ours: counterweights at 0.30 m on the rod and 0.15 m on the crank. As our text"
         " reads, m' has the rod's mass m2 in place of m_B, the mass of all that hangs on the crank pin, and nearly doubles the force."
     )
-    return Entry(("Fig. 3-4",), "complete balancing", FORMULAS, rows, reason)
+    return PageEntry(("Fig. 3-4",), "complete balancing", FORMULAS, rows, reason)
 
 
-def _approximate(plain: Linkage, before: Reactions) -> Entry:
+def _approximate(plain: Linkage, before: Reactions) -> PageEntry:
     main = classical.as_crank_slider(plain)
     k, share = main.crank_radius, main.rod_share.real
     reciprocating = main.slide_mass + main.rod_mass * share
@@ -189,10 +189,10 @@ def _approximate(plain: Linkage, before: Reactions) -> Entry:
         Row("half of m'': first order across the slide [N]", f"{force / 2:.1f}", first_order(half)[1], 0.1, None, FORMULA),
     )
     reason = "Formulas without an example; counterweight at 0.15 m. The force that is taken away along the slide appears across it."
-    return Entry(("Fig. 3-5",), "approximate balancing", FORMULAS, rows, reason)
+    return PageEntry(("Fig. 3-5",), "approximate balancing", FORMULAS, rows, reason)
 
 
-def _opposed(plain: Linkage, before: Reactions, as_printed: Reactions) -> Entry:
+def _opposed(plain: Linkage, before: Reactions, as_printed: Reactions) -> PageEntry:
     main = classical.as_crank_slider(plain)
     rod = 113.31
     wanted = (main.slide_mass + main.rod_mass / 2) * main.crank_radius / AUXILIARY - rod / 2
@@ -213,10 +213,10 @@ def _opposed(plain: Linkage, before: Reactions, as_printed: Reactions) -> Entry:
         " the second order, as the ratios of crank and rod are 0.05 and 0.0495. Its masses of table 5-1 balance the sum of all masses"
         " instead."
     )
-    return Entry(("Fig. 3-6",), "opposed arrangement", FORMULAS, rows, reason)
+    return PageEntry(("Fig. 3-6",), "opposed arrangement", FORMULAS, rows, reason)
 
 
-def _guides(plain: Linkage, before: Reactions) -> Entry:
+def _guides(plain: Linkage, before: Reactions) -> PageEntry:
     main = classical.as_crank_slider(plain)
     weight = (main.rod_mass + main.slide_mass) * GRAVITY
     centre = (main.rod_mass * main.rod_length / 2 + main.slide_mass * main.rod_length) / (main.rod_mass + main.slide_mass)
@@ -227,10 +227,10 @@ def _guides(plain: Linkage, before: Reactions) -> Entry:
         "At constant crank speed, (3.5.20)-(3.5.25) take the angular accelerations of the rods and the accelerations of their mass centres"
         " as zero, which they are not, and turn the sign that gravity has in (3.5.3) and (3.5.6). Only gravity is left in X4."
     )
-    return Entry(("Fig. 3-7 (captioned 4-6)",), "forces of the opposed arrangement", NOT, wrong, why)
+    return PageEntry(("Fig. 3-7 (captioned 4-6)",), "forces of the opposed arrangement", NOT, wrong, why)
 
 
-def _symmetric(opposed: Reactions, symmetric: Reactions) -> Entry:
+def _symmetric(opposed: Reactions, symmetric: Reactions) -> PageEntry:
     force, moment = np.ptp(opposed.shaking_force[:, 0]), np.ptp(opposed.shaking_moment[:, 1])
     rows = (
         Row("range of the lateral shaking force, opposed [N]", "", float(force), places=1),
@@ -241,7 +241,7 @@ def _symmetric(opposed: Reactions, symmetric: Reactions) -> Entry:
         Row("the same, symmetric [N]", "", float(np.ptp(symmetric.shaking_force[:, 2])), places=2),
     )
     reason = "The thesis says in words that there is no lateral force and no tilting moment. The vertical force stays as it is."
-    return Entry(("Fig. 3-8",), "symmetric arrangement", FORMULAS, rows, reason)
+    return PageEntry(("Fig. 3-8",), "symmetric arrangement", FORMULAS, rows, reason)
 
 
 # Where a mistake may be the transcription's, the erratum says "as our text reads". Letters of a symbol font (l for lambda, f for phi) and

@@ -17,7 +17,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
-from .pages import CURVES, NOT, Entry, Panel, Row, draw
+from .pages import CURVES, NOT, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,7 +82,7 @@ def clean(value: float, peak: float) -> float:
     return value if abs(value) > 1e-9 * abs(peak) else 0.0
 
 
-def entries(given: Mapping[str, Linkage]) -> tuple[Entry, ...]:
+def entries(given: Mapping[str, Linkage]) -> tuple[PageEntry, ...]:
     """The objective, table 5-1, figure 5-11 and table 5-2."""
     plain, opposed, symmetric = given.values()
     return (_objective(plain, opposed, symmetric), _search(opposed), _idle(symmetric), _comparison(plain, opposed, symmetric))
@@ -121,7 +121,7 @@ def with_masses(press: Linkage, rod: float, counterweight: float) -> Linkage:
     )
 
 
-def _objective(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
+def _objective(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> PageEntry:
     place = plain.model.jointPlacements[plain.model.getJointId("O")].translation
     shaft = (float(place[0]), float(place[1]), float(place[2]))
     criteria: dict[str, Criterion] = {
@@ -142,10 +142,10 @@ def _objective(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
         " multiplies the tilting moment, which the symmetric arrangement has not. (5-8), a mean of forces with their signs, vanishes from"
         " dead centre to dead centre for any masses."
     )
-    return Entry(("(5-10) to (5-14)",), "objective of balancing", CURVES, tuple(rows), reason)
+    return PageEntry(("(5-10) to (5-14)",), "objective of balancing", CURVES, tuple(rows), reason)
 
 
-def _search(press: Linkage) -> Entry:
+def _search(press: Linkage) -> PageEntry:
     ours = ranges(press, np.array([step[:2] for step in SEARCH])).tolist()
     rows = [
         Row(f"step {k}, m5 = {rod:g} kg, m6 = {counterweight:g} kg [N]", theirs, found)
@@ -174,10 +174,10 @@ def _search(press: Linkage) -> Entry:
     )
     caption = "Dashes: our optimum."
     title = "search for the masses of auxiliary rod and counterweight"
-    return Entry(("Table 5-1",), title, NOT, tuple(rows), reason, "zhang2007_search", shown, caption)
+    return PageEntry(("Table 5-1",), title, NOT, tuple(rows), reason, "zhang2007_search", shown, caption)
 
 
-def _idle(press: Linkage) -> Entry:
+def _idle(press: Linkage) -> PageEntry:
     symmetric = turning(press)
     vertical = symmetric.shaking_force[:, 2] + weight(press)
     peak = max(float(np.abs(force).max()) for force in symmetric.bearing_force.values())
@@ -197,10 +197,10 @@ def _idle(press: Linkage) -> Entry:
         " weight, belongs to the former. Two mirrored halves cannot have a lateral force."
     )
     caption = "Less the weight. The axis spans 120 N."
-    return Entry(("Fig. 5-11",), "empty strokes after the search", NOT, rows, reason, "zhang2007_idle", shown, caption)
+    return PageEntry(("Fig. 5-11",), "empty strokes after the search", NOT, rows, reason, "zhang2007_idle", shown, caption)
 
 
-def _comparison(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
+def _comparison(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> PageEntry:
     # The original's forces include the weights of what moves, as the shaking force does, and of the flywheel, the improved press's none.
     flywheel = FLYWHEEL_MASS * GRAVITY
     original, improved = _extremes(plain, BEFORE, -flywheel), _extremes(symmetric, AFTER, weight(symmetric))
@@ -225,7 +225,7 @@ def _comparison(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> Entry:
         " at 300 r/min, and less and less so at 350 and 400: forces of inertia grow with the square of the speed, by 1.778 from 300 to 400"
         " r/min, the thesis' by 1.556, its lateral ones by 1.148. The improved press contradicts table 5-1 (see Fig. 5-11)."
     )
-    return Entry(("Table 5-2",), "shaking force before and after", NOT, rows, reason)
+    return PageEntry(("Table 5-2",), "shaking force before and after", NOT, rows, reason)
 
 
 def _extremes(press: Linkage, speeds: Iterable[int], lift: float) -> dict[int, list[float]]:

@@ -17,7 +17,7 @@ from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, s
 from ..simulation.run import Run
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
-from .pages import CURVES, DATA, FORMULAS, NO_RESULT, NOT, Entry, Panel, Row, draw, figures
+from .pages import CURVES, DATA, FORMULAS, NO_RESULT, NOT, PageEntry, Panel, Row, draw, figures
 from .zhang2007_balancing import SPEED, weight
 
 if TYPE_CHECKING:
@@ -46,18 +46,18 @@ START_HEIGHT, BREAK_HEIGHT = 0.010, 0.005  # slide heights at 0.1616 and 0.1738 
 BLANKING, DRAWING = ("31.9220326706", "31.1117998356"), ("31.9220326706", "30.3740590987")
 
 
-def motion_entries(given: Mapping[str, Linkage]) -> tuple[Entry, ...]:
+def motion_entries(given: Mapping[str, Linkage]) -> tuple[PageEntry, ...]:
     """All tables and figures of chapter 4."""
     return (
-        Entry(figures(4, 4, 5), "schemes of crank-slider and opposed arrangement", NO_RESULT),
-        Entry(figures(4, 6, 8), "drawing of the motor, block diagram of its control, drive train", NO_RESULT),
+        PageEntry(figures(4, 4, 5), "schemes of crank-slider and opposed arrangement", NO_RESULT),
+        PageEntry(figures(4, 6, 8), "drawing of the motor, block diagram of its control, drive train", NO_RESULT),
         _motor(given["jf75g_125_symmetric"]),
-        Entry(("Fig. 4-9",), "screenshot of the program", NO_RESULT),
+        PageEntry(("Fig. 4-9",), "screenshot of the program", NO_RESULT),
         _run(given["jf75g_125"]),
     )
 
 
-def load_entries(press: Linkage) -> tuple[Entry, ...]:
+def load_entries(press: Linkage) -> tuple[PageEntry, ...]:
     """Figures 5-8 to 5-10 and 5-12 to 5-15, for the symmetric press."""
     return (_laws(), _step(), *_cases(press))
 
@@ -67,7 +67,7 @@ def motor(set_speed: float = SET) -> SlipClutchMotor:
     return SlipClutchMotor(rated_torque=189.0, primary_speed=PRIMARY, top_speed=TOP, set_speed=set_speed)
 
 
-def _motor(press: Linkage) -> Entry:
+def _motor(press: Linkage) -> PageEntry:
     drive = motor()
     behind = Geared(drive, 3.0)
     loaded = SET * (1 - drive.regulation)
@@ -85,10 +85,10 @@ def _motor(press: Linkage) -> Entry:
         " from the torque at top speed, the amplifier's gain from the regulation, and the primary speed of 1470 r/min is ours, as none is"
         " printed. The power does not belong to torque and top speed; it is nearer to that of the motor before the clutch."
     )
-    return Entry(("Table 4-1",), "motor with slip clutch", DATA, rows, reason)
+    return PageEntry(("Table 4-1",), "motor with slip clutch", DATA, rows, reason)
 
 
-def _run(press: Linkage) -> Entry:
+def _run(press: Linkage) -> PageEntry:
     drive, wheel = ConstantTorque(TORQUE), Flywheel(FLYWHEEL_INERTIA)
     run = simulate(press, PERIODS, speed=START, drive=drive, flywheel=wheel, points=601)
     fixed = simulate(press, PERIODS, speed=START, drive=drive, flywheel=wheel, points=7, step=STEP)
@@ -117,7 +117,7 @@ def _run(press: Linkage) -> Entry:
     )
     numbers = ("Fig. 4-10", "Fig. 4-11", "Fig. 4-12 (captioned 4-11)")
     caption = "Position above bottom dead centre, upwards positive."
-    return Entry(numbers, "motion of the slide by Runge-Kutta", CURVES, tuple(rows), reason, "zhang2007_run", shown, caption)
+    return PageEntry(numbers, "motion of the slide by Runge-Kutta", CURVES, tuple(rows), reason, "zhang2007_run", shown, caption)
 
 
 def laws(force: float) -> dict[str, ProcessLoad]:
@@ -145,7 +145,7 @@ def run(press: Linkage, load: ProcessLoad, duration: float = 0.2, points: int = 
     return simulate(press, duration, speed=START, drive=drive, flywheel=wheel, loads=[load], points=points)
 
 
-def _laws() -> Entry:
+def _laws() -> PageEntry:
     given = laws(NOMINAL)
     span = START_HEIGHT - BREAK_HEIGHT
     half = START_HEIGHT - 0.5 * span
@@ -166,14 +166,14 @@ def _laws() -> Entry:
         )
 
     reason = "Over the slide's height, as the thesis defines them; blanking from 10 to 5 mm and drawing from 10 to 0 mm."
-    return Entry(figures(5, 8, 10), "load laws of piling, blanking, drawing", FORMULAS, rows, reason, "zhang2007_loads", shown)
+    return PageEntry(figures(5, 8, 10), "load laws of piling, blanking, drawing", FORMULAS, rows, reason, "zhang2007_loads", shown)
 
 
 def _law(what: str, expected: float, load: ProcessLoad, height: float) -> Row:
     return Row(what, f"{expected:.3f}", float(on_slide(load, np.array([height]))[0]) / 1e3, 1e-3, None, FORMULA)
 
 
-def _step() -> Entry:
+def _step() -> PageEntry:
     def value(x: float) -> float:
         return 5 * float(step(x, 0.1, 0.0, 0.2, 1.0))
 
@@ -188,10 +188,10 @@ def _step() -> Entry:
         up, pulse = 5 * step(x, 0.1, 0, 0.2, 1), 5 * step(x, 0.1, 0, 0.2, 1) * step(x, 0.2, 1, 0.3, 0)
         return draw("time [s]", [Panel("value", {"step": (x, up), "pulse of two steps": (x, pulse)})], 5.0)
 
-    return Entry(("Fig. 5-12",), "ADAMS' function STEP", FORMULAS, rows, "", "zhang2007_step", shown)
+    return PageEntry(("Fig. 5-12",), "ADAMS' function STEP", FORMULAS, rows, "", "zhang2007_step", shown)
 
 
-def _cases(press: Linkage) -> tuple[Entry, ...]:
+def _cases(press: Linkage) -> tuple[PageEntry, ...]:
     printed = {
         "piling": ("Fig. 5-13", "3046.0493", ()),
         "blanking": ("Fig. 5-14", "2831.9312", _windows(press) + _stroke(press, "blanking", BREAK_HEIGHT, BLANKING)),
@@ -205,7 +205,7 @@ def _cases(press: Linkage) -> tuple[Entry, ...]:
             Row("with 1250 N", peak, found[1], places=0),
         )
         shown = _figure(press, laws(NOMINAL)[name])
-        entries.append(Entry((number,), f"forces under {name}", NOT, (*peaks, *rows), _WHY[name], f"zhang2007_{name}", shown, _CAPTION))
+        entries.append(PageEntry((number,), f"forces under {name}", NOT, (*peaks, *rows), _WHY[name], f"zhang2007_{name}", shown, _CAPTION))
     return tuple(entries)
 
 

@@ -49,7 +49,7 @@ AT = 350 * RPM  # speed of the thesis's signals
 STEP = 1e-4  # step of a run under piling, a sixtieth of the stretching's period [s]
 
 
-class Finding(NamedTuple):
+class VibrationFinding(NamedTuple):
     """A finding of the thesis beside ours, in words.
 
     Attributes:
@@ -98,27 +98,27 @@ class Vibration:
         """(speeds,) rms acceleration of the top beam of a press at `SPEEDS` [m/s2]."""
         return np.asarray(np.linalg.norm(self.over[name].rms["top beam"], axis=1))
 
-    def findings(self) -> tuple[Finding, ...]:
+    def findings(self) -> tuple[VibrationFinding, ...]:
         """The findings of chapter 2, beside ours."""
         return (*self._idle_findings(), self._piling(), *self._advice())
 
-    def _idle_findings(self) -> Iterator[Finding]:
+    def _idle_findings(self) -> Iterator[VibrationFinding]:
         alone, moving = _size(flywheel_alone(self.machines[REAL])), _size(self.idle.rms("top beam"))
-        yield Finding(
+        yield VibrationFinding(
             "Fig. 2-7",
             "flywheel alone, 350 per min: vibration very small",
             f"{alone:.2g} m/s² rms on the top beam, {moving / alone:.0f} times less than with the slide",
             "yes",
         )
         two, three, most = np.interp((200, 300, 350), SPEEDS / RPM, self.top_beam(REAL))
-        yield Finding(
+        yield VibrationFinding(
             "Figs. 2-8 to 2-15",
             "idle, to 300 per min: not yet marked; 350: strong",
             f"{three / two:.1f} times from 200 to 300 (square of the speed: 2.25), {most / three:.1f} times from 300 to 350 (1.36)",
             "yes, with these pads",
         )
         across = self.idle.rms("top beam")[0] / moving
-        yield Finding(
+        yield VibrationFinding(
             "Figs. 2-12 to 2-15",
             "idle: signals like a sine, the machine sways",
             f"higher harmonics {100 * _distortion(self.idle):.2g} % of the first on the top beam; {across:.3f} of it along x, across"
@@ -126,23 +126,25 @@ class Vibration:
             "yes",
         )
         places = ", ".join(f"{point} {_size(self.idle.rms(point)):.3f}" for point in POINTS)
-        yield Finding("Figs. 2-12 to 2-15", "the top beam moves more than columns and lower beam", f"{places} m/s²", "yes, a little")
+        yield VibrationFinding(
+            "Figs. 2-12 to 2-15", "the top beam moves more than columns and lower beam", f"{places} m/s²", "yes, a little"
+        )
         both = "the same on both sides: no motor stands aside in our frame"
-        yield Finding("Figs. 2-8 to 2-11", "the motor's side moves more", both, "no")
+        yield VibrationFinding("Figs. 2-8 to 2-11", "the motor's side moves more", both, "no")
 
-    def _piling(self) -> Finding:
+    def _piling(self) -> VibrationFinding:
         seen, damped = _decay(self.machines[REAL], self.struck)
-        return Finding(
+        return VibrationFinding(
             "Figs. 2-17, 2-18",
             "piling: dies away after every stroke",
             f"logarithmic decrement of the stretching {seen:.3f}, of the mode's damping {damped:.3f}",
             "yes",
         )
 
-    def _advice(self) -> Iterator[Finding]:
+    def _advice(self) -> Iterator[VibrationFinding]:
         modes = foundation.modes(self.machines[REAL])
         lowest, stretching = (modes.natural_frequency[k] / (2 * np.pi) for k in (0, modes.motion.index("stretching")))
-        yield Finding(
+        yield VibrationFinding(
             "2.3.4",
             "so the speed is far from the natural frequencies",
             f"lowest {lowest:.2f} Hz, {60 * lowest:.0f} per min",
@@ -150,7 +152,7 @@ class Vibration:
         )
         soft = foundation.isolate(self.machines["plain"].press, WHOLE, SPRINGS, speeds=SPEEDS[WORKING], transmitted=0.6)
         through = self.over["plain"].transmitted[: WORKING.stop].max()
-        yield Finding(
+        yield VibrationFinding(
             "2.3.4",
             "rubber or springs below keep it from the floor",
             f"rubber of 10 mm: {through:.2f} of the shaking force of the plain press comes through at most; for 0.6 between 200 and 400"

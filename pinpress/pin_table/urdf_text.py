@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.quantities import Array
-from ..visual.shapes.appearance import Body
+from ..visual.shapes.appearance import ShownLink
 from ..visual.shapes.solids import Box, Cylinder, Part, Sphere
 from .copies import Parts
 from .links import FRAME, Link, turned
@@ -39,7 +39,7 @@ class _Place:
         return np.asarray(self.rotation.T @ (world - self.origin))
 
 
-def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, bodies: Sequence[Body] = ()) -> bytes:
+def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, bodies: Sequence[ShownLink] = ()) -> bytes:
     """The URDF as UTF-8.
 
     Args:

@@ -17,7 +17,7 @@ from ..dynamics.harmonics import HarmonicAnalysis, harmonics, last_period
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion
 from ..visual import charts
-from ..visual.charts import Chart, Curve, Locus
+from ..visual.charts import Chart, ChartCurve, Locus
 from .style import COLOURS, GREY, LIGHT, LINE, SMALL, THIN, WIDTH, Over, above, brief, draw, drawing, grid, legend, panel_places, plain
 
 if TYPE_CHECKING:
@@ -231,7 +231,7 @@ def _words(chart: Chart) -> str:
 def _merged(chart: Chart) -> Chart:
     """The chart with coinciding curves as one, under both names, as for the two halves of a symmetric press."""
     least = SAME * max(float(np.abs(curve.values).max()) for curve in chart.curves)
-    merged: list[Curve] = []
+    merged: list[ChartCurve] = []
     for curve in chart.curves:
         twin = next((k for k, other in enumerate(merged) if np.abs(curve.values - other.values).max() <= least), None)
         if twin is None:
@@ -282,7 +282,7 @@ def _shaking(before: Reactions, after: Reactions) -> list[_Pair]:
 def _with_components(chart: Chart, names: Sequence[str]) -> Chart:
     known = {curve.name: curve.values for curve in chart.curves}
     zero = np.zeros_like(chart.curves[0].values)
-    return replace(chart, curves=tuple(Curve(name, known.get(name, zero)) for name in names))
+    return replace(chart, curves=tuple(ChartCurve(name, known.get(name, zero)) for name in names))
 
 
 def _pairs(before: Chart, after: Chart) -> list[_Pair]:

@@ -16,7 +16,7 @@ from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..dynamics.harmonics import is_cycle
 from ..kinematics.motion import Motion
-from ..visual.charts import Abscissa, Curve, abscissa
+from ..visual.charts import Abscissa, ChartCurve, abscissa
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -134,7 +134,7 @@ def grid(axes: Axes, label: str) -> None:
     plain(axes.set_ylabel(label))
 
 
-def draw(axes: Axes, over: Over, curves: Sequence[Curve]) -> list[Artist]:
+def draw(axes: Axes, over: Over, curves: Sequence[ChartCurve]) -> list[Artist]:
     """Draw curves in colours that the colour-blind can tell apart, then in other kinds of lines; return the lines."""
     lines: list[Artist] = []
     for i, curve in enumerate(curves):

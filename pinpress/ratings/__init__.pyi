@@ -1,4 +1,4 @@
-from .eccentric_loads import Guide as Guide
+from .eccentric_loads import Gibs as Gibs
 from .eccentric_loads import GuideReaction as GuideReaction
 from .eccentric_loads import eccentric_load as eccentric_load
 from .eccentric_loads import permissible_eccentricity as permissible_eccentricity

@@ -35,7 +35,7 @@ ROUNDING = 1e-12  # forces below this share of the process force are rounding
 
 
 @dataclass(frozen=True)
-class Guide:
+class Gibs:
     """A pair of gibs that guide a slide from opposite sides. The loaded length of the gibs moves with the slide.
 
     Attributes:
@@ -57,10 +57,10 @@ class Guide:
 
     def __post_init__(self) -> None:
         for name in ("length", "width"):
-            object.__setattr__(self, name, positive(f"the guide's {name}", getattr(self, name), "m"))
-        suitable_numbers("the guide's middle", self.middle, "a finite number [m]")
+            object.__setattr__(self, name, positive(f"the gibs' {name}", getattr(self, name), "m"))
+        suitable_numbers("the gibs' middle", self.middle, "a finite number [m]")
         if self.normal is not None:
-            suitable_numbers("the guide's normal", self.normal, "a direction of three finite numbers, e.g. (1, 0, 0)", (3,), np.any)
+            suitable_numbers("the gibs' normal", self.normal, "a direction of three finite numbers, e.g. (1, 0, 0)", (3,), np.any)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,16 +109,16 @@ class GuideReaction(Tabular):
 
 @typed
 def eccentric_load(
-    press: Linkage, motion: Motion, *, force: float, offset: Sequence[float], guide: Guide, engine: str = "auto"
+    press: Linkage, motion: Motion, *, force: float, offset: Sequence[float], gibs: Gibs, engine: str = "auto"
 ) -> GuideReaction:
-    """Guide reaction and gib pressure under a process force beside the slide's axis, without weights and inertia forces.
+    """Gibs reaction and gib pressure under a process force beside the slide's axis, without weights and inertia forces.
 
     Args:
         press: A press with a slide.
         motion: Motion of n states at which the force acts, e.g. ``servo_cycle(press, speed=0.0, angle=[...])``.
         force: Force on the slide along the guide's axis, against the working stroke [N].
         offset: (3,) point at which it acts, in the slide link's own frame [m]; a shift along the guide's axis makes no difference.
-        guide: The gibs.
+        gibs: The gibs of the slide's guide.
         engine: As in `cycle`.
 
     Raises:
@@ -127,11 +127,11 @@ def eccentric_load(
     """
     newtons = positive("force", force, "N")
     point = suitable_numbers("offset", offset, "three finite numbers, x, y, z", (3,))
-    across = _across(press, guide)
+    across = _across(press, gibs)
     name, axis = _slide_guide(press)
-    found = _guide_reaction(press, motion, newtons * axis, point, guide, engine)
+    found = _guide_reaction(press, motion, newtons * axis, point, gibs, engine)
     normal, tilting = found.force @ across[0], found.moment @ across[1]
-    pressure, contact = _pressure(guide, normal, tilting, motion)
+    pressure, contact = _pressure(gibs, normal, tilting, motion)
     return GuideReaction(
         guide=name,
         tilting_moment=np.cross(_rotation(press) @ point, newtons * axis),
@@ -147,7 +147,7 @@ def eccentric_load(
 
 @typed
 def permissible_eccentricity(
-    press: Linkage, motion: Motion, *, force: float, guide: Guide, pressure: float, engine: str = "auto"
+    press: Linkage, motion: Motion, *, force: float, gibs: Gibs, pressure: float, engine: str = "auto"
 ) -> tuple[float, float]:
     """Find how far beside the slide's origin a process force may act before the gibs reach a pressure at some state of the motion.
 
@@ -155,7 +155,7 @@ def permissible_eccentricity(
         press: A press with a slide.
         motion: Motion of n states at which the force acts.
         force: Force on the slide along the guide's axis, against the working stroke [N].
-        guide: The gibs.
+        gibs: The gibs of the slide's guide.
         pressure: Permissible pressure on the gibs [Pa].
         engine: As in `cycle`.
 
@@ -168,13 +168,13 @@ def permissible_eccentricity(
             none of the tilting moment.
     """
     newtons, allowed = positive("force", force, "N"), positive("pressure", pressure, "Pa")
-    normal, about = _across(press, guide)
+    normal, about = _across(press, gibs)
     _, axis = _slide_guide(press)
     local = _rotation(press).T @ normal  # 1 m beside the origin
-    central = _guide_reaction(press, motion, newtons * axis, np.zeros(3), guide, engine)
-    beside = _guide_reaction(press, motion, newtons * axis, local, guide, engine)
+    central = _guide_reaction(press, motion, newtons * axis, np.zeros(3), gibs, engine)
+    beside = _guide_reaction(press, motion, newtons * axis, local, gibs, engine)
     across = central.force @ normal
-    most = _largest_moment(guide, np.where(np.abs(across) > ROUNDING * newtons, across, 0.0), allowed)
+    most = _largest_moment(gibs, np.where(np.abs(across) > ROUNDING * newtons, across, 0.0), allowed)
     constant, slope = central.moment @ about, (beside.moment - central.moment) @ about
     worst = int(np.argmax(np.abs(constant) - most))
     if most[worst] <= 0 or abs(constant[worst]) > most[worst]:
@@ -200,19 +200,19 @@ def _rotation(press: Linkage) -> Array:
     return np.asarray(press.model.jointPlacements[frame.parentJoint].rotation @ frame.placement.rotation)
 
 
-def _across(press: Linkage, guide: Guide) -> tuple[Array, Array]:
+def _across(press: Linkage, gibs: Gibs) -> tuple[Array, Array]:
     """The gibs' normal, and the axis about which the slide tilts between them, as unit vectors (3,) in world axes."""
     _, axis = _slide_guide(press)
-    if guide.normal is not None:
-        normal = np.array(guide.normal, dtype=float)
+    if gibs.normal is not None:
+        normal = np.array(gibs.normal, dtype=float)
     else:
-        refusal = f"{press.name} is not planar: say which way the gibs face, Guide(..., normal=(x, y, z))"
+        refusal = f"{press.name} is not planar: say which way the gibs face, Gibs(..., normal=(x, y, z))"
         normal = np.cross(press.plane_or_refuse(refusal).normal, axis)
         normal *= np.sign(normal[np.abs(normal).argmax()])
     normal = normal / np.abs(normal).max()  # so that nothing overflows
     normal = normal / np.linalg.norm(normal)
     if abs(normal @ axis) > DIRECTION:
-        raise PinpressError(f"the guide's normal {normal.tolist()} is not across the guide's axis {axis.tolist()}: gibs face across it")
+        raise PinpressError(f"the gibs' normal {normal.tolist()} is not across the guide's axis {axis.tolist()}: gibs face across it")
     return normal, np.cross(axis, normal)
 
 
@@ -232,7 +232,7 @@ class _Reaction(NamedTuple):
     axes: Array
 
 
-def _guide_reaction(press: Linkage, motion: Motion, force: Array, point: Array, guide: Guide, engine: str) -> _Reaction:
+def _guide_reaction(press: Linkage, motion: Motion, force: Array, point: Array, gibs: Gibs, engine: str) -> _Reaction:
     """Action of the guide under a force (3,) in world axes at a point (3,) in the slide's own frame."""
     slide = str(press.slide)
     joint, _ = point_on_body(press, slide, point, "the process force", "offset")
@@ -241,34 +241,34 @@ def _guide_reaction(press: Linkage, motion: Motion, force: Array, point: Array, 
     found = inverse_dynamics(without_masses(press), motion, [load], engine=engine, bearings=(name,))
     # The moment is about the joint frame's origin, which moves with the slide.
     frame = press.model.frames[press.model.getFrameId(slide, pin.BODY)]
-    middle = press.model.jointPlacements[joint].rotation @ frame.placement.translation + guide.middle * axis
+    middle = press.model.jointPlacements[joint].rotation @ frame.placement.translation + gibs.middle * axis
     reaction = np.array(found.bearing_force[name])
     moment = found.bearing_moment[name] - np.cross(middle, reaction)
     return _Reaction(reaction, moment, found.indeterminate[name][3:], found.indeterminate_axes)
 
 
-def _pressure(guide: Guide, normal: Array, tilting: Array, motion: Motion) -> tuple[Array, Array]:
+def _pressure(gibs: Gibs, normal: Array, tilting: Array, motion: Motion) -> tuple[Array, Array]:
     """Largest pressure on a gib (n,) [Pa], and share of the length in contact (n,)."""
-    n, m, area = np.abs(normal), np.abs(tilting), guide.length * guide.width
-    linear = n / area + 6 * m / (area * guide.length)
-    if not guide.one_sided:
+    n, m, area = np.abs(normal), np.abs(tilting), gibs.length * gibs.width
+    linear = n / area + 6 * m / (area * gibs.length)
+    if not gibs.one_sided:
         return linear, np.ones_like(n)
-    tips = m >= 0.5 * guide.length * n
+    tips = m >= 0.5 * gibs.length * n
     if np.any(tips & (m > 0)):
         raise PinpressError(
             f"the slide tips at {motion.place(int(np.argmax(tips & (m > 0))))}: the force on the gib acts beyond its end; give longer gibs,"
             " less eccentricity, or two gibs without clearance (one_sided=False)"
         )
-    lifted = m > n * guide.length / 6
-    held = np.where(lifted, 3 * (0.5 * guide.length * n - m), guide.length * n)  # contact length times force
+    lifted = m > n * gibs.length / 6
+    held = np.where(lifted, 3 * (0.5 * gibs.length * n - m), gibs.length * n)  # contact length times force
     with np.errstate(all="ignore"):  # no force, no pressure
-        return np.where(lifted, 2 * n**2 / (guide.width * held), linear), np.where(n > 0, held / (n * guide.length), 1.0)
+        return np.where(lifted, 2 * n**2 / (gibs.width * held), linear), np.where(n > 0, held / (n * gibs.length), 1.0)
 
 
-def _largest_moment(guide: Guide, normal: Array, pressure: float) -> Array:
+def _largest_moment(gibs: Gibs, normal: Array, pressure: float) -> Array:
     """Tilting moment (n,) at which a gib reaches a pressure under normal forces (n,); negative where these alone exceed it [N m]."""
-    n, area = np.abs(normal), guide.length * guide.width
-    linear = (pressure - n / area) * area * guide.length / 6
-    if not guide.one_sided:
+    n, area = np.abs(normal), gibs.length * gibs.width
+    linear = (pressure - n / area) * area * gibs.length / 6
+    if not gibs.one_sided:
         return linear
-    return np.where(linear > n * guide.length / 6, n * (0.5 * guide.length - 2 * n / (3 * guide.width * pressure)), linear)
+    return np.where(linear > n * gibs.length / 6, n * (0.5 * gibs.length - 2 * n / (3 * gibs.width * pressure)), linear)

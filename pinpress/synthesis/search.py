@@ -59,7 +59,7 @@ class Search:
             descent = _Descent(self, point, reach)
             end = descent.end()
             lost += descent.lost
-            if optimum(end).residual <= CONVERGED:
+            if optimality(end).residual <= CONVERGED:
                 return end
             if _better(end, point):
                 point, reach = end, min(1.0, 2.0 * reach)
@@ -77,7 +77,7 @@ class Search:
                 " from them by a constraint, on a transmission or pressure angle, or by narrower bounds"
             ) from self.why
         raise PinpressError(
-            f"the search does not converge: residual {optimum(point).residual:.2g} of the optimum's conditions, more than {CONVERGED:g};"
+            f"the search does not converge: residual {optimality(point).residual:.2g} of the optimum's conditions, more than {CONVERGED:g};"
             " functions of a trial must be smooth (return an array, of which the largest element is minimised, instead of its maximum), or"
             " start elsewhere"
         )
@@ -138,7 +138,7 @@ class ActiveBound(Record):
     multiplier: float
 
 
-class Optimum(NamedTuple):
+class OptimalityConditions(NamedTuple):
     """The conditions of an optimum at a point.
 
     Attributes:
@@ -152,7 +152,7 @@ class Optimum(NamedTuple):
     idle: tuple[str, ...]
 
 
-def optimum(point: Point) -> Optimum:
+def optimality(point: Point) -> OptimalityConditions:
     """Multipliers of all bounds that may hold a point, and the residual of the conditions of an optimum there."""
     from scipy.optimize import nnls  # slow to import
 
@@ -171,7 +171,7 @@ def optimum(point: Point) -> Optimum:
     shares, residual = nnls(matrix, target)
     multipliers = shares[count:] / max(shares[:count].sum(), np.finfo(float).tiny)
     slack = max((share * abs(force.slack) for share, force in zip(multipliers, forces, strict=True)), default=0.0)
-    return Optimum(max(float(residual), slack, point.widest_violation), _active(forces, multipliers, size), _idle(point))
+    return OptimalityConditions(max(float(residual), slack, point.widest_violation), _active(forces, multipliers, size), _idle(point))
 
 
 class _CreepingError(Exception):

@@ -38,7 +38,7 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .design import Design, Start
 from .problem import Function, Point, Problem, Requirement, Variable, verify_gradients
-from .search import ActiveBound, Search, optimum
+from .search import ActiveBound, Search, optimality
 
 SYNTHESISED = "_synthesised"  # end of the name of a press that was found
 UNCONSTRAINED: Mapping[str, Any] = FrozenMapping({})
@@ -254,7 +254,7 @@ def _verify(found: Point, speed: float, points: int | None) -> None:
 
 
 def _result(start: Point, found: Point, search: Search) -> SynthesisResult:
-    problem, held, press = found.problem, optimum(found), found.design.press
+    problem, held, press = found.problem, optimality(found), found.design.press
     constraints = {
         requirement.name: float(values[0]) if len(values) == 1 else read_only(values)
         for requirement, values in zip(problem.requirements[1:], found.values[1:], strict=True)

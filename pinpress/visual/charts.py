@@ -35,7 +35,7 @@ UNITS = {  # quantity -> (limit of the largest value in SI units, unit, number o
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class ChartCurve:
     """One line of a chart.
 
     Attributes:
@@ -61,7 +61,7 @@ class Chart:
     title: str
     quantity: str
     unit: str
-    curves: tuple[Curve, ...]
+    curves: tuple[ChartCurve, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,7 +306,7 @@ def _chart(title: str, quantity: str, series: Mapping[str, Array]) -> Chart:
     for name, values in series.items():
         finite(title if len(series) == 1 else f"{title}, {name},", values)
     unit, factor = _unit(quantity, max(float(np.abs(values).max()) for values in series.values()))
-    return Chart(title, quantity, unit, tuple(Curve(name, read_only(factor * values)) for name, values in series.items()))
+    return Chart(title, quantity, unit, tuple(ChartCurve(name, read_only(factor * values)) for name, values in series.items()))
 
 
 def _unit(quantity: str, largest: float) -> tuple[str, float]:

@@ -28,7 +28,7 @@ from ..kinematics.motion import Motion, Poses, bearing_points, poses
 from ..linkage.linkage import Linkage
 from .pages import meshcat, packed, page
 from .shapes import meshcat_commands
-from .shapes.appearance import Body, bodies
+from .shapes.appearance import ShownLink, bodies
 from .shapes.bearing_layout import TOWARDS
 
 PER_TURN = 360  # key frames a turn; between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
@@ -253,14 +253,14 @@ def _short(values: Array) -> list[float]:
     return [float(f"{value:.9g}") for value in values.tolist()]
 
 
-def _legend(drawn: Sequence[Body], of_body: dict[str, Array]) -> list[dict[str, str]]:
+def _legend(drawn: Sequence[ShownLink], of_body: dict[str, Array]) -> list[dict[str, str]]:
     """The moving links, each with the colour of most of its parts."""
     moving = [body for body in drawn if meshcat_commands.moves(of_body[body.name])]
     colours = (Counter(meshcat_commands.hexadecimal(part.rgba) for part in body.parts).most_common(1)[0][0] for body in moving)
     return [{"name": body.name, "colour": f"#{colour}"} for body, colour in zip(moving, colours, strict=True)]
 
 
-def _front(press: Linkage, at: Poses, drawn: Sequence[Body]) -> list[float]:
+def _front(press: Linkage, at: Poses, drawn: Sequence[ShownLink]) -> list[float]:
     """Direction (3,) from which one looks at a press; [] for a press in space.
 
     It is the normal of the press's plane, on the side on which moving links stand before the frame, else on that of -y, but not from below.

@@ -64,10 +64,10 @@ def test_elastic_presses_and_gibs_are_alike(both):
     found = [pp.elasticity.compliance(press, stiffness, angle=[0.5, 2.0, 4.0]) for press in both]
     same(found[0].compliance, found[1].compliance)
     same(found[0].height, found[1].height)
-    gibs = pp.ratings.Guide(length=0.5, width=0.2, middle=0.1)
+    gibs = pp.ratings.Gibs(length=0.5, width=0.2, middle=0.1)
     motions = [pp.cycle(press, speed=7.0, points=12) for press in both]
     pressures = [
-        pp.ratings.eccentric_load(press, motion, force=1e5, offset=(0.1, 0.0, 0.0), guide=gibs)
+        pp.ratings.eccentric_load(press, motion, force=1e5, offset=(0.1, 0.0, 0.0), gibs=gibs)
         for press, motion in zip(both, motions, strict=True)
     ]
     same(pressures[0].tilting_moment, pressures[1].tilting_moment)

@@ -17,7 +17,7 @@ from support.sampling import rest_exhaustive
 import pinpress as pp
 from pinpress.accuracy.peers import six_bar_script
 from pinpress.papers import DOCUMENTS, __main__, kong2025, pages, reproduced, zhang2007_balancing, zhang2007_runs
-from pinpress.papers.pages import BEYOND, CURVES, DATA, FINDINGS, FORMULAS, KINDS, NO_RESULT, NOT, PARTLY, REPRODUCED, Entry, Page, Row
+from pinpress.papers.pages import BEYOND, CURVES, DATA, FINDINGS, FORMULAS, KINDS, NO_RESULT, NOT, PARTLY, REPRODUCED, Page, PageEntry, Row
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -149,7 +149,7 @@ def test_writes_pages_and_figures(made, name, figures, tmp_path):
 
 
 def test_command_prints_and_fails_where_a_number_does_not_hold(monkeypatch, capsys):
-    good = Entry(("Table 1",), "one", REPRODUCED, (Row("length [m]", "2.00", 2.01, 1.0),))
+    good = PageEntry(("Table 1",), "one", REPRODUCED, (Row("length [m]", "2.00", 2.01, 1.0),))
     page = Page("kong2025", "Kong", "", (good,), ())
     monkeypatch.setattr(__main__, "reproduced", lambda name: page)
     assert __main__.main(["kong2025"]) == 0

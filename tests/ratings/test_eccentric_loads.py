@@ -8,7 +8,7 @@ from support.generators.small_linkages import bolted
 from support.texts import shipped
 
 import pinpress as pp
-from pinpress.ratings.eccentric_loads import Guide, eccentric_load, permissible_eccentricity
+from pinpress.ratings.eccentric_loads import Gibs, eccentric_load, permissible_eccentricity
 
 FORCE = 1e5
 LAM = 0.25  # crank_slide
@@ -19,22 +19,22 @@ def at(press, angles=ANGLES):
     return pp.servo_cycle(press, speed=0.0, angle=angles)
 
 
-def by_strips(guide, n, m, strips=5_001):
+def by_strips(gibs, n, m, strips=5_001):
     """Peak pressure and contact of elastic gibs of strips that only push, or push and pull, by bisection on their approach."""
-    z = np.linspace(-0.5, 0.5, strips) * guide.length
-    dz = guide.length / (strips - 1)
+    z = np.linspace(-0.5, 0.5, strips) * gibs.length
+    dz = gibs.length / (strips - 1)
 
     def resultants(rise, tilt):
         p = rise + tilt * z
-        p = np.maximum(p, 0) if guide.one_sided else p
+        p = np.maximum(p, 0) if gibs.one_sided else p
         weights = np.full(strips, dz)
         weights[[0, -1]] /= 2
-        return guide.width * (p @ weights), guide.width * ((p * z) @ weights), p
+        return gibs.width * (p @ weights), gibs.width * ((p * z) @ weights), p
 
-    if not guide.one_sided:
-        rise, tilt = n / (guide.length * guide.width), 12 * m / (guide.width * guide.length**3)
+    if not gibs.one_sided:
+        rise, tilt = n / (gibs.length * gibs.width), 12 * m / (gibs.width * gibs.length**3)
     else:  # the contact begins at z0: the eccentricity of a triangle or trapezium over what is left rises with z0
-        low, high = -50 * guide.length, 0.499 * guide.length
+        low, high = -50 * gibs.length, 0.499 * gibs.length
         for _ in range(50):
             z0 = 0.5 * (low + high)
             force, moment, _ = resultants(-z0, 1.0)
@@ -50,27 +50,25 @@ def by_strips(guide, n, m, strips=5_001):
 def test_gibs_of_a_planar_press_face_along_its_plane(name, axis):
     """Left out, the normal is the direction across the guide in the plane, its largest component positive."""
     press = shipped(name)
-    given, default = Guide(0.3, 0.1, normal=tuple(np.eye(3)[axis])), Guide(0.3, 0.1)
-    loads = [eccentric_load(press, at(press), force=FORCE, offset=0.02 * np.eye(3)[axis], guide=guide) for guide in (given, default)]
+    given, default = Gibs(0.3, 0.1, normal=tuple(np.eye(3)[axis])), Gibs(0.3, 0.1)
+    loads = [eccentric_load(press, at(press), force=FORCE, offset=0.02 * np.eye(3)[axis], gibs=gibs) for gibs in (given, default)]
     np.testing.assert_array_equal(loads[1].normal_force, loads[0].normal_force)
     np.testing.assert_array_equal(loads[1].tilting, loads[0].tilting)
     np.testing.assert_allclose(loads[1].normal_force, loads[1].force[:, axis], rtol=1e-14)
     assert np.abs(loads[1].normal_force).max() > 1.0
-    least, most = permissible_eccentricity(press, at(press), force=FORCE, guide=default, pressure=2e8)
-    assert (least, most) == permissible_eccentricity(press, at(press), force=FORCE, guide=given, pressure=2e8)
+    least, most = permissible_eccentricity(press, at(press), force=FORCE, gibs=default, pressure=2e8)
+    assert (least, most) == permissible_eccentricity(press, at(press), force=FORCE, gibs=given, pressure=2e8)
     for offset in (least, most):
-        assert eccentric_load(
-            press, at(press), force=FORCE, offset=offset * np.eye(3)[axis], guide=default
-        ).pressure.max() == pytest.approx(2e8, rel=1e-9)
+        assert eccentric_load(press, at(press), force=FORCE, offset=offset * np.eye(3)[axis], gibs=default).pressure.max() == pytest.approx(
+            2e8, rel=1e-9
+        )
 
 
 def test_gibs_of_a_press_that_leans():
     """By 0.2 rad about y, its guide with it: the gibs face 0.2 rad below x."""
     press = bolted(shipped("crank_slide"), "0 0.2 0")
-    upright = eccentric_load(
-        shipped("crank_slide"), at(shipped("crank_slide")), force=FORCE, offset=(0.02, 0.0, 0.0), guide=Guide(0.3, 0.1)
-    )
-    leaning = eccentric_load(press, at(press), force=FORCE, offset=(0.02, 0.0, 0.0), guide=Guide(0.3, 0.1))
+    upright = eccentric_load(shipped("crank_slide"), at(shipped("crank_slide")), force=FORCE, offset=(0.02, 0.0, 0.0), gibs=Gibs(0.3, 0.1))
+    leaning = eccentric_load(press, at(press), force=FORCE, offset=(0.02, 0.0, 0.0), gibs=Gibs(0.3, 0.1))
     np.testing.assert_allclose(leaning.normal_force, upright.normal_force, rtol=1e-9, atol=1e-6)
     np.testing.assert_allclose(leaning.normal_force, leaning.force @ [np.cos(0.2), 0.0, -np.sin(0.2)], rtol=1e-9, atol=1e-6)
 
@@ -78,7 +76,7 @@ def test_gibs_of_a_press_that_leans():
 def test_guide_of_the_crank_slide():
     """The rod's lateral force F tan(phi) and the tilting moment F e both go into the guide: the rod's pin holds no moment."""
     press = shipped("crank_slide")
-    found = eccentric_load(press, at(press), force=FORCE, offset=(0.02, 0.0, 0.5), guide=Guide(0.3, 0.1))
+    found = eccentric_load(press, at(press), force=FORCE, offset=(0.02, 0.0, 0.5), gibs=Gibs(0.3, 0.1))
     sine = LAM * np.sin(ANGLES)
     lateral = FORCE * sine / np.sqrt(1 - sine**2)
     assert found.guide == "slide_guide"
@@ -95,8 +93,8 @@ def test_guide_of_the_crank_slide():
 def test_gibs_beside_the_slides_origin(middle):
     """The lateral force at the origin has a lever about gibs above or below it."""
     press = shipped("crank_slide")
-    found = eccentric_load(press, at(press), force=FORCE, offset=(0.02, 0, 0), guide=Guide(0.3, 0.1, middle=middle))
-    central = eccentric_load(press, at(press), force=FORCE, offset=(0.02, 0, 0), guide=Guide(0.3, 0.1))
+    found = eccentric_load(press, at(press), force=FORCE, offset=(0.02, 0, 0), gibs=Gibs(0.3, 0.1, middle=middle))
+    central = eccentric_load(press, at(press), force=FORCE, offset=(0.02, 0, 0), gibs=Gibs(0.3, 0.1))
     # about the middle M' = M - d x R with d = (0, 0, middle), R = (N, 0, 0)
     np.testing.assert_allclose(found.moment[:, 1], central.moment[:, 1] - middle * central.force[:, 0], rtol=1e-10)
 
@@ -104,17 +102,17 @@ def test_gibs_beside_the_slides_origin(middle):
 def test_out_of_the_plane():
     """A force in front of the plane tilts the slide about x: only gibs that face y feel it."""
     press = shipped("crank_slide")
-    front = eccentric_load(press, at(press), force=FORCE, offset=(0, 0.03, 0), guide=Guide(0.3, 0.2, normal=(0, 2, 0)))
+    front = eccentric_load(press, at(press), force=FORCE, offset=(0, 0.03, 0), gibs=Gibs(0.3, 0.2, normal=(0, 2, 0)))
     np.testing.assert_allclose(front.moment, np.tile([-FORCE * 0.03, 0, 0], (len(ANGLES), 1)), atol=1e-6)
     np.testing.assert_allclose(front.pressure, 6 * FORCE * 0.03 / (0.2 * 0.3**2), rtol=1e-10)
-    side = eccentric_load(press, at(press), force=FORCE, offset=(0, 0.03, 0), guide=Guide(0.3, 0.2))
+    side = eccentric_load(press, at(press), force=FORCE, offset=(0, 0.03, 0), gibs=Gibs(0.3, 0.2))
     np.testing.assert_allclose(side.tilting, 0.0, atol=1e-6)
 
 
 def test_two_points_share_the_tilting_moment_with_the_guide():
     press = shipped("jf75g_125_two_point")
-    assert eccentric_load(press, at(press), force=FORCE, offset=(0, 0.03, 0), guide=Guide(0.3, 0.2, normal=(0, 1, 0))).indeterminate
-    assert not eccentric_load(press, at(press), force=FORCE, offset=(0.03, 0, 0), guide=Guide(0.3, 0.2)).indeterminate
+    assert eccentric_load(press, at(press), force=FORCE, offset=(0, 0.03, 0), gibs=Gibs(0.3, 0.2, normal=(0, 1, 0))).indeterminate
+    assert not eccentric_load(press, at(press), force=FORCE, offset=(0.03, 0, 0), gibs=Gibs(0.3, 0.2)).indeterminate
 
 
 @pytest.mark.parametrize(
@@ -123,7 +121,7 @@ def test_two_points_share_the_tilting_moment_with_the_guide():
 def test_both_engines_agree(name, offset):
     press = shipped(name)
     one, other = (
-        eccentric_load(press, at(press), force=FORCE, offset=offset, guide=Guide(0.3, 0.2), engine=e) for e in ("plane", "pinocchio")
+        eccentric_load(press, at(press), force=FORCE, offset=offset, gibs=Gibs(0.3, 0.2), engine=e) for e in ("plane", "pinocchio")
     )
     for field in ("force", "moment", "pressure", "tilting_moment"):
         np.testing.assert_allclose(getattr(one, field), getattr(other, field), rtol=1e-9, atol=1e-6 * FORCE)
@@ -133,7 +131,7 @@ def test_the_guide_of_a_press_works_like_its_links():
     """Statics of the six-bar's slide alone: the pin of its rod pushes along EF."""
     press = shipped("zxn2_3000b")
     motion = at(press)
-    found = eccentric_load(press, motion, force=FORCE, offset=(0.04, 0, 0), guide=Guide(0.5, 0.2))
+    found = eccentric_load(press, motion, force=FORCE, offset=(0.04, 0, 0), gibs=Gibs(0.5, 0.2))
     pins = pp.measures.bearing_positions(press, motion)
     rod = pins["F"] - pins["E"]
     lateral = FORCE * rod[:, 0] / rod[:, 2]  # the force in the rod is along it; its vertical part holds the process force
@@ -148,11 +146,11 @@ def test_the_guide_of_a_press_works_like_its_links():
 def test_pressures_are_those_of_elastic_strips(share, one_sided):
     """At one state of the crank-slider, moved to an eccentricity M / N of a share of the length."""
     press = shipped("crank_slide")
-    guide = Guide(0.3, 0.1, one_sided=one_sided)
+    gibs = Gibs(0.3, 0.1, one_sided=one_sided)
     state = at(press, np.array([1.3]))
-    n = abs(eccentric_load(press, state, force=FORCE, offset=(0, 0, 0), guide=guide).normal_force[0])
-    found = eccentric_load(press, state, force=FORCE, offset=(share * guide.length * n / FORCE, 0, 0), guide=guide)
-    peak, contact = by_strips(guide, n, share * guide.length * n)
+    n = abs(eccentric_load(press, state, force=FORCE, offset=(0, 0, 0), gibs=gibs).normal_force[0])
+    found = eccentric_load(press, state, force=FORCE, offset=(share * gibs.length * n / FORCE, 0, 0), gibs=gibs)
+    peak, contact = by_strips(gibs, n, share * gibs.length * n)
     np.testing.assert_allclose(found.pressure, peak, rtol=8e-4)  # a strip is 2e-4 of the length
     if one_sided:
         np.testing.assert_allclose(found.contact, contact, atol=4e-4)
@@ -160,14 +158,14 @@ def test_pressures_are_those_of_elastic_strips(share, one_sided):
 
 def test_a_single_gib_tips():
     press = shipped("crank_slide")
-    guide = Guide(0.3, 0.1, one_sided=True)
+    gibs = Gibs(0.3, 0.1, one_sided=True)
     state = at(press, np.array([1.3]))
-    n = abs(eccentric_load(press, state, force=FORCE, offset=(0, 0, 0), guide=guide).normal_force[0])
+    n = abs(eccentric_load(press, state, force=FORCE, offset=(0, 0, 0), gibs=gibs).normal_force[0])
     with pytest.raises(pp.PinpressError, match=r"tips at crank angle 74\.48"):
-        eccentric_load(press, state, force=FORCE, offset=(0.51 * guide.length * n / FORCE, 0, 0), guide=guide)
+        eccentric_load(press, state, force=FORCE, offset=(0.51 * gibs.length * n / FORCE, 0, 0), gibs=gibs)
     with pytest.raises(pp.PinpressError, match="bear no eccentricity"):
         permissible_eccentricity(
-            press, at(press, np.array([0.0])), force=FORCE, guide=guide, pressure=1e8
+            press, at(press, np.array([0.0])), force=FORCE, gibs=gibs, pressure=1e8
         )  # no lateral force at the dead centre
 
 
@@ -179,14 +177,14 @@ def test_a_single_gib_tips():
 @pytest.mark.parametrize("pressure", [2e6, 4e6])
 def test_the_permissible_eccentricity_just_reaches_the_pressure(one_sided, middle, pressure):
     press = shipped("crank_slide")
-    guide = Guide(0.3, 0.1, middle=middle, one_sided=one_sided)
+    gibs = Gibs(0.3, 0.1, middle=middle, one_sided=one_sided)
     motion = at(press, np.array([0.8, 1.0, 1.3]))
-    left, right = permissible_eccentricity(press, motion, force=FORCE, guide=guide, pressure=pressure)
+    left, right = permissible_eccentricity(press, motion, force=FORCE, gibs=gibs, pressure=pressure)
     assert left < 0 < right
     for edge in (left, right):
-        found = eccentric_load(press, motion, force=FORCE, offset=(edge * (1 - 1e-12), 0, 0), guide=guide)
+        found = eccentric_load(press, motion, force=FORCE, offset=(edge * (1 - 1e-12), 0, 0), gibs=gibs)
         np.testing.assert_allclose(found.pressure.max(), pressure, rtol=1e-9)
-        assert eccentric_load(press, motion, force=FORCE, offset=(edge * 1.001, 0, 0), guide=guide).pressure.max() > pressure
+        assert eccentric_load(press, motion, force=FORCE, offset=(edge * 1.001, 0, 0), gibs=gibs).pressure.max() > pressure
     if middle == 0:
         np.testing.assert_allclose(left, -right, rtol=1e-9)
 
@@ -194,14 +192,14 @@ def test_the_permissible_eccentricity_just_reaches_the_pressure(one_sided, middl
 def test_closed_form_of_the_permissible_eccentricity():
     """At a dead centre the guide holds F e alone: e = p L^2 b / (6 F)."""
     press = shipped("crank_slide")
-    edges = permissible_eccentricity(press, at(press, np.array([0.0])), force=FORCE, guide=Guide(0.3, 0.1), pressure=2e6)
+    edges = permissible_eccentricity(press, at(press, np.array([0.0])), force=FORCE, gibs=Gibs(0.3, 0.1), pressure=2e6)
     np.testing.assert_allclose(edges, np.array([-1, 1]) * 2e6 * 0.3**2 * 0.1 / (6 * FORCE), rtol=1e-9)
 
 
 def test_too_much_for_the_gibs():
     press = shipped("crank_slide")
     with pytest.raises(pp.PinpressError, match=r"at crank angle 74\.48.* deg the gibs bear no eccentricity"):
-        permissible_eccentricity(press, at(press, np.array([0.1, 1.3])), force=FORCE, guide=Guide(0.3, 0.1), pressure=5e5)
+        permissible_eccentricity(press, at(press, np.array([0.1, 1.3])), force=FORCE, gibs=Gibs(0.3, 0.1), pressure=5e5)
 
 
 # Bad input
@@ -217,9 +215,9 @@ def test_too_much_for_the_gibs():
         ({"middle": np.inf}, "middle is inf"),
     ],
 )
-def test_bad_guides(changed, words):
+def test_bad_gibs(changed, words):
     with pytest.raises(pp.PinpressError, match=words):
-        Guide(**{"length": 0.3, "width": 0.1} | changed)
+        Gibs(**{"length": 0.3, "width": 0.1} | changed)
 
 
 @pytest.mark.parametrize(
@@ -227,18 +225,18 @@ def test_bad_guides(changed, words):
     [
         ({"force": -1.0}, "force is -1.0"),
         ({"offset": 0.02}, "offset is 0.02"),
-        ({"guide": 0.3}, "guide is a float"),
+        ({"gibs": 0.3}, "gibs is a float"),
         ({"motion": None}, "motion is a NoneType"),
         ({"press": None}, "press is a NoneType"),
-        ({"guide": Guide(0.3, 0.1, normal=(1, 0, 1))}, "not across the guide's axis"),
+        ({"gibs": Gibs(0.3, 0.1, normal=(1, 0, 1))}, "not across the guide's axis"),
     ],
 )
 def test_bad_arguments(changed, words):
     press = shipped("crank_slide")
-    given = {"press": press, "motion": at(press), "force": FORCE, "offset": (0, 0, 0), "guide": Guide(0.3, 0.1)}
+    given = {"press": press, "motion": at(press), "force": FORCE, "offset": (0, 0, 0), "gibs": Gibs(0.3, 0.1)}
     with pytest.raises(pp.PinpressError, match=words):
         eccentric_load(**given | changed)
-    given = {"press": press, "motion": at(press), "force": FORCE, "guide": Guide(0.3, 0.1), "pressure": 1e7}
+    given = {"press": press, "motion": at(press), "force": FORCE, "gibs": Gibs(0.3, 0.1), "pressure": 1e7}
     if "offset" not in changed:
         with pytest.raises(pp.PinpressError, match=words):
             permissible_eccentricity(**given | changed)
@@ -247,4 +245,4 @@ def test_bad_arguments(changed, words):
 def test_a_linkage_without_a_slide():
     press = dataclasses.replace(shipped("crank_slide"), slide=None)
     with pytest.raises(pp.PinpressError, match="has no slide"):
-        eccentric_load(press, at(shipped("crank_slide")), force=FORCE, offset=(0, 0, 0), guide=Guide(0.3, 0.1))
+        eccentric_load(press, at(shipped("crank_slide")), force=FORCE, offset=(0, 0, 0), gibs=Gibs(0.3, 0.1))

@@ -192,10 +192,10 @@ def made():
             CAPACITIES,
             pp.ratings.rate(press(), SPEED, CAPACITIES, points=9),
             pp.ratings.speed_limit(press(), CAPACITIES),
-            pp.ratings.Guide(0.3, 0.1),
+            pp.ratings.Gibs(0.3, 0.1),
         ),
         pp.ratings.eccentric_load(
-            press(), pp.servo_cycle(press(), speed=0.0, angle=[0.1]), force=1e5, offset=(0.02, 0.0, 0.0), guide=pp.ratings.Guide(0.3, 0.1)
+            press(), pp.servo_cycle(press(), speed=0.0, angle=[0.1]), force=1e5, offset=(0.02, 0.0, 0.0), gibs=pp.ratings.Gibs(0.3, 0.1)
         ),
         *(
             pp.sweeps.operating_points(press(), [5.0, SPEED], forces=[0.0, 1e3], unit_load=DEEP, points=8, angles=True),

@@ -25,7 +25,7 @@ import pinpress as pp
 from pinpress.linkage.urdf.document import Document
 from pinpress.visual.shapes import appearance
 from pinpress.visual.shapes.appearance import bodies
-from pinpress.visual.shapes.solids import Box, Cylinder, Mesh, Sphere
+from pinpress.visual.shapes.solids import Box, Cylinder, Sphere, TriangleMesh
 
 STATES = 24
 STEEL = (0.90, 0.91, 0.92, 1.0)
@@ -249,7 +249,7 @@ def test_meshes_are_scaled_and_not_turned_inside_out(name: str, scale: Any, tmp_
     numbers = " ".join(map(str, scale))
     (part,) = shown_rotor(rotor(tmp_path, VISUAL.format(f'<mesh filename="{name}" scale="{numbers}"/>', ""))).parts
     mesh = part.shape
-    assert isinstance(mesh, Mesh)
+    assert isinstance(mesh, TriangleMesh)
     assert volume(mesh) == pytest.approx(5 * abs(np.prod(scale)), rel=1e-6)
     expected = CORNERS * scale
     assert_allclose(sorted(mesh.vertices.tolist()), sorted(expected.tolist()), atol=1e-6)

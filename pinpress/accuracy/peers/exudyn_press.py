@@ -28,7 +28,7 @@ from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH
 from ..scenes import Scene, SpeedLaw
-from .peer import Answer, End, steps_of
+from .peer import Answer, RunEnd, steps_of
 
 NEWTON = 1e-10  # relative tolerance; at 1e-8 the forces of single states are off
 RADIUS = 0.9  # spectral radius of generalised alpha: with 1 stiff forces ring, with 0.6 errors are twenty times as large
@@ -236,7 +236,7 @@ class Exudyn:
             force[name] = _upright(stored(sensor), turned)
         return Answer(-self._sign * stored(self._torque)[:, 0], force)
 
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
+    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
         """See `Peer`."""
         system = self._free
         system.mbs.SetObjectParameter(system.bodies[self._driver], "inertia", self._inertia + inertia)
@@ -246,7 +246,7 @@ class Exudyn:
         solve(system, settings(duration, steps_of(duration, step)))
         return self._end(system, (sum(self._energies(inertia, lambda get: get())) - kinetic - potential) / kinetic)
 
-    def run(self, scene: Scene, step: float) -> End:
+    def run(self, scene: Scene, step: float) -> RunEnd:
         """See `Peer`.
 
         A stiff law is a damper; motor and loads are connectors with functions of ours. Under a stiff law the trapezoidal rule and its
@@ -302,7 +302,7 @@ class Exudyn:
             raise PinpressError(f"it is compared at work with slides on upright guides, and that of {press.name} is not")
         return joint, float(zero[0]) - dead_centres(press).bottom_position
 
-    def _end(self, system: System, error: float | None) -> End:
+    def _end(self, system: System, error: float | None) -> RunEnd:
         mbs = system.mbs
         x, v = mbs.systemData.GetODE2Coordinates().reshape(-1, 3), mbs.systemData.GetODE2Coordinates_t().reshape(-1, 3)
         force = {}
@@ -311,7 +311,7 @@ class Exudyn:
             turned = x[[self._press.joints.index(name)], 2] if name in self._angles else None
             force[name] = _upright(output, turned)[0]
         row = self._driver - 1
-        return End(self._sign * float(x[row, 2]), self._sign * float(v[row, 2]), self._gap(x), error, force)
+        return RunEnd(self._sign * float(x[row, 2]), self._sign * float(v[row, 2]), self._gap(x), error, force)
 
     def _force_of(self, name: str) -> Any:
         kinds, press = exudyn.OutputVariableType, self._press

@@ -32,7 +32,7 @@ from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH, DIE, SPEED_LAW
 from ..scenes import Scene
-from .peer import Answer, End, steps_of
+from .peer import Answer, RunEnd, steps_of
 
 SAMPLES = 512  # states of the turn that is walked when the model is made; Newton's method starts from them later
 CLOSED = 1e-11  # largest last Newton step, whose Jacobian is of the state before it [m, rad]
@@ -92,15 +92,15 @@ class Mujoco:
         a = self._rates(columns, self._drifts(x, v), 0.0)
         return Answer(*self._efforts(x, v, a, columns))
 
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
+    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
         """See `Peer`; classical Runge-Kutta steps, the loops closed after each."""
         return self._run(angle, speed, inertia, duration, step, free)
 
-    def run(self, scene: Scene, step: float) -> End:
+    def run(self, scene: Scene, step: float) -> RunEnd:
         """See `Peer`; steps as of a free run, also over the edges of loads."""
         return self._run(scene.angle, scene.speed, scene.inertia, scene.duration, step, self._working(scene))
 
-    def _run(self, angle: float, speed: float, inertia: float, duration: float, step: float, effort: Effort) -> End:
+    def _run(self, angle: float, speed: float, inertia: float, duration: float, step: float, effort: Effort) -> RunEnd:
         x, v = self._start(angle, speed, inertia)
         begin, count = self._energies(x, v), steps_of(duration, step)
         h = duration / count
@@ -150,13 +150,13 @@ class Mujoco:
         x, columns = self._closed(at, self._predicted(at))
         return x[0], self._rates(columns, np.zeros(columns.shape[:2]), speed)[0]
 
-    def _end(self, x: Array, v: Array, begin: tuple[float, float], effort: Array | float = 0.0) -> End:
+    def _end(self, x: Array, v: Array, begin: tuple[float, float], effort: Array | float = 0.0) -> RunEnd:
         a, columns = self._acceleration(x, v, effort), self._columns()
         gap = max((float(np.linalg.norm(self._data.site_xpos[i] - self._data.site_xpos[j])) for i, j in self._ends), default=0.0)
         kinetic, potential = self._energies(x, v)
         _, force = self._efforts(x[None], v[None], a[None], columns[None])
         error = (kinetic + potential - sum(begin)) / begin[0]
-        return End(float(x[self._driver]), float(v[self._driver]), gap, error, {name: f[0] for name, f in force.items()})
+        return RunEnd(float(x[self._driver]), float(v[self._driver]), gap, error, {name: f[0] for name, f in force.items()})
 
     def _load(self, x: Array, v: Array | None = None) -> None:
         """Compute places of the bodies, mass matrix, the loops' Jacobian and rates at joint coordinates (nv,) and rates (nv,)."""
@@ -309,7 +309,7 @@ class MujocoSteps(Mujoco):
     left_out: ClassVar[Mapping[str, str]] = {**Mujoco.left_out, DIE: "its loops are softer than the die"}
     steps: tuple[float, ...] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
+    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
         """See `Peer`; the steps are taken in one call of `mujoco.rollout`."""
         x, v = self._start(angle, speed, inertia)
         begin, count = self._energies(x, v), steps_of(duration, step)

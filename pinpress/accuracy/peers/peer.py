@@ -27,7 +27,7 @@ class Answer:
 
 
 @dataclass(frozen=True, eq=False)
-class End:
+class RunEnd:
     """The last state of a run.
 
     Attributes:
@@ -76,7 +76,7 @@ class Peer(Protocol):
             PinpressError: The peer finds no answer.
         """
 
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
+    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
         """Let the press run without torque.
 
         Args:
@@ -90,7 +90,7 @@ class Peer(Protocol):
             PinpressError: The peer finds no answer, or cannot run.
         """
 
-    def run(self, scene: Scene, step: float) -> End:
+    def run(self, scene: Scene, step: float) -> RunEnd:
         """Let the press run through a scene that is not ``left_out``.
 
         Args:
@@ -102,7 +102,7 @@ class Peer(Protocol):
         """
 
 
-class Solver(Protocol):
+class ClosedFormSolver(Protocol):
     """An integrator of SciPy on a press's equation of motion in closed form, as an expert writes it for this one press.
 
     Attributes:
@@ -118,7 +118,7 @@ class Solver(Protocol):
     @property
     def left_out(self) -> Mapping[str, str]: ...
 
-    def prepared(self, scene: Scene) -> Callable[[float], End]:
+    def prepared(self, scene: Scene) -> Callable[[float], RunEnd]:
         """A function that finds the end of a scene to a tolerance. It raises a PinpressError where the integrator gives up."""
 
 

@@ -26,7 +26,7 @@ from ...linkage.loading import load
 from ...loads.process import ProcessLoad
 from ..measurements import SPEED_LAW
 from ..scenes import Scene
-from .peer import Answer, End
+from .peer import Answer, RunEnd
 from .six_bar_script import (
     AX,
     AY,
@@ -85,11 +85,11 @@ class HandScript:
         result = six_bar(angle, speed, 0.0, self._balanced)
         return Answer(result["tau"], world_forces(result))
 
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> End:
+    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
         """Not in the script: see `steps`."""
         raise PinpressError("the hand script has no free run: it has no steps")
 
-    def run(self, scene: Scene, step: float) -> End:
+    def run(self, scene: Scene, step: float) -> RunEnd:
         """Not in the script: see `steps`."""
         raise PinpressError("the hand script has no runs: it has no steps")
 
@@ -157,7 +157,7 @@ def reduced(angle: float, balanced: bool) -> Reduced:
 
 @dataclass(frozen=True, eq=False)
 class SixBarEquation:
-    """A `Solver`: an integrator of SciPy on the closed form of the press.
+    """A `ClosedFormSolver`: an integrator of SciPy on the closed form of the press.
 
     Attributes:
         integrator: One of `INTEGRATORS`.
@@ -179,15 +179,18 @@ class SixBarEquation:
     def left_out(self) -> Mapping[str, str]:
         return {SPEED_LAW: UNSTABLE} if self.integrator == "DOP853" else {}
 
-    def prepared(self, scene: Scene) -> Callable[[float], End]:
-        """See `Solver`. The edges of the loads are found beforehand. The crank turns in the positive direction only, and the clutch holds
-        after it has gripped."""
+    def prepared(self, scene: Scene) -> Callable[[float], RunEnd]:
+        """See `ClosedFormSolver`.
+
+        The edges of the loads are found beforehand. The crank turns in the positive direction only, and the clutch holds after it has
+        gripped.
+        """
         at = partial(reduced, balanced=self.balanced)
         return partial(self._run, scene, at, *_edges(scene.loads, at))
 
     def _run(
         self, scene: Scene, at: Callable[[float], Reduced], edges: Array, acting: Callable[[float], tuple[Push, ...]], tolerance: float
-    ) -> End:
+    ) -> RunEnd:
         """Run to the end of a scene. Raises SimulationError where the integrator gives up or the crank turns back."""
         slips = scene.clutch is not None
         time, evaluations = 0.0, 0
@@ -214,7 +217,7 @@ class SixBarEquation:
         state = at(float(y[0]))
         acceleration = _acceleration(scene, state, (), float(y[1]))
         forces = world_forces(six_bar(y[0], y[1], acceleration, self.balanced))
-        return End(float(y[0]), float(y[1]), None, None, {name: force[0] for name, force in forces.items()}, evaluations)
+        return RunEnd(float(y[0]), float(y[1]), None, None, {name: force[0] for name, force in forces.items()}, evaluations)
 
 
 def _edges(loads: Sequence[ProcessLoad], at: Callable[[float], Reduced]) -> tuple[Array, Callable[[float], tuple[Push, ...]]]:

@@ -18,7 +18,7 @@ from ...engines.branch import predict
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.document import Element
-from .solids import Box, Cylinder, Mesh, Part, Shape, Sphere, part, read_mesh
+from .solids import Box, Cylinder, Part, Shape, Sphere, TriangleMesh, part, read_mesh
 from .stand_ins import plain_parts
 
 UNPAINTED = (0.62, 0.65, 0.69, 1.0)  # colour of a visual that has none
@@ -27,7 +27,7 @@ SHAPES = "<mesh>, <box>, <cylinder> and <sphere>"
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class ShownLink:
     """A link that is shown.
 
     Attributes:
@@ -43,7 +43,7 @@ class Body:
     drawn: bool
 
 
-def bodies(press: Linkage, joint_position: Array) -> tuple[Body, ...]:
+def bodies(press: Linkage, joint_position: Array) -> tuple[ShownLink, ...]:
     """The links of a press as solids, in document order.
 
     A link without `<visual>` is shown as bars between its bearings, a slide as a block, the frame as pedestals and rails. Links that
@@ -63,7 +63,7 @@ def bodies(press: Linkage, joint_position: Array) -> tuple[Body, ...]:
     drawn = _drawn(press.file, robot, colours)
     made = plain_parts(press, travel, drawn.keys())
     return tuple(
-        Body(name, press.model.getFrameId(name, pin.BODY), drawn.get(name) or made[name], name in drawn)
+        ShownLink(name, press.model.getFrameId(name, pin.BODY), drawn.get(name) or made[name], name in drawn)
         for name in press.links
         if name in drawn or made.get(name)
     )
@@ -107,7 +107,7 @@ def _drawn(file: str, robot: Element, colours: Mapping[str, Array]) -> dict[str,
         for each in _visuals(file, link, colours):
             parts.append(each)
             shapes += 1
-            triangles += len(each.shape.faces) if isinstance(each.shape, Mesh) else 0
+            triangles += len(each.shape.faces) if isinstance(each.shape, TriangleMesh) else 0
             for count, most, what in ((shapes, MOST_SHAPES, "visuals"), (triangles, MOST_TRIANGLES, "triangles")):
                 if count > most:
                     name = link.get("name")

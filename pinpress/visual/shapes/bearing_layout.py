@@ -24,7 +24,7 @@ SHORTEST = 0.5  # width of a bar, as a share of the shortest link, if that is be
 
 
 @dataclass(frozen=True, eq=False)
-class Bearing:
+class PlacedBearing:
     """A joint or a cut loop in the drawn pose, world axes. Side 0 is the parent's or link1's, side 1 the child's or link2's.
 
     Attributes:
@@ -62,13 +62,13 @@ class BearingLayout:
     links: tuple[str, ...]
     on_frame: frozenset[str]
     placements: Mapping[str, Array]
-    bearings: tuple[Bearing, ...]
+    bearings: tuple[PlacedBearing, ...]
     normal: Array | None
     welded: Mapping[str, Array]
     masses: Mapping[str, tuple[Array, Array]]
     size: float
 
-    def ends(self, link: str) -> list[tuple[Bearing, int]]:
+    def ends(self, link: str) -> list[tuple[PlacedBearing, int]]:
         """The bearings of a link, each with the link's side of it."""
         return [(bearing, side) for bearing in self.bearings for side in (0, 1) if bearing.links[side] == link]
 
@@ -183,14 +183,16 @@ def _without_stubs(layout: BearingLayout) -> BearingLayout:
     return replace(layout, links=tuple(link for link in layout.links if link not in stubs), bearings=bearings)
 
 
-def _bearings(press: Linkage, data: pin.Data, travel: Array, owner: Callable[[str], str | None], joint: Mapping[str, int]) -> list[Bearing]:
+def _bearings(
+    press: Linkage, data: pin.Data, travel: Array, owner: Callable[[str], str | None], joint: Mapping[str, int]
+) -> list[PlacedBearing]:
     description = describe(press.document)
     between = {j.name: (j.parent, j.child) for j in description.joints}
     between |= {loop.name: (loop.link1.link, loop.link2.link) for loop in description.loops}
 
-    def bearing(name: str, kind: str, points: list[Array], axis: Array, low: float, high: float) -> Bearing:
+    def bearing(name: str, kind: str, points: list[Array], axis: Array, low: float, high: float) -> PlacedBearing:
         one, other = between[name]
-        return Bearing(kind, (owner(one), owner(other)), (joint[one] == 0, joint[other] == 0), np.array(points), axis, (low, high))
+        return PlacedBearing(kind, (owner(one), owner(other)), (joint[one] == 0, joint[other] == 0), np.array(points), axis, (low, high))
 
     found = []
     for j, name in enumerate(press.joints):
@@ -204,7 +206,7 @@ def _bearings(press: Linkage, data: pin.Data, travel: Array, owner: Callable[[st
     return found
 
 
-def _normal(bearings: list[Bearing]) -> Array | None:
+def _normal(bearings: list[PlacedBearing]) -> Array | None:
     """Normal of the plane of a linkage whose pins are parallel and whose guides are across; else None."""
     axes = {kind: [bearing.axis for bearing in bearings if bearing.kind == kind] for kind in ("pin", "guide")}
     if not axes["pin"]:

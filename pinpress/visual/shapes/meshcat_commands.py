@@ -12,8 +12,8 @@ from ...common.quantities import Array
 from ...kinematics.motion import Poses
 from ...linkage.linkage import Linkage
 from ..pages import NO_MESHCAT
-from .appearance import Body
-from .solids import Box, Cylinder, Mesh, Shape
+from .appearance import ShownLink
+from .solids import Box, Cylinder, Shape, TriangleMesh
 
 LARGEST = float(np.finfo(np.float32).max)
 FLOATS, WHOLE_NUMBERS = 0x17, 0x16  # Meshcat's extension types of MessagePack for arrays of float32 and of uint32
@@ -39,7 +39,7 @@ def moves(poses: Array) -> bool:
     return bool(np.any(np.ptp(poses, axis=0) > MOVES))
 
 
-def commands(bodies: Iterable[Body], poses: dict[str, Array], time: Array) -> Iterator[dict[str, Any]]:
+def commands(bodies: Iterable[ShownLink], poses: dict[str, Array], time: Array) -> Iterator[dict[str, Any]]:
     """Commands in the order in which the page handles them: the animation refers to groups, so it comes last.
 
     Args:
@@ -121,7 +121,7 @@ def _object(path: str, shape: dict[str, Any], rgba: Array) -> dict[str, Any]:
     colour, alpha = int(hexadecimal(rgba), 16), float(rgba[3])
     material = {"uuid": "m", "type": "MeshPhongMaterial", "color": colour, "opacity": alpha, "transparent": alpha < 1}
     material |= {"specular": 0x303030, "shininess": 25, "flatShading": shape["type"] == "BufferGeometry"}
-    mesh = {"uuid": "o", "type": "Mesh", "geometry": "g", "material": "m"}
+    mesh = {"uuid": "o", "type": "TriangleMesh", "geometry": "g", "material": "m"}
     body = {"metadata": {"version": 4.5, "type": "Object"}, "geometries": [shape | {"uuid": "g"}], "materials": [material], "object": mesh}
     return {"type": "set_object", "path": path, "object": body}
 
@@ -130,7 +130,7 @@ def _geometry(shape: Shape) -> tuple[dict[str, Any], Array]:
     """A shape for three.js, and the rotation from three.js's axes to ours."""
     if isinstance(shape, Box):
         return dict(zip(("type", "width", "height", "depth"), ("BoxGeometry", *shape.size), strict=True)), np.eye(4)
-    if isinstance(shape, Mesh):
+    if isinstance(shape, TriangleMesh):
         attributes = {"position": {"itemSize": 3, "type": "Float32Array", "array": shape.vertices.ravel(), "normalized": False}}
         index = {"itemSize": 1, "type": "Uint32Array", "array": shape.faces.ravel(), "normalized": False}
         return {"type": "BufferGeometry", "data": {"attributes": attributes, "index": index}}, np.eye(4)

@@ -73,7 +73,7 @@ class Sphere:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mesh:
+class TriangleMesh:
     """Triangles. Arrays are read-only.
 
     Attributes:
@@ -85,10 +85,10 @@ class Mesh:
     faces: NDArray[np.int64]
 
     def __repr__(self) -> str:
-        return f"<Mesh: {len(self.vertices)} vertices, {len(self.faces)} faces>"
+        return f"<TriangleMesh: {len(self.vertices)} vertices, {len(self.faces)} faces>"
 
 
-Shape = Box | Cylinder | Sphere | Mesh
+Shape = Box | Cylinder | Sphere | TriangleMesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ def part(shape: Shape, placement: Array, rgba: Array | tuple[float, ...]) -> Par
 
 
 @dataclass(frozen=True, eq=False)
-class Solid:
+class MadeUpSolid:
     """A solid of a link that is made up, in world axes in the drawn pose.
 
     Attributes:
@@ -126,7 +126,7 @@ class Solid:
     steel: bool = False
 
 
-def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh:
+def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> TriangleMesh:
     """Read a mesh.
 
     A package is looked for in ROS_PACKAGE_PATH, among the folders that the URDF is in, and beside them.
@@ -171,7 +171,7 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Mesh
         raise PinpressError(f"{place} has a vertex that is not finite; repair the mesh, or give a smaller scale")
     if np.prod(np.sign(factors)) < 0:
         faces = faces[:, ::-1].copy()  # a mirrored mesh would have its outside inside
-    return Mesh(read_only(vertices), read_only(faces))
+    return TriangleMesh(read_only(vertices), read_only(faces))
 
 
 def _loaded(kind: str, content: bytes) -> Any:

@@ -13,8 +13,8 @@ import numpy as np
 
 from ...common.quantities import Array
 from ...linkage.linkage import Linkage
-from .bearing_layout import Bearing, BearingLayout, lay_out_bearings, tree
-from .solids import Box, Cylinder, Part, Shape, Solid, Sphere, part
+from .bearing_layout import BearingLayout, PlacedBearing, lay_out_bearings, tree
+from .solids import Box, Cylinder, MadeUpSolid, Part, Shape, Sphere, part
 
 Colour = tuple[float, float, float]
 
@@ -81,7 +81,7 @@ def _colours() -> Iterator[Colour]:
         shade *= DARKER
 
 
-def _layered_solids(layout: BearingLayout, normal: Array) -> dict[str, list[Solid]]:
+def _layered_solids(layout: BearingLayout, normal: Array) -> dict[str, list[MadeUpSolid]]:
     """Solids of the links of a planar linkage, in world axes in the drawn pose."""
     layers = _Layers(layout, normal)
     return {link: list(layers.frame(link) if link in layout.on_frame else layers.link(link)) for link in layout.links}
@@ -104,7 +104,7 @@ class _Layers:
         self.offsets = {link: offsets[self._carrier(link)] for link in moving}
         self.back = -(middle + 1.3) * LAYER * self.width
 
-    def _is_collar(self, bearing: Bearing, side: int) -> bool:
+    def _is_collar(self, bearing: PlacedBearing, side: int) -> bool:
         return bearing.kind == "guide" and side == 1 and not bearing.on_frame[0]
 
     def _rides(self, link: str) -> bool:
@@ -120,11 +120,11 @@ class _Layers:
         held = {bearing.kind for bearing, side in self.layout.ends(link) if bearing.on_frame[1 - side]}
         return 2 if "guide" in held else 0 if "pin" in held else 1
 
-    def _guide(self, link: str) -> Bearing | None:
+    def _guide(self, link: str) -> PlacedBearing | None:
         """The guide of a link on the frame."""
         return next((b for b, side in self.layout.ends(link) if b.kind == "guide" and side == 1 and b.on_frame[0]), None)
 
-    def _height(self, bearing: Bearing, side: int) -> float:
+    def _height(self, bearing: PlacedBearing, side: int) -> float:
         """Height at which a link meets its bearing; where the link has visuals, the true one."""
         link, height = bearing.links[side], float(bearing.points[side] @ self.normal)
         if link is None:
@@ -142,7 +142,7 @@ class _Layers:
 
     # Moving links
 
-    def link(self, link: str) -> Iterator[Solid]:
+    def link(self, link: str) -> Iterator[MadeUpSolid]:
         """A bar with eyes, a disc, or a block; collars; pins."""
         w, nodes, guide = self.width, self.nodes[link], self._guide(link)
         if guide is not None:
@@ -157,11 +157,11 @@ class _Layers:
                 yield self._bar(low - more, high + more, self._height(bearing, 0), 0.9 * w)
         yield from self._pins(link)
 
-    def _ends(self, bearing: Bearing) -> list[Array]:
+    def _ends(self, bearing: PlacedBearing) -> list[Array]:
         """Ends of the travel of a guide; for other bearings the same place twice."""
         return [self.layout.flat(bearing.points[0]) + at * bearing.axis for at in bearing.travel]
 
-    def _bars(self, link: str, nodes: Array) -> Iterator[Solid]:
+    def _bars(self, link: str, nodes: Array) -> Iterator[MadeUpSolid]:
         w, height = self.width, self._middle(link)
         pivot = self._pivot(link)
         reach = max(float(np.linalg.norm(node - pivot)) for node in nodes)
@@ -195,7 +195,7 @@ class _Layers:
             return DISC * self.width
         return self.layout.disc_radius(link, self.normal, DISC * self.width)
 
-    def _block(self, link: str, guide: Bearing) -> Solid:
+    def _block(self, link: str, guide: PlacedBearing) -> MadeUpSolid:
         """A block that holds all that the link joins."""
         (low, high), across = self._extent(link, guide)
         centre = guide.points[1] + (low + high) / 2 * guide.axis + (across[0] + across[1]) / 2 * self._across(guide)
@@ -203,10 +203,10 @@ class _Layers:
         size = high - low, across[1] - across[0], np.ptp(heights) + THICKNESS * self.width
         return self._box(centre, guide.axis, (max(heights) + min(heights)) / 2, size)
 
-    def _across(self, guide: Bearing) -> Array:
+    def _across(self, guide: PlacedBearing) -> Array:
         return np.cross(self.normal, guide.axis)
 
-    def _extent(self, link: str | None, guide: Bearing) -> tuple[Array, Array]:
+    def _extent(self, link: str | None, guide: PlacedBearing) -> tuple[Array, Array]:
         """(2,) ends of a block along its guide, and (2,) across it, from the guide's point [m]."""
         nodes = [self.layout.flat(guide.points[1])]
         if link is not None:
@@ -216,14 +216,14 @@ class _Layers:
         wider = max(BLOCK_WIDTH * w, BLOCK_SHAPE * (high - low))
         return np.array([low - BLOCK * w, high + BLOCK * w]), np.array([left - wider, right + wider])
 
-    def _collar(self, link: str, guide: Bearing) -> Iterator[Solid]:
+    def _collar(self, link: str, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
         """A block about the bar on which it slides, and a rod to the rest of the link in another layer."""
         w, on = self.width, self._height(guide, 0)
         yield self._box(guide.points[1], guide.axis, on, (COLLAR * w, COLLAR_WIDTH * w, COLLAR_THICKNESS * w))
         if not self._rides(link):
             yield self._between(guide.points[1], on, self._middle(link), EYE * w)
 
-    def _pins(self, link: str) -> Iterator[Solid]:
+    def _pins(self, link: str) -> Iterator[MadeUpSolid]:
         for bearing, side in self.layout.ends(link):
             if bearing.kind == "pin" and (side == 0 or bearing.links[0] is None):
                 heights = sorted((self._height(bearing, 0), self._height(bearing, 1)))
@@ -232,7 +232,7 @@ class _Layers:
 
     # The frame
 
-    def frame(self, link: str) -> Iterator[Solid]:
+    def frame(self, link: str) -> Iterator[MadeUpSolid]:
         """Pedestals and rails."""
         w = self.width
         for bearing, side in self.layout.ends(link):
@@ -245,7 +245,7 @@ class _Layers:
             yield self._box(at + 2.1 * w * self.down, self.down, height, (0.5 * w, 3.6 * w, 0.9 * w))
         yield from self._pins(link)
 
-    def _rails(self, guide: Bearing) -> Iterator[Solid]:
+    def _rails(self, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
         w, height = self.width, self._height(guide, 1)
         along, across = self._extent(guide.links[1], guide)
         low, high = along[0] + guide.travel[0], along[1] + guide.travel[1]
@@ -255,18 +255,18 @@ class _Layers:
 
     # Solids
 
-    def _bar(self, a: Array, b: Array, height: float, width: float) -> Solid:
+    def _bar(self, a: Array, b: Array, height: float, width: float) -> MadeUpSolid:
         length = float(np.linalg.norm(b - a))
         return self._box((a + b) / 2, (b - a) / length, height, (length, width, THICKNESS * self.width))
 
-    def _box(self, centre: Array, along: Array, height: float, size: tuple[float, float, float]) -> Solid:
+    def _box(self, centre: Array, along: Array, height: float, size: tuple[float, float, float]) -> MadeUpSolid:
         """A box with its sides along a direction in the plane, across it, and along the normal."""
-        return Solid(Box((float(size[0]), float(size[1]), float(size[2]))), self._placed(centre, along, height))
+        return MadeUpSolid(Box((float(size[0]), float(size[1]), float(size[2]))), self._placed(centre, along, height))
 
-    def _cylinder(self, centre: Array, height: float, radius: float, length: float, steel: bool = False) -> Solid:
-        return Solid(Cylinder(radius, length), self._placed(centre, self.down, height), steel)
+    def _cylinder(self, centre: Array, height: float, radius: float, length: float, steel: bool = False) -> MadeUpSolid:
+        return MadeUpSolid(Cylinder(radius, length), self._placed(centre, self.down, height), steel)
 
-    def _between(self, centre: Array, low: float, high: float, radius: float, steel: bool = False) -> Solid:
+    def _between(self, centre: Array, low: float, high: float, radius: float, steel: bool = False) -> MadeUpSolid:
         return self._cylinder(centre, (low + high) / 2, radius, abs(high - low), steel)
 
     def _placed(self, centre: Array, along: Array, height: float) -> Array:
@@ -276,12 +276,12 @@ class _Layers:
         return placement
 
 
-def _rod_solids(layout: BearingLayout) -> dict[str, list[Solid]]:
+def _rod_solids(layout: BearingLayout) -> dict[str, list[MadeUpSolid]]:
     """Solids of the links of a linkage in space, in world axes in the drawn pose."""
     return {link: list(_rods(layout, link)) for link in layout.links}
 
 
-def _rods(layout: BearingLayout, link: str) -> Iterator[Solid]:
+def _rods(layout: BearingLayout, link: str) -> Iterator[MadeUpSolid]:
     w, nodes, ends = layout.width, layout.nodes(link), layout.ends(link)
     for a, b in tree(nodes):
         yield _cylinder((a + b) / 2, b - a, ROD * w, float(np.linalg.norm(b - a)))
@@ -296,7 +296,7 @@ def _rods(layout: BearingLayout, link: str) -> Iterator[Solid]:
             yield _cylinder(bearing.points[side], bearing.axis, ROD_PIN * w, ROD_PIN_LENGTH * w, steel=True)
 
 
-def _end(bearing: Bearing, side: int, w: float) -> Iterator[Solid]:
+def _end(bearing: PlacedBearing, side: int, w: float) -> Iterator[MadeUpSolid]:
     """The solid of a link at a bearing."""
     point, axis = bearing.points[side], bearing.axis
     if bearing.kind == "pin":
@@ -311,7 +311,7 @@ def _end(bearing: Bearing, side: int, w: float) -> Iterator[Solid]:
         yield _cylinder(point + (low + high) / 2 * axis, axis, GUIDE * w, high - low + 1.5 * SLEEVE_LENGTH * w)
 
 
-def _disc(layout: BearingLayout, link: str, ends: list[tuple[Bearing, int]]) -> Iterator[Solid]:
+def _disc(layout: BearingLayout, link: str, ends: list[tuple[PlacedBearing, int]]) -> Iterator[MadeUpSolid]:
     """The disc that stands for a link with one place, about its pin, by its inertia, within limits."""
     w, pin = layout.width, next(((b, side) for b, side in ends if b.kind == "pin"), None)
     if pin is None:
@@ -320,11 +320,11 @@ def _disc(layout: BearingLayout, link: str, ends: list[tuple[Bearing, int]]) -> 
     yield _cylinder(bearing.points[side], bearing.axis, layout.disc_radius(link, bearing.axis, ROD_DISC * w), 0.5 * w)
 
 
-def _cylinder(centre: Array, along: Array, radius: float, length: float, steel: bool = False) -> Solid:
+def _cylinder(centre: Array, along: Array, radius: float, length: float, steel: bool = False) -> MadeUpSolid:
     return _solid(Cylinder(radius, length), centre, along, steel)
 
 
-def _solid(shape: Shape, centre: Array, along: Array | None = None, steel: bool = False) -> Solid:
+def _solid(shape: Shape, centre: Array, along: Array | None = None, steel: bool = False) -> MadeUpSolid:
     """A shape with its z axis along a direction."""
     placement = np.eye(4)
     placement[:3, 3] = centre
@@ -333,4 +333,4 @@ def _solid(shape: Shape, centre: Array, along: Array | None = None, steel: bool 
         x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
         x /= np.linalg.norm(x)
         placement[:3, 0], placement[:3, 1], placement[:3, 2] = x, np.cross(z, x), z
-    return Solid(shape, placement, steel)
+    return MadeUpSolid(shape, placement, steel)

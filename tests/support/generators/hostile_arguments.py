@@ -229,7 +229,7 @@ def calls() -> dict[str, Call]:
         ("Counterweight", pp.balancing.Counterweight, lambda: {"link": "crank", "mass": 1.0, "position": (0.1, 0.0, 0.0), "inertia": 0.1}),
         ("Flywheel", pp.drives.Flywheel, lambda: {"inertia": 1.0, "speed": 7.0}),
         ("Friction", pp.loads.Friction, lambda: {"coefficient": 0.1, "radius": 0.02, "viscous": 0.1}),
-        ("Guide", pp.ratings.Guide, lambda: {"length": 0.5, "width": 0.1, "normal": (1.0, 0.0, 0.0), "middle": 0.1, "one_sided": False}),
+        ("Gibs", pp.ratings.Gibs, lambda: {"length": 0.5, "width": 0.1, "normal": (1.0, 0.0, 0.0), "middle": 0.1, "one_sided": False}),
         ("Peak", pp.balancing.Peak, lambda: measured),
         ("Range", pp.balancing.Range, lambda: measured),
         ("Rms", pp.balancing.Rms, lambda: measured),
@@ -490,12 +490,12 @@ def calls() -> dict[str, Call]:
         (
             "eccentric_load",
             pp.ratings.eccentric_load,
-            lambda: {"press": press(), "motion": motion(), "force": 1e3, "offset": (0.01, 0.0, 0.0), "guide": pp.ratings.Guide(0.5, 0.1)},
+            lambda: {"press": press(), "motion": motion(), "force": 1e3, "offset": (0.01, 0.0, 0.0), "gibs": pp.ratings.Gibs(0.5, 0.1)},
         ),
         (
             "permissible_eccentricity",
             pp.ratings.permissible_eccentricity,
-            lambda: {"press": press(), "motion": motion(), "force": 1e3, "guide": pp.ratings.Guide(0.5, 0.1), "pressure": 1e6},
+            lambda: {"press": press(), "motion": motion(), "force": 1e3, "gibs": pp.ratings.Gibs(0.5, 0.1), "pressure": 1e6},
         ),
         ("compliance", pp.elasticity.compliance, lambda: {"press": press(), "stiffness": stiffness(), "angle": [0.1, 0.2]}),
         (
