@@ -12,6 +12,7 @@ FASTEST = 1000.0  # no crank or motor of a press turns faster [rad/s], 9549 r/mi
 FASTEST_SLIDING = 10.0  # no cylinder or screw of a press slides faster [m/s]
 FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
+WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
 def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRANK) -> None:
@@ -24,8 +25,9 @@ def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRAN
         caution(f"{name} is {fastest:g} rad/s, {fastest / RPM:g} r/min: if r/min are meant, write {fastest:g} * pinpress.RPM")
 
 
-def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, high: float, size: float) -> None:
-    """Warn of a process load that acts nowhere on the slide's stroke, or ends far off the linkage: its heights may be in mm.
+def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, high: float, size: float, contact: bool = False) -> None:
+    """Warn of a process load that acts nowhere on the slide's stroke, or ends far above it or far off the linkage: its heights may be
+    in mm.
 
     Args:
         load: its name.
@@ -33,6 +35,7 @@ def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, hig
         low: lower end of the stroke, as height above the load's datum [m]; infinite where it is not known.
         high: upper end of the stroke, likewise [m].
         size: length of the linkage [m].
+        contact: whether it is one, which may be met all the time.
     """
     if not stretches:
         return
@@ -45,6 +48,20 @@ def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, hig
         caution(f"{said}, nowhere on the slide's stroke, which goes from {low:g} to {high:g} m: {remedy}")
     elif math.isfinite(highest - lowest) and max(abs(lowest), abs(highest)) > FAR * size:  # without ends it acts everywhere, as is meant
         caution(f"{said}, far off a linkage of {size:g} m: {remedy}")
+    elif not contact and math.isfinite(stroke) and high + stroke < highest < high / MILLI:  # further up it may be meant to act everywhere
+        caution(f"{load} acts up to {highest:g} m above its datum, and the slide's stroke ends at {high:.6g} m: {remedy}")
+
+
+def onset(load: str, start: float, high: float) -> None:
+    """Warn of a process load that begins at zero above the stroke, and is in full force when the slide leaves top dead centre."""
+    caution(f"{load} begins at {start:g} m above its datum, and the slide's stroke ends at {high:.6g} m: it begins with a jump; lower it")
+
+
+def forces(load: str, largest: float, weight: float) -> None:
+    """Warn of a process load that is small beside the ``weight`` of the slide [N]: its ``largest`` force may be in kN."""
+    if 0.0 < largest < min(WEAK, FEEBLE * weight):
+        share = f"{100 * largest / weight:.2g} % of the weight of the slide"
+        caution(f"{load}: its largest force is {largest:g} N, {share}: if kN are meant, write {largest:g}e3")
 
 
 def point(name: str, position: Array, size: float) -> None:

@@ -21,6 +21,9 @@ from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 from .harmonics import is_cycle
 
+JUMP = 0.01  # share of its largest force with which a process load begins suddenly
+GRAVITY = 9.81  # [m/s2]
+
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion
     from ..linkage.linkage import Linkage
@@ -95,9 +98,44 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
         inside = np.flatnonzero((down == downwards) & (interval.lower < height) & (height <= interval.upper))
         acts |= len(inside) > 0
         force[inside] = _force_in(name, interval, height[inside], velocity[inside])
-    low, high = (-math.inf, math.inf) if acts else turning_points(press)
-    plausibility.heights(name, [(interval.lower, interval.upper) for _, interval in intervals], low - zero, high - zero, press.size)
+    known = not acts or load.datum is None  # else finding the stroke would take long
+    warn_of_load(name, press, intervals, zero, turning_points(press) if known else (-math.inf, math.inf))
     return force
+
+
+def warn_of_load(
+    name: str, press: "Linkage", intervals: Sequence[tuple[bool, ForceInterval]], zero: float, ends: tuple[float, float]
+) -> None:
+    """Warn of a process load whose heights or forces are allowed but hardly meant.
+
+    Args:
+        name: of the load.
+        press: the linkage that it acts on.
+        intervals: of the load, each with whether it is for downward travel.
+        zero: the load's datum, a slide position [m].
+        ends: slide positions at bottom and top dead centre [m]; infinite where they are not known.
+    """
+    low, high = ends[0] - zero, ends[1] - zero
+    contact = any(each.one_sided for _, each in intervals)
+    plausibility.heights(name, [(each.lower, each.upper) for _, each in intervals], low, high, press.size, contact)
+    pushing = [(downwards, each) for downwards, each in intervals if not (each.one_sided or each.heeds_velocity)]
+    if not pushing:
+        return  # a contact, or a law of the caller's: what it does not reach is not asked for
+    largest = 0.0
+    for _, each in pushing:
+        lower = each.lower if math.isfinite(each.lower) else each.upper
+        for height in (lower, 0.5 * (lower + each.upper), each.upper) if math.isfinite(each.upper) else ():
+            largest = max(largest, _size(each, height))
+    plausibility.forces(name, largest, float(press.model.inertias[press.slide_guide.joint + 1].mass) * GRAVITY)
+    for downwards, each in pushing:
+        reaches_over = downwards and math.isfinite(each.lower) and each.lower < high < each.upper
+        if reaches_over and _size(each, each.upper) < JUMP * largest < _size(each, high):
+            plausibility.onset(name, each.upper, high)
+
+
+def _size(interval: ForceInterval, height: float) -> float:
+    """Size of a force that does not depend on the velocity, the largest of all scenarios [N]."""
+    return float(np.abs(interval.force(height, 0.0)).max(initial=0.0))
 
 
 def _intervals(load: ProcessLoad) -> list[tuple[bool, ForceInterval]]:

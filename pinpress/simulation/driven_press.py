@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ..common import plausibility
 from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
@@ -393,14 +392,9 @@ def _process_force(press: Linkage, load: ProcessLoad) -> GeneralizedForce | None
     row = _slide_row(press)
     if not rising and not falling:
         return None
-    zero, (low, high) = datum(caller_laws.as_given(load), press), applied_loads.turning_points(press)
-    plausibility.heights(
-        caller_laws.name(load),
-        [(interval.lower, interval.upper) for interval in (*rising, *falling)],
-        low - zero,
-        high - zero,
-        press.size,
-    )
+    zero = datum(caller_laws.as_given(load), press)
+    intervals = [*((True, each) for each in falling), *((False, each) for each in rising)]
+    applied_loads.warn_of_load(caller_laws.name(load), press, intervals, zero, applied_loads.turning_points(press))
     least = THIN * press.size
     for interval in (*rising, *falling):
         if interval.upper - interval.lower < least:

@@ -238,6 +238,36 @@ def test_heights_in_mm_are_warned_of(press, name):
         assert {warning.filename for warning in caught} == {__file__}
 
 
+HARDLY_MEANT = {
+    "a height in mm that acts everywhere": (
+        pp.loads.ConstantForce(3e6, 8.0),
+        "ConstantForce acts up to 8 m above its datum, and the slide's",
+    ),
+    "kN": (
+        pp.loads.DeepDrawing(3000.0, 0.05),
+        "DeepDrawing: its largest force is 3000 N, 4.3 % of the weight of the slide: if kN are meant",
+    ),
+    "kN, a table": (pp.loads.ForceStroke([0.0, 0.01], [0.0, 2000.0]), "ForceStroke: its largest force is 2000 N, 2.9 % of the weight"),
+    "begins above the stroke": (
+        pp.loads.DeepDrawing(3e6, 0.5),
+        "DeepDrawing begins at 0.5 m above its datum, and the slide's stroke ends at 0.30",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HARDLY_MEANT)
+def test_loads_that_are_hardly_meant_are_warned_of(name):
+    load, said = HARDLY_MEANT[name]
+    six_bar = texts.shipped("zxn2_3000b")
+    for ask in (
+        lambda: pp.inverse_dynamics(six_bar, pp.cycle(six_bar, 7.0, points=36), [load]),
+        lambda: pp.simulate(six_bar, 1e-3, speed=7.0, flywheel=pp.drives.Flywheel(1e4), loads=[load]),
+    ):
+        with pytest.warns(pp.PinpressWarning, match=re.escape(said)) as caught:
+            ask()
+        assert len(caught) == 1
+
+
 @pytest.mark.parametrize(
     ("load", "said"),
     [

@@ -512,6 +512,7 @@ def test_no_inertia_in_one(press):
     assert "inertia" in str(runs.errors[1])
 
 
+@pytest.mark.filterwarnings("ignore:.*of the weight of the slide")
 def test_arrays_that_are_no_scenarios(press):
     """Vectors of forces and points, curves and programs are one value, however they are written."""
     point = np.array([0.0, 0.0, -0.1])

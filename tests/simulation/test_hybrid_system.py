@@ -75,6 +75,7 @@ def test_a_brake_is_a_coupling_to_the_frame(press, speed):
     assert held.brake.grip is (SLIPPING if system.holding_torque("brake", held, 0.1, rest, system.at(rest)) > 50.0 else HOLDING)
 
 
+@pytest.mark.filterwarnings("ignore:.*it begins with a jump")
 def test_a_press_that_stands_waits_for_its_drive_alone(press):
     class Idle:
         inertia, rated_torque, corners, state, timed = 0.0, None, (), (), True

@@ -386,6 +386,7 @@ def test_a_rebound_from_the_die(press, method):
     same(run, solution)
 
 
+@pytest.mark.filterwarnings("ignore:.*of the weight of the slide")
 @pytest.mark.one_in(2)
 def test_swings_from_rest(press, method):
     """A cushion that pushes everywhere lets it swing about top dead centre; a load on the way down takes some of that at every swing."""

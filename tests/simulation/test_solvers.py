@@ -89,6 +89,7 @@ def test_a_step_over_time_ends_at_a_corner_of_the_torque(press, method):
         assert step.t == segment.times[k - 1]
 
 
+@pytest.mark.filterwarnings("ignore:.*it begins with a jump")
 def test_a_brake_that_grips_comes_before_all_else_that_happens_at_rest(press):
     """Where it brings the crank to rest a load of one direction turns too, and the motor's gears start to lose the other way."""
     motor = pp.drives.Geared(pp.drives.ConstantTorque(0.1), 20.0, efficiency=0.9)
