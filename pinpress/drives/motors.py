@@ -33,6 +33,10 @@ class ConstantTorque(SpeedTorqueDrive):
     value: Values = field(metadata=parameter("N m", scenarios=True))
 
     @property
+    def heeds_speed(self) -> bool:
+        return False
+
+    @property
     def inertia(self) -> Values:
         return 0.0
 

@@ -103,6 +103,11 @@ class SpeedTorqueDrive(Checked):
         return ()
 
     @property
+    def heeds_speed(self) -> bool:
+        """Whether the torque depends on the speed; a swing of the crank under forces that do not is computed once and repeated."""
+        return True
+
+    @property
     def reversals(self) -> tuple[float, ...]:
         """Speeds at which the torque changes its sign [rad/s], because a `Geared` with losses has corners there; () where none is known."""
         return ()

@@ -95,6 +95,11 @@ class Geared(Checked):
         return self.drive.rated_torque
 
     @property
+    def heeds_speed(self) -> bool:
+        """Whether the torque depends on the speed, as losses do by its sign."""
+        return self.efficiency < 1 or getattr(self.drive, "heeds_speed", True)
+
+    @property
     def reversals(self) -> tuple[float, ...]:
         """Speeds at which the drive's torque changes its sign, if the drive names them [rad/s]."""
         return tuple(speed / self.ratio for speed in getattr(self.drive, "reversals", ()))

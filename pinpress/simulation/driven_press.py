@@ -200,6 +200,13 @@ class DrivenPress:
         """Whether the drive's torque jumps at a speed, other than at rest."""
         return self.drive is not None and any(jump and np.any(speed) for speed, jump in corners_of(self.drive))
 
+    @property
+    def heeds_speed(self) -> bool:
+        """Whether a force depends on more than the crank angle. Where none does, a swing of the crank repeats itself."""
+        if self.timed or (self.drive is not None and getattr(self.drive, "heeds_speed", True)):
+            return True
+        return any(force.rising is not force.falling or any(each.heeds_velocity for each in force.rising) for force in self.forces)
+
     @cached_property
     def model(self) -> ReducedModel:
         """The press reduced to its crank, with the coordinates of the forces."""

@@ -340,20 +340,6 @@ class HybridSystem:
         on_crank, inertia = (self.drive_torque(time, at), driven.inertia) if rigid else (through, 0.0)
         return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, on_crank + braking + more, forces, inertia))
 
-    def heeds_speed(self, mode: Mode, time: float, y: Array) -> bool:
-        """Whether more than angle and speed of the crank counts, or a force in this state depends on its speed or direction."""
-        n, driven = self.dynamics.size, self.driven
-        if n > 1 or len(y) > 2 + len(INTEGRALS) or driven.clutch is not None or driven.brake is not None:
-            return True
-        if any(force.time is not None or force.rising is not force.falling for force in driven.forces):
-            return True
-        found = []
-        for share in (1.0, 0.5, 0.0, -1.0):
-            linkage = self.dynamics.at(y[:n], share * y[n : 2 * n])
-            torque = float(np.ravel(self.drive_torque(time, Snapshot(linkage, linkage.speed, ())))[0])
-            found.append((*self._forces(mode, time, linkage)[0], torque))
-        return found.count(found[0]) < len(found)
-
     # Standstill
 
     def placed(self, mode: Mode, time: float, y: Array) -> Mode:

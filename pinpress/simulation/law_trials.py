@@ -82,6 +82,10 @@ class AskedDrive(Asked):
         return self.part.timed  # type: ignore[no-any-return]
 
     @property
+    def heeds_speed(self) -> bool:
+        return getattr(self.part, "heeds_speed", True)
+
+    @property
     def rated_torque(self) -> Values | None:
         return self.part.rated_torque  # type: ignore[no-any-return]
 
@@ -228,6 +232,8 @@ def _try_drive(drive: AskedDrive) -> None:
             for angle, time in places:
                 if _differ(first[::4], [ask(w, angle, time, ()) for w, *_ in at[::4]]):
                     raise PinpressError(f"{what}: {law} depends on the {of}, but timed is False; let timed be True")
+        if not drive.heeds_speed and _differ(first, first[:1]):
+            raise PinpressError(f"{what}: {law} depends on the speed; let heeds_speed be True")
         given = np.broadcast_to(speeds[:, None], first.shape) if first.ndim > 1 else speeds
         _as_numbers(f"{what}: {law}", first, ask(given, 0.0, 0.0, ()))
     if states:

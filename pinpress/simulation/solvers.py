@@ -175,7 +175,7 @@ class OverTime:
             if followed is None or not followed.swung:
                 self.handed = state
                 return Leg(segments, state)
-            swinging = None if segment.heeds_speed() else _swinging(system, segment, problem.tolerance, problem.until)
+            swinging = None if driven.heeds_speed else _swinging(system, segment, problem.tolerance, problem.until)
             if swinging is not None:
                 return Leg([*segments, *swinging], None)
             self.swings = False

@@ -112,13 +112,6 @@ class TimeSegment:
             since = end
         return found
 
-    def heeds_speed(self) -> bool:
-        """Whether a force depended on more than the crank's angle at the end of any step."""
-        return any(
-            self.system.heeds_speed(mode, end, np.asarray(piece(end)))
-            for mode, end, piece in zip(self.modes, self.times, self.pieces, strict=True)
-        )
-
     def at(self, times: Array, complete: bool = True) -> Sample:
         system, size, integrals = self.system, self.system.dynamics.size, len(INTEGRALS)
         owner = np.clip(np.array(self.times).searchsorted(times, side="left"), 0, len(self.times) - 1)

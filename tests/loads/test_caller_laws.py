@@ -110,6 +110,13 @@ def test_the_motor_torque_too(press):
         pp.simulate(press, 0.2, drive=drive, **START)
 
 
+def test_a_drive_that_depends_on_the_speed_though_it_is_declared_not_to(press):
+    with pytest.raises(pp.PinpressError, match=r"Own: torque depends on the speed; let heeds_speed be True"):
+        pp.simulate(press, 0.2, drive=Own(lambda w, a, t, s: 50.0 - w, heeds_speed=False), **START)
+    swinging = Own(lambda w, a, t, s: 0.0 * w, heeds_speed=False)
+    assert "repetition" in pp.simulate(press, 40.0, angle=2.0, drive=swinging, loads=[Stop(1e5)], points=11).stats.solvers
+
+
 def test_what_depends_and_says_so_is_the_same_for_both_methods(press):
     """The angle's torque has a potential, so that the energy tells what the speed must be."""
     drive = Own(lambda w, a, t, s: 100.0 * math.sin(a), timed=True)

@@ -87,6 +87,15 @@ def test_a_swing_under_a_steady_torque_pays_its_motor():
 
 
 @pytest.mark.one_in(2)
+@pytest.mark.parametrize("efficiency", [1.0, 0.9])
+def test_a_swing_under_a_geared_torque_is_repeated_without_losses_alone(efficiency):
+    drive = pp.drives.Geared(ConstantTorque(50.0), 2.0, efficiency=efficiency)
+    scene = {"speed": SPEED, "angle": START, "flywheel": pp.drives.Flywheel(FLYWHEEL)}
+    found = pp.simulate(MECHANISM.press(), 0.05, drive=drive, loads=[between(1e10, 0.0)], **scene)
+    assert ("repetition" in found.stats.solvers) == (efficiency == 1.0)
+
+
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("scene", [{"loads": [between(1e10, 1.0)]}, {"drive": Rubbing(0.0, 1e-3, 1e-6), "loads": [between(1e10, 0.0)]}])
 def test_what_is_damped_ever_so_little_is_not_repeated(scene):
     found = pp.simulate(MECHANISM.press(), 0.05, speed=SPEED, angle=START, flywheel=pp.drives.Flywheel(FLYWHEEL), **scene)
