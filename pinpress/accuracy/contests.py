@@ -56,12 +56,12 @@ class Contestant:
     """A method with a setting that takes part in a contest. A `PinpressError` raised by its work or its judge is an answer too.
 
     Attributes:
-        group: Group of the contest.
+        group: group of the contest.
         method: "plane", "reduced" and so on, or a peer with its version.
-        setting: The setting in words.
-        number: The setting as a number: a tolerance, a step [s], a proximal parameter or a number of samples; None where it has none.
-        work: Function that is timed.
-        errors: Function that judges what the work returns.
+        setting: the setting in words.
+        number: the setting as a number: a tolerance, a step [s], a proximal parameter or a number of samples; None where it has none.
+        work: function that is timed.
+        errors: function that judges what the work returns.
     """
 
     group: str
@@ -77,11 +77,11 @@ class Contest:
     """Contestants of a group, and the reference by which they are judged.
 
     Attributes:
-        group: One of `measurements.GROUPS`.
-        contestants: All contestants.
-        certificate: Difference of the two independent methods that make the reference.
-        certified_by: Names of these two methods.
-        skipped: A line for each method that takes no part, with the reason.
+        group: one of `measurements.GROUPS`.
+        contestants: all contestants.
+        certificate: difference of the two independent methods that make the reference.
+        certified_by: names of these two methods.
+        skipped: a line for each method that takes no part, with the reason.
     """
 
     group: str
@@ -95,9 +95,9 @@ def measured(contestants: Sequence[Contestant], repeats: int, done: Callable[[],
     """Judge every contestant once and time all in turn.
 
     Args:
-        contestants: Contestants in the order of the result.
-        repeats: Number of rounds of timing.
-        done: Function called after every piece of work.
+        contestants: contestants in the order of the result.
+        repeats: number of rounds of timing.
+        done: function called after every piece of work.
     """
     judged: list[tuple[Contestant, Errors | None, str]] = []
     for contestant in contestants:
@@ -196,10 +196,10 @@ def force_error(forces: Mapping[str, Array], expected: Reactions, peak: float, d
     """Largest distance of a bearing's force from the expected one, as a share of a peak force [-].
 
     Args:
-        forces: Name of a bearing -> (n, 3) force [N].
-        expected: Reactions with the right forces.
-        peak: Peak force [N].
-        determined: Whether to leave out the components that rigid-body mechanics leaves undetermined, which other programs share in their
+        forces: name of a bearing -> (n, 3) force [N].
+        expected: reactions with the right forces.
+        peak: peak force [N].
+        determined: whether to leave out the components that rigid-body mechanics leaves undetermined, which other programs share in their
             own ways.
     """
     found = []
@@ -225,9 +225,9 @@ def least_seconds(works: Sequence[Callable[[], object]], repeats: int, done: Cal
     """Least time of a call of each piece of work [s].
 
     Args:
-        works: Functions without arguments, called in turn.
-        repeats: Number of rounds, without the garbage collector.
-        done: Function called after every turn.
+        works: functions without arguments, called in turn.
+        repeats: number of rounds, without the garbage collector.
+        done: function called after every turn.
     """
     best, spent = [float("inf")] * len(works), [0.0] * len(works)
     collecting = gc.isenabled()

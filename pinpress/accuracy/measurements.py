@@ -37,18 +37,18 @@ class Measurement(Record, units={"seconds": "s", "loop_gap": "m"}):
     """One method with one setting. A quantity that it does not have is None.
 
     Attributes:
-        group: One of `GROUPS`.
+        group: one of `GROUPS`.
         method: "plane", "reduced", ..., or a peer with its version.
-        setting: The setting in words.
-        number: The setting as a number: a tolerance, a step [s], a proximal parameter or a number of samples.
-        seconds: Least run time; `UNITS` says of what [s].
-        error: Largest error; `UNITS` says of what.
-        force_error: Largest error of a bearing force, as a share of the largest peak of any [-].
-        loop_gap: Largest distance between the two sides of a loop [m].
-        energy_error: Error of the power balance, as a share of the peak power, or of the energy at the end, as a share of the kinetic
+        setting: the setting in words.
+        number: the setting as a number: a tolerance, a step [s], a proximal parameter or a number of samples.
+        seconds: least run time; `UNITS` says of what [s].
+        error: largest error; `UNITS` says of what.
+        force_error: largest error of a bearing force, as a share of the largest peak of any [-].
+        loop_gap: largest distance between the two sides of a loop [m].
+        energy_error: error of the power balance, as a share of the peak power, or of the energy at the end, as a share of the kinetic
             energy at the start [-].
-        evaluations: Number of crank angles, of evaluations of the equation of motion, or of samples.
-        problem: Message of the method where there is no error; else empty.
+        evaluations: number of crank angles, of evaluations of the equation of motion, or of samples.
+        problem: message of the method where there is no error; else empty.
     """
 
     group: str
@@ -72,14 +72,14 @@ class WorkPrecision(Tabular):
     """Error against run time of everything that is offered for a press, and of its peers, measured in one run.
 
     Attributes:
-        press_name: Name of the press.
-        scene: What was computed, in words.
-        machine: The computer, in words.
-        scenes: Group of a simulation -> its scene in words.
-        certificates: Group -> difference of the two independent methods whose agreement makes the reference, in the unit of its errors.
-        certified_by: Group -> names of these two methods.
-        measurements: All measurements, in the order of `GROUPS`.
-        skipped: A line for each method that could not be measured, with the reason.
+        press_name: name of the press.
+        scene: what was computed, in words.
+        machine: the computer, in words.
+        scenes: group of a simulation -> its scene in words.
+        certificates: group -> difference of the two independent methods whose agreement makes the reference, in the unit of its errors.
+        certified_by: group -> names of these two methods.
+        measurements: all measurements, in the order of `GROUPS`.
+        skipped: a line for each method that could not be measured, with the reason.
     """
 
     press_name: str
@@ -134,10 +134,10 @@ def plot(measured: WorkPrecision) -> Figure:
     table are shares of its range. Grey lines show how far the reference is known.
 
     Args:
-        measured: Result of `compare`.
+        measured: result of `compare`.
 
     Raises:
-        PinpressError: It is no `WorkPrecision`, or Matplotlib is not installed.
+        PinpressError: it is no `WorkPrecision`, or Matplotlib is not installed.
     """
     looks = _looks(measured)
     with drawing(HEIGHT) as figure:

@@ -39,8 +39,8 @@ class SpeedLaw(SpeedTorqueDrive):
     """A drive without inertia that holds a speed by a torque in proportion to the difference.
 
     Attributes:
-        gain: Torque by difference of speed [N m s/rad].
-        speed: Speed that it holds [rad/s].
+        gain: torque by difference of speed [N m s/rad].
+        speed: speed that it holds [rad/s].
     """
 
     gain: float
@@ -63,17 +63,17 @@ class Scene:
     """A run that all methods of simulation compute.
 
     Attributes:
-        group: One of `measurements.SCENES`.
-        words: The scene in words.
-        turn: Approximate duration of a turn [s].
-        duration: Duration of the run [s].
-        angle: Crank angle at the start [rad].
-        speed: Crank speed at the start [rad/s].
-        flywheel: Flywheel on the crank, or before the clutch.
-        drive: Drive of the crank; None where there is none.
-        clutch: Clutch between flywheel and crank; None where they turn together.
-        loads: Process loads.
-        certifying: The two methods of simulation that make the reference.
+        group: one of `measurements.SCENES`.
+        words: the scene in words.
+        turn: approximate duration of a turn [s].
+        duration: duration of the run [s].
+        angle: crank angle at the start [rad].
+        speed: crank speed at the start [rad/s].
+        flywheel: flywheel on the crank, or before the clutch.
+        drive: drive of the crank; None where there is none.
+        clutch: clutch between flywheel and crank; None where they turn together.
+        loads: process loads.
+        certifying: the two methods of simulation that make the reference.
     """
 
     group: str
@@ -121,7 +121,7 @@ def build_scene(press: Linkage, group: str, speed: float, flywheel: float, durat
     """The scene of a group.
 
     Raises:
-        PinpressError: The press has no slide, or a slide without dead centres, and so no such scene.
+        PinpressError: the press has no slide, or a slide without dead centres, and so no such scene.
     """
     if group == FREE_RUN:
         return free_run(speed, flywheel, duration)

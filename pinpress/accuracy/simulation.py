@@ -35,8 +35,8 @@ class Ended(NamedTuple):
     """A run and the forces in its last state.
 
     Attributes:
-        run: The run.
-        last: Reactions in its last state.
+        run: the run.
+        last: reactions in its last state.
     """
 
     run: Run
@@ -48,11 +48,11 @@ class Reference:
     """The reference end of a scene, by which all runs are judged. No error counts as less than the difference of its two methods.
 
     Attributes:
-        last: Reactions in the last state.
-        angle: Crank angle in the last state, unwrapped [rad].
-        peak: Largest force of any bearing in the run [N].
-        certificate: Difference of the two methods' crank angles [rad].
-        force_certificate: Largest difference of their bearing forces, divided by the peak [-].
+        last: reactions in the last state.
+        angle: crank angle in the last state, unwrapped [rad].
+        peak: largest force of any bearing in the run [N].
+        certificate: difference of the two methods' crank angles [rad].
+        force_certificate: largest difference of their bearing forces, divided by the peak [-].
     """
 
     last: Reactions

@@ -58,19 +58,19 @@ def compare(
     speed so hard that the equation is stiff. Run times are the least of several rounds in which all take turns.
 
     Args:
-        press: A linkage with one driver.
-        speed: Speed of the crank, in the period and at the start of the runs [rad/s].
-        flywheel: Flywheel of the runs; by default with 4 times the largest reduced inertia of the linkage.
-        duration: Length of the runs; by default the time of two turns at that speed [s].
-        points: Number of crank angles in the period.
-        repeats: Number of rounds of timing.
-        scenes: Scenes to simulate, among "free run", "clutch and blanking", "elastic die" and "stiff speed law".
-        progress: Function called with the share done, 0 to 1.
+        press: a linkage with one driver.
+        speed: speed of the crank, in the period and at the start of the runs [rad/s].
+        flywheel: flywheel of the runs; by default with 4 times the largest reduced inertia of the linkage.
+        duration: length of the runs; by default the time of two turns at that speed [s].
+        points: number of crank angles in the period.
+        repeats: number of rounds of timing.
+        scenes: scenes to simulate, among "free run", "clutch and blanking", "elastic die" and "stiff speed law".
+        progress: function called with the share done, 0 to 1.
 
     Raises:
-        PinpressError: An argument is not as described, or the linkage has several drivers.
-        SingularityError: The crank does not turn fully.
-        SimulationError: A run does not reach its end.
+        PinpressError: an argument is not as described, or the linkage has several drivers.
+        SingularityError: the crank does not turn fully.
+        SimulationError: a run does not reach its end.
     """
     speed = _checked(press, speed, points, repeats, scenes)
     inertia = _inertia(press, flywheel)

@@ -32,15 +32,15 @@ class Counterweight(Record, units={"mass": "kg", "position": "m", "inertia": "kg
     """A mass fixed to a link; a negative mass is a hole.
 
     Attributes:
-        link: Name of the link.
-        mass: Mass [kg].
+        link: name of the link.
+        mass: mass [kg].
         position: (3,) centre of mass in the link's own frame [m].
-        inertia: Moment of inertia about the axis through the centre of mass along the normal of a planar press, where the material counts
+        inertia: moment of inertia about the axis through the centre of mass along the normal of a planar press, where the material counts
             as lying in the plane; in a press that is not planar, about every axis [kg m2]. 0 is a point mass. It is negative only where the
             mass is negative.
 
     Raises:
-        PinpressError: A number is not finite, or no body has this inertia at this mass.
+        PinpressError: a number is not finite, or no body has this inertia at this mass.
     """
 
     link: str
@@ -62,15 +62,15 @@ def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight])
     """Fix counterweights to the links of a press.
 
     Args:
-        press: The press without them.
-        counterweights: Counterweights and holes.
+        press: the press without them.
+        counterweights: counterweights and holes.
 
     Returns:
         The new press, which `write_urdf` can write.
 
     Raises:
-        UnknownNameError: The press has no such link.
-        PinpressError: A counterweight is on the frame, has a number that is not finite or an inertia without mass, or a hole leaves a link
+        UnknownNameError: the press has no such link.
+        PinpressError: a counterweight is on the frame, has a number that is not finite or an inertia without mass, or a hole leaves a link
             without mass or with an inertia that no body has.
     """
     inertias = list(press.model.inertias)
@@ -89,8 +89,8 @@ class OperatingCondition(Frozen):
     """A motion of the press and the loads on it, as `inverse_dynamics` takes them.
 
     Attributes:
-        motion: Motion of the press.
-        loads: Loads on the press in this motion.
+        motion: motion of the press.
+        loads: loads on the press in this motion.
     """
 
     motion: Motion
@@ -102,7 +102,7 @@ class PointMasses:
     """Point masses on a link.
 
     Attributes:
-        link: Name of the link.
+        link: name of the link.
         masses: (p,) masses [kg]. They may be negative, because several may stand for a mass moment or a moment of inertia.
         points: (p, 3) places in the link's own frame [m].
     """
@@ -120,8 +120,8 @@ class MassResponse:
         shaking_force: (n, 3) change of the shaking force [N].
         shaking_moment: (n, 3) change of the shaking moment about the world origin [N m].
         driving_torque: (n,), or (n, drivers) where there are several, change of the driving torque [N m].
-        bearing_force: Name of a bearing -> (n, 3) change of its force [N].
-        bearing_moment: Name of a bearing -> (n, 3) change of its moment [N m].
+        bearing_force: name of a bearing -> (n, 3) change of its force [N].
+        bearing_moment: name of a bearing -> (n, 3) change of its moment [N m].
     """
 
     shaking_force: Array
@@ -137,11 +137,11 @@ def mass_response(
     """The changes of the shaking force and moment, and where wanted of the inner forces, by point masses.
 
     Args:
-        press: The press without the masses.
-        condition: Motion and loads.
-        reactions: Reactions of the press in this condition without the masses.
-        masses: The point masses.
-        inner_forces: Whether the changes of the driving torque and of the bearings in ``reactions`` are wanted too.
+        press: the press without the masses.
+        condition: motion and loads.
+        reactions: reactions of the press in this condition without the masses.
+        masses: the point masses.
+        inner_forces: whether the changes of the driving torque and of the bearings in ``reactions`` are wanted too.
     """
     position, force = _inertia_forces(press, condition.motion, masses)
     shaking = force.sum(axis=0), np.cross(position, force).sum(axis=0)
@@ -170,10 +170,10 @@ def carrying_joint(press: Linkage, link: str, position: tuple[float, float, floa
 
     Args:
         position: (3,) point in the link's own frame [m].
-        what: What is placed there, in words for messages.
+        what: what is placed there, in words for messages.
 
     Raises:
-        PinpressError: The link does not move, or the position is not three finite numbers.
+        PinpressError: the link does not move, or the position is not three finite numbers.
     """
     joint, point = point_on_body(press, link, position, what, "position")
     if joint == 0:

@@ -60,18 +60,18 @@ def balance(
     (pi k / states)^2 / 2 of its amplitude.
 
     Args:
-        press: The press.
-        motion: Its motion, or several operating conditions. Limits hold in all of them, and each criterion counts in its worst one.
-        regions: Where counterweights may be.
-        minimise: A criterion (`Range`, `Rms`, `Peak`) or `AddedMass`, or several of them with weights. With weights each counts relative to
+        press: the press.
+        motion: its motion, or several operating conditions. Limits hold in all of them, and each criterion counts in its worst one.
+        regions: where counterweights may be.
+        minimise: a criterion (`Range`, `Rms`, `Peak`) or `AddedMass`, or several of them with weights. With weights each counts relative to
             its value before balancing (added mass: to the moving mass). The objective of Zhang 2007, (5-14), is
             ``{Rms("shaking_force", "z"): w1, Range("shaking_force", "z"): w2, Rms("shaking_moment", "y"): w3, ...}``.
-        limits: The most of criteria and of added mass, in their units. A limit of 0 is met exactly.
-        loads: Loads on the one motion, as `inverse_dynamics` takes them; operating conditions have their own.
+        limits: the most of criteria and of added mass, in their units. A limit of 0 is met exactly.
+        loads: loads on the one motion, as `inverse_dynamics` takes them; operating conditions have their own.
 
     Raises:
-        UnknownNameError: The press has no such link or bearing.
-        PinpressError: The limits cannot be met together (the message names them, and says by how much), a counterweight would grow without
+        UnknownNameError: the press has no such link or bearing.
+        PinpressError: the limits cannot be met together (the message names them, and says by how much), a counterweight would grow without
             end, a minimised criterion is zero before balancing, or an argument is not as described.
     """
     conditions = _conditions(motion, loads)
@@ -85,9 +85,9 @@ class TradeOffCurve(Tabular):
     """Balanced presses on the Pareto curve of two criteria: one that is better in one criterion is worse in the other.
 
     Attributes:
-        first: The first criterion.
-        second: The second criterion.
-        designs: Balanced presses, from the best in the first criterion to the best in the second.
+        first: the first criterion.
+        second: the second criterion.
+        designs: balanced presses, from the best in the first criterion to the best in the second.
         values: (designs, 2) values of both criteria, in their units.
     """
 
@@ -125,18 +125,18 @@ def trade_off(
     Each point is a proved optimum. Between the ends the first criterion is minimised under equally spaced limits of the second.
 
     Args:
-        press: The press.
-        motion: Its motion.
-        regions: Where counterweights may be.
-        first: The first criterion, or `AddedMass`.
-        second: The second criterion, or `AddedMass`.
-        limits: The most of criteria and of added mass along the whole curve, as for `balance`.
-        loads: Loads on the press in this motion.
-        points: Number of designs, 2 to 10 000.
+        press: the press.
+        motion: its motion.
+        regions: where counterweights may be.
+        first: the first criterion, or `AddedMass`.
+        second: the second criterion, or `AddedMass`.
+        limits: the most of criteria and of added mass along the whole curve, as for `balance`.
+        loads: loads on the press in this motion.
+        points: number of designs, 2 to 10 000.
 
     Raises:
-        UnknownNameError: The press has no such link or bearing.
-        PinpressError: As `balance`, or both criteria are equal, or ``points`` is out of its range.
+        UnknownNameError: the press has no such link or bearing.
+        PinpressError: as `balance`, or both criteria are equal, or ``points`` is out of its range.
     """
     _refuse_wrong_criteria(first, second)
     points = whole_number("points", points, 2, MOST_POINTS)
@@ -163,7 +163,7 @@ def checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target,
     """The objective as targets with weights above zero.
 
     Raises:
-        PinpressError: It is no criterion, a weight is no finite number from 0, or no weight is above zero.
+        PinpressError: it is no criterion, a weight is no finite number from 0, or no weight is above zero.
     """
     if not isinstance(minimise, Mapping | Criterion | AddedMass):
         raise PinpressError(f"minimise: {shown(minimise)} is no criterion: give Range, Rms, Peak or AddedMass()")
@@ -178,7 +178,7 @@ def checked_limits(limits: Mapping[Target, float] | None) -> dict[Target, float]
     """The limits as a dictionary, empty where there are none.
 
     Raises:
-        PinpressError: A key is no criterion, or a limit is no finite number from 0.
+        PinpressError: a key is no criterion, or a limit is no finite number from 0.
     """
     _refuse_wrong_numbers("limits", "limit", limits or {})
     return dict(limits or {})
@@ -206,13 +206,13 @@ def optimal_press(
     """Solve a problem, build the balanced press, and confirm it by inverse dynamics.
 
     Args:
-        problem: The problem, with the signals of all criteria.
-        objective: Targets with their weights.
-        limits: As for `balance`.
-        absolute: Whether to give the value in the unit of the objective's one criterion.
+        problem: the problem, with the signals of all criteria.
+        objective: targets with their weights.
+        limits: as for `balance`.
+        absolute: whether to give the value in the unit of the objective's one criterion.
 
     Raises:
-        PinpressError: As `balance`.
+        PinpressError: as `balance`.
     """
     _refuse_nothing(problem, objective)
     try:
@@ -281,7 +281,7 @@ def _fillings(problem: BalancingProblem, u: Array) -> list[pin.Inertia]:
     """The inertia of the counterweight in each region, in its joint's frame.
 
     Raises:
-        PinpressError: A link that loses its own mass would get none, or counterweights grow without end.
+        PinpressError: a link that loses its own mass would get none, or counterweights grow without end.
     """
     ends = np.cumsum([len(each.mass) for each in problem.regions])[:-1]
     fillings = []
@@ -321,7 +321,7 @@ def _confirmed_reactions(problem: BalancingProblem, u: Array, press: Linkage) ->
     Inverse dynamics is independent of the program, and must agree with it.
 
     Raises:
-        PinpressError: It does not agree, or a motion is shorter than the period of the balanced press.
+        PinpressError: it does not agree, or a motion is shorter than the period of the balanced press.
     """
     _refuse_longer_period(problem.conditions, press)
     reactions = tuple(

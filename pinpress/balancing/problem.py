@@ -53,12 +53,12 @@ class Criterion:
         quantity: "shaking_force", "shaking_moment", "driving_torque", "bearing_force" or "bearing_moment".
         axis: "x", "y", "z" or a direction (3,) in world axes, whose component is measured; None for the length of the whole vector, and
             for the driving torque.
-        bearing: Name of the bearing, for a bearing force or bearing moment.
-        about: Point (3,) in world axes that a shaking moment is taken about [m].
+        bearing: name of the bearing, for a bearing force or bearing moment.
+        about: point (3,) in world axes that a shaking moment is taken about [m].
 
     Raises:
-        UnknownNameError: There is no such quantity.
-        PinpressError: The quantity and the other arguments do not go together, or an axis or point is not three finite numbers.
+        UnknownNameError: there is no such quantity.
+        PinpressError: the quantity and the other arguments do not go together, or an axis or point is not three finite numbers.
     """
 
     quantity: str
@@ -177,9 +177,9 @@ class Signal:
     """The series of a criterion in one operating condition, ``size * (fixed + effects @ u)`` for variables u.
 
     Attributes:
-        criterion: The criterion.
-        condition: Number of the operating condition.
-        size: Value of the criterion before balancing, in its unit; where that is zero, the most that the regions can change of it.
+        criterion: the criterion.
+        condition: number of the operating condition.
+        size: value of the criterion before balancing, in its unit; where that is zero, the most that the regions can change of it.
         fixed: (n, components) series without counterweights, with what `Criterion.varying` keeps of it [-].
         effects: (n, components, variables) its change by one of each variable [-].
     """
@@ -200,15 +200,15 @@ class BalancingProblem:
     """A press in its operating conditions, and how all that is measured depends on the regions' variables.
 
     Attributes:
-        press: The press before balancing.
-        conditions: Operating conditions.
-        reactions: Reactions of the press in every condition, with the bearings that are measured.
-        regions: Regions, whose variables stand one after the other.
-        rows: Constraints of the regions on all variables.
-        signals: Signals of all criteria in all conditions.
+        press: the press before balancing.
+        conditions: operating conditions.
+        reactions: reactions of the press in every condition, with the bearings that are measured.
+        regions: regions, whose variables stand one after the other.
+        rows: constraints of the regions on all variables.
+        signals: signals of all criteria in all conditions.
         mass: (variables,) mass that one of each variable means [kg].
-        replaced_mass: Mass of the links' own that regions replace [kg].
-        moving_mass: Mass of all links but the frame, before balancing [kg].
+        replaced_mass: mass of the links' own that regions replace [kg].
+        moving_mass: mass of all links but the frame, before balancing [kg].
     """
 
     press: Linkage
@@ -237,14 +237,14 @@ def build_problem(
     """Set up a problem: reactions before balancing, the regions' variables, and the signals of all criteria.
 
     Args:
-        press: The press before balancing.
-        conditions: Its operating conditions.
-        regions: Where counterweights may be.
-        targets: All criteria that will be minimised or limited.
+        press: the press before balancing.
+        conditions: its operating conditions.
+        regions: where counterweights may be.
+        targets: all criteria that will be minimised or limited.
 
     Raises:
-        UnknownNameError: The press has no such link or bearing.
-        PinpressError: There are no regions, a region does not fit the press, or a motion is not one of the press.
+        UnknownNameError: the press has no such link or bearing.
+        PinpressError: there are no regions, a region does not fit the press, or a motion is not one of the press.
     """
     _refuse_no_regions(regions)
     criteria = list(dict.fromkeys(target for target in targets if isinstance(target, Criterion)))
@@ -288,8 +288,8 @@ def _refuse_unknown(criterion: Criterion, press: Linkage) -> None:
     """Raise where a press does not have what is measured.
 
     Raises:
-        UnknownNameError: The press has no such bearing.
-        PinpressError: The range of the driving torque is asked for, and the press has several drivers.
+        UnknownNameError: the press has no such bearing.
+        PinpressError: the range of the driving torque is asked for, and the press has several drivers.
     """
     if criterion.bearing is not None and criterion.bearing not in press.bearings:
         raise UnknownNameError("bearing", criterion.bearing, press.bearings)
@@ -331,11 +331,11 @@ def _signal(
     """A criterion's signal.
 
     Args:
-        criterion: The criterion.
-        number: Number of the operating condition.
-        reactions: Reactions without counterweights.
-        responses: Response to one of each variable.
-        own: Response to the masses that regions replace.
+        criterion: the criterion.
+        number: number of the operating condition.
+        reactions: reactions without counterweights.
+        responses: response to one of each variable.
+        own: response to the masses that regions replace.
     """
     forces: list[ForceSeries] = [reactions, *responses, *own]
     fixed, *others = (criterion.varying(criterion.series(each)) for each in forces)

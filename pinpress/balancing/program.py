@@ -34,10 +34,10 @@ class ProvenOptimum:
 
     Attributes:
         variables: (variables,) the best values.
-        bound: No values have a lower objective, weighted and relative to before balancing.
-        residual: Largest violation of the conditions of optimality.
-        rows: Constraints of the program.
-        prices: Dual variables of each constraint: the fall of the objective for a bound that is raised by one.
+        bound: no values have a lower objective, weighted and relative to before balancing.
+        residual: largest violation of the conditions of optimality.
+        rows: constraints of the program.
+        prices: dual variables of each constraint: the fall of the objective for a bound that is raised by one.
     """
 
     variables: Array
@@ -51,13 +51,13 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
     """Find the variables with the least objective within limits, and the lightest of equal ones (`LIGHTER`).
 
     Args:
-        problem: The problem, with the signals of all criteria.
-        objective: Targets with their weights; each counts relative to its value before balancing, in its worst operating condition.
-        limits: The most of each target in all operating conditions, in its unit.
+        problem: the problem, with the signals of all criteria.
+        objective: targets with their weights; each counts relative to its value before balancing, in its worst operating condition.
+        limits: the most of each target in all operating conditions, in its unit.
 
     Raises:
-        InfeasibleError: No variables are within the limits.
-        PinpressError: The program was not solved.
+        InfeasibleError: no variables are within the limits.
+        PinpressError: the program was not solved.
     """
     problem = _restricted(problem, [*objective, *limits])
     states = {signal: _first_states(signal) for signal in problem.signals}
@@ -155,10 +155,10 @@ class _Columns:
     """The columns of the program's variables.
 
     Attributes:
-        regions: Number of the regions' variables, which come first.
-        bounds: Column of the upper bound of each target of the objective.
-        extremes: Column of the largest value of each signal of a range; the smallest value is in the next column.
-        width: Number of all variables.
+        regions: number of the regions' variables, which come first.
+        bounds: column of the upper bound of each target of the objective.
+        extremes: column of the largest value of each signal of a range; the smallest value is in the next column.
+        width: number of all variables.
     """
 
     regions: int
@@ -179,9 +179,9 @@ class _Ceiling(NamedTuple):
     """A number below which a target must stay, divided by its size.
 
     Attributes:
-        column: Column of a variable that is added to the number; None for a limit.
-        number: The number.
-        name: Name of the limit; empty for the bound of a target of the objective.
+        column: column of a variable that is added to the number; None for a limit.
+        number: the number.
+        name: name of the limit; empty for the bound of a target of the objective.
     """
 
     column: int | None
@@ -299,7 +299,7 @@ def _constant_signal(signal: Signal, columns: _Columns, name: str) -> Rows:
     """Equations, none of them redundant, that keep a signal constant, or at zero where its peak is measured.
 
     Raises:
-        InfeasibleError: No variables fulfil them.
+        InfeasibleError: no variables fulfil them.
     """
     effects, fixed = signal.effects.reshape(-1, signal.effects.shape[2]), signal.fixed.ravel()
     left, sizes, right = np.linalg.svd(effects, full_matrices=False)

@@ -36,18 +36,18 @@ class CounterweightRegion:
     its shape and centre and gets another size.
 
     Attributes:
-        link: Name of the link.
-        mass: Least and most mass [kg]. A hole has a negative mass and is possible only ``at`` a point.
+        link: name of the link.
+        mass: least and most mass [kg]. A hole has a negative mass and is possible only ``at`` a point.
         at: (3,) point [m].
-        radius: Radius of the circle [m].
+        radius: radius of the circle [m].
         centre: (3,) centre of the circle [m].
         corners: (k, 3) corners of the polygon [m].
-        gyration: Radius of gyration of the counterweight's material about the normal of the plane (in a press that is not planar, about
+        gyration: radius of gyration of the counterweight's material about the normal of the plane (in a press that is not planar, about
             every axis), in addition to the spread over circle or polygon [m].
-        replaces: Whether the counterweight takes the place of the link's own mass.
+        replaces: whether the counterweight takes the place of the link's own mass.
 
     Raises:
-        PinpressError: The place is missing or given twice, or a number is not finite or negative where it must not be.
+        PinpressError: the place is missing or given twice, or a number is not finite or negative where it must not be.
     """
 
     link: str
@@ -110,13 +110,13 @@ class RegionVariables:
     """A region as variables of the convex program, all about one in size.
 
     Attributes:
-        region: The region as it was given.
+        region: the region as it was given.
         joint: Pinocchio joint that carries the link.
-        parts: For each variable, the point masses that one of it stands for.
+        parts: for each variable, the point masses that one of it stands for.
         mass: (variables,) mass that one of each variable means [kg].
-        replaced: Inertia that the link loses, in the joint's frame; None where the link keeps its mass.
-        rows: Constraints on these variables alone; those on the mass have a name.
-        filling: Gives the inertia of the counterweight, in the joint's frame, at values (variables,).
+        replaced: inertia that the link loses, in the joint's frame; None where the link keeps its mass.
+        rows: constraints on these variables alone; those on the mass have a name.
+        filling: gives the inertia of the counterweight, in the joint's frame, at values (variables,).
     """
 
     region: CounterweightRegion
@@ -132,14 +132,14 @@ def region_variables(press: Linkage, region: CounterweightRegion, inertia_counts
     """A region of a press as variables.
 
     Args:
-        press: The press.
-        region: The region.
-        inertia_counts: Whether the measured forces depend on moments of inertia.
-        unit: Mass that one of a variable means [kg].
+        press: the press.
+        region: the region.
+        inertia_counts: whether the measured forces depend on moments of inertia.
+        unit: mass that one of a variable means [kg].
 
     Raises:
-        UnknownNameError: The press has no such link.
-        PinpressError: The link does not move, the region has a shape in a press that is not planar, or its corners are in different planes.
+        UnknownNameError: the press has no such link.
+        PinpressError: the link does not move, the region has a shape in a press that is not planar, or its corners are in different planes.
     """
     if region.link not in press.links:
         raise UnknownNameError("link", region.link, press.links)
@@ -198,7 +198,7 @@ class _RegionShape(NamedTuple):
     Attributes:
         centre: (3,) centre in the joint's frame [m].
         in_plane: (2, 3) directions of the plane in the joint's frame.
-        size: Radius of the circle about the centre that holds the region [m].
+        size: radius of the circle about the centre that holds the region [m].
         corners: (q, 2) corners from the centre, divided by the size; None for a circle.
     """
 

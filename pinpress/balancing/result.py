@@ -25,10 +25,10 @@ class CriterionChange(Record):
     """A criterion before and after balancing in one operating condition.
 
     Attributes:
-        criterion: The criterion.
-        condition: Number of the operating condition, from 0.
-        before: Value before balancing, in the criterion's unit.
-        after: Value after balancing, in the criterion's unit.
+        criterion: the criterion.
+        condition: number of the operating condition, from 0.
+        before: value before balancing, in the criterion's unit.
+        after: value after balancing, in the criterion's unit.
     """
 
     criterion: Criterion
@@ -62,8 +62,8 @@ class ActiveConstraint(Record):
     """A constraint that holds the optimum back.
 
     Attributes:
-        constraint: The constraint in words.
-        price: Fall of the objective when the limit is relaxed by one, in the objective's unit per unit of the limit; None where the
+        constraint: the constraint in words.
+        price: fall of the objective when the limit is relaxed by one, in the objective's unit per unit of the limit; None where the
             constraint is the shape of a region, which is not a number.
     """
 
@@ -76,24 +76,24 @@ class BalancedPress(Tabular):
     """A press with its best counterweights.
 
     Attributes:
-        original: The press before balancing.
-        press: The press with its counterweights, which `write_urdf` writes.
-        conditions: Operating conditions in which it was balanced.
-        objective: Criteria with their weights.
-        limits: Limits as they were given.
-        counterweights: Counterweights in the order of the regions, without those of zero mass. Where a region replaces a link's own mass,
+        original: the press before balancing.
+        press: the press with its counterweights, which `write_urdf` writes.
+        conditions: operating conditions in which it was balanced.
+        objective: criteria with their weights.
+        limits: limits as they were given.
+        counterweights: counterweights in the order of the regions, without those of zero mass. Where a region replaces a link's own mass,
             its counterweight is all of that mass.
-        added_mass: Mass that balancing adds in all [kg].
-        value: The objective reached. For one criterion in one operating condition it has the criterion's unit; otherwise it is the weighted
+        added_mass: mass that balancing adds in all [kg].
+        value: the objective reached. For one criterion in one operating condition it has the criterion's unit; otherwise it is the weighted
             sum of criteria relative to before.
-        unit: Unit of the value; empty where the value is relative.
-        bound: Proven lower bound of the objective for all counterweights in these regions, at the states of the motion. The difference from
+        unit: unit of the value; empty where the value is relative.
+        bound: proven lower bound of the objective for all counterweights in these regions, at the states of the motion. The difference from
             ``value`` is the part left unproved and the cost of preferring lighter counterweights.
-        residual: Largest violation of the conditions of optimality, relative to before.
-        changes: Changes of the criteria of the objective, then of those that are limited, condition by condition.
-        active: Constraints that hold the optimum back.
-        reactions_before: Reactions of the press before balancing in every operating condition, with the measured bearings alone.
-        reactions_after: Reactions of the balanced press in these motions. A run of the balanced press itself, under its drive, has another
+        residual: largest violation of the conditions of optimality, relative to before.
+        changes: changes of the criteria of the objective, then of those that are limited, condition by condition.
+        active: constraints that hold the optimum back.
+        reactions_before: reactions of the press before balancing in every operating condition, with the measured bearings alone.
+        reactions_after: reactions of the balanced press in these motions. A run of the balanced press itself, under its drive, has another
             motion: simulate it.
     """
 

@@ -47,17 +47,17 @@ class SnapThroughResponse(Tabular):
     """Response of the slide and the sprung press to break-through. All arrays are read-only.
 
     Attributes:
-        force: Force F at break-through [N].
-        stiffness: Stiffness k of the press [N/m].
-        mass: Mass m of the slide and the parts that move with it [kg].
-        damping_ratio: Damping ratio zeta [-].
-        break_time: Time tau in which the force falls to zero [s].
-        clearance: Clearance g of the bearings together [m].
-        energy: Elastic energy stored at break-through, F^2 / (2 k) [J].
-        reverse_force: Reverse load, the largest pull of the spring on the linkage [N].
-        overshoot: Largest displacement of the slide beyond its unloaded position, with the clearance [m].
-        peak_acceleration: Largest magnitude of the slide's acceleration [m/s2].
-        frequency: Frequency of the vibration after it, w sqrt(1 - zeta^2) [rad/s]; flights through a clearance slow it further.
+        force: force F at break-through [N].
+        stiffness: stiffness k of the press [N/m].
+        mass: mass m of the slide and the parts that move with it [kg].
+        damping_ratio: damping ratio zeta [-].
+        break_time: time tau in which the force falls to zero [s].
+        clearance: clearance g of the bearings together [m].
+        energy: elastic energy stored at break-through, F^2 / (2 k) [J].
+        reverse_force: reverse load, the largest pull of the spring on the linkage [N].
+        overshoot: largest displacement of the slide beyond its unloaded position, with the clearance [m].
+        peak_acceleration: largest magnitude of the slide's acceleration [m/s2].
+        frequency: frequency of the vibration after it, w sqrt(1 - zeta^2) [rad/s]; flights through a clearance slow it further.
         time: (n,) times from break-through, in unequal steps [s].
         displacement: (n,) displacement x [m].
         velocity: (n,) velocity x' [m/s].
@@ -112,16 +112,16 @@ def snap_through(
     """Find reverse load, overshoot and vibration of a press after break-through.
 
     Args:
-        force: Force of blanking when the blank breaks through [N].
-        stiffness: Stiffness of the press at that height, 1 / `SlideCompliance.compliance` [N/m].
-        mass: Mass of the slide and the parts that move with it, with the upper die: `SlideCompliance.effective_mass` and the die's mass
+        force: force of blanking when the blank breaks through [N].
+        stiffness: stiffness of the press at that height, 1 / `SlideCompliance.compliance` [N/m].
+        mass: mass of the slide and the parts that move with it, with the upper die: `SlideCompliance.effective_mass` and the die's mass
             [kg].
-        damping_ratio: Damping ratio zeta, from 0 to below 1 [-].
-        break_time: Time in which the force falls to zero; 0: at once [s].
-        clearance: Clearance of all bearings in the line of force together [m].
+        damping_ratio: damping ratio zeta, from 0 to below 1 [-].
+        break_time: time in which the force falls to zero; 0: at once [s].
+        clearance: clearance of all bearings in the line of force together [m].
 
     Raises:
-        PinpressError: An argument is out of range, the break-through takes longer than 1000 periods, or the slide does not come to rest.
+        PinpressError: an argument is out of range, the break-through takes longer than 1000 periods, or the slide does not come to rest.
     """
     release = _release(force, stiffness, mass, damping_ratio, break_time, clearance)
     parts = list(segments(_without_traces(release)))
@@ -168,18 +168,18 @@ def permissible_breakthrough(
     are (n,) arrays, for example over the height, or single numbers.
 
     Args:
-        reverse_force: Permitted reverse load; builders often name 10 to 20 % of the nominal force [N].
-        stiffness: Stiffness of the press, 1 / `SlideCompliance.compliance` [N/m].
+        reverse_force: permitted reverse load; builders often name 10 to 20 % of the nominal force [N].
+        stiffness: stiffness of the press, 1 / `SlideCompliance.compliance` [N/m].
         mass: `SlideCompliance.effective_mass` and the mass of the upper die together [kg].
-        damping_ratio: As for `snap_through` [-].
-        break_time: As for `snap_through` [s].
-        clearance: As for `snap_through` [m].
+        damping_ratio: as for `snap_through` [-].
+        break_time: as for `snap_through` [s].
+        clearance: as for `snap_through` [m].
 
     Returns:
         (n,) forces [N].
 
     Raises:
-        PinpressError: Arrays differ in length, an argument is out of range, or the break-through is so slow that no force causes this
+        PinpressError: arrays differ in length, an argument is out of range, or the break-through is so slow that no force causes this
             reverse load.
     """
     asked = {"reverse_force": reverse_force, "stiffness": stiffness, "mass": mass}
@@ -199,12 +199,12 @@ class Release(NamedTuple):
     """A break-through, with the arguments of `snap_through`.
 
     Attributes:
-        force: Force F at break-through [N].
-        stiffness: Stiffness k of the press [N/m].
-        mass: Mass m of the slide and the parts that move with it [kg].
-        damping_ratio: Damping ratio zeta [-].
-        break_time: Time tau in which the force falls to zero [s].
-        clearance: Clearance g of the bearings together [m].
+        force: force F at break-through [N].
+        stiffness: stiffness k of the press [N/m].
+        mass: mass m of the slide and the parts that move with it [kg].
+        damping_ratio: damping ratio zeta [-].
+        break_time: time tau in which the force falls to zero [s].
+        clearance: clearance g of the bearings together [m].
     """
 
     force: float
@@ -225,13 +225,13 @@ class ResponseSegment:
     """The slide's motion over a time s from the segment's start, in closed form, in contact with the spring or in free flight.
 
     Attributes:
-        release: The break-through.
-        start: Time at s = 0 [s].
-        x: Displacement at s = 0 [m].
-        v: Velocity at s = 0 [m/s].
-        a: Force at s = 0 [N].
-        b: Rate of the force, which is a + b s [N/s].
-        slack: Displacement at which the spring is slack [m]; None in free flight.
+        release: the break-through.
+        start: time at s = 0 [s].
+        x: displacement at s = 0 [m].
+        v: velocity at s = 0 [m/s].
+        a: force at s = 0 [N].
+        b: rate of the force, which is a + b s [N/s].
+        slack: displacement at which the spring is slack [m]; None in free flight.
     """
 
     release: Release
@@ -310,12 +310,12 @@ def segments(release: Release, pressed: bool = True) -> Iterator[tuple[ResponseS
     They end when the force is gone, the slide has turned in reverse load (or is at rest), and `PERIODS` are over.
 
     Args:
-        release: The break-through.
-        pressed: Whether to begin at break-through. Otherwise the time is left out during which the slide certainly stays in contact with
+        release: the break-through.
+        pressed: whether to begin at break-through. Otherwise the time is left out during which the slide certainly stays in contact with
             the spring, which is most of a slow break.
 
     Raises:
-        PinpressError: The slide does not come to rest.
+        PinpressError: the slide does not come to rest.
     """
     half = np.pi / release.frequency
     end = release.break_time + PERIODS * 2 * half
@@ -357,9 +357,9 @@ class Leaving(NamedTuple):
     """The end of a segment where the slide leaves its side of the clearance.
 
     Attributes:
-        after: Time from the segment's start [s].
-        x: Displacement there [m].
-        side: Side that it reaches: 1 pressed, 0 in flight, -1 pulled.
+        after: time from the segment's start [s].
+        x: displacement there [m].
+        side: side that it reaches: 1 pressed, 0 in flight, -1 pulled.
     """
 
     after: float

@@ -40,9 +40,9 @@ class DeflectedSlide(Tabular):
     """Elastic deflection of the slide over a motion of n states. All arrays are read-only.
 
     Attributes:
-        motion: Motion of the rigid press.
+        motion: motion of the rigid press.
         deflection: (n,) deflection of the slide along the guide's axis [m].
-        parts: Name of a part -> (n,) its share of the deflection [m].
+        parts: name of a part -> (n,) its share of the deflection [m].
         slide_position: (n,) slide position of the elastic press [m].
     """
 
@@ -79,15 +79,15 @@ class ElasticDeadCentre(Tabular):
     """Bottom dead centre of an elastic press over S speeds. Deeper is negative. All arrays are read-only.
 
     Attributes:
-        press_name: Name of the press.
+        press_name: name of the press.
         speed: (S,) speeds of the crank [rad/s].
-        rigid_angle: Crank angle at bottom dead centre of the rigid press [rad].
-        rigid_position: Position of its slide there [m].
-        constant: Deflection d0 under weight and constant forces at this crank angle [m].
-        by_squared_speed: Deflection by inertia at this crank angle, divided by the squared speed of the crank, d2 [m s2/rad2].
+        rigid_angle: crank angle at bottom dead centre of the rigid press [rad].
+        rigid_position: position of its slide there [m].
+        constant: deflection d0 under weight and constant forces at this crank angle [m].
+        by_squared_speed: deflection by inertia at this crank angle, divided by the squared speed of the crank, d2 [m s2/rad2].
         crank_angle: (S,) crank angles at true bottom dead centre, where the elastic slide is lowest [rad].
         position: (S,) positions of the elastic slide there [m].
-        standstill_position: Position of the elastic slide at true bottom dead centre of a press that turns infinitely slowly [m].
+        standstill_position: position of the elastic slide at true bottom dead centre of a press that turns infinitely slowly [m].
     """
 
     press_name: str
@@ -136,15 +136,15 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, *, lo
     """Find the elastic deflection of the slide over a motion, under loads, weight and inertia.
 
     Args:
-        press: A press with one driver and a slide.
-        motion: A motion of this press, from `cycle` or a run.
-        stiffness: Stiffnesses of its parts.
-        loads: As for `inverse_dynamics`.
+        press: a press with one driver and a slide.
+        motion: a motion of this press, from `cycle` or a run.
+        stiffness: stiffnesses of its parts.
+        loads: as for `inverse_dynamics`.
 
     Raises:
-        PinpressError: As `compliance` and `inverse_dynamics`.
-        UnknownNameError: As `compliance` and `inverse_dynamics`.
-        SingularityError: The linkage locks.
+        PinpressError: as `compliance` and `inverse_dynamics`.
+        UnknownNameError: as `compliance` and `inverse_dynamics`.
+        SingularityError: the linkage locks.
     """
     held = hold(press, stiffness, motion)
     shares = held.moved(held.in_motion(loads))
@@ -160,14 +160,14 @@ def dead_centre_shift(
     """Find the bottom dead centre of an elastic press at constant speeds, without process load.
 
     Args:
-        press: A press with one driver and a slide.
-        stiffness: Stiffnesses of its parts.
+        press: a press with one driver and a slide.
+        stiffness: stiffnesses of its parts.
         speed: (S,) speeds of the crank, or one number [rad/s].
-        loads: Constant forces, and springs without dampers, such as those that balance the slide's weight.
+        loads: constant forces, and springs without dampers, such as those that balance the slide's weight.
 
     Raises:
-        UnknownNameError: As `compliance`.
-        PinpressError: As `compliance`, or a speed is not finite, a load depends on the speed, the press is so soft that it has no bottom
+        UnknownNameError: as `compliance`.
+        PinpressError: as `compliance`, or a speed is not finite, a load depends on the speed, the press is so soft that it has no bottom
             dead centre within 6 degrees of the rigid one, or its slide repeats its motion before the other links do.
     """
     press.refuse_sliding_driver("the dead centre moves with the speed of a crank; see slide_deflection of a motion")
@@ -209,7 +209,7 @@ def _minimum(press: Linkage, total: Array, speed: float) -> tuple[float, float]:
     """Place and value of the minimum of a Chebyshev series inside (-1, 1).
 
     Raises:
-        PinpressError: The minimum is at an end.
+        PinpressError: the minimum is at an end.
     """
     turns = chebyshev.chebroots(chebyshev.chebder(total))
     real = turns.real[(abs(turns.imag) < 1e-6) & (abs(turns.real) < 1.0)]
@@ -231,7 +231,7 @@ def _series(press: Linkage, values: Array) -> Array:
     """Chebyshev coefficients (NODES,) of a function with these values at the nodes.
 
     Raises:
-        PinpressError: The nodes do not resolve it.
+        PinpressError: the nodes do not resolve it.
     """
     found = np.asarray(chebyshev.chebvander(chebyshev.chebpts1(NODES), NODES - 1).T @ values * (2 / NODES))
     found[0] *= 0.5

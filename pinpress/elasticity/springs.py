@@ -34,9 +34,9 @@ class Rod:
     its middle. On a link with more bearings it is an arm: it begins at the first of the two bearings, and is loaded by the second alone.
 
     Attributes:
-        link: Name of the link.
-        between: Names of two of its bearings.
-        stiffness: Stiffness E A / l between them [N/m].
+        link: name of the link.
+        between: names of two of its bearings.
+        stiffness: stiffness E A / l between them [N/m].
     """
 
     link: str
@@ -54,12 +54,12 @@ class Stiffness(Frozen):
     """Stiffnesses of the parts of a press. All parts without one are rigid, and so are gear pairs.
 
     Attributes:
-        bearings: Name of a bearing -> radial stiffness; of a guide, stiffness across its axis [N/m].
-        moments: Name of a guide -> stiffness against turning [N m/rad]. Its moment is about the origin of the sliding link's joint frame,
+        bearings: name of a bearing -> radial stiffness; of a guide, stiffness across its axis [N/m].
+        moments: name of a guide -> stiffness against turning [N m/rad]. Its moment is about the origin of the sliding link's joint frame,
             as in `Reactions`.
-        rods: Links and arms that stretch.
-        shaft: Torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid.
-        frame: Stiffness of the columns between the crown, which has all bearings on the frame, and the table [N/m]; None: rigid. The table
+        rods: links and arms that stretch.
+        shaft: torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid.
+        frame: stiffness of the columns between the crown, which has all bearings on the frame, and the table [N/m]; None: rigid. The table
             stands on the floor, so that weight and inertia forces that press on the crown load the columns too.
     """
 
@@ -74,11 +74,11 @@ class Spring(NamedTuple):
     """A part that yields, with the bearings from whose forces its internal force is found.
 
     Attributes:
-        name: Name in tables.
-        compliance: Compliance of the spring [m/N or rad/(N m)].
+        name: name in tables.
+        compliance: compliance of the spring [m/N or rad/(N m)].
         kind: "bearing", "moment", "rod", "shaft" or "frame".
-        bearings: Numbers of the bearings whose forces, times weights, sum to the internal force, each with its weight.
-        line: Numbers of the two bearings that a rod lies between.
+        bearings: numbers of the bearings whose forces, times weights, sum to the internal force, each with its weight.
+        line: numbers of the two bearings that a rod lies between.
     """
 
     name: str
@@ -92,8 +92,8 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
     """The springs of a press.
 
     Raises:
-        UnknownNameError: The linkage has no such bearing or link.
-        PinpressError: The press has several drivers or no slide, there is no spring or one that is not positive, or a rod or guide is not
+        UnknownNameError: the linkage has no such bearing or link.
+        PinpressError: the press has several drivers or no slide, there is no spring or one that is not positive, or a rod or guide is not
             as described.
     """
     if not isinstance(press, Linkage):
@@ -140,7 +140,7 @@ def internal_forces(press: Linkage, springs: Sequence[Spring], motion: Motion, r
     Forces of rods and of the frame's columns are positive in tension.
 
     Raises:
-        PinpressError: The bearings of a rod meet.
+        PinpressError: the bearings of a rod meet.
     """
     lines = bearing_points(press, poses(press, motion.joint_position)) if any(part.kind == "rod" for part in springs) else np.empty(0)
     across = _in_plane(press)

@@ -42,15 +42,15 @@ class SlideCompliance(Tabular):
     """Compliance of a press at its slide, over n crank angles. All arrays are read-only.
 
     Attributes:
-        press_name: Name of the press.
-        stiffness: Stiffnesses of its parts.
+        press_name: name of the press.
+        stiffness: stiffnesses of its parts.
         crank_angle: (n,) angle of the driver joint [rad], position of one that slides [m].
         slide_position: (n,) slide position of the rigid press [m].
         height: (n,) height of the slide above bottom dead centre [m].
         compliance: (n,) compliance of the slide against the table along the guide, with the crank held [m/N].
-        parts: Name of a part -> (n,) its share of the compliance [m/N].
-        bottom_stiffness: Stiffness at bottom dead centre [N/m].
-        bottom_shares: Name of a part -> its share of the deflection at bottom dead centre [-].
+        parts: name of a part -> (n,) its share of the compliance [m/N].
+        bottom_stiffness: stiffness at bottom dead centre [N/m].
+        bottom_shares: name of a part -> its share of the deflection at bottom dead centre [-].
     """
 
     press_name: str
@@ -105,16 +105,16 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
     arm of a link with more than two bearings, cannot take part in this sharing; a press in which it would is refused.
 
     Args:
-        press: A press with one driver and a slide.
-        stiffness: Stiffnesses of its parts.
+        press: a press with one driver and a slide.
+        stiffness: stiffnesses of its parts.
         angle: (n,) crank angles [rad]; by default 360 a turn over one period, its end left out. Positions of a driver that slides [m]; by
             default 361 over its travel.
 
     Raises:
-        UnknownNameError: The linkage has no such bearing or link.
-        PinpressError: A stiffness is not as described, the press has several drivers or no dead centres, nothing yields at some crank
+        UnknownNameError: the linkage has no such bearing or link.
+        PinpressError: a stiffness is not as described, the press has several drivers or no dead centres, nothing yields at some crank
             angle, or a guide's moment or an arm would share forces with parallel rods.
-        SingularityError: The linkage locks.
+        SingularityError: the linkage locks.
     """
     springs_of(press, stiffness)  # refuses wrong stiffnesses before anything is computed
     centres = dead_centres(press)
@@ -151,10 +151,10 @@ class HeldPress:
     """An elastic press in the poses of a motion, with its crank held at the crank angle of each.
 
     Attributes:
-        press: The press.
-        springs: Its parts that yield.
-        motion: The motion.
-        shared: Stiffnesses by which bearings share forces, see `springs.sharing`.
+        press: the press.
+        springs: its parts that yield.
+        motion: the motion.
+        shared: stiffnesses by which bearings share forces, see `springs.sharing`.
     """
 
     press: Linkage
@@ -181,7 +181,7 @@ class HeldPress:
         """Internal forces that 1 N adds, which are linear in loads [N, N m].
 
         Args:
-            link: Name of the link on which it acts.
+            link: name of the link on which it acts.
             direction: (3,) unit vector in world axes.
             point: (3,) point in the link's own frame [m].
         """
@@ -205,8 +205,8 @@ def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> HeldPress:
     """The elastic press in the poses of a motion.
 
     Raises:
-        UnknownNameError: As `springs_of`.
-        PinpressError: As `springs_of`, or a guide's moment or an arm would share forces with parallel rods.
+        UnknownNameError: as `springs_of`.
+        PinpressError: as `springs_of`, or a guide's moment or an arm would share forces with parallel rods.
     """
     springs = springs_of(press, stiffness)
     held = HeldPress(press, springs, motion, sharing(press, springs))

@@ -63,11 +63,11 @@ class MountedPress(Tabular):
     or of its bed and then of its crown.
 
     Attributes:
-        press: The press.
-        frame: The frame, or its bed.
-        crown: The part that carries crank and guides; None where the frame is one part.
-        mounts: Mounts between floor and frame.
-        uprights: Columns between bed and crown.
+        press: the press.
+        frame: the frame, or its bed.
+        crown: the part that carries crank and guides; None where the frame is one part.
+        mounts: mounts between floor and frame.
+        uprights: columns between bed and crown.
         mass: (n, n) mass matrix of frame and press, with moving masses at their mean.
         damping: (n, n) matrix of viscous damping.
         stiffness: (n, n) stiffness matrix for vibrations, with the effect of the static forces.
@@ -164,15 +164,15 @@ def mounted(
     """Stand a press on its mounts.
 
     Args:
-        press: The press. Its links ride with the frame, or with the crown; their inertia is averaged over a period, mostly one turn of the
+        press: the press. Its links ride with the frame, or with the crown; their inertia is averaged over a period, mostly one turn of the
             crank.
-        frame: The frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force).
-        mounts: Mounts between floor and frame.
-        crown: Upper part of the frame, which carries crank and guides.
-        uprights: Columns between bed and crown, as springs.
+        frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force).
+        mounts: mounts between floor and frame.
+        crown: upper part of the frame, which carries crank and guides.
+        uprights: columns between bed and crown, as springs.
 
     Raises:
-        PinpressError: An argument is of another kind, the crank does not turn fully, the mounts leave the frame free to move, the weight
+        PinpressError: an argument is of another kind, the crank does not turn fully, the mounts leave the frame free to move, the weight
             pulls at a mount, or the press tips over.
     """
     mounts = listed_mounts(mounts, "mounts")
@@ -188,7 +188,7 @@ def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
     """Stand a press that is on mounts already on other ones, without averaging its inertia again.
 
     Raises:
-        PinpressError: As `mounted`.
+        PinpressError: as `mounted`.
     """
     mounts = listed_mounts(mounts, "mounts")
     return _assembled(system.press, system.frame, mounts, system.crown, system.uprights, system.press_inertia)
@@ -199,13 +199,13 @@ def press_inertia(press: Linkage) -> Array:
     """Mean spatial inertia of all links about the world origin over one period.
 
     Args:
-        press: A press with one driver, which turns fully.
+        press: a press with one driver, which turns fully.
 
     Returns:
         Spatial inertia (6, 6) in world axes, linear before angular [kg, kg m, kg m2].
 
     Raises:
-        PinpressError: The crank does not turn fully, or there are several drivers.
+        PinpressError: the crank does not turn fully, or there are several drivers.
     """
     model, period = press.model, cycle(press, 1.0, points=POSES * (press.period_turns if press.driver_coordinates[0].turns else 1))
     data = data_of(model)
@@ -223,7 +223,7 @@ class VibrationModes(Tabular):
     """The n modes of free vibration, by rising frequency. All arrays are read-only.
 
     Attributes:
-        press_name: Name of the press.
+        press_name: name of the press.
         natural_frequency: (n,) undamped natural frequencies [rad/s].
         shapes: (n, n) undamped shapes, a mode a column, in the coordinates of `MountedPress`, scaled to a modal mass of 1 kg.
         damped_frequency: (n,) frequencies of the damped system [rad/s]; zero for a mode that creeps back without swinging.
@@ -256,7 +256,7 @@ class VibrationModes(Tabular):
         """(orders, n) speeds of the crank at which its first, second, ... harmonic meets each natural frequency [rad/s].
 
         Args:
-            orders: Number of harmonics, 1 to 10 000.
+            orders: number of harmonics, 1 to 10 000.
 
         Raises:
             PinpressError: ``orders`` is no whole number in that range.
@@ -283,7 +283,7 @@ def modes(system: MountedPress) -> VibrationModes:
     energy at each mode's own frequency.
 
     Args:
-        system: The press on its mounts.
+        system: the press on its mounts.
 
     Raises:
         PinpressError: ``system`` is not a `MountedPress`.
@@ -320,7 +320,7 @@ def logarithmic_decrement(signal: Array) -> float:
         signal: (n,) one component of a vibration, in equal steps of time.
 
     Raises:
-        PinpressError: The signal is not an array (n,) of finite numbers, or has fewer than three peaks.
+        PinpressError: the signal is not an array (n,) of finite numbers, or has fewer than three peaks.
     """
     values = finite_numbers(signal)
     if values is None or values.ndim != 1:

@@ -42,12 +42,12 @@ class Frame(Frozen):
     Leave out the mass of all links in the URDF, its frame link included: it is counted with the press.
 
     Attributes:
-        mass: Mass of the part [kg].
+        mass: mass of the part [kg].
         centre: (3,) centre of mass in world axes [m].
-        inertia: Inertia tensor (3, 3) about the centre of mass in world axes, or its diagonal (3,) [kg m2].
+        inertia: inertia tensor (3, 3) about the centre of mass in world axes, or its diagonal (3,) [kg m2].
 
     Raises:
-        PinpressError: The mass is negative, no body has this inertia, or a value has another shape or is not finite.
+        PinpressError: the mass is negative, no body has this inertia, or a value has another shape or is not finite.
     """
 
     mass: float
@@ -88,12 +88,12 @@ class Mount:
         point: (3,) point of attachment under static load, in world axes [m].
         stiffness: (3,) stiffness for vibrations along x, y and z [N/m].
         damping: (3,) viscous damping along x, y and z [N s/m].
-        loss_factor: Loss stiffness, 90 degrees ahead of the displacement, divided by ``stiffness``, in all directions [-].
+        loss_factor: loss stiffness, 90 degrees ahead of the displacement, divided by ``stiffness``, in all directions [-].
         static_stiffness: (3,) stiffness under constant load [N/m]; None: ``stiffness``.
-        area: Loaded area, from which the pressure is found [m2]; None: there is no pressure.
+        area: loaded area, from which the pressure is found [m2]; None: there is no pressure.
 
     Raises:
-        PinpressError: A value has another shape, is not finite or is negative.
+        PinpressError: a value has another shape, is not finite or is negative.
     """
 
     point: Vector
@@ -127,17 +127,17 @@ class RubberPad(Checked):
     """A rectangular pad of rubber, bonded or held by friction between two plates.
 
     Attributes:
-        length: Unloaded length [m].
-        width: Unloaded width [m].
-        thickness: Unloaded thickness [m].
-        hardness: Hardness, 20 to 80 [Shore A]. Give either this or ``shear_modulus``.
-        shear_modulus: Static shear modulus [Pa].
-        loss_factor: Loss modulus divided by storage modulus, from 0.05 (natural rubber) to 0.3 (damped compounds) [-].
-        stiffening: Dynamic divided by static stiffness, at least 1: from 1.1 (soft natural rubber) to 2 and more (hard, filled) [-].
-        bulk_modulus: Bulk modulus of the rubber [Pa].
+        length: unloaded length [m].
+        width: unloaded width [m].
+        thickness: unloaded thickness [m].
+        hardness: hardness, 20 to 80 [Shore A]. Give either this or ``shear_modulus``.
+        shear_modulus: static shear modulus [Pa].
+        loss_factor: loss modulus divided by storage modulus, from 0.05 (natural rubber) to 0.3 (damped compounds) [-].
+        stiffening: dynamic divided by static stiffness, at least 1: from 1.1 (soft natural rubber) to 2 and more (hard, filled) [-].
+        bulk_modulus: bulk modulus of the rubber [Pa].
 
     Raises:
-        PinpressError: A number is out of its range, or both or none of hardness and shear modulus are given.
+        PinpressError: a number is out of its range, or both or none of hardness and shear modulus are given.
     """
 
     length: float = field(metadata=parameter("m", "positive"))
@@ -203,10 +203,10 @@ def pad_mount(point: Vector, pad: RubberPad) -> Mount:
 
     Args:
         point: (3,) middle of the pad in world axes [m].
-        pad: The pad.
+        pad: the pad.
 
     Raises:
-        PinpressError: The point is not three finite numbers, or ``pad`` is not a `RubberPad`.
+        PinpressError: the point is not three finite numbers, or ``pad`` is not a `RubberPad`.
     """
     if not isinstance(pad, RubberPad):
         raise PinpressError(f"pad is {shown(pad)}: give a RubberPad")
@@ -217,7 +217,7 @@ def listed_mounts(mounts: object, what: str) -> tuple[Mount, ...]:
     """A caller's mounts as a tuple.
 
     Raises:
-        PinpressError: The list is empty, or an item is not a `Mount`.
+        PinpressError: the list is empty, or an item is not a `Mount`.
     """
     if not isinstance(mounts, Sequence) or not mounts or not all(isinstance(mount, Mount) for mount in mounts):
         raise PinpressError(f"{what} is {shown(mounts)}: give a list of Mount, at least one")
@@ -264,12 +264,12 @@ def turning_stiffness(
     """Stiffness (n, n) that comes from the static forces when the frame turns; see `mounted_press`.
 
     Args:
-        mounts: Mounts between floor and frame.
-        uprights: Springs between bed and crown.
-        between: For each upright, the rows (3, n) of the displacement of its upper end relative to its lower end.
+        mounts: mounts between floor and frame.
+        uprights: springs between bed and crown.
+        between: for each upright, the rows (3, n) of the displacement of its upper end relative to its lower end.
         rest: (n,) coordinates at rest.
         load: (mounts, 3) force of each mount on the frame at rest [N].
-        bodies: Spatial inertia (6, 6) of each part about the world origin.
+        bodies: spatial inertia (6, 6) of each part about the world origin.
         gravity: (3,) [m/s2].
     """
     forces = [(0, force, np.array(mount.point)) for force, mount in zip(load, mounts, strict=True)]

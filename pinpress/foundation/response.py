@@ -44,16 +44,16 @@ def steady_response(system: MountedPress, reactions: Reactions, *, points: Point
     """The vibration over one period, after the initial vibration has died away.
 
     Args:
-        system: The press on its mounts.
-        reactions: Reactions of this press over one period at constant speed (`cycle`), or over one period of `steady_state`.
-        points: Name -> (3,) point of the frame in world axes [m]. In a frame of two parts this is a point of the bed, and
+        system: the press on its mounts.
+        reactions: reactions of this press over one period at constant speed (`cycle`), or over one period of `steady_state`.
+        points: name -> (3,) point of the frame in world axes [m]. In a frame of two parts this is a point of the bed, and
             ("crown", (x, y, z)) one of the crown.
-        flywheel: Flywheel on the crank's shaft; it matters where the speed changes. Its inertia is its angular momentum about the crank's
+        flywheel: flywheel on the crank's shaft; it matters where the speed changes. Its inertia is its angular momentum about the crank's
             axis divided by the crank's speed. For a flywheel on another shaft this is its inertia times the ratio of its speed to the
             crank's, negative where it turns the other way.
 
     Raises:
-        PinpressError: The reactions are of another press, the motion is no period, its states are too few for the shaking force, a point or
+        PinpressError: the reactions are of another press, the motion is no period, its states are too few for the shaking force, a point or
             the flywheel is not as described, or a harmonic meets a natural frequency without damping.
     """
     wrench = frame_wrench(system, reactions, flywheel)
@@ -85,13 +85,13 @@ def time_response(system: MountedPress, reactions: Reactions, *, points: Points,
     A motion that begins at full speed hits the frame at rest; the vibration by this start dies away with the modes' damping.
 
     Args:
-        system: The press on its mounts.
-        reactions: Reactions of this press in a run of `simulate`, or in any motion in equal steps of time.
-        points: As for `steady_response`.
-        flywheel: As for `steady_response`.
+        system: the press on its mounts.
+        reactions: reactions of this press in a run of `simulate`, or in any motion in equal steps of time.
+        points: as for `steady_response`.
+        flywheel: as for `steady_response`.
 
     Raises:
-        PinpressError: The reactions are of another press, the states are not at equal intervals of time, a point or the flywheel is not as
+        PinpressError: the reactions are of another press, the states are not at equal intervals of time, a point or the flywheel is not as
             described, or the vibration is not finite.
     """
     wrench = frame_wrench(system, reactions, flywheel)
@@ -117,12 +117,12 @@ class FrameMotion(Tabular):
     """Vibration about the static position at n states. All arrays are read-only.
 
     Attributes:
-        system: The press on its mounts.
+        system: the press on its mounts.
         time: (n,) times of the states, from zero [s].
-        period: Length of the period whose states these are, its end left out [s]; None for a motion that is no period.
-        displacement: Name of a point -> (n, 3) in world axes [m].
-        velocity: Name of a point -> (n, 3) in world axes [m/s].
-        acceleration: Name of a point -> (n, 3) in world axes [m/s2].
+        period: length of the period whose states these are, its end left out [s]; None for a motion that is no period.
+        displacement: name of a point -> (n, 3) in world axes [m].
+        velocity: name of a point -> (n, 3) in world axes [m/s].
+        acceleration: name of a point -> (n, 3) in world axes [m/s2].
         coordinates: (n, coordinates) coordinates of the frame's parts, see `MountedPress` [m, rad].
         mount_force: (n, mounts, 3) force of each mount on the frame beside its static load, in world axes [N].
         floor_force: (n, 3) force of all mounts on the floor beside the weight, in world axes [N].
@@ -183,13 +183,13 @@ class FrameMotion(Tabular):
         """The motion of points from that of the coordinates.
 
         Args:
-            system: The press on its mounts.
+            system: the press on its mounts.
             time: (n,) times of the states [s].
-            points: Name of a point -> (3, coordinates) its displacement by one of each coordinate.
-            motion: Displacements, velocities and accelerations of the coordinates, (n, coordinates) each.
+            points: name of a point -> (3, coordinates) its displacement by one of each coordinate.
+            motion: displacements, velocities and accelerations of the coordinates, (n, coordinates) each.
             mount_force: (n, mounts, 3) force of each mount on the frame beside its static load [N].
             wrench: (n, coordinates) wrenches on the parts of the frame, as of `frame_wrench` [N, N m].
-            period: Length of the period [s]; None for a motion that is no period.
+            period: length of the period [s]; None for a motion that is no period.
         """
         moved = [{name: np.array(values @ rows.T) for name, rows in points.items()} for values in motion]
         places = np.array([mount.point for mount in system.mounts])
@@ -213,7 +213,7 @@ class FrameMotion(Tabular):
         """Force on the floor divided by the shaking force, both as root mean square about their means [-].
 
         Raises:
-            PinpressError: The shaking force is zero.
+            PinpressError: the shaking force is zero.
         """
         shaking = rms_about_mean(self.shaking_force)
         if shaking <= NOTHING * np.abs(self.system.weight[:3]).max():
@@ -233,7 +233,7 @@ class FrameMotion(Tabular):
         """(3,) root mean square of a point's acceleration about its mean, in world axes [m/s2].
 
         Raises:
-            UnknownNameError: There is no such point.
+            UnknownNameError: there is no such point.
         """
         return np.asarray(self._of(point).std(axis=0))
 
@@ -241,7 +241,7 @@ class FrameMotion(Tabular):
         """(3,) largest absolute acceleration of a point, in world axes [m/s2].
 
         Raises:
-            UnknownNameError: There is no such point.
+            UnknownNameError: there is no such point.
         """
         return np.asarray(np.abs(self._of(point)).max(axis=0))
 
@@ -275,15 +275,15 @@ def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array
     """Moment of a flywheel on the frame, -J w' about the crank's axis.
 
     Args:
-        press: A press whose driver joint is on the frame.
-        motion: A motion of this press.
-        flywheel: Flywheel on the crank's shaft; for one on another shaft see `steady_response`.
+        press: a press whose driver joint is on the frame.
+        motion: a motion of this press.
+        flywheel: flywheel on the crank's shaft; for one on another shaft see `steady_response`.
 
     Returns:
         (states, 3) moment in world axes [N m].
 
     Raises:
-        PinpressError: The flywheel has the inertias of several scenarios, the driver joint is not on the frame, or a clutch between
+        PinpressError: the flywheel has the inertias of several scenarios, the driver joint is not on the frame, or a clutch between
             flywheel and crank slips.
     """
     if np.ndim(flywheel.inertia):
@@ -312,7 +312,7 @@ def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheel 
     `flywheel_moment`.
 
     Raises:
-        PinpressError: The reactions are of another press, or as `flywheel_moment`.
+        PinpressError: the reactions are of another press, or as `flywheel_moment`.
     """
     expect("system", system, MountedPress, "mounted")
     expect("reactions", reactions, Reactions, "inverse_dynamics")
@@ -359,11 +359,11 @@ def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) 
 
     Args:
         harmonics: (k, n) as `numpy.fft.rfft` gives them; changed in place.
-        states: Number of states of the period.
-        size_of_all: Size of the forces that the wrench was worked out from, to which rounding is relative [N].
+        states: number of states of the period.
+        size_of_all: size of the forces that the wrench was worked out from, to which rounding is relative [N].
 
     Raises:
-        PinpressError: The last third of the harmonics is more than rounding: the force has jumps, or corners too sharp for the states.
+        PinpressError: the last third of the harmonics is more than rounding: the force has jumps, or corners too sharp for the states.
     """
     size = np.abs(harmonics[1:]).reshape(len(harmonics) - 1, -1, 3).max(axis=(1, 2))
     tail = size[2 * len(size) // 3 :].max(initial=0.0)
@@ -380,7 +380,7 @@ def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: C
     """Complex amplitudes (..., n) of the coordinates under those of the wrench (..., n) at angular frequencies (...) [rad/s].
 
     Raises:
-        PinpressError: A frequency is a natural frequency without damping.
+        PinpressError: a frequency is a natural frequency without damping.
     """
     w = frequency[..., None, None]
     matrix = system.stiffness + 1j * (np.sign(w) * system.loss + w * system.damping) - w**2 * system.mass
@@ -410,7 +410,7 @@ def vibration_from_rest(system: MountedPress, wrench: Array, interval: float) ->
     """Displacements, velocities and accelerations (states, n) from rest under wrenches (states, n) that are linear in between.
 
     Raises:
-        PinpressError: The vibration is not finite.
+        PinpressError: the vibration is not finite.
     """
     from scipy.linalg import expm  # slow to import
 
@@ -436,7 +436,7 @@ def period_of(motion: Motion) -> tuple[float, int]:
     """Length of the period of a motion [s], and the number of its states at equal intervals of time, the end left out.
 
     Raises:
-        PinpressError: The motion is neither one period at constant speed nor one of a steady state.
+        PinpressError: the motion is neither one period at constant speed nor one of a steady state.
     """
     states, speed = len(motion.crank_angle), motion.crank_speed
     angle = 2 * np.pi * (motion.period_turns or 1)
@@ -460,7 +460,7 @@ def time_step(motion: Motion) -> float:
     """Interval of time between the states of a motion [s].
 
     Raises:
-        PinpressError: There are fewer than two states, or they are not at equal intervals.
+        PinpressError: there are fewer than two states, or they are not at equal intervals.
     """
     steps = np.diff(motion.time)
     if not len(steps) or steps.min() <= 0 or np.ptp(steps) > 1e-6 * steps.mean():

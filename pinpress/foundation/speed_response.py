@@ -41,11 +41,11 @@ class SpeedResponse(Tabular):
     """Steady vibration of an idle press at each of (s,) speeds. All arrays are read-only.
 
     Attributes:
-        press_name: Name of the press.
+        press_name: name of the press.
         speed: (s,) speeds of the crank [rad/s].
-        rms: Name of a point -> (s, 3) root mean square of its acceleration about its mean, in world axes [m/s2].
-        peak: Name of a point -> (s, 3) largest absolute acceleration, in world axes [m/s2].
-        displacement: Name of a point -> (s, 3) largest absolute displacement, in world axes [m].
+        rms: name of a point -> (s, 3) root mean square of its acceleration about its mean, in world axes [m/s2].
+        peak: name of a point -> (s, 3) largest absolute acceleration, in world axes [m/s2].
+        displacement: name of a point -> (s, 3) largest absolute displacement, in world axes [m].
         shaking_force: (s,) root mean square of the shaking force beside the weight, all components together [N].
         floor_force: (s,) root mean square of the force on the floor beside the weight, all components together [N].
     """
@@ -76,7 +76,7 @@ class SpeedResponse(Tabular):
         """(s,) force on the floor divided by the shaking force [-].
 
         Raises:
-            PinpressError: The shaking force is zero at one of the speeds.
+            PinpressError: the shaking force is zero at one of the speeds.
         """
         if not self.shaking_force.all():
             raise PinpressError(f"no force of {self.press_name} shakes the frame: there is nothing to transmit")
@@ -88,7 +88,7 @@ class SpeedResponse(Tabular):
         It is 2 on mounts so stiff that the frame hardly moves on them, and larger towards a resonance.
 
         Raises:
-            PinpressError: The point vibrates at fewer than two speeds.
+            PinpressError: the point vibrates at fewer than two speeds.
         """
         size = np.linalg.norm(self.rms[point], axis=1)
         if len(size) < 2 or not size.all():
@@ -109,12 +109,12 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
     """The steady vibration of the idle press at many speeds.
 
     Args:
-        system: The press on its mounts.
+        system: the press on its mounts.
         speeds: (s,) speeds of the crank, positive and rising [rad/s].
-        points: Points of the frame by name, as for `steady_response`.
+        points: points of the frame by name, as for `steady_response`.
 
     Raises:
-        PinpressError: The speeds are not positive and rising, a point is not as described, or a harmonic meets a natural frequency without
+        PinpressError: the speeds are not positive and rising, a point is not as described, or a harmonic meets a natural frequency without
             damping.
     """
     speed, rows = rising_positive("speeds", speeds), named_points(system, points)
@@ -140,7 +140,7 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = 
     """Force on the floor along an axis, divided by a harmonic force along it through the mean centre of mass of frame and press.
 
     Args:
-        system: The press on its mounts.
+        system: the press on its mounts.
         frequency: (f,) angular frequencies, positive and rising [rad/s].
         axis: "x", "y" or "z".
 
@@ -148,7 +148,7 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = 
         (f,) ratios of the amplitudes [-].
 
     Raises:
-        PinpressError: The frequencies are not positive and rising, the axis is another, or a frequency is a natural frequency without
+        PinpressError: the frequencies are not positive and rising, the axis is another, or a frequency is a natural frequency without
             damping.
     """
     if not isinstance(axis, str) or axis not in AXES:
@@ -164,9 +164,9 @@ class Isolation(Tabular):
     """The stiffest mounts that isolate, found by `isolate`. All arrays are read-only.
 
     Attributes:
-        system: The press on these mounts.
-        mounts: The mounts.
-        factor: Their stiffness divided by that of the mounts given [-].
+        system: the press on these mounts.
+        mounts: the mounts.
+        factor: their stiffness divided by that of the mounts given [-].
         speed: (s,) speeds of the crank [rad/s].
         transmitted: (s,) force on the floor divided by the shaking force at each speed [-].
     """
@@ -226,15 +226,15 @@ def isolate(
     All stiffnesses of the given mounts are multiplied by one factor, and their damping by its root, which keeps the damping ratios.
 
     Args:
-        press: A press with one driver, which turns fully.
-        frame: The frame, in one part.
-        mounts: Places of the mounts, and their stiffnesses up to the factor.
+        press: a press with one driver, which turns fully.
+        frame: the frame, in one part.
+        mounts: places of the mounts, and their stiffnesses up to the factor.
         speeds: (s,) speeds of the crank, positive and rising, so close that no resonance falls between two [rad/s].
-        transmitted: Most of the force on the floor divided by the shaking force, both as root mean square, between 0 and 1 [-].
-        sag: Largest displacement of a mount at rest [m]; None: any.
+        transmitted: most of the force on the floor divided by the shaking force, both as root mean square, between 0 and 1 [-].
+        sag: largest displacement of a mount at rest [m]; None: any.
 
     Raises:
-        PinpressError: An argument is not as described, nothing shakes the frame, or no mounts do what is asked; the message says what
+        PinpressError: an argument is not as described, nothing shakes the frame, or no mounts do what is asked; the message says what
             conflicts.
     """
     speed, mounts = rising_positive("speeds", speeds), listed_mounts(mounts, "mounts")
@@ -277,13 +277,13 @@ def _stiffest_factor(passed: Callable[[float], Array], factors: Array, limit: fl
     """The largest factor at which the mounts pass on no more than a share, refined between two trials.
 
     Args:
-        passed: Shares (s,) passed on at a factor.
-        factors: Trials, falling.
-        limit: Most of the shares.
-        wish: What is asked for, in words.
+        passed: shares (s,) passed on at a factor.
+        factors: trials, falling.
+        limit: most of the shares.
+        wish: what is asked for, in words.
 
     Raises:
-        PinpressError: No trial passes on so little.
+        PinpressError: no trial passes on so little.
     """
     worst: list[float] = []
     for factor in factors:
@@ -339,7 +339,7 @@ def rising_positive(name: str, given: ArrayLike) -> Array:
     """A caller's array (s,) of positive, rising numbers, at least one.
 
     Raises:
-        PinpressError: It is anything else.
+        PinpressError: it is anything else.
     """
     wanted = "an array of positive numbers, rising [rad/s]"
     return suitable_numbers(name, given, wanted, (None,), lambda values: len(values) and values[0] > 0 and np.all(np.diff(values) > 0))

@@ -19,10 +19,10 @@ def reproduced(document: str) -> Page:
     """Work out the page of a document.
 
     Args:
-        document: One of `DOCUMENTS`.
+        document: one of `DOCUMENTS`.
 
     Raises:
-        UnknownNameError: There is no such document.
+        UnknownNameError: there is no such document.
     """
     if document not in DOCUMENTS:
         raise UnknownNameError("document", document, DOCUMENTS)

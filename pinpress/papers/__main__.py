@@ -12,7 +12,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command.
 
     Args:
-        arguments: Words behind ``python -m pinpress.papers``; by default those of this process.
+        arguments: words behind ``python -m pinpress.papers``; by default those of this process.
 
     Returns:
         The exit code: 1 where a number that counts as reproduced is not, 2 with a line on stderr where the input is at fault, others see

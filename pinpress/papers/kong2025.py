@@ -53,9 +53,9 @@ class PressTurn:
     """The press before or after balancing, over one turn.
 
     Attributes:
-        press: The press.
-        motion: One turn at 70 strokes/min.
-        reactions: Reactions to it.
+        press: the press.
+        motion: one turn at 70 strokes/min.
+        reactions: reactions to it.
     """
 
     press: Linkage
@@ -246,8 +246,8 @@ def rms_deviation(pair: Sequence[CurveParts], weight: float, shares: ArrayLike) 
     """Root mean square of the deviations of the twelve extremes in tables 2 and 3, each by the printed range before balancing [%].
 
     Args:
-        pair: Parts before and after balancing.
-        weight: Factor of the crank's weight.
+        pair: parts before and after balancing.
+        weight: factor of the crank's weight.
         shares: (4,) factors of the shipped inertias of coupler, rocker, rod before and rod after balancing.
     """
     coupler, rocker, rod, balanced_rod = np.asarray(shares, dtype=float).tolist()

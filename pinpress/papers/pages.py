@@ -36,13 +36,13 @@ class Row:
     """One number of a document, and ours.
 
     Attributes:
-        quantity: Name of the quantity, with its unit.
-        theirs: The number as it is printed; empty where none is.
-        ours: Our number or words; None where it is not defined.
-        within: Largest deviation [%] that counts as reproduced, 0 where theirs is zero and ours must be; None where the number is not
+        quantity: name of the quantity, with its unit.
+        theirs: the number as it is printed; empty where none is.
+        ours: our number or words; None where it is not defined.
+        within: largest deviation [%] that counts as reproduced, 0 where theirs is zero and ours must be; None where the number is not
             claimed to be reproduced.
-        places: Decimals of ours; None for as many as are printed.
-        source: Origin of theirs where it is not the document: "formula", "independent solver".
+        places: decimals of ours; None for as many as are printed.
+        source: origin of theirs where it is not the document: "formula", "independent solver".
     """
 
     quantity: str
@@ -104,14 +104,14 @@ class PageEntry:
     """One table or figure of a document, several of one kind, or a claim of its text.
 
     Attributes:
-        numbers: Numbers of the document, such as "Table 2".
-        title: What they show.
-        kind: One of `KINDS`.
-        rows: The numbers.
-        reason: Why it is not reproduced, or other remarks.
-        figure: Name of our figure; empty where there is none.
-        draw: Function that draws our figure.
-        caption: Text below the figure.
+        numbers: numbers of the document, such as "Table 2".
+        title: what they show.
+        kind: one of `KINDS`.
+        rows: the numbers.
+        reason: why it is not reproduced, or other remarks.
+        figure: name of our figure; empty where there is none.
+        draw: function that draws our figure.
+        caption: text below the figure.
     """
 
     numbers: tuple[str, ...]
@@ -143,9 +143,9 @@ class Erratum:
     """A mistake of a document.
 
     Attributes:
-        place: The equation, table or passage.
-        wrong: What is printed.
-        right: What is right.
+        place: the equation, table or passage.
+        wrong: what is printed.
+        right: what is right.
     """
 
     place: str
@@ -158,11 +158,11 @@ class Page:
     """All tables and figures of a document.
 
     Attributes:
-        name: Name of the page's file, without its suffix.
-        title: Title of the page.
-        introduction: What the document is, and which presses come from it.
-        entries: Its tables and figures, in their order.
-        errata: Its mistakes.
+        name: name of the page's file, without its suffix.
+        title: title of the page.
+        introduction: what the document is, and which presses come from it.
+        entries: its tables and figures, in their order.
+        errata: its mistakes.
     """
 
     name: str
@@ -241,11 +241,11 @@ class Panel:
     """One pair of axes.
 
     Attributes:
-        label: Label of the upright axis, with its unit.
-        curves: Name -> (x, y), both (n,).
-        levels: Values of the upright axis that the document prints.
-        points: Points (x, y) that the document prints.
-        logarithmic: Whether the upright axis is logarithmic.
+        label: label of the upright axis, with its unit.
+        curves: name -> (x, y), both (n,).
+        levels: values of the upright axis that the document prints.
+        points: points (x, y) that the document prints.
+        logarithmic: whether the upright axis is logarithmic.
     """
 
     label: str
@@ -259,10 +259,10 @@ def draw(across: str, panels: Sequence[Panel], high: float = 4.2, columns: int =
     """Draw our curves in the axes of a document's figure, with its printed numbers as grey dashes and crosses.
 
     Args:
-        across: Label of the axis that all panels share.
-        panels: The panels, row by row.
-        high: Height of each panel [cm].
-        columns: Number of panels in a row.
+        across: label of the axis that all panels share.
+        panels: the panels, row by row.
+        high: height of each panel [cm].
+        columns: number of panels in a row.
     """
     rows = -(-len(panels) // columns)
     with drawing(1.0 + high * rows) as figure:

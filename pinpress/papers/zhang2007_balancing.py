@@ -94,7 +94,7 @@ def ranges(press: Linkage, masses: Array) -> Array:
     Forces are linear in the masses, so that three presses are enough for all.
 
     Args:
-        press: The opposed press.
+        press: the opposed press.
         masses: (k, 2) masses of its auxiliary rod and counterweight [kg].
 
     Returns:

@@ -53,10 +53,10 @@ class VibrationFinding(NamedTuple):
     """A finding of the thesis beside ours, in words.
 
     Attributes:
-        place: Figure or section of the thesis.
-        says: What the thesis finds.
-        gives: What the model gives.
-        agrees: Whether both agree.
+        place: figure or section of the thesis.
+        says: what the thesis finds.
+        gives: what the model gives.
+        agrees: whether both agree.
     """
 
     place: str

@@ -26,7 +26,7 @@ def trade_offs(curves: Mapping[str, TradeOffCurve]) -> Figure:
     A grey cross marks the press before balancing.
 
     Args:
-        curves: Results of `pinpress.balancing.trade_off`, by the names of the curves.
+        curves: results of `pinpress.balancing.trade_off`, by the names of the curves.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no curve.

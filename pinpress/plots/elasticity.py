@@ -30,7 +30,7 @@ def compliance(elasticity: SlideCompliance) -> Figure:
     """Draw the compliance at the slide over the crank angle, with the shares of the parts stacked, the largest at the bottom.
 
     Args:
-        elasticity: Result of `pinpress.elasticity.compliance`.
+        elasticity: result of `pinpress.elasticity.compliance`.
 
     Raises:
         PinpressError: Matplotlib is not installed.
@@ -43,7 +43,7 @@ def dead_centre_shift(shifts: Mapping[str, ElasticDeadCentre]) -> Figure:
     """Draw the shift of bottom dead centre over the speed, relative to standstill.
 
     Args:
-        shifts: Results of `pinpress.elasticity.dead_centre_shift`, by the names of the presses.
+        shifts: results of `pinpress.elasticity.dead_centre_shift`, by the names of the presses.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no press.
@@ -56,7 +56,7 @@ def snap_through(responses: Mapping[str, SnapThroughResponse]) -> Figure:
     """Draw the force of the sprung press over time, divided by that at break-through; below zero the linkage is pulled.
 
     Args:
-        responses: Results of `pinpress.elasticity.snap_through`, by the names of the curves.
+        responses: results of `pinpress.elasticity.snap_through`, by the names of the curves.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no curve.

@@ -26,9 +26,9 @@ def vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float |
     """Draw the acceleration of all points along an axis over time, with a panel for each motion.
 
     Args:
-        motions: Results of `steady_response` or `time_response`, by the motions' names.
+        motions: results of `steady_response` or `time_response`, by the motions' names.
         axis: "x", "y" or "z".
-        last: Time shown at the end of each motion; by default all [s].
+        last: time shown at the end of each motion; by default all [s].
 
     Raises:
         PinpressError: Matplotlib is not installed, there is no motion, or no such axis.
@@ -55,12 +55,12 @@ def speed_response(responses: Mapping[str, SpeedResponse], point: str) -> Figure
     """Draw the acceleration of a point (root mean square, all directions) and the share of force on the floor over the speed.
 
     Args:
-        responses: Results of `over_speeds`, by the names of the curves.
-        point: Name of a point that all responses have.
+        responses: results of `over_speeds`, by the names of the curves.
+        point: name of a point that all responses have.
 
     Raises:
         PinpressError: Matplotlib is not installed, or there is no response.
-        UnknownNameError: A response does not have this point.
+        UnknownNameError: a response does not have this point.
     """
     if not isinstance(responses, Mapping) or not responses or not all(isinstance(each, SpeedResponse) for each in responses.values()):
         raise PinpressError("there is nothing to draw: give what over_speeds returns, under a name")

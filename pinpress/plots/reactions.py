@@ -46,10 +46,10 @@ def slide(motion: Motion) -> Figure:
     """Draw position, velocity and acceleration of the slide, and the speed of the crank where it is not constant.
 
     Args:
-        motion: Result of `cycle`, `simulate` or `steady_state`.
+        motion: result of `cycle`, `simulate` or `steady_state`.
 
     Raises:
-        PinpressError: The linkage has no slide, a value is not finite, or Matplotlib is not installed.
+        PinpressError: the linkage has no slide, a value is not finite, or Matplotlib is not installed.
     """
     shown = [*charts.slide(motion)]
     if not shown:
@@ -63,10 +63,10 @@ def torque(reactions: Reactions) -> Figure:
     """Draw the driving torque of every driver, and for a run also the torque of its drive.
 
     Args:
-        reactions: Result of `inverse_dynamics`.
+        reactions: result of `inverse_dynamics`.
 
     Raises:
-        PinpressError: A value is not finite, or Matplotlib is not installed.
+        PinpressError: a value is not finite, or Matplotlib is not installed.
     """
     return _stacked(reactions.motion, [charts.torque(reactions)], 6.0)
 
@@ -78,10 +78,10 @@ def bearings(reactions: Reactions) -> Figure:
     Curves that coincide are drawn once, under both names.
 
     Args:
-        reactions: Result of `inverse_dynamics`, with all bearings.
+        reactions: result of `inverse_dynamics`, with all bearings.
 
     Raises:
-        PinpressError: A value is not finite, or Matplotlib is not installed.
+        PinpressError: a value is not finite, or Matplotlib is not installed.
     """
     moments = charts.bearing_moment(reactions)
     shown = [_merged(chart) for chart in (charts.bearing(reactions), moments) if chart is not None]
@@ -96,12 +96,12 @@ def polar(reactions: Reactions, *bearings: str) -> Figure:
     (dashed), with dots at every quarter turn of the crank in the last period. Circles are lines of constant force.
 
     Args:
-        reactions: Result of `inverse_dynamics`.
-        *bearings: Names of bearings and guides; by default all.
+        reactions: result of `inverse_dynamics`.
+        *bearings: names of bearings and guides; by default all.
 
     Raises:
-        UnknownNameError: There is no such bearing.
-        PinpressError: A value is not finite, or Matplotlib is not installed.
+        UnknownNameError: there is no such bearing.
+        PinpressError: a value is not finite, or Matplotlib is not installed.
     """
     names = bearings or reactions._press.bearings
     return _draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names])
@@ -112,10 +112,10 @@ def shaking(reactions: Reactions) -> Figure:
     """Draw the components of the shaking force in world axes, and the amplitudes of its harmonics in the last full period.
 
     Args:
-        reactions: Result of `inverse_dynamics`. Without a full period there are no harmonics.
+        reactions: result of `inverse_dynamics`. Without a full period there are no harmonics.
 
     Raises:
-        PinpressError: A value is not finite, or Matplotlib is not installed.
+        PinpressError: a value is not finite, or Matplotlib is not installed.
     """
     motion, chart = reactions.motion, charts.shaking(reactions)
     found = harmonics(motion, reactions.shaking_force)
@@ -136,11 +136,11 @@ def comparison(before: Reactions, after: Reactions) -> Figure:
     It shows driving torque, shaking force, and the peaks of the forces in the bearings that both have, each with its change in percent.
 
     Args:
-        before: Reactions drawn dashed.
-        after: Reactions drawn solid.
+        before: reactions drawn dashed.
+        after: reactions drawn solid.
 
     Raises:
-        PinpressError: They have no bearing of one name, one motion is over the crank angle and the other over time, they turn in different
+        PinpressError: they have no bearing of one name, one motion is over the crank angle and the other over time, they turn in different
             directions, or Matplotlib is not installed.
     """
     peaks = _pairs(charts.bearing(before), charts.bearing(after))
@@ -194,9 +194,9 @@ def _stacked(motion: Motion, shown: Sequence[Chart], *least: float) -> Figure:
     """Draw charts one below the other over one abscissa, as high as their legends need.
 
     Args:
-        motion: The motion.
-        shown: The charts.
-        *least: Least heights of the charts, the last one for all others [cm].
+        motion: the motion.
+        shown: the charts.
+        *least: least heights of the charts, the last one for all others [cm].
     """
     lines = [sum(1 + curve.name.count("\n") for curve in chart.curves) for chart in shown]
     heights = [max(least[min(i, len(least) - 1)], 0.5 + ROW * count) for i, count in enumerate(lines)]
@@ -245,9 +245,9 @@ class _Pair(NamedTuple):
     """One quantity before and after, in one unit.
 
     Attributes:
-        title: Name of the curve.
-        quantity: Quantity, see `charts.UNITS`.
-        unit: Unit of both.
+        title: name of the curve.
+        quantity: quantity, see `charts.UNITS`.
+        unit: unit of both.
         before: (n,) values before.
         after: (m,) values after.
     """

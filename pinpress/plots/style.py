@@ -72,11 +72,11 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Write a plot to an SVG, PNG or PDF file, and return the path. Equal plots give equal bytes.
 
     Args:
-        figure: The plot.
-        path: Path of the file; its suffix decides the format.
+        figure: the plot.
+        path: path of the file; its suffix decides the format.
 
     Raises:
-        PinpressError: The suffix is another one, the file cannot be written, or ``figure`` is no plot.
+        PinpressError: the suffix is another one, the file cannot be written, or ``figure`` is no plot.
     """
     suffix = Path(path).suffix.lower() if isinstance(path, str | os.PathLike) else ""
     if suffix not in FORMATS:
@@ -95,7 +95,7 @@ class Over:
     """The horizontal axis of curves over a motion. One period without its end is closed by its first state.
 
     Attributes:
-        abscissa: The quantity over which the motion is drawn.
+        abscissa: the quantity over which the motion is drawn.
         x: (k,) its values, those of the closing state included.
     """
 

@@ -39,14 +39,14 @@ class Gibs:
     """A pair of gibs that guide a slide from opposite sides. The loaded length of the gibs moves with the slide.
 
     Attributes:
-        length: Length of a gib along the guide's axis [m].
-        width: Width of a gib across the axis [m].
+        length: length of a gib along the guide's axis [m].
+        width: width of a gib across the axis [m].
         normal: (3,) direction in which the gibs face, in world axes; None: across the guide in the plane of a planar press.
-        middle: Middle of the gibs' length, above the slide link's origin along the guide's axis [m].
+        middle: middle of the gibs' length, above the slide link's origin along the guide's axis [m].
         one_sided: True: with clearance, so that only one gib is in contact and may lift off. False: two gibs without clearance.
 
     Raises:
-        PinpressError: A length or width is not positive, the normal is no direction, or the middle is not a finite number.
+        PinpressError: a length or width is not positive, the normal is no direction, or the middle is not a finite number.
     """
 
     length: float
@@ -68,7 +68,7 @@ class GuideReaction(Tabular):
     """Reaction of the slide's guide to a process force beside the slide's axis, at n states. All arrays are read-only.
 
     Attributes:
-        guide: Name of the slide's bearing in its guide.
+        guide: name of the slide's bearing in its guide.
         tilting_moment: (3,) moment of the process force on the slide about the slide link's origin, in world axes [N m].
         force: (n, 3) force of the guide on the slide, in world axes [N].
         moment: (n, 3) moment of the guide on the slide about the middle of the gibs, in world axes [N m].
@@ -76,7 +76,7 @@ class GuideReaction(Tabular):
         tilting: (n,) component of the moment about the axis across guide and normal, which tilts the slide between the gibs [N m].
         pressure: (n,) largest pressure on a gib [Pa].
         contact: (n,) share of the gibs' length that is in contact [-].
-        indeterminate: Whether rigid-body mechanics leaves the tilting moment undetermined, because parallel rods may share it with the
+        indeterminate: whether rigid-body mechanics leaves the tilting moment undetermined, because parallel rods may share it with the
             guide.
     """
 
@@ -114,15 +114,15 @@ def eccentric_load(
     """Gibs reaction and gib pressure under a process force beside the slide's axis, without weights and inertia forces.
 
     Args:
-        press: A press with a slide.
-        motion: Motion of n states at which the force acts, e.g. ``servo_cycle(press, speed=0.0, angle=[...])``.
-        force: Force on the slide along the guide's axis, against the working stroke [N].
+        press: a press with a slide.
+        motion: motion of n states at which the force acts, e.g. ``servo_cycle(press, speed=0.0, angle=[...])``.
+        force: force on the slide along the guide's axis, against the working stroke [N].
         offset: (3,) point at which it acts, in the slide link's own frame [m]; a shift along the guide's axis makes no difference.
-        gibs: The gibs of the slide's guide.
-        engine: As in `cycle`.
+        gibs: the gibs of the slide's guide.
+        engine: as in `cycle`.
 
     Raises:
-        PinpressError: The press has no slide, the gibs do not face across the guide, the slide tips because a single gib would have to
+        PinpressError: the press has no slide, the gibs do not face across the guide, the slide tips because a single gib would have to
             pull, or an argument is not as described.
     """
     newtons = positive("force", force, "N")
@@ -152,19 +152,19 @@ def permissible_eccentricity(
     """Find how far beside the slide's origin a process force may act before the gibs reach a pressure at some state of the motion.
 
     Args:
-        press: A press with a slide.
-        motion: Motion of n states at which the force acts.
-        force: Force on the slide along the guide's axis, against the working stroke [N].
-        gibs: The gibs of the slide's guide.
-        pressure: Permissible pressure on the gibs [Pa].
-        engine: As in `cycle`.
+        press: a press with a slide.
+        motion: motion of n states at which the force acts.
+        force: force on the slide along the guide's axis, against the working stroke [N].
+        gibs: the gibs of the slide's guide.
+        pressure: permissible pressure on the gibs [Pa].
+        engine: as in `cycle`.
 
     Returns:
         Least and largest coordinate of the force along the gibs' normal, from the slide's origin; the first is not positive [m]. Their
         magnitudes may differ, because the guide carries the lateral force of the rod too.
 
     Raises:
-        PinpressError: As `eccentric_load`, or the central force alone is too much (the message names the crank angle), or the guide carries
+        PinpressError: as `eccentric_load`, or the central force alone is too much (the message names the crank angle), or the guide carries
             none of the tilting moment.
     """
     newtons, allowed = positive("force", force, "N"), positive("pressure", pressure, "Pa")

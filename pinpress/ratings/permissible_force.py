@@ -50,20 +50,20 @@ class Capacities(Frozen):
     """Capacities of a press. A capacity that is None, and a bearing without one, limit nothing.
 
     Attributes:
-        nominal_force: Largest process force at any height [N].
-        nominal_height: Height above bottom dead centre from which downwards the crank's torque permits the nominal force [m].
-        torque: Torque capacity at the driver joint, in place of the nominal height [N m].
-        bearings: Name of a bearing or guide -> largest magnitude of the force in it, in a planar press the radial force [N].
-        flywheel_inertia: Moment of inertia of the flywheel reduced to the driver joint, without the linkage [kg m2].
-        speed_drop: Largest drop of the flywheel's speed in a stroke, divided by the speed [-]. It goes with the flywheel. Usual values are
+        nominal_force: largest process force at any height [N].
+        nominal_height: height above bottom dead centre from which downwards the crank's torque permits the nominal force [m].
+        torque: torque capacity at the driver joint, in place of the nominal height [N m].
+        bearings: name of a bearing or guide -> largest magnitude of the force in it, in a planar press the radial force [N].
+        flywheel_inertia: moment of inertia of the flywheel reduced to the driver joint, without the linkage [kg m2].
+        speed_drop: largest drop of the flywheel's speed in a stroke, divided by the speed [-]. It goes with the flywheel. Usual values are
             0.2 to 0.3 in single strokes and 0.1 to 0.15 in continuous ones.
-        motor_power: Power of the motor that restores the energy from stroke to stroke in continuous use [W]. Leave it out for single
+        motor_power: power of the motor that restores the energy from stroke to stroke in continuous use [W]. Leave it out for single
             strokes, between which there is time enough.
-        slide_acceleration: Largest slide acceleration that tool and feed allow [m/s2].
-        shaking_force: Largest force on the foundation beside the weight [N].
+        slide_acceleration: largest slide acceleration that tool and feed allow [m/s2].
+        shaking_force: largest force on the foundation beside the weight [N].
 
     Raises:
-        PinpressError: A number is not positive and finite, both torque and nominal height are given, one of flywheel and drop of speed is
+        PinpressError: a number is not positive and finite, both torque and nominal height are given, one of flywheel and drop of speed is
             given without the other, or the drop is larger than the speed.
     """
 
@@ -99,8 +99,8 @@ class Capacities(Frozen):
         A flywheel that slows from w to (1 - d) w gives J w^2 (1 - (1 - d)^2) / 2; a motor of power P restores 2 pi P / w in a turn.
 
         Args:
-            speed: Speed of the driver joint [rad/s].
-            turns: Turns of the driver joint from stroke to stroke.
+            speed: speed of the driver joint [rad/s].
+            turns: turns of the driver joint from stroke to stroke.
         """
         found = {}
         if self.flywheel_inertia is not None and self.speed_drop is not None:
@@ -122,7 +122,7 @@ def known_bearings(capacities: Capacities, press: Linkage) -> tuple[str, ...]:
 
     Raises:
         PinpressError: ``capacities`` is not a `Capacities`.
-        UnknownNameError: The press has no such bearing.
+        UnknownNameError: the press has no such bearing.
     """
     if not isinstance(capacities, Capacities):
         raise PinpressError(f"capacities is a {type(capacities).__name__}: give Capacities(nominal_force=...)")
@@ -137,16 +137,16 @@ class RatedStroke:
     """The working stroke of a press that is rated.
 
     Attributes:
-        press: The press, with one driver and a slide with one top and one bottom dead centre.
-        capacities: Its capacities.
-        speed: Speed of the driver joint, negative backwards [rad/s].
-        torque: Torque capacity at the driver joint [N m]; None: it limits nothing.
-        at_speed: Whether weights and inertia forces count.
-        engine: As in `cycle`.
-        top: Crank angle of the dead centre at which the working stroke begins [rad].
-        bottom: Crank angle at which it ends, unwrapped: less than ``top`` where the crank turns backwards [rad].
-        bottom_position: Slide position at its end [m].
-        turns: Turns of the driver joint from stroke to stroke. The whole press may repeat itself only after several strokes, with different
+        press: the press, with one driver and a slide with one top and one bottom dead centre.
+        capacities: its capacities.
+        speed: speed of the driver joint, negative backwards [rad/s].
+        torque: torque capacity at the driver joint [N m]; None: it limits nothing.
+        at_speed: whether weights and inertia forces count.
+        engine: as in `cycle`.
+        top: crank angle of the dead centre at which the working stroke begins [rad].
+        bottom: crank angle at which it ends, unwrapped: less than ``top`` where the crank turns backwards [rad].
+        bottom_position: slide position at its end [m].
+        turns: turns of the driver joint from stroke to stroke. The whole press may repeat itself only after several strokes, with different
             forces in each.
     """
 
@@ -186,7 +186,7 @@ def rated_stroke(press: Linkage, capacities: Capacities, speed: float, at_speed:
     """The working stroke to be rated, with the torque capacity that a nominal height stands for.
 
     Raises:
-        PinpressError: The nominal height is not between 0 and the stroke.
+        PinpressError: the nominal height is not between 0 and the stroke.
     """
     ends = dead_centres(press)
     way = 1.0 if speed > 0 else -1.0
@@ -214,12 +214,12 @@ def angle_at(rated: RatedStroke, name: str, height: float) -> float:
     """Crank angle in the working stroke at a height above bottom dead centre, unwrapped [rad].
 
     Args:
-        rated: The working stroke.
-        name: Name of the height, for messages.
-        height: The height [m].
+        rated: the working stroke.
+        name: name of the height, for messages.
+        height: the height [m].
 
     Raises:
-        PinpressError: The height is not between 0 and the stroke.
+        PinpressError: the height is not between 0 and the stroke.
     """
     from scipy.optimize import brentq  # slow to import
 
@@ -257,9 +257,9 @@ def permitted_forces(rated: RatedStroke, motion: Motion, energy: bool = True) ->
     """Process force (n,) that each limit permits, by the limit's name, infinite where it permits any; the nominal force is first [N].
 
     Args:
-        rated: The working stroke.
-        motion: Motion of the press, n states.
-        energy: Whether to add the forces that take all usable energy when they act from here to bottom dead centre.
+        rated: the working stroke.
+        motion: motion of the press, n states.
+        energy: whether to add the forces that take all usable energy when they act from here to bottom dead centre.
     """
     strokes = (_in_one_stroke(rated, again) for again in _in_every_stroke(rated, motion))
     found = functools.reduce(lambda some, others: {name: np.minimum(force, others[name]) for name, force in some.items()}, strokes)
@@ -275,9 +275,9 @@ class GoverningLimits(NamedTuple):
 
     Attributes:
         angle: (n,) crank angles from top to bottom dead centre [rad].
-        forces: Name of a limit -> (n,) process force that it permits, at most the nominal force [N].
+        forces: name of a limit -> (n,) process force that it permits, at most the nominal force [N].
         names: (n,) names of the limit that governs; where it changes, the limit that begins to govern.
-        changes: Indices of the states at which it changes.
+        changes: indices of the states at which it changes.
     """
 
     angle: Array
@@ -321,11 +321,11 @@ def unit_force_reactions(massless: Linkage, motion: Motion, bottom: float, beari
     """Reactions to a process force of 1 N at every height of a motion, without weights and inertia forces.
 
     Args:
-        massless: The press with massless links, see `without_masses`.
-        motion: Motion of the press.
-        bottom: Slide position at bottom dead centre [m].
-        bearings: As in `inverse_dynamics`.
-        engine: As in `cycle`.
+        massless: the press with massless links, see `without_masses`.
+        motion: motion of the press.
+        bottom: slide position at bottom dead centre [m].
+        bearings: as in `inverse_dynamics`.
+        engine: as in `cycle`.
     """
     above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.size)
     return inverse_dynamics(massless, motion, [ConstantForce(1.0, above, bottom)], engine=engine, bearings=bearings)
@@ -345,7 +345,7 @@ def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Ar
     Args:
         constant: (n, k) vectors, whose magnitude is within the capacity.
         slope: (n, k) vectors.
-        capacity: Capacity, a number or (n,).
+        capacity: capacity, a number or (n,).
     """
     scale = np.reshape(capacity, (-1, 1))
     unit = np.abs(slope).max(axis=1, keepdims=True)

@@ -42,34 +42,34 @@ class PressRatings(Tabular):
     """The ratings of a press over its working stroke, at n heights from top to bottom dead centre. All arrays are read-only.
 
     Attributes:
-        press_name: Name of the press.
-        capacities: Capacities as they were given.
-        speed: Speed of the driver joint, negative backwards [rad/s].
-        at_speed: Whether the forces take weights and inertia forces at this speed into account. False: the process force alone, as
+        press_name: name of the press.
+        capacities: capacities as they were given.
+        speed: speed of the driver joint, negative backwards [rad/s].
+        at_speed: whether the forces take weights and inertia forces at this speed into account. False: the process force alone, as
             catalogues print it.
-        torque_capacity: Torque capacity at the driver joint, given or found from nominal force and height [N m]; None: it limits nothing.
+        torque_capacity: torque capacity at the driver joint, given or found from nominal force and height [N m]; None: it limits nothing.
         crank_angle: (n,) crank angle, unwrapped [rad].
         height: (n,) height of the slide above bottom dead centre, falling to 0 [m].
         travel_per_angle: (n,) ds/dtheta of the slide along its guide's axis [m/rad]. Its magnitude is the driving torque for a process
             force of 1 N without losses [N m/N]; its inverse is the mechanical advantage, which grows without bounds at the dead centres.
         slide_velocity: (n,) velocity of the slide along the guide's axis [m/s].
         force: (n,) permissible process force, the smallest that a limit permits [N].
-        limits: Name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
+        limits: name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
             "torque", "bearing NAME", "flywheel energy" and "motor energy". An energy E permits E / height, a constant force from there to
             bottom dead centre.
         limited_by: (n,) name of the limit that governs.
-        changes: Heights at which another limit begins to govern, falling, accurate to rounding [m]; they are among ``height``.
+        changes: heights at which another limit begins to govern, falling, accurate to rounding [m]; they are among ``height``.
         work: (n,) work of the force that all limits but energy permit, from there to bottom dead centre [J]. It may be more than an energy.
-        energies: Work that a stroke may take from each source, "flywheel energy" and "motor energy" [J].
-        stroke: Stroke of the slide [m].
-        quick_return_ratio: Time of the working stroke divided by that of the return stroke [-].
-        contact_height: Height above bottom dead centre at which the tool meets the work [m]; None: not given.
-        contact_speed: Speed of the slide at this height [m/s]; None without a height.
-        contact_advantage: Mechanical advantage at this height, force on the slide for each N m on the crank [1/m]; None without a height.
-        dwell_tolerance: Distance from bottom dead centre that counts as dwell [m].
-        dwell_time: Time in which the slide is within this distance [s].
-        speed_limit: Speed at which the idle press reaches a capacity; None where no speed does.
-        turns: Turns of the driver joint from stroke to stroke.
+        energies: work that a stroke may take from each source, "flywheel energy" and "motor energy" [J].
+        stroke: stroke of the slide [m].
+        quick_return_ratio: time of the working stroke divided by that of the return stroke [-].
+        contact_height: height above bottom dead centre at which the tool meets the work [m]; None: not given.
+        contact_speed: speed of the slide at this height [m/s]; None without a height.
+        contact_advantage: mechanical advantage at this height, force on the slide for each N m on the crank [1/m]; None without a height.
+        dwell_tolerance: distance from bottom dead centre that counts as dwell [m].
+        dwell_time: time in which the slide is within this distance [s].
+        speed_limit: speed at which the idle press reaches a capacity; None where no speed does.
+        turns: turns of the driver joint from stroke to stroke.
     """
 
     press_name: str
@@ -121,10 +121,10 @@ class PressRatings(Tabular):
         up, above 1 where it is overloaded. Between the ratings' heights the permissible force is interpolated linearly.
 
         Args:
-            reactions: Reactions of the same press to a motion of n states under process loads.
+            reactions: reactions of the same press to a motion of n states under process loads.
 
         Raises:
-            PinpressError: The reactions are of another press.
+            PinpressError: the reactions are of another press.
         """
         expect("reactions", reactions, Reactions, "inverse_dynamics")
         press = reactions._press
@@ -166,24 +166,24 @@ def rate(
     Friction is left out, because with it forces are not affine in the process force.
 
     Args:
-        press: A press with one driver, and a slide with one top and one bottom dead centre.
-        speed: Speed of the driver joint in operation, negative backwards [rad/s].
-        capacities: Capacities of its parts.
-        at_speed: Whether torque and bearings also carry weights and inertia forces at this speed, as in operation. By default they carry
+        press: a press with one driver, and a slide with one top and one bottom dead centre.
+        speed: speed of the driver joint in operation, negative backwards [rad/s].
+        capacities: capacities of its parts.
+        at_speed: whether torque and bearings also carry weights and inertia forces at this speed, as in operation. By default they carry
             the process force alone, as catalogues print ratings. A nominal height stands for one torque capacity in both cases, so that at
             speed the force at this height differs from the nominal one.
-        points: Number of crank angles in equal steps from top to bottom dead centre, at least 3. The nominal height and the heights at
+        points: number of crank angles in equal steps from top to bottom dead centre, at least 3. The nominal height and the heights at
             which the governing limit changes are added.
-        contact_height: Height above bottom dead centre at which the tool meets the work [m]; by default the nominal height.
-        dwell_tolerance: Distance from bottom dead centre that counts as dwell [m]; by default a hundredth of the stroke.
-        engine: As in `cycle`.
+        contact_height: height above bottom dead centre at which the tool meets the work [m]; by default the nominal height.
+        dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; by default a hundredth of the stroke.
+        engine: as in `cycle`.
 
     Raises:
-        PinpressError: The press has several drivers or a slide that turns back more than twice in a stroke, a height is not within the
+        PinpressError: the press has several drivers or a slide that turns back more than twice in a stroke, a height is not within the
             stroke, another argument is not as described, or the idle press exceeds a capacity, by its weight alone or (with ``at_speed``)
             at its speed. The message names the capacity, the crank angle and the speed.
-        UnknownNameError: The press has no such bearing.
-        SingularityError: The linkage locks within the period.
+        UnknownNameError: the press has no such bearing.
+        SingularityError: the linkage locks within the period.
     """
     known_bearings(capacities, press)
     speed, points = _speed(speed), whole_number("points", points, 3, MOST_POINTS)
@@ -212,12 +212,12 @@ def _ratings(
     """The ratings of a working stroke whose limits are known.
 
     Args:
-        rated: The working stroke.
-        found: Its limits.
-        period: Motion of the press over a period at its speed.
-        quick_return: Quick return ratio of this motion.
-        contact_height: As of `rate`.
-        dwell_tolerance: As of `rate`.
+        rated: the working stroke.
+        found: its limits.
+        period: motion of the press over a period at its speed.
+        quick_return: quick return ratio of this motion.
+        contact_height: as of `rate`.
+        dwell_tolerance: as of `rate`.
     """
     press, capacities, speed = rated.press, rated.capacities, rated.speed
     motion = rated.motion(found.angle)

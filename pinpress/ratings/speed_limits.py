@@ -42,10 +42,10 @@ class PermissibleSpeed(Record, units={"speed": "rad/s", "crank_angle": "rad"}):
     """The highest speed at which a press keeps every capacity.
 
     Attributes:
-        speed: Speed of the driver joint [rad/s].
-        limited_by: The capacity that is reached: "torque", "bearing NAME", "slide acceleration" or "shaking force".
-        crank_angle: Crank angle at which it is reached, from 0 to the end of the period, mostly 2 pi [rad].
-        turns: Turns of the driver joint from stroke to stroke; for a press without a slide, those of its period.
+        speed: speed of the driver joint [rad/s].
+        limited_by: the capacity that is reached: "torque", "bearing NAME", "slide acceleration" or "shaking force".
+        crank_angle: crank angle at which it is reached, from 0 to the end of the period, mostly 2 pi [rad].
+        turns: turns of the driver joint from stroke to stroke; for a press without a slide, those of its period.
     """
 
     speed: float
@@ -71,21 +71,21 @@ def speed_limit(
     """Find the highest constant speed at which torque, bearings, slide acceleration and shaking force stay within their capacities.
 
     Args:
-        press: A press with one driver.
-        capacities: Capacities of its parts. Nominal force and height, flywheel and motor limit no speed.
-        torque: Torque capacity at the driver joint where it is not among the capacities, as `PressRatings.torque_capacity` [N m].
-        loads: Process loads whose forces depend on height and direction of travel alone; by default the press runs idle.
-        engine: As in `cycle`.
+        press: a press with one driver.
+        capacities: capacities of its parts. Nominal force and height, flywheel and motor limit no speed.
+        torque: torque capacity at the driver joint where it is not among the capacities, as `PressRatings.torque_capacity` [N m].
+        loads: process loads whose forces depend on height and direction of travel alone; by default the press runs idle.
+        engine: as in `cycle`.
 
     Returns:
         The speed with the limit and the crank angle; None where no speed reaches a capacity. The crank angle is accurate to rounding,
         except under loads with edges less than a degree apart.
 
     Raises:
-        PinpressError: The press has several drivers, weights and loads alone exceed a capacity, a load depends on the speed, or an argument
+        PinpressError: the press has several drivers, weights and loads alone exceed a capacity, a load depends on the speed, or an argument
             is not as described.
-        UnknownNameError: The press has no such bearing.
-        SingularityError: The linkage locks within the period.
+        UnknownNameError: the press has no such bearing.
+        SingularityError: the linkage locks within the period.
     """
     known_bearings(capacities, press)
     if len(press.drivers) > 1:
@@ -106,12 +106,12 @@ def limiting_speed(
     """The highest speed as `speed_limit` finds it, with the crank turning forwards or backwards.
 
     Args:
-        press: A press with one driver.
-        capacities: As for `speed_limit`.
-        torque: Torque capacity at the driver joint [N m]; None: it limits nothing.
+        press: a press with one driver.
+        capacities: as for `speed_limit`.
+        torque: torque capacity at the driver joint [N m]; None: it limits nothing.
         way: 1 forwards, -1 backwards, which decides where loads act.
-        loads: As for `speed_limit`.
-        engine: As in `cycle`.
+        loads: as for `speed_limit`.
+        engine: as in `cycle`.
     """
     turning = _TurningPress(press, capacities, torque, way, tuple(loads), engine)
     if not turning.limits_something:
@@ -185,13 +185,13 @@ class _Loading(NamedTuple):
     """Something with a capacity, and how much of it is in use at crank angles (n,), as vectors of k components.
 
     Attributes:
-        name: Name of the limit.
+        name: name of the limit.
         running: (n, k) at the fast speed, without loads.
         resting: (n, k) at rest, by weights alone.
         load: (n, k) by loads alone, or 0.
-        capacity: Largest magnitude.
-        unit: Unit of all these.
-        rounding: Below it the part by inertia is rounding.
+        capacity: largest magnitude.
+        unit: unit of all these.
+        rounding: below it the part by inertia is rounding.
     """
 
     name: str
@@ -235,7 +235,7 @@ def _squared_speed(turning: _TurningPress, fast: Motion, loading: _Loading) -> A
     """Squares of the speeds (n,) at which one limit is reached.
 
     Raises:
-        PinpressError: Weights and loads alone exceed the capacity.
+        PinpressError: weights and loads alone exceed the capacity.
     """
     inertia = loading.running - loading.resting
     slope = np.where(np.abs(inertia) > loading.rounding, inertia, 0.0) / turning.fast**2

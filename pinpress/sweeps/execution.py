@@ -23,9 +23,9 @@ class Outcome(NamedTuple):
     """The outcome of a point.
 
     Attributes:
-        number: Number of the point.
-        values: What the function returned, by name; empty where it failed.
-        error: Type and text of the exception where it failed; else empty.
+        number: number of the point.
+        values: what the function returned, by name; empty where it failed.
+        error: type and text of the exception where it failed; else empty.
     """
 
     number: int
@@ -58,7 +58,7 @@ class Apart(Executor):
         """Submit a task; at most ``workers`` tasks may run at a time.
 
         Raises:
-            BrokenProcessPool: No process can be started.
+            BrokenProcessPool: no process can be started.
         """
         if self._idle:
             pool = self._idle.pop()
@@ -95,14 +95,14 @@ def in_parallel(
     of one process.
 
     Args:
-        executor: The executor.
-        function: The function of the sweep.
-        grid: Its grid.
-        numbers: Numbers of the points to be done.
-        in_flight: Number of tasks submitted at a time.
+        executor: the executor.
+        function: the function of the sweep.
+        grid: its grid.
+        numbers: numbers of the points to be done.
+        in_flight: number of tasks submitted at a time.
 
     Raises:
-        TaskError: A task was not carried out. It is raised after the outcomes of other finished tasks.
+        TaskError: a task was not carried out. It is raised after the outcomes of other finished tasks.
     """
     work = _Tasks(executor, function, grid, numbers, in_flight)
     try:
@@ -221,8 +221,8 @@ def _checked(returned: object) -> dict[str, Scalar]:
     """The values that the function returned, as a table takes them.
 
     Raises:
-        TypeError: It returned no mapping of names to values.
-        ValueError: A table cannot hold a value.
+        TypeError: it returned no mapping of names to values.
+        ValueError: a table cannot hold a value.
     """
     if not isinstance(returned, Mapping) or not returned:
         raise TypeError(f"the function returned {_short(returned)}; return a mapping of names to numbers, {{'peak_torque': 1.0}}")

@@ -21,9 +21,9 @@ class Grid:
     """Points of a sweep, numbered from 0 with the last axis fastest.
 
     Attributes:
-        axes: Name -> labels of each axis, numbers or words.
-        objects: Name -> objects passed to the function; the labels themselves, unless the axis was given as a mapping.
-        paired: Whether the axes run side by side, as columns of equal length.
+        axes: name -> labels of each axis, numbers or words.
+        objects: name -> objects passed to the function; the labels themselves, unless the axis was given as a mapping.
+        paired: whether the axes run side by side, as columns of equal length.
     """
 
     axes: Mapping[str, tuple[Scalar, ...]]
@@ -68,7 +68,7 @@ def gridded(grid: object, paired: bool) -> Grid:
     """A caller's grid; see `pinpress.sweeps.sweep`.
 
     Raises:
-        PinpressError: It is no mapping, an axis has no values, a value twice or one that a table cannot hold, or paired axes differ in
+        PinpressError: it is no mapping, an axis has no values, a value twice or one that a table cannot hold, or paired axes differ in
             length.
     """
     if not isinstance(grid, Mapping) or not grid:
@@ -93,7 +93,7 @@ def scalar(value: object) -> Scalar:
     """A number, word or bool as Python's own type.
 
     Raises:
-        ValueError: A table cannot hold the value; the message says why.
+        ValueError: a table cannot hold the value; the message says why.
     """
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
         value = value.item()

@@ -59,12 +59,12 @@ class OperatingMap(Tabular):
     """Extremes over a period at every speed and amplitude of a load. All arrays are read-only.
 
     Attributes:
-        press_name: Name of the press.
+        press_name: name of the press.
         speeds: (n,) speeds of the driver [rad/s].
         forces: (m,) amplitudes of the load [N].
-        results: Name -> (n, m) values. The names are largest_driving_torque and smallest_driving_torque [N m]; peak_force_A and so on, the
+        results: name -> (n, m) values. The names are largest_driving_torque and smallest_driving_torque [N m]; peak_force_A and so on, the
             largest magnitude of the force in each bearing [N]; range_shaking_force_x, _y and _z, largest less smallest value [N].
-        angles: Name of an extreme torque or peak force -> (n, m) crank angle at which it occurs [rad]; empty where not asked for.
+        angles: name of an extreme torque or peak force -> (n, m) crank angle at which it occurs [rad]; empty where not asked for.
     """
 
     press_name: str
@@ -108,7 +108,7 @@ class OperatingMap(Tabular):
         """A result (n, m), speeds by forces.
 
         Raises:
-            UnknownNameError: There is no such result.
+            UnknownNameError: there is no such result.
         """
         if name not in self.results:
             raise UnknownNameError("result", name, self.results)
@@ -132,21 +132,21 @@ def operating_points(
     They are those of `inverse_dynamics` of `cycle` up to rounding, at a million points a second.
 
     Args:
-        press: A press with one driver that turns fully.
+        press: a press with one driver that turns fully.
         speeds: (n,) speeds of the driver, all positive or all negative [rad/s].
         forces: (m,) amplitudes by which ``unit_load`` is multiplied, in N where it is a load of 1 N.
-        unit_load: One or several process loads or point forces, such as ``DeepDrawing(force=1.0, start=0.010)``.
-        loads: Loads that are equal at all points, such as springs.
-        bearings: Names of the bearings whose peak forces are wanted; by default all.
-        points: Number of crank angles of the period, in equal steps from 0; by default 360 a turn.
-        angles: Whether to find the crank angles of extreme torques and peak forces too, which takes longer.
+        unit_load: one or several process loads or point forces, such as ``DeepDrawing(force=1.0, start=0.010)``.
+        loads: loads that are equal at all points, such as springs.
+        bearings: names of the bearings whose peak forces are wanted; by default all.
+        points: number of crank angles of the period, in equal steps from 0; by default 360 a turn.
+        angles: whether to find the crank angles of extreme torques and peak forces too, which takes longer.
 
     Raises:
-        PinpressError: An argument is not as described, or a load depends on the speed or on time, as dampers do, or is not proportional to
+        PinpressError: an argument is not as described, or a load depends on the speed or on time, as dampers do, or is not proportional to
             its amplitude, by more than 1e-9 of the largest value. For such loads use `sweep`, which computes every point.
-        UnknownNameError: The press has no such bearing.
-        SingularityError: The linkage locks within the period.
-        AssemblyError: The linkage cannot be assembled at some crank angle.
+        UnknownNameError: the press has no such bearing.
+        SingularityError: the linkage locks within the period.
+        AssemblyError: the linkage cannot be assembled at some crank angle.
     """
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: operating points are of a press with one")
@@ -191,11 +191,11 @@ def largest(quantity: Affine, squares: Array, forces: Array, lengths: bool, stat
     """Largest value (n, m) of a quantity over the states, or largest length of a vector, and a state in which it occurs.
 
     Args:
-        quantity: The quantity.
+        quantity: the quantity.
         squares: (n,) squared speeds W, rising.
         forces: (m,) amplitudes F, rising.
-        lengths: Whether the quantity is a vector whose length is wanted.
-        states: Whether to find the states too, which doubles the time; otherwise they are None.
+        lengths: whether the quantity is a vector whose length is wanted.
+        states: whether to find the states too, which doubles the time; otherwise they are None.
     """
     rows, columns = _cuts(len(squares)), _cuts(len(forces))
     kept = _remaining_states(quantity, squares[_corners(rows)], forces[_corners(columns)], lengths)
@@ -384,10 +384,10 @@ def _remaining_states(quantity: Affine, squares: Array, forces: Array, lengths: 
     """Whether a state may be the largest somewhere in a tile, (rows, columns, s).
 
     Args:
-        quantity: The quantity.
+        quantity: the quantity.
         squares: (rows, 2) squared speeds of the tiles' corners.
         forces: (columns, 2) amplitudes of the tiles' corners.
-        lengths: As of `largest`.
+        lengths: as of `largest`.
     """
     kept = np.empty((len(squares), len(forces), quantity.a.shape[1]), dtype=np.bool_)
     for i, along in enumerate(squares):

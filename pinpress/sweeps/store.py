@@ -36,8 +36,8 @@ class Results:
     """Outcomes of a sweep by the numbers of their points, and where there is a file, also in it.
 
     Attributes:
-        known: Number of a point -> its outcome.
-        kinds: Name of a result -> "number", "bool" or "word", for all points.
+        known: number of a point -> its outcome.
+        kinds: name of a result -> "number", "bool" or "word", for all points.
     """
 
     def __init__(self, grid: Grid, file: SweepFile | None = None) -> None:
@@ -49,7 +49,7 @@ class Results:
         """Keep outcomes. When this returns they are in the file, safe against the death of the process.
 
         Raises:
-            PinpressError: A result differs in names or kinds from earlier ones (the outcomes before it are kept), or the file cannot be
+            PinpressError: a result differs in names or kinds from earlier ones (the outcomes before it are kept), or the file cannot be
                 written.
         """
         fitting: list[Outcome] = []
@@ -85,7 +85,7 @@ def results(grid: Grid, function: str, to: str | os.PathLike[str] | None, retry_
     """The results of a sweep, with those of earlier runs in its file.
 
     Raises:
-        PinpressError: As `opened`, or ``to`` is no name for such a file.
+        PinpressError: as `opened`, or ``to`` is no name for such a file.
     """
     if to is None:
         yield Results(grid)
@@ -110,8 +110,8 @@ class SweepFile:
     """The database of one sweep; `opened` makes it.
 
     Attributes:
-        description: Description of the sweep, see `grid.fingerprint`.
-        kinds: Name of a result -> "number", "bool" or "word"; empty until a point has succeeded.
+        description: description of the sweep, see `grid.fingerprint`.
+        kinds: name of a result -> "number", "bool" or "word"; empty until a point has succeeded.
     """
 
     def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
@@ -119,7 +119,7 @@ class SweepFile:
 
         Raises:
             sqlite3.DatabaseError: The file is no database.
-            ValueError: It is no database of a sweep, or is damaged.
+            ValueError: it is no database of a sweep, or is damaged.
         """
         if connection.execute("PRAGMA quick_check").fetchall() != [("ok",)]:
             raise ValueError("its structure is broken")
@@ -136,7 +136,7 @@ class SweepFile:
         """The outcomes in the file, by the numbers of their points.
 
         Raises:
-            PinpressError: One of them was changed or damaged.
+            PinpressError: one of them was changed or damaged.
         """
         known = {}
         with _reported(self._path):
@@ -177,11 +177,11 @@ def opened(path: Path, description: Mapping[str, Any] | None = None) -> Iterator
     """Open the file of a sweep, or make it, and lock it until the end of the block.
 
     Args:
-        path: Path of the file.
-        description: Description of the sweep that the file must be of, see `grid.fingerprint`; None: of any sweep, for reading alone.
+        path: path of the file.
+        description: description of the sweep that the file must be of, see `grid.fingerprint`; None: of any sweep, for reading alone.
 
     Raises:
-        PinpressError: The file cannot be opened or written, is in use, is damaged, or is of another sweep.
+        PinpressError: the file cannot be opened or written, is in use, is damaged, or is of another sweep.
     """
     if path.exists() and not path.is_file():
         raise PinpressError(f"{path} is no regular file: a sweep is kept in one of its own; give another name")

@@ -43,26 +43,26 @@ def sweep(
     """Call a function at every point of a grid, and collect the results.
 
     Args:
-        function: Function that takes the axes' names as keyword arguments and returns a mapping of names to numbers, words or bools, with
+        function: function that takes the axes' names as keyword arguments and returns a mapping of names to numbers, words or bools, with
             equal names and kinds of values at every point. Where it raises (anything but KeyboardInterrupt), returns a number that is not
             finite, or ends the executor's process that it runs in, the point counts as failed, and the sweep goes on.
-        grid: Name -> sequence of numbers or words, or mapping of labels (numbers or words) to any objects, such as loads. The labels stand
+        grid: name -> sequence of numbers or words, or mapping of labels (numbers or words) to any objects, such as loads. The labels stand
             in the results. The points are all combinations, the last axis fastest.
         to: SQLite file for the results, with a name that ends with ``.sqlite``. Every finished point is in it at once. Repeat the call
             after Ctrl-C, a crash or a kill, and it does the missing points; after the end it reads the file. The file knows the sweep by
             the names of the function and the axes and by the labels, not by the function's code. Checksums find what was changed or
             damaged, which is refused. `read` makes a table of an unfinished file.
-        executor: An executor of `concurrent.futures`, such as ``ProcessPoolExecutor()``, or ``distributed.Client(...).get_executor()`` of a
+        executor: an executor of `concurrent.futures`, such as ``ProcessPoolExecutor()``, or ``distributed.Client(...).get_executor()`` of a
             Dask cluster; it stays open. None: point by point in this process. When a worker of a process pool dies, the pool is broken, and
             the sweep goes on with pools of one process each, made with the pool's arguments.
-        paired: Whether the axes are columns of equal length, so that point k has value k of each.
-        retry_failed: Whether to repeat points that failed in an earlier run.
-        in_flight: Number of tasks submitted at once; on a cluster at least twice its threads. A task has so many points that it takes about
+        paired: whether the axes are columns of equal length, so that point k has value k of each.
+        retry_failed: whether to repeat points that failed in an earlier run.
+        in_flight: number of tasks submitted at once; on a cluster at least twice its threads. A task has so many points that it takes about
             a tenth of a second, which is lost when its worker is killed.
-        progress: Function called with the share of points done, 0 to 1, those of earlier runs included.
+        progress: function called with the share of points done, 0 to 1, those of earlier runs included.
 
     Raises:
-        PinpressError: An argument is not as described, the function cannot be sent to other processes, the file is of another sweep, is
+        PinpressError: an argument is not as described, the function cannot be sent to other processes, the file is of another sweep, is
             damaged, in use, or cannot be written, results differ in names or kinds, or the executor is gone. The file has all that was
             finished.
     """
@@ -82,10 +82,10 @@ def read(path: str | os.PathLike[str]) -> SweepTable:
     """Read the file of a sweep, finished or stopped. Results of points that failed or are not done yet are masked.
 
     Args:
-        path: The file that `sweep` has written, its argument ``to``.
+        path: the file that `sweep` has written, its argument ``to``.
 
     Raises:
-        PinpressError: There is no such file, it is damaged, or a sweep is writing it.
+        PinpressError: there is no such file, it is damaged, or a sweep is writing it.
     """
     file = Path(path_of("path", path))
     if not file.exists():
@@ -101,14 +101,14 @@ class SweepTable(Tabular):
     """Results at all n points of a sweep, in the order of the grid (last axis fastest). All arrays are read-only.
 
     Attributes:
-        function: Name of the function.
-        axes: Name -> labels of each axis.
-        paired: Whether the axes run side by side.
-        shape: Lengths of the axes; (n,) where they run side by side.
-        values: Name -> (n,) labels of each axis, then values of each result, as masked arrays with a mask at points that failed or are
+        function: name of the function.
+        axes: name -> labels of each axis.
+        paired: whether the axes run side by side.
+        shape: lengths of the axes; (n,) where they run side by side.
+        values: name -> (n,) labels of each axis, then values of each result, as masked arrays with a mask at points that failed or are
             missing.
-        failed: The points that failed, with their errors.
-        missing: Numbers of the points that are not done yet, where `read` reads a sweep that was stopped; else empty.
+        failed: the points that failed, with their errors.
+        missing: numbers of the points that are not done yet, where `read` reads a sweep that was stopped; else empty.
     """
 
     function: str
@@ -145,7 +145,7 @@ class SweepTable(Tabular):
         """A result as an array with the axes' lengths as its shape, masked at points that failed.
 
         Raises:
-            UnknownNameError: There is no such result.
+            UnknownNameError: there is no such result.
         """
         if name not in self.values:
             raise UnknownNameError("result", name, self._results)
@@ -169,9 +169,9 @@ class FailedPoint(Record):
     """A point at which the function failed.
 
     Attributes:
-        number: Number of the point in the order of the grid.
-        point: Name of every axis -> label.
-        error: Type and text of the exception.
+        number: number of the point in the order of the grid.
+        point: name of every axis -> label.
+        error: type and text of the exception.
     """
 
     number: int
@@ -262,7 +262,7 @@ def _run(
     """Call the function at the points that are missing.
 
     Raises:
-        PinpressError: The executor is gone, or as `Results.add`.
+        PinpressError: the executor is gone, or as `Results.add`.
     """
     numbers = [number for number in range(len(grid)) if number not in kept.known]
     work = serially(function, grid, numbers) if executor is None else in_parallel(executor, function, grid, numbers, in_flight)

@@ -46,9 +46,9 @@ class Trial(Frozen):
     whose gradient differs from that of its values.
 
     Attributes:
-        variables: Name -> value of each variable [SI].
-        motion: Motion over one period at constant speed; see `cycle`.
-        positions: Name of a bearing -> (n, 3) its position in world axes [m].
+        variables: name -> value of each variable [SI].
+        motion: motion over one period at constant speed; see `cycle`.
+        positions: name of a bearing -> (n, 3) its position in world axes [m].
     """
 
     variables: Mapping[str, float]
@@ -88,7 +88,7 @@ class TrialReactions(Frozen):
         """Name of a joint or loop -> (n, 3) force in world axes [N].
 
         Raises:
-            PinpressError: A gradient is worked out, and several bearings of the linkage share forces.
+            PinpressError: a gradient is worked out, and several bearings of the linkage share forces.
         """
         if self._bearing_force is None:
             raise PinpressError(SHARED)
@@ -99,7 +99,7 @@ class TrialReactions(Frozen):
         """Name of a joint or loop -> (n, 3) moment in world axes [N m].
 
         Raises:
-            PinpressError: A gradient is worked out, and several bearings of the linkage share forces, or its links lie in several planes.
+            PinpressError: a gradient is worked out, and several bearings of the linkage share forces, or its links lie in several planes.
         """
         if self._bearing_moment is None:
             raise PinpressError(SHARED if self._bearing_force is None else OUT_OF_PLANE)
@@ -110,7 +110,7 @@ class TrialReactions(Frozen):
         """(n, 3) shaking moment about the world origin [N m].
 
         Raises:
-            PinpressError: A gradient is worked out, and the links of the linkage lie in several planes.
+            PinpressError: a gradient is worked out, and the links of the linkage lie in several planes.
         """
         if self._shaking_moment is None:
             raise PinpressError(OUT_OF_PLANE)
@@ -140,10 +140,10 @@ class Start:
     """The press that a search starts from.
 
     Attributes:
-        press: The press, planar and drawn closed.
-        plane: Constants of its planar equations.
-        motion: Its motion over one period, from crank angle 0.
-        loads: Loads on it.
+        press: the press, planar and drawn closed.
+        plane: constants of its planar equations.
+        motion: its motion over one period, from crank angle 0.
+        loads: loads on it.
     """
 
     press: Linkage
@@ -157,11 +157,11 @@ class Design:
     """The press of the start with its pivots displaced, closed at all crank angles, in the joint coordinates of the start.
 
     Attributes:
-        start: The press that the search starts from.
-        variables: Name -> value of each variable [SI].
-        moved: Displacements of the pivots from the start.
-        slopes: Derivatives of these displacements by each variable.
-        plane: Constants of its planar equations.
+        start: the press that the search starts from.
+        variables: name -> value of each variable [SI].
+        moved: displacements of the pivots from the start.
+        slopes: derivatives of these displacements by each variable.
+        plane: constants of its planar equations.
         position: (nv, n) joint coordinates [rad or m].
         first: (nv, n) first influence coefficients, the derivatives of ``position`` by the crank angle.
         second: (nv, n) second influence coefficients, the second derivatives.
@@ -182,13 +182,13 @@ class Design:
         """Another design, its assembly continued from this one.
 
         Args:
-            variables: Name -> value of each variable [SI].
-            moved: Displacements of its pivots from the start.
-            slopes: Derivatives of these displacements by each variable.
+            variables: name -> value of each variable [SI].
+            moved: displacements of its pivots from the start.
+            slopes: derivatives of these displacements by each variable.
 
         Raises:
-            AssemblyError: It cannot be assembled.
-            SingularityError: Two assemblies meet on the way there.
+            AssemblyError: it cannot be assembled.
+            SingularityError: two assemblies meet on the way there.
         """
         start = self.start
         by = shift(start.press, start.plane, moved.less(self.moved))
@@ -214,8 +214,8 @@ class Design:
         """The trial for the gradients by one variable, with complex arrays, value + i h derivative with h = STEP * ``step``.
 
         Args:
-            place: Index of the variable.
-            step: Range by which the variable is scaled [SI].
+            place: index of the variable.
+            step: range by which the variable is scaled [SI].
         """
         h, name = STEP * step, list(self.variables)[place]
         return Trial(

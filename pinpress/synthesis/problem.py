@@ -27,10 +27,10 @@ class Variable:
     """A design variable.
 
     Attributes:
-        name: Name by which it is passed to the geometry.
-        lower: Lower bound [SI].
-        start: Value at the start [SI].
-        upper: Upper bound [SI].
+        name: name by which it is passed to the geometry.
+        lower: lower bound [SI].
+        start: value at the start [SI].
+        upper: upper bound [SI].
     """
 
     name: str
@@ -49,11 +49,11 @@ class Requirement:
     """A function of a trial: the objective or a constraint.
 
     Attributes:
-        name: Name of the constraint; empty for the objective.
-        function: Function of a `Trial`.
-        lower: Lower bound of the constraint [SI].
-        upper: Upper bound of the constraint [SI].
-        scale: Size by which its values are divided [SI].
+        name: name of the constraint; empty for the objective.
+        function: function of a `Trial`.
+        lower: lower bound of the constraint [SI].
+        upper: upper bound of the constraint [SI].
+        scale: size by which its values are divided [SI].
     """
 
     name: str
@@ -71,7 +71,7 @@ class Requirement:
         """The elements (m,) for a trial, complex where the trial is.
 
         Raises:
-            PinpressError: The function fails, or returns something else than finite numbers.
+            PinpressError: the function fails, or returns something else than finite numbers.
         """
         try:
             values = np.atleast_1d(np.asarray(self.function(trial)))
@@ -89,9 +89,9 @@ class Limit:
     """A bound of a constraint.
 
     Attributes:
-        requirement: Index in `Problem.requirements`, where the constraints begin at 1.
+        requirement: index in `Problem.requirements`, where the constraints begin at 1.
         side: "lower", "upper" or "equal".
-        bound: The bound [SI].
+        bound: the bound [SI].
     """
 
     requirement: int
@@ -109,9 +109,9 @@ class Problem:
     """Variables, geometry, objective and constraints of a synthesis.
 
     Attributes:
-        variables: The design variables.
-        geometry: Function of the variables that returns pivots.
-        requirements: The objective, then the constraints.
+        variables: the design variables.
+        geometry: function of the variables that returns pivots.
+        requirements: the objective, then the constraints.
     """
 
     variables: tuple[Variable, ...]
@@ -142,9 +142,9 @@ class Problem:
         """Objective and constraints at scaled variables (k,), the assembly continued from a design nearby.
 
         Raises:
-            AssemblyError: The geometry has numbers that are NaN, or cannot be assembled.
-            SingularityError: Two assemblies meet on the way there.
-            PinpressError: A function fails.
+            AssemblyError: the geometry has numbers that are NaN, or cannot be assembled.
+            SingularityError: two assemblies meet on the way there.
+            PinpressError: a function fails.
         """
         values = self.values(z)
         press = near.start.press
@@ -165,7 +165,7 @@ class Problem:
         """The pivots at values by name.
 
         Raises:
-            PinpressError: The geometry fails, or returns no mapping.
+            PinpressError: the geometry fails, or returns no mapping.
         """
         try:
             pivots = self.geometry(**values)
@@ -181,10 +181,10 @@ class Point:
     """A problem at one set of variables.
 
     Attributes:
-        problem: The problem.
+        problem: the problem.
         z: (k,) scaled variables.
-        design: The design with these variables.
-        values: Elements (m,) of every requirement [SI].
+        design: the design with these variables.
+        values: elements (m,) of every requirement [SI].
     """
 
     problem: Problem
@@ -197,7 +197,7 @@ class Point:
         """Derivatives (m, k) of every requirement by the scaled variables.
 
         Raises:
-            PinpressError: A function fails for complex numbers, or returns another number of elements for them.
+            PinpressError: a function fails for complex numbers, or returns another number of elements for them.
         """
         variables = self.problem.variables
         trials = [self.design.trial_towards(place, variable.range) for place, variable in enumerate(variables)]
@@ -249,11 +249,11 @@ def verify_gradients(point: Point, directions: Sequence[Array]) -> None:
     """Check the gradients of all requirements against differences of their values.
 
     Args:
-        point: Where they are checked.
-        directions: Directions (k,) of the scaled variables along which both are taken.
+        point: where they are checked.
+        directions: directions (k,) of the scaled variables along which both are taken.
 
     Raises:
-        PinpressError: A function's gradient differs from that of its values.
+        PinpressError: a function's gradient differs from that of its values.
     """
     problem = point.problem
     for direction in directions:

@@ -37,10 +37,10 @@ class Search:
     """A search for the optimum of a problem, which counts designs as it goes.
 
     Attributes:
-        problem: The problem.
-        evaluations: Number of designs that were judged.
-        infeasible: Number of designs that could not be assembled or judged.
-        why: Error of the last of these.
+        problem: the problem.
+        evaluations: number of designs that were judged.
+        infeasible: number of designs that could not be assembled or judged.
+        why: error of the last of these.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -52,7 +52,7 @@ class Search:
         """The optimum that SLSQP reaches from a design.
 
         Raises:
-            PinpressError: No design keeps the constraints, or the search does not converge.
+            PinpressError: no design keeps the constraints, or the search does not converge.
         """
         point, reach, lost = start, 1.0, 0
         for _ in range(DESCENTS):
@@ -125,10 +125,10 @@ class ActiveBound(Record):
     """A bound that holds the optimum.
 
     Attributes:
-        name: Name of the variable or constraint.
+        name: name of the variable or constraint.
         side: "lower", "upper" or "equal".
-        bound: The bound [SI].
-        multiplier: Derivative of the optimal objective by the bound [SI]. It is negative for an upper bound, because raising it widens the
+        bound: the bound [SI].
+        multiplier: derivative of the optimal objective by the bound [SI]. It is negative for an upper bound, because raising it widens the
             search, and positive for a lower bound.
     """
 
@@ -142,9 +142,9 @@ class OptimalityConditions(NamedTuple):
     """The conditions of an optimum at a point.
 
     Attributes:
-        residual: Scaled residual of the conditions.
-        active: Bounds that hold the point, with their multipliers.
-        idle: Names of the variables without influence.
+        residual: scaled residual of the conditions.
+        active: bounds that hold the point, with their multipliers.
+        idle: names of the variables without influence.
     """
 
     residual: float
@@ -185,7 +185,7 @@ class _Descent:
     all of them is the last variable.
 
     Attributes:
-        lost: Number of designs that could not be assembled.
+        lost: number of designs that could not be assembled.
     """
 
     def __init__(self, search: Search, start: Point, reach: float) -> None:
@@ -224,8 +224,8 @@ class _Descent:
 
         Args:
             kind: "eq" or "ineq".
-            limits: The limits.
-            below: Whether to keep all elements of the objective below the level, too.
+            limits: the limits.
+            below: whether to keep all elements of the objective below the level, too.
         """
         return {"type": kind, "fun": lambda x: self._slacks(x, limits, below), "jac": lambda x: self._slack_slopes(x, limits, below)}
 
@@ -283,11 +283,11 @@ class _Force(NamedTuple):
 
     Attributes:
         gradient: (k,) gradient of the scaled slack.
-        slack: Scaled slack.
-        name: As in `ActiveBound`.
-        side: As in `ActiveBound`.
-        bound: As in `ActiveBound`.
-        unit: Size by which it is scaled [SI].
+        slack: scaled slack.
+        name: as in `ActiveBound`.
+        side: as in `ActiveBound`.
+        bound: as in `ActiveBound`.
+        unit: size by which it is scaled [SI].
         rising: +1 where raising the bound narrows the search, else -1.
     """
 
@@ -329,9 +329,9 @@ def _active(forces: list[_Force], multipliers: Array, size: float) -> Records[Ac
     """The bounds whose multipliers are more than rounding; the multipliers of all elements of a constraint are added.
 
     Args:
-        forces: Bounds that may hold the point.
-        multipliers: Their scaled multipliers.
-        size: Size by which the objective is scaled [SI].
+        forces: bounds that may hold the point.
+        multipliers: their scaled multipliers.
+        size: size by which the objective is scaled [SI].
     """
     sums: dict[tuple[str, str, float, float], float] = {}
     for force, share in zip(forces, multipliers, strict=True):

@@ -63,27 +63,27 @@ def synthesise(
     """Find the lengths of a planar press that minimise an objective over one period at constant speed.
 
     Args:
-        press: A planar press. It keeps all lengths that no variable changes.
-        variables: Name -> (lower bound, start, upper bound) [SI].
-        minimise: Function of a `Trial` that returns a number, or an array (m,) whose largest element is minimised.
-        subject_to: Name -> (function of a `Trial`, lower bound, upper bound). None or infinity stands for no bound, and equal bounds for an
+        press: a planar press. It keeps all lengths that no variable changes.
+        variables: name -> (lower bound, start, upper bound) [SI].
+        minimise: function of a `Trial` that returns a number, or an array (m,) whose largest element is minimised.
+        subject_to: name -> (function of a `Trial`, lower bound, upper bound). None or infinity stands for no bound, and equal bounds for an
             equation. Where the function returns an array, every element keeps the bounds.
-        geometry: Function of the variables, by their names, that returns pivots as `reshaped` takes them, written with NumPy's functions.
+        geometry: function of the variables, by their names, that returns pivots as `reshaped` takes them, written with NumPy's functions.
             Design rules belong here. By default variables are single coordinates, named bearing.link.axis as in "B.crank.x".
-        speed: Speed of the crank [rad/s].
-        points: Number of crank angles of the period at which trials are judged; by default 360 a turn.
+        speed: speed of the crank [rad/s].
+        points: number of crank angles of the period at which trials are judged; by default 360 a turn.
         method: "local" for the optimum next to the start, "global" for the best of the optima next to many starts within the bounds.
-        loads: Constant forces, and process loads with a datum.
-        seed: Seed of the random starts of a global search.
+        loads: constant forces, and process loads with a datum.
+        seed: seed of the random starts of a global search.
 
     Returns:
         The press that was found, with the bounds that hold the optimum.
 
     Raises:
-        PinpressError: The linkage is not planar, an argument is not as described, the start cannot be assembled or its crank does not turn
+        PinpressError: the linkage is not planar, an argument is not as described, the start cannot be assembled or its crank does not turn
             fully, a function fails or has a gradient that differs from that of its values, no design keeps the constraints, or the search
             does not converge.
-        UnknownNameError: The linkage has no such bearing or link.
+        UnknownNameError: the linkage has no such bearing or link.
     """
     problem = _problem(press, variables, minimise, subject_to, geometry)
     refuse_unknown(loads)
@@ -102,17 +102,17 @@ class SynthesisResult(Tabular):
     """The optimum that was found.
 
     Attributes:
-        press: The linkage with the lengths found, as `reshaped` makes it.
-        variables: Name -> value of each variable [SI].
-        value: Value of the objective at the optimum [SI].
-        start_value: Value of the objective at the start [SI].
-        constraints: Name -> value of each constraint at the optimum, a number or (m,) [SI].
-        active: The bounds of variables and constraints that hold the optimum, with their multipliers.
-        idle: Names of the variables on which neither the objective nor a constraint depends, so that any value is as good.
-        kkt: Residual of the conditions of Karush, Kuhn and Tucker, at most 1e-6 [-]: the change of the objective, divided by its size, that
+        press: the linkage with the lengths found, as `reshaped` makes it.
+        variables: name -> value of each variable [SI].
+        value: value of the objective at the optimum [SI].
+        start_value: value of the objective at the start [SI].
+        constraints: name -> value of each constraint at the optimum, a number or (m,) [SI].
+        active: the bounds of variables and constraints that hold the optimum, with their multipliers.
+        idle: names of the variables on which neither the objective nor a constraint depends, so that any value is as good.
+        kkt: residual of the conditions of Karush, Kuhn and Tucker, at most 1e-6 [-]: the change of the objective, divided by its size, that
             remains unbalanced for a change of a variable over its whole range.
-        evaluations: Number of designs that were judged.
-        infeasible: Number of designs that could not be assembled or judged.
+        evaluations: number of designs that were judged.
+        infeasible: number of designs that could not be assembled or judged.
     """
 
     press: Linkage
@@ -149,12 +149,12 @@ class BoundedQuantity(Record):
     """A variable or constraint in the table of a synthesis. For a constraint with several elements it shows the one nearest to a bound.
 
     Attributes:
-        name: Name of the variable or constraint.
+        name: name of the variable or constraint.
         kind: "variable" or "constraint".
-        lower: Lower bound [SI]; None: there is none.
-        start: Value at the start [SI].
-        value: Value at the optimum [SI].
-        upper: Upper bound [SI]; None: there is none.
+        lower: lower bound [SI]; None: there is none.
+        start: value at the start [SI].
+        value: value at the optimum [SI].
+        upper: upper bound [SI]; None: there is none.
     """
 
     name: str
@@ -222,7 +222,7 @@ def _start(press: Linkage, problem: Problem, speed: float, points: int | None, l
     """The start, with requirements scaled by their size there.
 
     Raises:
-        PinpressError: The start cannot be assembled, or locks.
+        PinpressError: the start cannot be assembled, or locks.
     """
     values = {variable.name: variable.start for variable in problem.variables}
     try:

@@ -39,7 +39,7 @@ class ChartCurve:
     """One line of a chart.
 
     Attributes:
-        name: Name of the line.
+        name: name of the line.
         values: (n,) values in the chart's unit.
     """
 
@@ -52,10 +52,10 @@ class Chart:
     """Curves of one quantity, in one unit.
 
     Attributes:
-        title: Title of the chart.
-        quantity: One of `UNITS`.
-        unit: Unit of all curves.
-        curves: One or more curves.
+        title: title of the chart.
+        quantity: one of `UNITS`.
+        unit: unit of all curves.
+        curves: one or more curves.
     """
 
     title: str
@@ -84,10 +84,10 @@ class Locus:
     """Polar diagram of a bearing's force: the path of its vector's tip.
 
     Attributes:
-        bearing: Name of the bearing.
-        link: Link on which the force acts, the bearing's child or link2.
-        axes: Names of the two axes, such as ("x", "z"), see `locus`.
-        unit: Unit of the components.
+        bearing: name of the bearing.
+        link: link on which the force acts, the bearing's child or link2.
+        axes: names of the two axes, such as ("x", "z"), see `locus`.
+        unit: unit of the components.
         frame: (n, 2) components in world axes.
         own: (n, 2) components in axes that are fixed to the link and coincide with the world's in the drawn pose.
     """
@@ -126,7 +126,7 @@ def abscissa(motion: Motion) -> Abscissa:
     are not in time are drawn over the crank angle where it only rises or only falls, else over their numbers, from 0.
 
     Raises:
-        PinpressError: A value is not finite.
+        PinpressError: a value is not finite.
     """
     expect("motion", motion, Motion, "cycle or simulate")
     angle, speed = finite("crank angle", motion.crank_angle), finite("crank speed", motion.crank_speed)
@@ -192,7 +192,7 @@ def components(reactions: Reactions, name: str) -> Chart:
     """Chart of the world components of the force in a bearing or guide; those that are zero throughout are left out, unless all are.
 
     Raises:
-        UnknownNameError: There is no such bearing.
+        UnknownNameError: there is no such bearing.
     """
     return _components(f"Force in {name}", "force", f"force in {name}", reactions.bearing_force[name], rounding(reactions).force)
 
@@ -239,11 +239,11 @@ def locus(reactions: Reactions, name: str) -> Locus:
     ("h") and the direction up it ("u"). In space it is the projection on the two world axes along which the force ranges most.
 
     Args:
-        reactions: Reactions that have this bearing.
-        name: Name of the bearing.
+        reactions: reactions that have this bearing.
+        name: name of the bearing.
 
     Raises:
-        UnknownNameError: There is no such bearing.
+        UnknownNameError: there is no such bearing.
     """
     motion, press = _motion_of(reactions), reactions._press
     if not isinstance(name, str) or name not in press.bearings:

@@ -75,12 +75,12 @@ def image(
 
     Args:
         page: HTML file written by `record` or `report`.
-        path: Path of the picture, ending in `.png`.
-        time: Time of the recording, from 0 to its duration [s].
-        size: Width and height in pixels. A larger picture is sharper; it does not show more.
+        path: path of the picture, ending in `.png`.
+        time: time of the recording, from 0 to its duration [s].
+        size: width and height in pixels. A larger picture is sharper; it does not show more.
 
     Raises:
-        PinpressError: The page is no recording or fails in Chromium, the time or size is out of range, the file cannot be written, or
+        PinpressError: the page is no recording or fails in Chromium, the time or size is out of range, the file cannot be written, or
             Playwright or Chromium is missing.
     """
     size, time = _size(size), number("time", time, "s")
@@ -110,16 +110,16 @@ def film(
 
     Args:
         page: HTML file written by `record` or `report`.
-        path: Path of the film, ending in `.mp4` (H.264) or `.gif` (whose times are rounded to 0.01 s).
-        size: Width and height in pixels, even numbers. A larger picture is sharper; it does not show more.
-        frames_per_second: Whole number from 1 to 120.
-        slowdown: Factor by which the film is slower than the press; 1 is real time. By default the least of 1, 2, 5, 10, 20, 50, ... with
+        path: path of the film, ending in `.mp4` (H.264) or `.gif` (whose times are rounded to 0.01 s).
+        size: width and height in pixels, even numbers. A larger picture is sharper; it does not show more.
+        frames_per_second: whole number from 1 to 120.
+        slowdown: factor by which the film is slower than the press; 1 is real time. By default the least of 1, 2, 5, 10, 20, 50, ... with
             which the recording takes at least 4 s.
-        repeats: Number of times that the recording is played.
-        progress: Function called after every frame with the share of frames done, up to 1.
+        repeats: number of times that the recording is played.
+        progress: function called after every frame with the share of frames done, up to 1.
 
     Raises:
-        PinpressError: The page is no recording or fails in Chromium, a number is out of range, the file cannot be written, or
+        PinpressError: the page is no recording or fails in Chromium, a number is out of range, the file cannot be written, or
             imageio-ffmpeg, Playwright or Chromium is missing.
     """
     size, rate = _size(size, step=2), whole_number("frames_per_second", frames_per_second, 1, 120)
@@ -220,8 +220,8 @@ class Screen:
     """A recording that is open in a browser.
 
     Attributes:
-        duration: Duration of the recording [s].
-        picture: Function that makes a PNG of the recording at a time [s].
+        duration: duration of the recording [s].
+        picture: function that makes a PNG of the recording at a time [s].
     """
 
     duration: float
@@ -234,10 +234,10 @@ def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Scre
 
     Args:
         page: HTML file that `record` or `report` wrote.
-        size: Width and height of the pictures, in pixels.
+        size: width and height of the pictures, in pixels.
 
     Raises:
-        PinpressError: There is no such file or it is no recording, Playwright or Chromium is missing, or the page fails, now or when a
+        PinpressError: there is no such file or it is no recording, Playwright or Chromium is missing, or the page fails, now or when a
             picture is taken.
     """
     content, program = _content(page), _program()

@@ -27,13 +27,13 @@ def page(template: str, title: str, data: Mapping[str, Any], scripts: dict[str, 
     """Make a page from the files of `templates/`; every ``{{name}}`` is replaced once.
 
     Args:
-        template: Name of an HTML file; ``{{file.css}}`` and ``{{file.js}}`` in it are files beside it.
-        title: Any text.
-        data: Data for the page's own scripts, written as JSON.
-        scripts: Text of libraries by name, see `as_script` and `as_text`.
+        template: name of an HTML file; ``{{file.css}}`` and ``{{file.js}}`` in it are files beside it.
+        title: any text.
+        data: data for the page's own scripts, written as JSON.
+        scripts: text of libraries by name, see `as_script` and `as_text`.
 
     Raises:
-        PinpressError: A number of the data is not finite.
+        PinpressError: a number of the data is not finite.
     """
     folder = importlib.resources.files(__package__) / "templates"
     fields = {"title": html.escape(title), "data": _as_json(data).replace("<", "\\u003c")}
@@ -58,7 +58,7 @@ def meshcat() -> dict[str, str]:
     """Meshcat's viewer and its licences.
 
     Raises:
-        PinpressError: It is not installed.
+        PinpressError: it is not installed.
     """
     root = _package("meshcat", NO_MESHCAT) / "viewer"
     licences = "\n".join((root / name).read_text("utf-8") for name in ("LICENSE", "dist/main.min.js.LICENSE.txt"))
@@ -69,7 +69,7 @@ def plotly() -> dict[str, str]:
     """Plotly's charts; the licence stands at the head of the script.
 
     Raises:
-        PinpressError: It is not installed.
+        PinpressError: it is not installed.
     """
     root = _package("plotly", NO_PLOTLY)
     return {"plotly": as_script((root / "package_data/plotly.min.js").read_text("utf-8"))}
@@ -97,11 +97,11 @@ def packed(values: Array, what: str) -> str:
     """Encode numbers in C order as little-endian 32-bit floats in base64.
 
     Args:
-        values: Numbers of any shape.
-        what: Their name in messages.
+        values: numbers of any shape.
+        what: their name in messages.
 
     Raises:
-        PinpressError: A number is not finite, or too large.
+        PinpressError: a number is not finite, or too large.
     """
     with np.errstate(over="ignore"):
         short = np.ascontiguousarray(values, dtype="<f4")

@@ -55,19 +55,19 @@ def record(
     address stops it at 0.25 s.
 
     Args:
-        press: The linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes from
+        press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes from
             their joints.
-        motion: Motion of the linkage, with times.
-        path: Path of the file, usually ending in `.html`. An old file is replaced only when the page is complete.
-        reactions: Reactions to this motion. Bearing and guide forces (on child and link2, at their points of action) and the shaking force
+        motion: motion of the linkage, with times.
+        path: path of the file, usually ending in `.html`. An old file is replaced only when the page is complete.
+        reactions: reactions to this motion. Bearing and guide forces (on child and link2, at their points of action) and the shaking force
             (with its tip at the foot of the press) are drawn as arrows, with one scale of length and colour for all; so is the force of
             their process loads, with its tip at the slide's origin.
-        traces: Points whose paths are drawn, each the name of a link and x, y, z in its frame [m]. The slide's path is always drawn.
+        traces: points whose paths are drawn, each the name of a link and x, y, z in its frame [m]. The slide's path is always drawn.
 
     Raises:
-        PinpressError: The motion has no times, states more than 90 deg of the crank apart or more than 555 turns, a value is not finite,
+        PinpressError: the motion has no times, states more than 90 deg of the crank apart or more than 555 turns, a value is not finite,
             the reactions are of another motion or press, a shape cannot be drawn, Meshcat is not installed, or the file cannot be written.
-        UnknownNameError: A trace is on a link that the linkage does not have.
+        UnknownNameError: a trace is on a link that the linkage does not have.
     """
     content = scene(press, motion, key_frames(press, motion), reactions, traces)
     return files.write(path, page("recording.html", press.name, content, meshcat()))
@@ -79,14 +79,14 @@ def scene(
     """Data of the page's player (`templates/playback.js`).
 
     Args:
-        press: As for `record`.
-        motion: As for `record`.
-        frames: Key frames of the motion.
-        reactions: As for `record`.
-        traces: As for `record`.
+        press: as for `record`.
+        motion: as for `record`.
+        frames: key frames of the motion.
+        reactions: as for `record`.
+        traces: as for `record`.
 
     Raises:
-        PinpressError: As `record`.
+        PinpressError: as `record`.
     """
     if reactions is not None:
         _refuse_other_reactions(press, motion, reactions)
@@ -113,11 +113,11 @@ def traced(press: Linkage, chosen: Sequence[tuple[str, ArrayLike]]) -> list[Trac
     """The points whose paths are drawn: the slide's origin, if there is a slide, and the chosen ones.
 
     Args:
-        press: The linkage.
-        chosen: Points, each the name of a link and x, y, z in its frame [m].
+        press: the linkage.
+        chosen: points, each the name of a link and x, y, z in its frame [m].
 
     Raises:
-        PinpressError: A link is unknown, or a point is not three finite numbers.
+        PinpressError: a link is unknown, or a point is not three finite numbers.
     """
     found = []
     if press.slide is not None:
@@ -140,7 +140,7 @@ class KeyFrames:
         crank: (k,) angles of the (first) driver [rad]; positions of one that slides [m].
         shown: (k,) the same as they are shown [deg or mm].
         slide: (k,) slide positions [m]; None where there is no slide.
-        turn: Number of keys of one period, after which the linkage repeats its path; all of them where it does not.
+        turn: number of keys of one period, after which the linkage repeats its path; all of them where it does not.
     """
 
     states: NDArray[np.intp]
@@ -155,7 +155,7 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     """Choose key frames. A motion of one period is closed to a loop; a long one is thinned to `PER_TURN` a turn of the crank.
 
     Raises:
-        PinpressError: The motion is of a linkage with other joints, has no times, states too far apart or more turns than a page holds, or
+        PinpressError: the motion is of a linkage with other joints, has no times, states too far apart or more turns than a page holds, or
             a value is not finite.
     """
     expect("press", press, Linkage, "load")
@@ -225,7 +225,7 @@ def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions
     """Refuse reactions that are not those to the motion of the press.
 
     Raises:
-        PinpressError: They are of another press or motion.
+        PinpressError: they are of another press or motion.
     """
     expect("reactions", reactions, Reactions, "inverse_dynamics")
     other, its = reactions.motion, reactions._press
@@ -339,7 +339,7 @@ def _traces(press: Linkage, at: Poses, frames: KeyFrames, chosen: Sequence[tuple
     """Paths (k, 3) of the slide's origin, if there is a slide, and of the chosen points.
 
     Raises:
-        PinpressError: A link is unknown, or a point is not three finite numbers.
+        PinpressError: a link is unknown, or a point is not three finite numbers.
     """
     paths = []
     for trace in traced(press, chosen):
@@ -352,9 +352,9 @@ class Trace(NamedTuple):
     """A point whose path is drawn.
 
     Attributes:
-        name: Name of the path.
-        link: Link on which the point is.
-        joint: Joint in whose frame the point is fixed.
+        name: name of the path.
+        link: link on which the point is.
+        joint: joint in whose frame the point is fixed.
         point: (3,) place in that frame [m].
     """
 

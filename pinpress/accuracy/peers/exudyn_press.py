@@ -42,9 +42,9 @@ class System:
     Attributes:
         container: Exudyn's container, to be kept together with ``mbs``.
         mbs: Exudyn's system of bodies.
-        bodies: Bodies in Pinocchio's order of joints, the ground first.
-        nodes: Nodes of the bodies; None for the ground.
-        joints: Name of a joint or loop -> number of its object.
+        bodies: bodies in Pinocchio's order of joints, the ground first.
+        nodes: nodes of the bodies; None for the ground.
+        joints: name of a joint or loop -> number of its object.
         centres: (joints + 1, 3) centres of mass in the joints' frames [m].
         rotations: (joints + 1, 3, 3) rotations of these frames in the drawn pose of the tree.
         signs: (joints + 1,) signs of the angles about the joints' axes, positive where they turn counter-clockwise in the plane; 0 for
@@ -71,7 +71,7 @@ def build(press: Linkage) -> System:
     """The bodies, weights and joints of a planar press, not yet assembled.
 
     Raises:
-        PinpressError: The linkage is not planar, has gear pairs, or has more equations than it needs.
+        PinpressError: the linkage is not planar, has gear pairs, or has more equations than it needs.
     """
     plane = press.plane_or_refuse(f"only planar linkages are compared in it, and {press.name} is not planar")
     if press.couplings:
@@ -187,7 +187,7 @@ class Exudyn:
         """Make the systems.
 
         Raises:
-            PinpressError: As `build`, or the crank does not turn on the frame.
+            PinpressError: as `build`, or the crank does not turn on the frame.
         """
         self._driver = press.driver_indices[0] + 1
         self._free, self._driven = build(press), build(press)
@@ -289,7 +289,7 @@ class Exudyn:
         """Pinocchio's joint of the slide, and its height above bottom dead centre where the centre of mass is as drawn [m].
 
         Raises:
-            PinpressError: The slide is no body on an upright guide.
+            PinpressError: the slide is no body on an upright guide.
         """
         press, heights = self._press, []
         joint = next((j for j in range(1, press.model.njoints) if not system.signs[j]), 0)

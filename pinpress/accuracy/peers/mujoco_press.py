@@ -60,7 +60,7 @@ class Mujoco:
         """Make the model.
 
         Raises:
-            PinpressError: The press has several drivers, no loops, a loop that holds rotations, a body that MuJoCo refuses, or a crank that
+            PinpressError: the press has several drivers, no loops, a loop that holds rotations, a body that MuJoCo refuses, or a crank that
                 does not turn fully.
         """
         if len(press.drivers) > 1:

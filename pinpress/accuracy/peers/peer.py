@@ -19,7 +19,7 @@ class Answer:
 
     Attributes:
         torque: (n,) torque on the driver joint, along its axis [N m].
-        force: Name of a joint or loop -> (n, 3) force of parent on child (of a loop: of link1 on link2), world axes [N].
+        force: name of a joint or loop -> (n, 3) force of parent on child (of a loop: of link1 on link2), world axes [N].
     """
 
     torque: Array
@@ -31,13 +31,13 @@ class RunEnd:
     """The last state of a run.
 
     Attributes:
-        crank_angle: Angle of the driver joint, unwrapped [rad].
-        crank_speed: Speed of the driver joint [rad/s].
-        loop_gap: Largest distance between the two sides of a bearing that the peer closes by an equation [m]; None where it has none.
-        energy_error: Kinetic and potential energy minus that at the start, divided by the kinetic energy at the start [-]; None where
+        crank_angle: angle of the driver joint, unwrapped [rad].
+        crank_speed: speed of the driver joint [rad/s].
+        loop_gap: largest distance between the two sides of a bearing that the peer closes by an equation [m]; None where it has none.
+        energy_error: kinetic and potential energy minus that at the start, divided by the kinetic energy at the start [-]; None where
             energy is not kept.
-        force: Name of a joint or loop -> (3,) force as of `Answer` [N].
-        evaluations: Number of evaluations of the equation of motion, where they are counted.
+        force: name of a joint or loop -> (3,) force as of `Answer` [N].
+        evaluations: number of evaluations of the equation of motion, where they are counted.
     """
 
     crank_angle: float
@@ -52,10 +52,10 @@ class Peer(Protocol):
     """A press made in another program.
 
     Attributes:
-        name: Name of the program, with its version.
-        inverse: Whether it has inverse dynamics of its own to be compared.
-        steps: Fixed steps worth measuring in a run of some turns at 70 strokes/min, largest first; none where it cannot run [s].
-        left_out: Group of a scene (other than the free run) that it cannot run -> why.
+        name: name of the program, with its version.
+        inverse: whether it has inverse dynamics of its own to be compared.
+        steps: fixed steps worth measuring in a run of some turns at 70 strokes/min, largest first; none where it cannot run [s].
+        left_out: group of a scene (other than the free run) that it cannot run -> why.
     """
 
     name: str
@@ -70,35 +70,35 @@ class Peer(Protocol):
 
         Args:
             angle: (n,) crank angles in equal steps [rad].
-            speed: Crank speed, with the sign of the steps [rad/s].
+            speed: crank speed, with the sign of the steps [rad/s].
 
         Raises:
-            PinpressError: The peer finds no answer.
+            PinpressError: the peer finds no answer.
         """
 
     def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
         """Let the press run without torque.
 
         Args:
-            angle: Crank angle at the start [rad].
-            speed: Crank speed at the start [rad/s].
-            inertia: Moment of inertia of a flywheel on the crank's shaft [kg m2].
-            duration: Duration of the run [s].
-            step: Step, which is shortened until the duration is a whole number of steps [s].
+            angle: crank angle at the start [rad].
+            speed: crank speed at the start [rad/s].
+            inertia: moment of inertia of a flywheel on the crank's shaft [kg m2].
+            duration: duration of the run [s].
+            step: step, which is shortened until the duration is a whole number of steps [s].
 
         Raises:
-            PinpressError: The peer finds no answer, or cannot run.
+            PinpressError: the peer finds no answer, or cannot run.
         """
 
     def run(self, scene: Scene, step: float) -> RunEnd:
         """Let the press run through a scene that is not ``left_out``.
 
         Args:
-            scene: The scene.
-            step: Step, which is shortened until the duration is a whole number of steps [s].
+            scene: the scene.
+            step: step, which is shortened until the duration is a whole number of steps [s].
 
         Raises:
-            PinpressError: The peer finds no answer, or cannot run.
+            PinpressError: the peer finds no answer, or cannot run.
         """
 
 
@@ -106,9 +106,9 @@ class ClosedFormSolver(Protocol):
     """An integrator of SciPy on a press's equation of motion in closed form, as an expert writes it for this one press.
 
     Attributes:
-        name: Name of the integrator.
-        tolerances: Tolerances that are worth measuring.
-        left_out: Group of a scene that it cannot run -> why.
+        name: name of the integrator.
+        tolerances: tolerances that are worth measuring.
+        left_out: group of a scene that it cannot run -> why.
     """
 
     @property

@@ -72,7 +72,7 @@ class HandScript:
         """Take the script's press.
 
         Raises:
-            PinpressError: It is another press than the script's.
+            PinpressError: it is another press than the script's.
         """
         shipped = ("zxn2_3000b", "zxn2_3000b_balanced")
         own = load(press.name) if press.name in shipped else None
@@ -98,11 +98,11 @@ class Reduced(NamedTuple):
     """The press at a crank angle; slopes are derivatives by the crank angle.
 
     Attributes:
-        inertia: Reduced inertia [kg m2].
-        inertia_slope: Its slope [kg m2/rad].
-        weight: Slope of the potential energy [N m].
-        slide: Slide position [m].
-        lever: Slope of the slide position [m].
+        inertia: reduced inertia [kg m2].
+        inertia_slope: its slope [kg m2/rad].
+        weight: slope of the potential energy [N m].
+        slide: slide position [m].
+        lever: slope of the slide position [m].
     """
 
     inertia: float
@@ -160,8 +160,8 @@ class SixBarEquation:
     """A `ClosedFormSolver`: an integrator of SciPy on the closed form of the press.
 
     Attributes:
-        integrator: One of `INTEGRATORS`.
-        balanced: Whether it is the balanced press.
+        integrator: one of `INTEGRATORS`.
+        balanced: whether it is the balanced press.
     """
 
     integrator: str

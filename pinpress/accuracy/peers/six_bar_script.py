@@ -50,8 +50,8 @@ class Vectors(NamedTuple):
         e3y: D to E, y.
         b4x: E to F, x.
         b4y: E to F, y.
-        slide: Height of F above D.
-        across: Cross product of BC and DC [m2].
+        slide: height of F above D.
+        across: cross product of BC and DC [m2].
     """
 
     b1x: Array
@@ -72,17 +72,17 @@ def six_bar(theta1: ArrayLike, omega1: ArrayLike, alpha1: ArrayLike, balanced: b
     """Motion, driving torque and pin forces of the press at given crank angles.
 
     Args:
-        theta1: Crank angle, shape (n,), 0 along +x, counter-clockwise [rad].
-        omega1: Crank speed, shape (n,) or scalar [rad/s].
-        alpha1: Crank acceleration, shape (n,) or scalar [rad/s2].
-        balanced: Whether the paper's counterweights are on the crank and on the rod.
+        theta1: crank angle, shape (n,), 0 along +x, counter-clockwise [rad].
+        omega1: crank speed, shape (n,) or scalar [rad/s].
+        alpha1: crank acceleration, shape (n,) or scalar [rad/s2].
+        balanced: whether the paper's counterweights are on the crank and on the rod.
 
     Returns:
         Arrays of shape (n,): theta2..theta4 [rad], omega2..omega4 [rad/s], alpha2..alpha4 [rad/s2]; slide_position of F above D [m],
         slide_velocity [m/s], slide_acceleration [m/s2], positive upwards; tau [N m] and the force components named in `UNKNOWNS` [N].
 
     Raises:
-        ArithmeticError: A loop cannot be closed: coupler and rocker do not reach each other, or the rod does not reach the slide's line.
+        ArithmeticError: a loop cannot be closed: coupler and rocker do not reach each other, or the rod does not reach the slide's line.
     """
     theta1 = np.atleast_1d(np.asarray(theta1, dtype=float))
     omega1 = np.broadcast_to(np.asarray(omega1, dtype=float), theta1.size)
@@ -177,7 +177,7 @@ def world_forces(result: dict[str, Array]) -> dict[str, Array]:
     """Pin and guide forces by the URDF's joint names.
 
     Args:
-        result: Result of `six_bar`.
+        result: result of `six_bar`.
 
     Returns:
         For each of A, B, C, D, E, F and slide_guide the force of the joint's parent (a loop's link1) on its child (link2), in world

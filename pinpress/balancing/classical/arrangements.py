@@ -66,11 +66,11 @@ def with_opposed_balancer(
     lines; such a rod has mass beyond its pins.
 
     Args:
-        press: A centred crank-slider.
-        crank_radius: Radius r2 of the auxiliary crank [m].
-        rod_length: Length l2 of the auxiliary rod [m]; by default l1 r2 / r1, which keeps lambda.
-        rod_mass: Mass of the auxiliary rod [kg]; by default m_rod1 r1 / r2.
-        rod_inertia: Moment of inertia of the auxiliary rod about its centre of mass [kg m2]; by default that of a rod with the main rod's
+        press: a centred crank-slider.
+        crank_radius: radius r2 of the auxiliary crank [m].
+        rod_length: length l2 of the auxiliary rod [m]; by default l1 r2 / r1, which keeps lambda.
+        rod_mass: mass of the auxiliary rod [kg]; by default m_rod1 r1 / r2.
+        rod_inertia: moment of inertia of the auxiliary rod about its centre of mass [kg m2]; by default that of a rod with the main rod's
             shape, J_rod1 m_rod2 / m_rod1 (l2 / l1)^2.
 
     Returns:
@@ -78,7 +78,7 @@ def with_opposed_balancer(
         ``press``, but has no visuals.
 
     Raises:
-        PinpressError: The press is not a centred crank-slider (see `as_crank_slider`), a size is not positive, or the rod is not longer
+        PinpressError: the press is not a centred crank-slider (see `as_crank_slider`), a size is not positive, or the rod is not longer
             than its crank, or so heavy that no mass is left for the counterweight.
     """
     main = as_crank_slider(press)
@@ -102,14 +102,14 @@ def mirrored(press: Linkage, shaft_distance: float) -> Linkage:
     the line stay as they are. A slide whose centre of mass is beside the line of its pin keeps its own moment.
 
     Args:
-        press: A centred crank-slider, or a press made from one by `with_opposed_balancer`.
-        shaft_distance: Distance of the shafts [m]. Collisions of the halves are not checked.
+        press: a centred crank-slider, or a press made from one by `with_opposed_balancer`.
+        shaft_distance: distance of the shafts [m]. Collisions of the halves are not checked.
 
     Returns:
         The new press, in memory alone, with the crank angle, gravity, names, masses and stroke of ``press``, but without visuals.
 
     Raises:
-        PinpressError: The press is not planar with one driver on the frame, has gear pairs, no slide, guides in several directions, or a
+        PinpressError: the press is not planar with one driver on the frame, has gear pairs, no slide, guides in several directions, or a
             slide whose pin does not move on a line through the shaft; or the distance is not positive.
     """
     distance, drawn = positive("shaft_distance", shaft_distance, "m"), plan_of(press)
@@ -127,14 +127,14 @@ class PlanBody:
     """A link and the joint that carries it, both with the same frame.
 
     Attributes:
-        link: Name of the link.
-        place: Place of the frame in the world.
-        inertia: Inertia of the link in the frame.
-        joint: Name of the joint.
-        parent: Name of the link that the joint is fixed to.
+        link: name of the link.
+        place: place of the frame in the world.
+        inertia: inertia of the link in the frame.
+        joint: name of the joint.
+        parent: name of the link that the joint is fixed to.
         axis: (3,) axis of the joint in the frame.
-        limits: Lower and upper limit [m], effort [N] and velocity [m/s] of a joint that slides; empty for a joint that turns.
-        leader: Name of the joint that this joint mimics by -1; None where it mimics none.
+        limits: lower and upper limit [m], effort [N] and velocity [m/s] of a joint that slides; empty for a joint that turns.
+        leader: name of the joint that this joint mimics by -1; None where it mimics none.
     """
 
     link: str
@@ -152,10 +152,10 @@ class PlanPin:
     """A pin that closes a loop.
 
     Attributes:
-        name: Name of the ``<loop_joint>``.
-        type: Type of the ``<loop_joint>``.
-        link1: Name of its first link.
-        link2: Name of its second link.
+        name: name of the ``<loop_joint>``.
+        type: type of the ``<loop_joint>``.
+        link1: name of its first link.
+        link2: name of its second link.
         point: (3,) place in the world [m].
     """
 
@@ -171,16 +171,16 @@ class PressPlan:
     """A planar press, with every part at its place in the world in the closed drawn pose.
 
     Attributes:
-        name: Name of the press.
-        frame: Name of the root link.
-        frame_inertia: Inertia of the root link.
-        bodies: Bodies, parents before their children.
-        pins: Pins that close the loops.
-        driver: Name of the driver joint.
-        slide: Name of the slide's link.
+        name: name of the press.
+        frame: name of the root link.
+        frame_inertia: inertia of the root link.
+        bodies: bodies, parents before their children.
+        pins: pins that close the loops.
+        driver: name of the driver joint.
+        slide: name of the slide's link.
         normal: (3,) normal of the plane in world axes.
         gravity: (3,) [m/s2].
-        size: Length of the linkage, to which rounding is relative [m].
+        size: length of the linkage, to which rounding is relative [m].
     """
 
     name: str
@@ -205,7 +205,7 @@ def plan_of(press: Linkage) -> PressPlan:
     Links that are welded together are one body, with the name of the slide or else of the first of them.
 
     Raises:
-        PinpressError: The press is not planar, or has gear pairs or several drivers.
+        PinpressError: the press is not planar, or has gear pairs or several drivers.
     """
     refusal = f"{press.name} is not planar with one driver, or has gear pairs: give a planar press of pins and guides"
     plane = press.plane_or_refuse(refusal)
@@ -354,7 +354,7 @@ def _across(press: Linkage, drawn: PressPlan, guided: Sequence[str], shaft: Arra
     """The unit vector (3,) across the slide's line, in the direction in which the crank leaves bottom dead centre.
 
     Raises:
-        PinpressError: The links that are guided on the frame do not all move on the slide's line through the shaft.
+        PinpressError: the links that are guided on the frame do not all move on the slide's line through the shaft.
     """
     assert drawn.slide is not None
     slide = drawn.body(drawn.slide)
@@ -380,11 +380,11 @@ def _doubled(drawn: PressPlan, shared: Sequence[str], shaft: Array, across: Arra
     """The plan of both halves; see `mirrored`.
 
     Args:
-        drawn: The plan of the press.
-        shared: Names of the links that both halves have in common.
+        drawn: the plan of the press.
+        shared: names of the links that both halves have in common.
         shaft: (3,) point on the shaft, through which the mirror plane passes [m].
         across: (3,) unit normal of the mirror plane; the left half is shifted against it.
-        distance: Distance of the shafts [m].
+        distance: distance of the shafts [m].
     """
     shift = -0.5 * distance * across
 

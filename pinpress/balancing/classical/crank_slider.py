@@ -49,19 +49,19 @@ class CrankSlider(
     """A centred crank-slider: lengths, masses and centres of mass as its balancing needs them.
 
     Attributes:
-        crank: Name of the crank's link.
-        rod: Name of the rod's link.
-        slide: Name of the slide's link.
-        crank_radius: From the shaft to the crank pin [m].
-        rod_length: From the crank pin to the slide's pin [m].
-        crank_mass: Mass of the crank, with all that is welded to it [kg].
-        rod_mass: Mass of the rod, with all that is welded to it [kg].
-        slide_mass: Mass of the slide, with all that is welded to it [kg].
-        crank_centre: Centre of mass of the crank from the shaft, complex along the line to the crank pin [m].
-        rod_centre: Centre of mass of the rod from the crank pin, complex along the line to the slide's pin [m].
-        crank_inertia: Moment of inertia of the crank about its centre of mass, about the shaft's direction [kg m2].
-        rod_inertia: Moment of inertia of the rod about its centre of mass, about the shaft's direction [kg m2].
-        drawn_angle: Angle of the crank in the drawn pose, in its positive sense from where its pin points at the slide [rad].
+        crank: name of the crank's link.
+        rod: name of the rod's link.
+        slide: name of the slide's link.
+        crank_radius: from the shaft to the crank pin [m].
+        rod_length: from the crank pin to the slide's pin [m].
+        crank_mass: mass of the crank, with all that is welded to it [kg].
+        rod_mass: mass of the rod, with all that is welded to it [kg].
+        slide_mass: mass of the slide, with all that is welded to it [kg].
+        crank_centre: centre of mass of the crank from the shaft, complex along the line to the crank pin [m].
+        rod_centre: centre of mass of the rod from the crank pin, complex along the line to the slide's pin [m].
+        crank_inertia: moment of inertia of the crank about its centre of mass, about the shaft's direction [kg m2].
+        rod_inertia: moment of inertia of the rod about its centre of mass, about the shaft's direction [kg m2].
+        drawn_angle: angle of the crank in the drawn pose, in its positive sense from where its pin points at the slide [rad].
         shaft: (3,) point on the shaft's axis at the height of the crank pin, in world axes [m].
         direction: (3,) unit vector from the shaft to the slide's pin, in world axes.
         across: (3,) unit vector ``direction`` turned by 90 degrees with the crank, in world axes.
@@ -140,7 +140,7 @@ def as_crank_slider(press: Linkage) -> CrankSlider:
     """Read a press as a centred crank-slider. It may be drawn in any pose, and its slide may move in any direction.
 
     Raises:
-        PinpressError: The press is not a centred crank-slider; the message says what differs.
+        PinpressError: the press is not a centred crank-slider; the message says what differs.
     """
     plane, at = press.plane_or_refuse(str(_refusal(press, "it is not planar, or has several drivers"))), poses(press, press.closed[None])
     crank, rod, slide = _bodies(press)
@@ -190,14 +190,14 @@ def harmonic_coefficients(ratio: float, orders: int = 6) -> Array:
     A_2 = lambda + lambda^3 / 4 + ..., A_4 = - lambda^3 / 4 - ...; Zhang 2007, eq. 3.2.2, has A_2 = lambda alone.
 
     Args:
-        ratio: Lambda, the crank radius divided by the rod length, between 0 and 1 [-].
-        orders: Highest order.
+        ratio: lambda, the crank radius divided by the rod length, between 0 and 1 [-].
+        orders: highest order.
 
     Returns:
         (orders + 1,) A_0 to A_orders [-]; A_1 = 1.
 
     Raises:
-        PinpressError: The ratio is not between 0 and 1, or orders is no whole number from 1.
+        PinpressError: the ratio is not between 0 and 1, or orders is no whole number from 1.
     """
     ratio = positive("ratio of crank radius to rod length", ratio, "-")
     if not ratio <= LARGEST_RATIO:
@@ -226,15 +226,15 @@ def complete_balance(press: Linkage, *, rod_radius: float, crank_radius: float) 
     torque are not balanced, and mostly grow.
 
     Args:
-        press: A centred crank-slider.
-        rod_radius: From the crank pin to the rod's counterweight [m].
-        crank_radius: From the shaft to the crank's counterweight [m].
+        press: a centred crank-slider.
+        rod_radius: from the crank pin to the rod's counterweight [m].
+        crank_radius: from the shaft to the crank's counterweight [m].
 
     Returns:
         Point masses on rod and crank, for `with_counterweights`.
 
     Raises:
-        PinpressError: The press is no centred crank-slider (see `as_crank_slider`), or a radius is not positive.
+        PinpressError: the press is no centred crank-slider (see `as_crank_slider`), or a radius is not positive.
     """
     main = as_crank_slider(press)
     product = -(main.rod_mass * main.rod_centre + main.slide_mass * main.rod_length) * main.drawn_rod
@@ -254,15 +254,15 @@ def approximate_balance(press: Linkage, radius: float, *, share: float = 0.5) ->
     on (`harmonic_coefficients`). Where the rod's centre is off its line, m_C is complex, and both directions are turned by its angle.
 
     Args:
-        press: A centred crank-slider.
-        radius: From the shaft to the counterweight [m].
-        share: Share of the reciprocating mass that is balanced, from 0 (rotating masses alone) to 1 (the first order is all across) [-].
+        press: a centred crank-slider.
+        radius: from the shaft to the counterweight [m].
+        share: share of the reciprocating mass that is balanced, from 0 (rotating masses alone) to 1 (the first order is all across) [-].
 
     Returns:
         A point mass on the crank, for `with_counterweights`.
 
     Raises:
-        PinpressError: The press is no centred crank-slider (see `as_crank_slider`), the radius is not positive, or the share is not from
+        PinpressError: the press is no centred crank-slider (see `as_crank_slider`), the radius is not positive, or the share is not from
             0 to 1.
     """
     wanted = "the part of the reciprocating mass to be balanced, from 0 to 1"
@@ -278,9 +278,9 @@ class HarmonicChange(Record):
     Attributes:
         quantity: "force along the slide" (vertical in an upright press), "force across the slide" (lateral) or "tilting moment".
         unit: "N" or "N m".
-        order: Frequency divided by that of the crank; a fraction is possible where a press repeats itself only after several turns [-].
-        before: Amplitude before, in the unit.
-        after: Amplitude after, in the unit.
+        order: frequency divided by that of the crank; a fraction is possible where a press repeats itself only after several turns [-].
+        before: amplitude before, in the unit.
+        after: amplitude after, in the unit.
         change: "cancelled" where only rounding is left, "reduced", "unchanged", "raised", or "none" where both amplitudes are rounding.
     """
 
@@ -305,15 +305,15 @@ def compare_harmonics(before: Reactions, after: Reactions, *, orders: int = 6) -
     an arm of the linkage's size, count as rounding.
 
     Args:
-        before: Reactions of a planar press over a period or more.
-        after: Reactions of the changed press, at that speed too.
-        orders: Highest order.
+        before: reactions of a planar press over a period or more.
+        after: reactions of the changed press, at that speed too.
+        orders: highest order.
 
     Returns:
         Changes by quantity, then by order.
 
     Raises:
-        PinpressError: A press is not planar or has no slide, or the motions are at different speeds, without a full period, or with too few
+        PinpressError: a press is not planar or has no slide, or the motions are at different speeds, without a full period, or with too few
             states for the orders.
     """
     for reactions in (before, after):

@@ -41,11 +41,11 @@ class Correction(Record, units={"product": "kg m", "centre": "m"}, parts={"produ
         """The counterweight of this correction.
 
         Args:
-            link: Name of the link, which has the rotor's frame.
-            radius: Distance from the axis [m].
+            link: name of the link, which has the rotor's frame.
+            radius: distance from the axis [m].
 
         Raises:
-            PinpressError: The radius is not positive.
+            PinpressError: the radius is not positive.
         """
         return self._at(link, radius, 1.0)
 
@@ -53,11 +53,11 @@ class Correction(Record, units={"product": "kg m", "centre": "m"}, parts={"produ
         """The hole of this correction, on the side opposite to a counterweight.
 
         Args:
-            link: Name of the link, which has the rotor's frame.
-            radius: Distance from the axis [m].
+            link: name of the link, which has the rotor's frame.
+            radius: distance from the axis [m].
 
         Raises:
-            PinpressError: The radius is not positive.
+            PinpressError: the radius is not positive.
         """
         return self._at(link, radius, -1.0)
 
@@ -88,10 +88,10 @@ class RotorUnbalance(Record, units={"static": "kg m", "couple": "kg m2"}, parts=
         """The correction with which the rotor rests at any angle.
 
         Args:
-            plane: Place of its plane along the axis [m].
+            plane: place of its plane along the axis [m].
 
         Raises:
-            PinpressError: The place is not a finite number.
+            PinpressError: the place is not a finite number.
         """
         (centre,) = self._centres([plane])
         return _correction(-self.static, centre)
@@ -103,10 +103,10 @@ class RotorUnbalance(Record, units={"static": "kg m", "couple": "kg m2"}, parts=
         u_b = (couple - a static) / (a - b).
 
         Args:
-            planes: Places a and b of the two planes along the axis [m].
+            planes: places a and b of the two planes along the axis [m].
 
         Raises:
-            PinpressError: The places are not two different finite numbers, or are too close together.
+            PinpressError: the places are not two different finite numbers, or are too close together.
         """
         centres = self._centres(planes)
         if len(centres) != 2 or not np.ptp(planes) > 0:
@@ -131,7 +131,7 @@ def static_balance(masses: ArrayLike, positions: ArrayLike) -> Correction:
         positions: (k, 3) their places in the rotor's frame, whose y axis is the shaft's axis [m].
 
     Raises:
-        PinpressError: An array has another shape, or values that are not finite.
+        PinpressError: an array has another shape, or values that are not finite.
     """
     return _of_masses(masses, positions).static_balance()
 
@@ -146,10 +146,10 @@ def two_plane_balance(masses: ArrayLike, positions: ArrayLike, *, planes: Sequen
     Args:
         masses: (k,) masses on an otherwise balanced rotor, negative for holes [kg].
         positions: (k, 3) their places in the rotor's frame, whose y axis is the shaft's axis [m].
-        planes: Places of the two planes along y [m].
+        planes: places of the two planes along y [m].
 
     Raises:
-        PinpressError: An array has another shape or values that are not finite, or the planes are not two different places.
+        PinpressError: an array has another shape or values that are not finite, or the planes are not two different places.
     """
     return _of_masses(masses, positions).two_plane_balance(planes)
 
@@ -163,12 +163,12 @@ def unbalance(press: Linkage, link: str) -> RotorUnbalance:
     sense.
 
     Args:
-        press: The press.
-        link: Name of the link.
+        press: the press.
+        link: name of the link.
 
     Raises:
-        UnknownNameError: The press has no such link.
-        PinpressError: No joint turns the link on the frame.
+        UnknownNameError: the press has no such link.
+        PinpressError: no joint turns the link on the frame.
     """
     if not isinstance(link, str) or link not in press.links:
         raise UnknownNameError("link", link, press.links)

@@ -31,10 +31,10 @@ class ShownLink:
     """A link that is shown.
 
     Attributes:
-        name: Name of the link.
-        frame: Index of the link in the frames of the model.
-        parts: One or more solids in the link's frame.
-        drawn: Whether the parts are the URDF's visuals; else they are made up from the link's bearings.
+        name: name of the link.
+        frame: index of the link in the frames of the model.
+        parts: one or more solids in the link's frame.
+        drawn: whether the parts are the URDF's visuals; else they are made up from the link's bearings.
     """
 
     name: str
@@ -50,11 +50,11 @@ def bodies(press: Linkage, joint_position: Array) -> tuple[ShownLink, ...]:
     are fixed to others and have no bearing of their own are left out.
 
     Args:
-        press: The linkage.
+        press: the linkage.
         joint_position: (n, nv) joint positions of a motion, whose travels are the lengths of rails [rad or m].
 
     Raises:
-        PinpressError: Joint positions have a wrong shape or are not finite; a visual is not finite or has no size, or its mesh cannot be
+        PinpressError: joint positions have a wrong shape or are not finite; a visual is not finite or has no size, or its mesh cannot be
             read; or there are more visuals or triangles than a page can show.
     """
     travel = _travel(press, joint_position)
@@ -78,14 +78,14 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
     makes new ones.
 
     Args:
-        press: The linkage.
-        motion: Motion whose travels are the lengths of plain rails. By default the travels are those over all crank angles that the press
+        press: the linkage.
+        motion: motion whose travels are the lengths of plain rails. By default the travels are those over all crank angles that the press
             can take; those of a press with several drivers are zero.
 
     Raises:
-        PinpressError: A visual is not finite or has no size, or its mesh cannot be read; there are more visuals or triangles than a page
+        PinpressError: a visual is not finite or has no size, or its mesh cannot be read; there are more visuals or triangles than a page
             can show; or the motion has other joints.
-        SingularityError: No motion is given, and the linkage locks at its drawn pose.
+        SingularityError: no motion is given, and the linkage locks at its drawn pose.
     """
     found = pin.GeometryModel()
     for body in bodies(press, _positions(press) if motion is None else motion.joint_position):

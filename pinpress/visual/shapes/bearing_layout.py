@@ -29,11 +29,11 @@ class PlacedBearing:
 
     Attributes:
         kind: "pin", "ball" (only in space; it turns about all axes), "guide" (it slides) or "weld".
-        links: The links of the two sides that need plain shapes; None for a side whose link does not.
-        on_frame: Whether each side is fixed to the frame.
+        links: the links of the two sides that need plain shapes; None for a side whose link does not.
+        on_frame: whether each side is fixed to the frame.
         points: (2, 3) places of the two sides [m].
         axis: (3,) unit vector; without meaning for a ball and a weld in space.
-        travel: Lowest and highest position of a guide [m].
+        travel: lowest and highest position of a guide [m].
     """
 
     kind: str
@@ -49,14 +49,14 @@ class BearingLayout:
     """Bearings in the drawn pose, world axes.
 
     Attributes:
-        links: The links that need plain shapes, in document order.
-        on_frame: Those of them that are the frame, or fixed to it.
-        placements: Link -> (4, 4) placement of its frame.
-        bearings: Joints, then cut loops.
+        links: the links that need plain shapes, in document order.
+        on_frame: those of them that are the frame, or fixed to it.
+        placements: link -> (4, 4) placement of its frame.
+        bearings: joints, then cut loops.
         normal: (3,) normal of a planar linkage, towards the viewer; None for a linkage in space.
-        welded: Link -> origin (3,) at which it is welded to others, for links whose body has visuals of other links [m].
-        masses: Link -> centre of mass (3,) [m] and squared radii of gyration as a tensor (3, 3) [m2], for links with a mass.
-        size: Size of the linkage [m].
+        welded: link -> origin (3,) at which it is welded to others, for links whose body has visuals of other links [m].
+        masses: link -> centre of mass (3,) [m] and squared radii of gyration as a tensor (3, 3) [m2], for links with a mass.
+        size: size of the linkage [m].
     """
 
     links: tuple[str, ...]
@@ -129,12 +129,12 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str]) -> B
     Links that are welded together are drawn as one, the first of them, unless one of them has visuals.
 
     Args:
-        press: The linkage.
+        press: the linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
-        drawn: Links that have visuals.
+        drawn: links that have visuals.
 
     Raises:
-        PinpressError: The drawn pose is not finite.
+        PinpressError: the drawn pose is not finite.
     """
     model, data = press.model, data_of(press.model)
     pin.framesForwardKinematics(model, data, pin.neutral(model))

@@ -43,12 +43,12 @@ def commands(bodies: Iterable[ShownLink], poses: dict[str, Array], time: Array) 
     """Commands in the order in which the page handles them: the animation refers to groups, so it comes last.
 
     Args:
-        bodies: The links that are shown.
-        poses: Name of a body -> (k, 7) poses, see `body_poses`.
+        bodies: the links that are shown.
+        poses: name of a body -> (k, 7) poses, see `body_poses`.
         time: (k,) times of the key frames [s].
 
     Raises:
-        PinpressError: A shape is too large for single precision.
+        PinpressError: a shape is too large for single precision.
     """
     clips = []
     for i, body in enumerate(bodies):

@@ -42,7 +42,7 @@ class Box:
     """A box about its own origin.
 
     Attributes:
-        size: Lengths along x, y, z [m].
+        size: lengths along x, y, z [m].
     """
 
     size: tuple[float, float, float]
@@ -53,8 +53,8 @@ class Cylinder:
     """A cylinder about its own origin, along z.
 
     Attributes:
-        radius: Radius [m].
-        length: Length [m].
+        radius: radius [m].
+        length: length [m].
     """
 
     radius: float
@@ -66,7 +66,7 @@ class Sphere:
     """A sphere about its own origin.
 
     Attributes:
-        radius: Radius [m].
+        radius: radius [m].
     """
 
     radius: float
@@ -96,7 +96,7 @@ class Part:
     """A solid on a link, in a colour. Arrays are read-only.
 
     Attributes:
-        shape: Shape of the solid.
+        shape: shape of the solid.
         placement: (4, 4) placement of the solid in the link's frame [m].
         rgba: (4,) red, green, blue and opacity, from 0 to 1.
     """
@@ -116,9 +116,9 @@ class MadeUpSolid:
     """A solid of a link that is made up, in world axes in the drawn pose.
 
     Attributes:
-        shape: Shape of the solid.
+        shape: shape of the solid.
         placement: (4, 4) placement of the solid [m].
-        steel: Whether it is a pin, which has the colour of steel instead of the link's.
+        steel: whether it is a pin, which has the colour of steel instead of the link's.
     """
 
     shape: Shape
@@ -132,13 +132,13 @@ def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> Tria
     A package is looked for in ROS_PACKAGE_PATH, among the folders that the URDF is in, and beside them.
 
     Args:
-        file: The URDF.
-        link: Link whose visual the mesh is.
-        name: Name of the mesh in the URDF: a path, which may be relative to the URDF, ``file://...`` or ``package://...``.
-        scale: Factors along x, y, z.
+        file: the URDF.
+        link: link whose visual the mesh is.
+        name: name of the mesh in the URDF: a path, which may be relative to the URDF, ``file://...`` or ``package://...``.
+        scale: factors along x, y, z.
 
     Raises:
-        PinpressError: The mesh is not found, is no mesh, has no triangles, or is flat or not finite after scaling.
+        PinpressError: the mesh is not found, is no mesh, has no triangles, or is flat or not finite after scaling.
     """
     place = f"link {link!r}: mesh {name!r}"
     factors = np.array(scale)
@@ -215,10 +215,10 @@ def triangles_only(suffix: str, content: bytes) -> bytes:
 
     Args:
         suffix: ".stl", ".obj" or ".dae".
-        content: Content of the file.
+        content: content of the file.
 
     Raises:
-        UnfitError: The content is of another kind, broken or too large.
+        UnfitError: the content is of another kind, broken or too large.
     """
     if suffix == ".stl":
         return _stl(content)

@@ -59,9 +59,9 @@ def plain_parts(press: Linkage, travel: Array, drawn: Collection[str]) -> dict[s
     """Parts of links that need plain shapes, by the links' names; none for a link that has no bearing of its own.
 
     Args:
-        press: The linkage.
+        press: the linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
-        drawn: Links that have visuals.
+        drawn: links that have visuals.
     """
     layout = lay_out_bearings(press, travel, drawn)
     solids = _rod_solids(layout) if layout.normal is None else _layered_solids(layout, layout.normal)
