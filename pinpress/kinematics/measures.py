@@ -228,7 +228,7 @@ def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
 
 def _inside_stroke(stroke: complex, name: str, value: object) -> float:
     """A checked distance, more than 0 and less than the stroke [m]."""
-    wanted = f"a distance between 0 and the stroke of {stroke.real:.6g} m"
+    wanted = f"a distance between 0 and the stroke of {stroke.real:.6g} m ({1e3 * stroke.real:.6g} mm)"
     return float(suitable_numbers(name, value, wanted, suits=lambda distance: 0.0 < distance < stroke.real))
 
 

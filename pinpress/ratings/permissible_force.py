@@ -224,7 +224,7 @@ def angle_at(rated: RatedStroke, name: str, height: float) -> float:
     from scipy.optimize import brentq  # slow to import
 
     stroke = dead_centres(rated.press).stroke
-    wanted = f"a height between 0 and the stroke of {stroke:.6g} m"
+    wanted = f"a height between 0 and the stroke of {stroke:.6g} m ({1e3 * stroke:.6g} mm)"
     suitable_numbers(name, height, wanted, suits=lambda value: 0.0 < value < stroke)
 
     def above(angle: float) -> float:

@@ -69,7 +69,7 @@ class Abscissa:
     """The quantity over which states are drawn.
 
     Attributes:
-        quantity: "crank angle", "driver position", "time" or "state".
+        quantity: "crank angle", "crank angle from top dead centre" (or from elsewhere), "driver position", "time" or "state".
         unit: "deg", "mm", "s" or, for numbers of states, empty.
         values: (n,) values in that unit.
     """
@@ -133,14 +133,14 @@ def abscissa(motion: Motion) -> Abscissa:
     first = motion.driver_coordinates[0]
     one_way = angle.ndim == 1 and _one_way(angle)
     if one_way and np.ptp(angle) <= 2 * np.pi * (motion.period_turns or 1) * (1 + ROUNDING) and is_constant(speed):
-        return Abscissa(first.position, first.shown_unit, read_only(first.scale * angle))
+        return Abscissa(first.counted, first.shown_unit, read_only(first.scale * angle))
     try:
         return Abscissa("time", "s", read_only(finite("time", motion.time)))
     except PinpressError:
         if motion._time is not None:
             raise
     if one_way:
-        return Abscissa(first.position, first.shown_unit, read_only(first.scale * angle))
+        return Abscissa(first.counted, first.shown_unit, read_only(first.scale * angle))
     return Abscissa("state", "", read_only(np.arange(len(angle), dtype=float)))
 
 

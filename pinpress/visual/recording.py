@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common import files
 from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, shown
-from ..common.quantities import Array
+from ..common.quantities import Array, DriverCoordinate
 from ..dynamics import applied_loads
 from ..dynamics.inverse_dynamics import Reactions
 from ..engines.branch import predict
@@ -98,7 +98,7 @@ def scene(
         "legend": _legend(drawn, of_body),
         "front": _front(press, at, drawn),
         "turn": frames.turn,
-        "driver": {"name": motion.driver_coordinates[0].part, "unit": "°" if motion.driver_coordinates[0].turns else " mm"},
+        "driver": _driver(motion.driver_coordinates[0]),
         "period": None if motion.period_turns is None else 360 * motion.period_turns,  # deg
         "size": press.size,
         **_bearings(press, at, frames, reactions),
@@ -212,6 +212,12 @@ def _period(press: Linkage, motion: Motion) -> float | None:
     period = 2 * np.pi * motion.period_turns
     before, after = configuration(press.slots, predict(press.branch_through_change_points, np.array([0.0, period]))).T
     return period if np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.size)) else None
+
+
+def _driver(coordinate: DriverCoordinate) -> dict[str, str]:
+    """What the driver is called, and what stands behind its coordinate: the unit, and from where it counts."""
+    unit = "°" if coordinate.turns else " mm"
+    return {"name": coordinate.part, "unit": f"{unit} from {coordinate.zero}" if coordinate.zero else unit}
 
 
 def _closing_time(time: Array, crank: Array, period: float) -> float | None:

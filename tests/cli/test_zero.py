@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import texts
+from support.in_browser import data_in
 
 import pinpress as pp
 from pinpress.cli.main import main
@@ -37,6 +38,16 @@ def test_analyse(capsys: pytest.CaptureFixture[str], tmp_path: Path, zero: str, 
     motion = pp.servo_cycle(texts.shipped(PRESS), angle=table[:, 1] + shift, speed=70 * pp.RPM, acceleration=0.0)
     torque = pp.inverse_dynamics(texts.shipped(PRESS), motion).driving_torque
     np.testing.assert_allclose(table[:, header.index("driving_torque [N m]")], torque, atol=1e-12 * np.abs(torque).max())
+
+
+def test_pages(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """Charts and the moving press count from there, and so does the press beside it."""
+    words = ("analyse", PRESS, "--speed", SPEED, "--zero", "tdc", "--points", 60, "--before", "zxn2_3000b_balanced")
+    printed(capsys, *words, "--out", tmp_path, "--report")
+    data = data_in(tmp_path / "report.html")
+    assert data["report"]["over"] == {"quantity": "crank angle from top dead centre", "unit": "deg"}
+    assert data["driver"] == {"name": "crank", "unit": "° from top dead centre"}
+    assert data["slide"][0] == max(data["slide"])
 
 
 def test_simulate(capsys: pytest.CaptureFixture[str]) -> None:

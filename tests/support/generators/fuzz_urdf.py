@@ -21,6 +21,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from xml.etree import ElementTree
 
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # `support`, that it draws linkages from
 import numpy as np
 import pinocchio as pin
 
