@@ -121,7 +121,7 @@ def _object(path: str, shape: dict[str, Any], rgba: Array) -> dict[str, Any]:
     colour, alpha = int(hexadecimal(rgba), 16), float(rgba[3])
     material = {"uuid": "m", "type": "MeshPhongMaterial", "color": colour, "opacity": alpha, "transparent": alpha < 1}
     material |= {"specular": 0x303030, "shininess": 25, "flatShading": shape["type"] == "BufferGeometry"}
-    mesh = {"uuid": "o", "type": "TriangleMesh", "geometry": "g", "material": "m"}
+    mesh = {"uuid": "o", "type": "Mesh", "geometry": "g", "material": "m"}
     body = {"metadata": {"version": 4.5, "type": "Object"}, "geometries": [shape | {"uuid": "g"}], "materials": [material], "object": mesh}
     return {"type": "set_object", "path": path, "object": body}
 
