@@ -1,8 +1,8 @@
 """MJCF, the format of MuJoCo (mujoco.readthedocs.io, "XML Reference"), read by the package mujoco itself.
 
-Classes, includes, frames, angles in degrees, inertia from shapes and all else that its compiler works out are as MuJoCo has them. Bodies
-with hinges, slides and balls make the tree; ``<equality>`` closes its loops: ``<connect>`` is a pin, ``<weld>`` is fixed, ``<joint>`` a
-gear pair. MuJoCo's equalities give way a little; here they hold exactly.
+MuJoCo's compiler resolves classes, includes, frames, angles in degrees and inertia from shapes. Bodies with hinges, slides and balls make
+the tree; ``<equality>`` closes its loops: ``<connect>`` is a pin, ``<weld>`` is fixed, ``<joint>`` a gear pair. MuJoCo's equalities are
+slightly elastic; here they hold exactly.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ _SEEN_GROUPS = 3  # MuJoCo shows shapes of groups 0 to 2; the others are mostly 
 
 
 def read(document: Document) -> Document:
-    """The URDF that says the same as an MJCF; raises UrdfError where it says something else than a linkage, or MuJoCo refuses it."""
+    """The URDF that says the same as an MJCF; raises UrdfError where that is no linkage, or MuJoCo refuses the file."""
     try:
-        import mujoco  # large, and only needed here
+        import mujoco  # optional, and slow to import
     except ImportError as error:
         raise PinpressError(
             f"{document.file}: MJCF is read by the package mujoco; pip install 'pinpress[peers]', or mujoco alone"
         ) from error
     warned: list[str] = []
     before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(warned.append)  # or it writes them to stderr, and to a file in the working directory
+    mujoco.set_mju_user_warning(warned.append)  # else they are written to stderr, and to a file in the working directory
     try:
         spec = _parsed(mujoco, document)
         spec.compiler.fusestatic = False
@@ -58,7 +58,7 @@ def read(document: Document) -> Document:
 
 
 def _parsed(mujoco: Any, document: Document) -> Any:
-    """MuJoCo's specification of a file, which it reads itself where its name ends in .xml, as includes ask for."""
+    """MuJoCo's specification of a file. MuJoCo reads the file itself if its name ends in .xml, so that it finds included files."""
     if document.file.endswith(".xml"):
         return mujoco.MjSpec.from_file(document.file)
     spec = mujoco.MjSpec.from_string(document.text.decode("utf-8-sig"))
@@ -67,7 +67,7 @@ def _parsed(mujoco: Any, document: Document) -> Any:
 
 
 class _Reader:
-    """A compiled model, and the elements that it was made from."""
+    """Reads a compiled model, and the elements from which it was made."""
 
     def __init__(self, document: Document, package: Any, spec: mujoco.MjSpec, model: mujoco.MjModel) -> None:
         self.file, self.mujoco, self.spec, self.model = document.file, package, spec, model
@@ -86,7 +86,7 @@ class _Reader:
         return {int(element.id): element for element in elements}
 
     def _names(self, elements: Mapping[int, Any], tag: str, taken: set[str]) -> dict[int, str]:
-        """Names of all, made up where there is none."""
+        """Names of all elements; those without a name get one."""
         taken |= {element.name for element in elements.values()}
         found = {}
         for k, element in sorted(elements.items()):
@@ -95,7 +95,7 @@ class _Reader:
         return found
 
     def _origin(self, element: Any, tag: str, name: str) -> Origin:
-        """Where an element is, as far as MuJoCo says it: not in which of several files."""
+        """Origin of an element, as far as MuJoCo knows it: with several files it does not know which one."""
         words = str(element.info).split()
         line = int(words[-1]) if not self.included and len(words) > 1 and words[-1].isdecimal() else self.root.line
         return Origin(f'<{tag} name="{name}">', line)
@@ -129,7 +129,8 @@ class _Reader:
             self.remarks.append(remark("warning", self.root, "plugins are not read", "give what they do as drives and loads"))
 
     def _held(self) -> int | None:
-        """The body of which a free joint is taken away: the only one, and of a model that is joined to the world nowhere else."""
+        """The body whose free joint is removed, if it has the only one and the model is joined to the world nowhere else; None where there
+        is no free joint."""
         model, free_type = self.model, int(self.mujoco.mjtJoint.mjJNT_FREE)
         free = [k for k in range(model.njnt) if model.jnt_type[k] == free_type]
         if not free:
@@ -149,7 +150,7 @@ class _Reader:
         return first
 
     def _remark_on_forces(self) -> None:
-        """Warn of what acts in MuJoCo and is not in a URDF."""
+        """Warn of forces that act in MuJoCo and are not in a URDF."""
         model = self.model
         for k, joint in sorted(self.hinges.items()):
             if model.jnt_type[k] == int(self.mujoco.mjtJoint.mjJNT_FREE):
@@ -183,7 +184,7 @@ class _Reader:
         return np.array(self.model.jnt_pos[joints[-1]]) if joints and self._turns(joints[-1]) else np.zeros(3)
 
     def _joints_of(self, body: int) -> list[int]:
-        """Those that move it against its parent, in their order, but for a free one."""
+        """Joints that move a body relative to its parent, in their order, without a free joint."""
         first, count = int(self.model.body_jntadr[body]), int(self.model.body_jntnum[body])
         free = int(self.mujoco.mjtJoint.mjJNT_FREE)
         return [k for k in range(first, first + count) if self.model.jnt_type[k] != free]
@@ -192,7 +193,7 @@ class _Reader:
         return bool(self.model.jnt_type[joint] != int(self.mujoco.mjtJoint.mjJNT_SLIDE))
 
     def _inside(self, body: int, position: Array, quaternion: Array) -> pin.SE3:
-        """A place in a body's frame, in the frame of its link."""
+        """A place that is given in a body's frame, in the frame of its link."""
         return pin.SE3(_rotation(quaternion), np.array(position) - self._shift(body))
 
     def _link(self, body: int) -> Link:
@@ -200,7 +201,7 @@ class _Reader:
         return Link(self.body_names[body], self._inertia(body, origin), tuple(self._shapes(body)), origin)
 
     def _inertia(self, body: int, origin: Origin) -> Inertia | None:
-        """The inertia that MuJoCo computes with; where that is the tensor in the file, with all the digits of the file."""
+        """The inertia with which MuJoCo computes; if it is the tensor in the file, with all digits of the file."""
         model, mass = self.model, float(self.model.body_mass[body])
         if body == 0 or not mass:
             return None if not self._joints_of(body) else Inertia(0.0, pin.SE3.Identity(), np.zeros((3, 3)), origin)
@@ -264,7 +265,7 @@ class _Reader:
         return made, links
 
     def _axes(self, joint: int) -> list[tuple[Array, str]]:
-        """Axes and names of the joints that a joint is, three of a ball."""
+        """Axes and names of the joints that stand for a joint: three for a ball."""
         name = self.joint_names[joint]
         if self.model.jnt_type[joint] != int(self.mujoco.mjtJoint.mjJNT_BALL):
             return [(np.array(self.model.jnt_axis[joint]), name)]
@@ -316,7 +317,7 @@ class _Reader:
         return bool(self.model.eq_objtype[k] == int(self.mujoco.mjtObj.mjOBJ_SITE))
 
     def _with_equalities(self, joints: list[Joint]) -> tuple[list[Joint], list[Loop]]:
-        """Joints with their gear pairs, and loops."""
+        """The joints with their gear pairs, and the loops."""
         by_name = {joint.name: joint for joint in joints}
         loops: list[Loop] = []
         tags = {int(getattr(self.mujoco.mjtEq, f"mjEQ_{tag.upper()}")): tag for tag in _EQUALITIES}
@@ -338,8 +339,8 @@ class _Reader:
         return list(by_name.values()), loops
 
     def _loop(self, k: int, name: str, origin: Origin) -> Loop:
-        """A connect or weld; the data of one between bodies hold its points: of a connect that in each body, of a weld the pose of the
-        second body's frame in the first, about an anchor in the second."""
+        """A connect or weld. The data of one between bodies hold its points: for a connect the point in each body, for a weld the pose of
+        the second body's frame in the first, and an anchor in the second."""
         model, (one, two) = self.model, self._end_bodies(k)
         weld = model.eq_type[k] == int(self.mujoco.mjtEq.mjEQ_WELD)
         data, straight = model.eq_data[k], np.array([1.0, 0.0, 0.0, 0.0])
@@ -354,7 +355,7 @@ class _Reader:
         return Loop(name, "fixed" if weld else "spherical", (ends[0], ends[1]), None, origin)
 
     def _geared(self, k: int, joints: Mapping[str, Joint], origin: Origin) -> Joint:
-        """Joint 1 with what an equality of joints says: its position from the drawn pose is a polynomial of that of joint 2."""
+        """Joint 1 as an equality of joints moves it: its position from the drawn pose is a polynomial of that of joint 2."""
         model = self.model
         offset, ratio, *higher = (float(value) for value in model.eq_data[k][:5])
         first, second = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
@@ -379,7 +380,7 @@ class _Reader:
     # ----------------------------------------------------------------------------------------------------------------------------- drivers
 
     def _drivers(self) -> Iterator[tuple[str, Origin]]:
-        """Joints with an actuator, in the order of these."""
+        """Joints with an actuator, in the order of the actuators."""
         model, seen = self.model, set()
         several = (int(self.mujoco.mjtJoint.mjJNT_FREE), int(self.mujoco.mjtJoint.mjJNT_BALL))
         of_joints = (int(self.mujoco.mjtTrn.mjTRN_JOINT), int(self.mujoco.mjtTrn.mjTRN_JOINTINPARENT))
@@ -395,13 +396,13 @@ class _Reader:
 
 
 def _rotation(quaternion: Array) -> Array:
-    """(3, 3) of a quaternion, w first."""
+    """(3, 3) rotation matrix of a quaternion, w first."""
     w, x, y, z = (float(part) for part in quaternion)
     return np.asarray(pin.Quaternion(w, x, y, z).normalized().matrix())
 
 
 def _all(element: Element, tag: str) -> list[Element]:
-    """All elements of a tag in another."""
+    """All elements with a tag that an element contains, at any depth."""
     found = element.all(tag)
     for child in element.children:
         found += _all(child, tag)
