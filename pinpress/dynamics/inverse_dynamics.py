@@ -97,7 +97,9 @@ class Reactions(Tabular):
         if not self._conditions.with_gear_torques and press.couplings:
             with np.errstate(all="ignore"):  # what overflows is refused
                 found = _solved(press, self.engine, self.motion, self._conditions._replace(with_gear_torques=True), ())
-        pairs = [np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, found.coupling, strict=True)]
+        pairs = [
+            np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, found.coupling, strict=False)
+        ]  # not of held spins
         return NamedArrays(tuple(c.name for c in press.couplings), np.array(pairs))
 
     @cached_property
@@ -146,7 +148,8 @@ class Reactions(Tabular):
 
     @property
     def indeterminate_coupling(self) -> NamedArrays[np.bool_]:
-        return NamedArrays(tuple(c.name for c in self._press.couplings), self._indeterminate[1])
+        pairs = tuple(c.name for c in self._press.couplings)
+        return NamedArrays(pairs, self._indeterminate[1][: len(pairs)])
 
     @cached_property
     def indeterminate_axes(self) -> Array:

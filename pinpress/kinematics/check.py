@@ -21,7 +21,7 @@ from ..engines.spatial.kinematics import rank as rank_of
 from ..linkage import assembly_checks, mobility
 from ..linkage.assembly_checks import open_in_words
 from ..linkage.linkage import Linkage
-from ..linkage.loading import assembled, document_of, located
+from ..linkage.loading import assembled, document_of, located, with_spins_held
 from ..linkage.urdf import element_checks, reader
 from ..linkage.urdf.document import SEVERITIES, Document, Finding
 from .dyads import Dyad, least_transmission_angles
@@ -201,7 +201,7 @@ def _put_together(
 ) -> tuple[list[Finding], Facts]:
     """Findings and facts of the linkage that the elements make; raises the errors of `assembled`."""
     description = reader.describe(document)
-    press = assembled(document, driver, slide)
+    press = with_spins_held(assembled(document, driver, slide))
     errors = list(assembly_checks.errors(press))
     remarks = assembly_checks.units_remarks(press) if errors else assembly_checks.remarks(press, document.robot, allow_open)
     findings = [*errors, *remarks]
@@ -256,6 +256,8 @@ def _in_order(press: Linkage) -> Iterator[tuple[int, mobility.Constraint, tuple[
     """Index of every loop and gear pair, itself, and names of its joints: see `Closing`."""
     owners = mobility.constraints(press)
     for k, joints in press.engine().closing_order():
+        if k == len(owners):
+            return  # what follows are held spins
         yield k, owners[k], tuple(press.joints[joint] for joint in joints)
 
 

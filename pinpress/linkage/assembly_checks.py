@@ -6,6 +6,7 @@ loaded.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -133,6 +134,11 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     if freedom > len(press.drivers):
         problem += f": with {_driver(press)} held still, {_joints(mobility.undetermined(press, rows))} can move"
         remedy = _without_axis(press) or "a <loop_joint> is missing, a link hangs free, or a driver is missing"
+        if found := mobility.spins(press, rows):  # those in balance are held
+            problem += f": {' and '.join(map(_spin_in_words, found))}"
+            remedy = (
+                "its weight would turn it: put its centre of mass on the line, or make one of its ball joints a universal one, of two pins"
+            )
     else:
         if alone := mobility.overconstraining(press, rows):
             problem += f": {' or '.join(each.title for each in alone)} contradicts the others"
@@ -317,8 +323,22 @@ def remarks(press: Linkage, robot: "Element", allow_open: bool) -> Iterator[Find
                 moves = f"it {'turns' if coordinate.turns else 'slides'} only from {low * coordinate.scale:.6g} to {coordinate.shown(high)}"
                 yield Finding(severity, *where, f"{moves}, where the linkage locks", "keep motions inside, or correct the lengths")
             yield from _limits(press, branch, robot)
+    yield from _held_spins(press)
     yield from _redundant(press, poses)
     yield from _engine(press)
+
+
+def _held_spins(press: Linkage) -> Iterator[Finding]:
+    """Notes of links whose spin is held."""
+    free = replace(press, held_spins=())
+    for spin in mobility.spins(free, free.closed_rows) if press.held_spins else ():
+        problem = f"{_spin_in_words(spin)}: no driver determines it, and no weight turns it"
+        remedy = f"it is held, with joint {press.joints[spin.joint]!r} as drawn: forces of a slender link do not depend on it"
+        yield Finding("note", press.document.called("link", spin.link), None, problem, remedy)
+
+
+def _spin_in_words(spin: mobility.Spin) -> str:
+    return f"link {spin.link!r} can spin about a line {1e3 * spin.eccentricity:.3g} mm from its centre of mass"
 
 
 def severe(press: Linkage, centres: bool = True) -> Iterator[Finding]:

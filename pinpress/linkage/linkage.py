@@ -66,6 +66,8 @@ class Linkage(Frozen):
         couplings: gear pairs and the like.
         drivers: names of the driver joints, as many as degrees of freedom.
         slide: name of the slide link, None where the linkage has none.
+        held_spins: names of the joints that are held where the file draws them, because a link could spin about the line of its ball
+            joints, which neither drivers nor forces heed.
         zero: where the driver's coordinate is 0, as in "top dead centre"; empty for the pose that the file draws. See `drawn_at`.
     """
 
@@ -78,6 +80,7 @@ class Linkage(Frozen):
     couplings: tuple[Coupling, ...]
     drivers: tuple[str, ...]
     slide: str | None
+    held_spins: tuple[str, ...] = ()
     zero: str = ""
 
     def __repr__(self) -> str:
@@ -162,7 +165,9 @@ class Linkage(Frozen):
     @per_linkage
     def spatial_model(self) -> SpatialModel:
         """Constants of the linkage for Pinocchio's engine."""
-        return build_spatial_model(self.model, self.loops, self.couplings, tuple(self.joints.index(driver) for driver in self.drivers))
+        drivers = tuple(self.joints.index(driver) for driver in self.drivers)
+        held = tuple(Coupling(name, self.joints.index(name), drivers[0], 0.0, 0.0, 0) for name in self.held_spins)
+        return build_spatial_model(self.model, self.loops, (*self.couplings, *held), drivers)
 
     @property
     def engines(self) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution,
 from ..common.files import path_of
 from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint
-from . import assembly_checks
+from . import assembly_checks, mobility
 from .formats import dialects
 from .linkage import Linkage
 from .urdf import reader
@@ -78,7 +79,7 @@ def _loaded(
     centres: bool = True,
 ) -> Linkage:
     refuse_errors(reader.errors(document), check_command(document.file))
-    press = assembled(document, driver, slide, gravity)
+    press = with_spins_held(assembled(document, driver, slide, gravity))
     command = check_command(press.file, () if driver is None else press.drivers, slide)
     check_drawn_pose(press, command)
     if not allow_open:
@@ -158,6 +159,16 @@ def assembled(
         drivers=drivers,
         slide=_slide(description, model, slide),
     )
+
+
+def with_spins_held(press: Linkage) -> Linkage:
+    """The linkage with the idle spins of its rods held: those about the line of two ball joints, which no driver determines."""
+    if press.determined or not assembly_checks.closes(press):
+        return press
+    found = mobility.spins(press, press.closed_rows)
+    if any(spin.eccentricity > mobility.BALANCED * press.size for spin in found):
+        return press  # its weight would turn it
+    return replace(press, held_spins=tuple(press.joints[spin.joint] for spin in found)) if found else press
 
 
 def _library() -> Path:

@@ -7,15 +7,18 @@ A joint or an equation takes part in a free motion, or in a redundancy, if its s
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 
 from ..common.quantities import Array
-from ..engines.joints import Coupling, LoopJoint, drawn_placements
+from ..engines.joints import Coupling, LoopJoint, data_of, drawn_placements
 from ..engines.planar.model import PARALLEL
 from ..engines.spatial.kinematics import PassiveJacobian, rank
 from ..engines.spatial.model import Rows
 from .linkage import Linkage
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
+BALANCED = 1e-6  # distance of a centre of mass from the line that its link spins about, that is rounding [lengths of the linkage]
+NEARLY = 0.2  # the same, up to which a spin is named where it keeps a linkage from being loaded [lengths of the linkage]
 UPRIGHT = 1e-9  # difference of the normal from a world axis up to which a plane has the world's axes
 
 
@@ -85,6 +88,61 @@ def undetermined(press: Linkage, rows: Rows) -> list[str]:
     passive = PassiveJacobian(rows.columns, press.spatial_model)
     shares = np.linalg.norm(passive.right[passive.rank :], axis=0)
     return [press.joints[j] for j, share in zip(passive.joints, shares, strict=True) if share > TAKES_PART]
+
+
+class Spin(NamedTuple):
+    """A link that can spin about the line of its two ball joints, which no driver determines.
+
+    Attributes:
+        link: its name.
+        joint: index in v of the joint that moves most in the spin; held, it leaves the link as a universal joint would.
+        eccentricity: distance of its centre of mass from the line [m]; not above rounding, weight and inertia do not turn it.
+    """
+
+    link: str
+    joint: int
+    eccentricity: float
+
+
+def spins(press: Linkage, rows: Rows) -> list[Spin]:
+    """The spins that are all that the drivers leave undetermined; none where something else can move too, or nothing.
+
+    A free motion is a spin if only one body with a mass moves in it, and turns about a line on which its centre of mass lies, to rounding
+    or nearly.
+    """
+    passive = PassiveJacobian(rows.columns, press.spatial_model)
+    free = passive.right[passive.rank :] / passive.lengths
+    if not len(free) or press.model.nv - rank(rows.columns) != len(press.drivers) + len(free):
+        return []
+    found: list[Spin] = []
+    while len(free):  # each joint that is held leaves a free motion less
+        way, joint = np.unravel_index(int(np.abs(free).argmax()), free.shape)
+        motion = free[way] / free[way, joint]
+        free = np.delete(free - np.outer(free[:, joint], motion), way, axis=0)
+        spin = _spin(press, rows, passive.joints, motion, int(joint))
+        if spin is None:
+            return []
+        found.append(spin)
+    return found
+
+
+def _spin(press: Linkage, rows: Rows, joints: list[int], motion: Array, held: int) -> Spin | None:
+    """The spin that a free motion (passive joints,) is; None where it moves more than one body with a mass, or its centre of mass far."""
+    model, rates = press.model, np.zeros(press.model.nv)
+    rates[joints] = motion
+    data = data_of(model)
+    pin.forwardKinematics(model, data, rows.q, rates)
+    moved = []
+    for body in range(1, model.njoints):
+        velocity, inertia = data.v[body], model.inertias[body]
+        if not inertia.mass or np.abs(velocity.vector).max() <= TAKES_PART:
+            continue
+        angular = float(np.linalg.norm(velocity.angular))
+        centre = float(np.linalg.norm(velocity.linear + np.cross(velocity.angular, inertia.lever)))
+        if not angular or centre > NEARLY * press.size * angular:
+            return None
+        moved.append(Spin(press.link_of(body), joints[held], centre / angular))
+    return moved[0] if len(moved) == 1 else None
 
 
 def overconstraining(press: Linkage, rows: Rows) -> list[Constraint]:

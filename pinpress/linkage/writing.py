@@ -81,7 +81,7 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     for what, gap in gaps.items():
         if not gap <= ACCEPTED:
             raise PinpressError(f"{unwritten}: a URDF cannot hold the changed {what} of {press.name}; leave it as in {press.file}")
-    _raise_first(assembly_checks.errors(reached))
+    _raise_first(assembly_checks.errors(loading.with_spins_held(reached)))
     return files.write(path, text)
 
 

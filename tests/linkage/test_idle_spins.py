@@ -1,0 +1,138 @@
+"""Linkages with rods between ball joints, whose spin no driver determines: RSSR against its closed form, and beside universal joints."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import pinpress as pp
+
+CRANK, ROCKER, FRAME, OFFSET = 0.06, 0.14, 0.12, 0.2  # m: crank about z at the origin, rocker about x at (FRAME, OFFSET, 0)
+BALL_A = np.array([CRANK, 0.0, 0.0])  # as drawn
+BALL_B = np.array([FRAME, OFFSET, ROCKER])
+LENGTH = float(np.linalg.norm(BALL_B - BALL_A))
+ALONG = (BALL_B - BALL_A) / LENGTH
+
+
+def across(direction):
+    """Two axes (3,) across a direction, with it a right-handed frame."""
+    first = np.cross(direction, [0.0, 0.0, 1.0])
+    first /= np.linalg.norm(first)
+    return first, np.cross(direction, first)
+
+
+def words(vector):
+    return " ".join(repr(float(part)) for part in vector)
+
+
+def rssr(axes, rod_inertia=(0.0, 0.01, 0.01), eccentricity=0.0):
+    """URDF of an RSSR linkage whose rod hangs by hinges along these axes, with massless crosses between them, and closes by a ball.
+
+    Args:
+        axes: of the hinges at the crank's ball, in the world as drawn.
+        rod_inertia: moments of inertia of the rod along itself and across [kg m2].
+        eccentricity: distance of the rod's centre of mass from its line [m].
+    """
+    first, _ = across(ALONG)
+    turned = np.column_stack([ALONG, first, np.cross(ALONG, first)])
+    tensor = turned @ np.diag(rod_inertia) @ turned.T
+    moments = " ".join(f'i{"xyz"[i]}{"xyz"[j]}="{float(tensor[i, j])!r}"' for i in range(3) for j in range(i, 3))
+    centre = 0.5 * (BALL_B - BALL_A) + eccentricity * first
+    crosses = [f"cross{k}" for k in range(1, len(axes))]
+    none = " ".join(f'i{part}="0"' for part in ("xx", "xy", "xz", "yy", "yz", "zz"))
+    links = ['<link name="frame"/>']
+    links += [f'<link name="{name}"><inertial><mass value="0"/><inertia {none}/></inertial></link>' for name in crosses]
+    body = '<link name="{}"><inertial><origin xyz="{}"/><mass value="{}"/><inertia {}/></inertial></link>'
+    plain = 'ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"'
+    links += [body.format("crank", "0.02 0 0", 4, plain), body.format("rocker", "0 0 0.07", 6, plain)]
+    links.append(body.format("rod", words(centre), 3, moments))
+    joint = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}"/><origin xyz="{}"/><axis xyz="{}"/></joint>'
+    joints = [joint.format("O", "frame", "crank", "0 0 0", "0 0 1")]
+    joints.append(joint.format("Q", "frame", "rocker", words([FRAME, OFFSET, 0.0]), "1 0 0"))
+    chain = ["crank", *crosses, "rod"]
+    for k, axis in enumerate(axes):
+        place = BALL_A if k == 0 else np.zeros(3)
+        joints.append(joint.format("A" if k == len(axes) - 1 else f"A{k + 1}", chain[k], chain[k + 1], words(place), words(axis)))
+    loop = f'<loop_joint name="B" type="spherical"><link1 link="rod" xyz="{words(BALL_B - BALL_A)}"/>'
+    loop += f'<link2 link="rocker" xyz="0 0 {ROCKER}"/></loop_joint>'
+    return f'<robot name="rssr">{"".join(links + joints)}{loop}<transmission name="t"><joint name="O"/></transmission></robot>'
+
+
+def loaded(folder, name, *args, **more):
+    path = folder / f"{name}.urdf"
+    path.write_text(rssr(*args, **more))
+    return pp.load(path)
+
+
+UNIVERSAL = across(ALONG)
+BALL = (*UNIVERSAL, ALONG)
+OBLIQUE = (UNIVERSAL[1], UNIVERSAL[0], (ALONG + 0.3 * UNIVERSAL[0]) / np.sqrt(1.09))  # a free motion of all three hinges
+
+
+def rocker_angle(crank):
+    """Angle of the rocker from the drawn pose, by the length of the rod from (x, y, 0) to (FRAME, OFFSET - ROCKER sin, ROCKER cos)."""
+    x, y = CRANK * np.cos(crank), CRANK * np.sin(crank)
+    return np.arcsin(((FRAME - x) ** 2 + (OFFSET - y) ** 2 + ROCKER**2 - LENGTH**2) / (2 * ROCKER * (OFFSET - y)))
+
+
+@pytest.mark.parametrize("axes", [BALL, OBLIQUE])
+def test_the_output_angle_of_a_rod_between_balls_is_that_of_the_closed_form(tmp_path, axes):
+    press = loaded(tmp_path, "ball", axes)
+    assert (press.mobility, press.held_spins) == (1, ("A",))
+    motion = pp.cycle(press, 10.0, points=48)
+    found = motion.joint_position[:, press.joints.index("Q")]
+    np.testing.assert_allclose(found, rocker_angle(motion.crank_angle), rtol=0, atol=1e-11)
+    assert np.abs(motion.joint_position[:, press.joints.index("A")]).max() < 1e-15
+
+
+def test_forces_of_a_slender_rod_do_not_depend_on_how_its_spin_is_held(tmp_path):
+    presses = [loaded(tmp_path, name, axes) for name, axes in (("ball", BALL), ("oblique", OBLIQUE), ("universal", UNIVERSAL))]
+    assert [len(press.held_spins) for press in presses] == [1, 1, 0]
+    found = [pp.inverse_dynamics(press, pp.cycle(press, 10.0, points=16)) for press in presses]
+    scale = max(np.abs(force).max() for force in found[2].bearing_force.values())
+    for other in found[:2]:
+        np.testing.assert_allclose(other.driving_torque, found[2].driving_torque, rtol=0, atol=1e-12 * scale)
+        np.testing.assert_allclose(other.shaking_moment, found[2].shaking_moment, rtol=0, atol=1e-11 * scale)
+        for name in ("O", "Q", "A", "B"):
+            np.testing.assert_allclose(other.bearing_force[name], found[2].bearing_force[name], rtol=0, atol=1e-11 * scale)
+        assert np.abs(other.power_residual).max() < 1e-12
+        assert (len(other.coupling_torque), len(other.indeterminate_coupling)) == (0, 0)
+
+
+@pytest.mark.parametrize("method", ["reduced", "constraint"])
+def test_runs_of_a_rod_between_balls(tmp_path, method):
+    ball, universal = (loaded(tmp_path, name, axes) for name, axes in (("ball", BALL), ("universal", UNIVERSAL)))
+    runs = [pp.simulate(press, 0.3, speed=6.0, method=method, points=7) for press in (ball, universal)]
+    np.testing.assert_allclose(runs[0].crank_angle, runs[1].crank_angle, rtol=0, atol=1e-8)
+    pp.inverse_dynamics(ball, runs[0])
+
+
+def test_check_says_which_spin_is_held(tmp_path):
+    loaded(tmp_path, "ball", BALL)
+    found = pp.check(tmp_path / "ball.urdf")
+    assert not found.errors
+    assert any("link 'rod' can spin about a line" in note.problem and "held, with joint 'A'" in note.remedy for note in found.notes)
+    assert str(found)
+
+
+def test_a_rod_out_of_balance_is_refused_by_name(tmp_path):
+    with pytest.raises(pp.UrdfError, match="link 'rod' can spin about a line 12 mm from its centre of mass; its weight would turn it"):
+        loaded(tmp_path, "bent", BALL, eccentricity=0.012)
+
+
+def test_written_and_read_again(tmp_path):
+    press = loaded(tmp_path, "ball", BALL)
+    pp.write_urdf(press, tmp_path / "again.urdf")
+    again = pp.load(tmp_path / "again.urdf")
+    assert again.held_spins == press.held_spins
+    heavier = press.with_inertias([pin.Inertia(2 * i.mass, i.lever, 2 * i.inertia) for i in press.model.inertias])
+    assert heavier.held_spins == press.held_spins
+
+
+def test_a_link_that_hangs_free_is_no_spin(tmp_path):
+    text = rssr(UNIVERSAL).replace("</robot>", "")
+    text += '<link name="bob"><inertial><origin xyz="0.1 0 0"/><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+    text += '</inertial></link><joint name="hang" type="continuous"><parent link="rocker"/><child link="bob"/><axis xyz="0 1 0"/></joint>'
+    path = tmp_path / "free.urdf"
+    path.write_text(text + "</robot>")
+    with pytest.raises(pp.UrdfError, match="mobility is 2, but one joint drives"):
+        pp.load(path)
