@@ -1,3 +1,5 @@
+from .dynamics.driving_energy import PeriodEnergy as PeriodEnergy
+from .dynamics.driving_energy import driving_energy as driving_energy
 from .dynamics.extremes import ExtremeValues as ExtremeValues
 from .dynamics.extremes import extremes as extremes
 from .dynamics.harmonics import HarmonicAnalysis as HarmonicAnalysis

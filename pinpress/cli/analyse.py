@@ -3,10 +3,16 @@
 import argparse
 import time
 
+import numpy as np
+
 from ..common import tables
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, SimulationError
 from ..common.files import make_folder
-from ..dynamics.inputs import inputs
+from ..common.quantities import RPM
+from ..drives.protocol import Drive
+from ..drives.transmission import Flywheel, PrescribedSpeed
+from ..dynamics.driving_energy import driving_energy
+from ..dynamics.inputs import described, inputs
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
 from ..kinematics.motion import cycle
@@ -14,11 +20,14 @@ from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
+from ..simulation.run import duty_summary
+from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
 from . import part_specs
 from .options import (
     SIGNS,
     SPEED,
+    add_flywheel_option,
     add_force_options,
     add_out_option,
     add_press_options,
@@ -45,7 +54,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "until the press repeats itself. Prints a summary; with --out also writes cycle.csv (every quantity at every crank angle, units\n"
         "in the header) and recording.html (the press turning with its forces, a page to open by double click); with --report also\n"
         "report.html, which has charts beside the press.",
-        epilog=f"{part_specs.explained('load', 'spring', 'friction')}\n{SIGNS}",
+        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor')}\n{SIGNS}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
@@ -58,6 +67,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="H",
         help="height from which down the crank's torque lets the nominal force act (default: at any); other limits see pinpress ratings",
     )
+    add_flywheel_option(parser, "its drop of speed at an even motor torque is printed")
+    option(
+        "--speed-drop", type=quantity("-"), metavar="D", help="drop of the flywheel's speed, e.g. 0.1; the inertia that it takes is printed"
+    )
+    option("--motor", metavar="KIND:KEYS", help="motor, see below; the steady state under it, with loads and flywheel, is printed")
     add_out_option(parser, "the files")
     add_report_option(parser)
     option("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")
@@ -82,6 +96,10 @@ def run(options: argparse.Namespace) -> int:
     press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
     acting = forces(options, press)
+    flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
+    motor = None if options.motor is None else part_specs.motor(options.motor)
+    if flywheel is not None and flywheel.speed is not None:
+        raise PinpressError("--flywheel: at constant speed it turns with the crank: leave speed= out, or simulate the press with a clutch")
     walk = time.perf_counter()
     _ = press.branch  # followed here, so that the times below are those of any further motion
     start = time.perf_counter()
@@ -91,11 +109,18 @@ def run(options: argparse.Namespace) -> int:
     reactions = inverse_dynamics(press, motion, **acting, engine=options.engine)
     end = time.perf_counter()
     permissible = _permissible(press, options)
+    more: list[str] = []
+    if any(given is not None for given in (flywheel, options.speed_drop, motor)):
+        more += _of_flywheel(reactions, flywheel, options.speed_drop)
+    if motor is not None:
+        more += _of_motor(reactions, motor, flywheel)
     print(summary(press, motion, reactions, None if permissible is None else permissible.utilisation(reactions)))
     took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
     further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
     print(tables.entry("time taken", f"{took[0]:.1f}", further))
-    print_inputs([*inputs(reactions), *([] if permissible is None else capacities_in_words(permissible.capacities))])
+    print("\n".join(more), end="\n" if more else "")
+    driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]
+    print_inputs([*inputs(reactions), *driving, *([] if permissible is None else capacities_in_words(permissible.capacities))])
     if options.out is not None:
         before = None if options.before is None else _before(options)
         make_folder(options.out)
@@ -111,6 +136,41 @@ def _permissible(press: Linkage, options: argparse.Namespace) -> PressRatings | 
             raise PinpressError("--nominal-height is that of a nominal force: give --nominal-force too")
         return None
     return rate(press, options.speed.of(press.driver_coordinates[0]), Capacities(options.nominal_force, options.nominal_height))
+
+
+def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: float | None) -> list[str]:
+    """What the press asks of its drive at constant speed, and what that means for the flywheel."""
+    energy = driving_energy(reactions)
+    works, torque = tables.scale("J", [energy.work, energy.stored]), tables.scale("N m", [energy.mean_torque])
+    power = tables.scale("W", [energy.mean_power])
+    lowest, highest = (f"{np.degrees(angle):.1f} deg" for angle in (energy.lowest_at, energy.highest_at))
+    lines = [
+        "",
+        "Flywheel (at an even motor torque; drop of speed to first order)",
+        tables.entry("work of the drive", works.shown(energy.work), works.unit, "a period"),
+        tables.entry("mean torque", torque.shown(energy.mean_torque), torque.unit),
+        tables.entry("mean power", power.shown(energy.mean_power), power.unit),
+        tables.entry("energy that it stores", works.shown(energy.stored), works.unit, f"slowest at {lowest}, fastest at {highest}"),
+    ]
+    if flywheel is not None:
+        inertia = float(np.ravel(flywheel.inertia)[0])
+        lines.append(tables.entry("speed drop", f"{100 * energy.speed_drop(inertia):.4f}", "%", f"with {inertia:g} kg m2"))
+    if speed_drop is not None:
+        inertia = energy.inertia(speed_drop)
+        lines.append(tables.entry("inertia it takes", f"{inertia:.5g}", "kg m2", f"with the drive's, for a drop of {100 * speed_drop:g} %"))
+    return lines
+
+
+def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Flywheel | None) -> list[str]:
+    """Speeds and the motor's duty in the steady state under a motor, or why there is none."""
+    speed = float(reactions.motion.crank_speed[0])
+    rubbing = ", without the friction in bearings" if reactions.friction else ""
+    lines = ["", f"Steady state under the motor near {speed / RPM:g} r/min{rubbing}; all else here is at constant speed"]
+    try:
+        run = steady_state(reactions._press, speed, drive=motor, flywheel=flywheel, loads=reactions.loads)  # type: ignore[arg-type]
+    except SimulationError as error:
+        return [*lines, f"  none: {error}"]
+    return [*lines, *duty_summary(run)]
 
 
 def _before(options: argparse.Namespace) -> Reactions:

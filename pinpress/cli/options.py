@@ -94,6 +94,11 @@ def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True)
         )
 
 
+def add_flywheel_option(parser: argparse.ArgumentParser, meaning: str) -> None:
+    """Option --flywheel; ``meaning``: what else its help says."""
+    parser.add_argument("--flywheel", metavar="J", help=f"inertia at the driver joint, in kg m2; {meaning}")
+
+
 def add_refused_option(parser: argparse.ArgumentParser, name: str, why: str) -> None:
     """An option that other commands have, and this one refuses with a reason."""
 

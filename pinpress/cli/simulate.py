@@ -14,6 +14,7 @@ from ..visual.recording import traced
 from . import part_specs
 from .options import (
     SIGNS,
+    add_flywheel_option,
     add_force_options,
     add_out_option,
     add_press_options,
@@ -63,11 +64,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     until.add_argument("--duration", type=quantity("s"), metavar="S", help="length of the run, in s")
     until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")
     option("--motor", metavar="KIND:KEYS", help="motor or other drive of the crank, see below (default: none)")
-    option(
-        "--flywheel",
-        metavar="J",
-        help="inertia at the driver joint, in kg m2; inertia=J,speed=RPM where it turns before a clutch closes",
-    )
+    add_flywheel_option(parser, "inertia=J,speed=RPM where it turns before a clutch closes")
     add_force_options(parser, friction=False)
     why = "simulations know no friction in bearings: pinpress analyse has it at constant speed; losses in gears are efficiency= of --motor"
     add_refused_option(parser, "--friction", why)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..common import plausibility
 from ..common.arguments import numbers, suitable_numbers
@@ -168,27 +168,30 @@ def process_force(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> 
     return total
 
 
-def process_work(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> float:
-    """Work that the slide does against the process loads and forces in time over a motion's states, a `cycle` closed by its first [J].
+def process_work(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> Array:
+    """Work that the slide does against the process loads and forces in time from each of a motion's states to the next, over a `cycle` also
+    from the last one to the first [J]: (n - 1,), or (n,).
 
     Raises as `apply`.
     """
-    total = 0.0
+    total = np.zeros(len(motion.crank_angle) - (not is_cycle(motion)))
     for load in asked(loads):
         if isinstance(load, TimeForce):
-            power = -_in_time(load, motion) * motion.slide_velocity
-            total += float(np.trapezoid(_closed(motion, power), _closed_time(motion.time, motion)))
+            power = _closed(motion, -_in_time(load, motion) * motion.slide_velocity)
+            total += 0.5 * (power[1:] + power[:-1]) * np.diff(_closed_time(motion.time, motion))
         elif not isinstance(load, PointForce | SpringDamper):
             total += _work_in_height(load, press, motion)
     return total
 
 
-def _work_in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> float:
-    """Work against a process load [J]: from state to state, its laws are integrated over the height within the borders of its intervals."""
-    intervals, work = _intervals(load), 0.0
+def _work_in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
+    """Work against a process load, as of `process_work`: its laws are integrated over the height within the borders of its intervals."""
+    intervals = _intervals(load)
     if not intervals:
-        return work
-    height, velocity = _through_turning_points(motion, *_heights(press, motion, datum(caller_laws.as_given(load), press)))
+        return np.zeros(len(motion.crank_angle) - (not is_cycle(motion)))
+    heights, velocities = _heights(press, motion, datum(caller_laws.as_given(load), press))
+    height, velocity, before = _through_turning_points(motion, _closed(motion, heights), _closed(motion, velocities))
+    work = np.zeros(len(height) - 1)
     begin, way, change = height[:-1, None], np.diff(height)[:, None], np.diff(velocity)[:, None]
     nodes, weights = GAUSS
     for downwards, interval in intervals:
@@ -199,20 +202,20 @@ def _work_in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> fl
         at = first + travel * nodes
         speed = velocity[:-1, None][steps] + change[steps] * (at - begin[steps]) / way[steps]
         force = _force_in(caller_laws.name(load), interval, at.ravel(), speed.ravel()).reshape(at.shape)
-        work -= float((force @ weights * travel[:, 0]).sum())
-    return work
+        work[steps] -= force @ weights * travel[:, 0]
+    return np.asarray(np.bincount(before, work, len(motion.crank_angle) - (not is_cycle(motion))))
 
 
-def _through_turning_points(motion: "Motion", height: Array, velocity: Array) -> tuple[Array, Array]:
-    """Heights and velocities with those where the slide turns back between two states, as it does under an even acceleration."""
-    time = motion._time
-    if time is None or len(time) < 2:
-        return height, velocity
-    height, velocity, time = _closed(motion, height), _closed(motion, velocity), _closed_time(time, motion)
+def _through_turning_points(motion: "Motion", height: Array, velocity: Array) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Heights and velocities with those where the slide turns back between two states, as it does under an even acceleration; and for each
+    step from one to the next the state at or before its beginning."""
+    states = np.arange(len(height) - 1)
+    if motion._time is None or not len(states):
+        return height, velocity, states
     before = np.flatnonzero(velocity[:-1] * velocity[1:] < 0)
     share = velocity[before] / (velocity[before] - velocity[before + 1])
-    turns = height[before] + 0.5 * velocity[before] * share * np.diff(time)[before]
-    return np.insert(height, before + 1, turns), np.insert(velocity, before + 1, 0.0)
+    turns = height[before] + 0.5 * velocity[before] * share * np.diff(_closed_time(motion._time, motion))[before]
+    return np.insert(height, before + 1, turns), np.insert(velocity, before + 1, 0.0), np.sort(np.concatenate([states, before]))
 
 
 def _closed(motion: "Motion", values: Array) -> Array:

@@ -133,13 +133,18 @@ class Reactions(Tabular):
 
         Between two states the laws are integrated over the height, so that a blank that breaks through between them costs no accuracy.
         """
-        return applied_loads.process_work(self.loads, self._press, self.motion)
+        return float(self._process_steps.sum())
+
+    @cached_property
+    def _process_steps(self) -> Array:
+        """The process's work from each state to the next, over a `cycle` also from the last to the first [J]: (n - 1,), or (n,)."""
+        return read_only(applied_loads.process_work(self.loads, self._press, self.motion))
 
     def __getstate__(self) -> dict[str, Any]:
         """The state for copies and pickles."""
         loads = tuple(sendable(load) for load in self.loads)
         if any(isinstance(load, str) for load in loads):
-            _ = self.process_force, self.process_work  # they cannot be computed from descriptions
+            _ = self.process_force, self._process_steps  # they cannot be computed from descriptions
         return vars(self) | {"loads": loads}
 
     @property

@@ -511,6 +511,12 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: b
     return "\n".join(lines)
 
 
+def duty_summary(run: Run) -> list[str]:
+    """Lines with the speeds of a period of a steady state, and what it asks of the motor."""
+    whole = duty_cycle(run)
+    return [*_speeds(run, whole, True), *_motor(run, whole)]
+
+
 def _end(run: Run, steady: bool) -> list[str]:
     first, (unit, size) = run.driver_coordinates[0], _speed_unit(run)
     angle = first.scale * run.crank_angle

@@ -69,6 +69,69 @@ def test_process_beside_what_is_permitted(tmp_path: Path, capsys: pytest.Capture
     assert data["process"]["permissible"] is not None
 
 
+def printed_numbers(section: str) -> dict[str, float]:
+    """By their names, in SI units."""
+    factors = {"kJ": 1e3, "kN m": 1e3, "kW": 1e3, "%": 0.01, "r/min": pp.RPM}
+    rows = re.findall(r"^  ([a-z ]+?) {2,}([-\d.]+) (kJ|J|kN m|N m|kW|%|kg m2|r/min)(?: |$)", section, flags=re.MULTILINE)
+    return {name: float(number) * factors.get(unit, 1.0) for name, number, unit in rows}
+
+
+MOTOR = "induction:rated_power=75kW,rated_speed=1400,inertia=1.2,ratio=20.7"
+WEAK = "induction:rated_power=7e3,rated_speed=1400,ratio=20.7"
+
+
+def test_flywheel_and_motor(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--load", BLANKING, "--flywheel", "20000", "--speed-drop", "10%", "--motor", MOTOR]
+    assert main([*ANALYSE, *words]) == 0
+    text = capsys.readouterr().out
+    press, motion = shipped()
+    energy = pp.measures.driving_energy(pp.inverse_dynamics(press, motion, [BLANK]))
+    assert printed_numbers(text.split("\nFlywheel (")[1].split("\n\n")[0]) == pytest.approx(
+        {
+            "work of the drive": energy.work,
+            "mean torque": energy.mean_torque,
+            "mean power": energy.mean_power,
+            "energy that it stores": energy.stored,
+            "speed drop": energy.speed_drop(2e4),
+            "inertia it takes": energy.inertia(0.1),
+        },
+        rel=3e-4,  # five digits of the larger of two energies
+    )
+    drive = pp.drives.Geared(pp.drives.InductionMotor(75e3, 1400 * pp.RPM, inertia=1.2), 20.7)
+    run = pp.steady_state(press, 70 * pp.RPM, drive=drive, flywheel=pp.drives.Flywheel(2e4), loads=[BLANK])
+    duty = pp.measures.duty_cycle(run)
+    steady = printed_numbers(text.split("\nSteady state under the motor")[1].split("\n\nInputs")[0])
+    assert steady == pytest.approx(
+        {
+            "mean": duty.mean_speed,
+            "highest": duty.highest_speed,
+            "lowest": duty.lowest_speed,
+            "speed drop": duty.speed_drop,
+            "rms": duty.motor_rms,
+            "peak": duty.motor_peak,
+            "utilisation": duty.utilisation,
+        },
+        rel=3e-4,
+    )
+    assert "flywheel      Flywheel(inertia=20000 kg m2)" in text
+    assert "motor         Geared(drive=InductionMotor(" in text
+
+
+def test_a_motor_that_is_too_weak_and_friction(capsys: pytest.CaptureFixture[str]) -> None:
+    words = [
+        "--load",
+        "drawing:force=1500kN,start=40mm",
+        "--friction",
+        "A:viscous=10",
+        "--motor",
+        "induction:rated_power=7e3,rated_speed=1400,ratio=20.7",
+    ]
+    assert main([*ANALYSE, *words]) == 0
+    text = capsys.readouterr().out
+    assert "near 70 r/min, without the friction in bearings" in text
+    assert "  none: no steady state is found near 7.33038 rad/s: the drive is too weak" in text
+
+
 def test_the_press_before_is_under_the_same(tmp_path: Path) -> None:
     words = ["--load", BLANKING, "--friction", "A:coefficient=0.1,radius=0.1", "--before", "zxn2_3000b_balanced", "--report"]
     assert main([*ANALYSE, *words, "--out", str(tmp_path)]) == 0
@@ -127,6 +190,9 @@ def test_simulation_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
         ([*ANALYSE, "--spring", "link1=frame,link2=slide,point1=1/2"], "point1 is '1/2', not x/y/z as 0/0/-0.2"),
         ([*ANALYSE, "--spring", "link1=frame,link2=slide,stiffness=-1"], "stiffness is -1"),
         ([*ANALYSE, "--load", "point-force:link=slide,force=5kN"], "force is '5kN', not x/y/z"),
+        ([*ANALYSE, "--flywheel", "inertia=5,speed=70"], "at constant speed it turns with the crank"),
+        ([*ANALYSE, "--motor", "prescribed:speed=70"], "needs a motor"),
+        ([*ANALYSE, "--speed-drop", "-1"], "speed_drop is -1"),
         ([*ANALYSE, "--nominal-height", "13mm"], "give --nominal-force too"),
         ([*ANALYSE, "--stiffness", "A"], "it takes NAME=N/m, a positive stiffness [N/m]; write e.g. --stiffness A=1e9"),
         ([*ANALYSE, "--stiffness", "Q=1e9"], "no bearing 'Q'"),

@@ -33,7 +33,17 @@ MADE = {
     "SlideCompliance",
     "ExtremeValues",
 }
-MADE |= {"FailedPoint", "HarmonicAnalysis", "Linkage", "Measurement", "Motion", "MotionSensitivity", "OperatingMap", "CriterionChange"}
+MADE |= {
+    "FailedPoint",
+    "HarmonicAnalysis",
+    "Linkage",
+    "Measurement",
+    "Motion",
+    "MotionSensitivity",
+    "PeriodEnergy",
+    "OperatingMap",
+    "CriterionChange",
+}
 MADE |= {"PressRatings", "Reactions", "Run", "DeflectedSlide", "SnapThroughResponse", "PermissibleSpeed", "SweepTable", "SynthesisResult"}
 MADE |= {
     "Correction",

@@ -199,6 +199,7 @@ def made():
         ),
         *(
             pp.sweeps.operating_points(press(), [5.0, SPEED], forces=[0.0, 1e3], unit_load=DEEP, points=8, angles=True),
+            pp.measures.driving_energy(reactions()),
             pp.measures.harmonics(motion(), motion().v),
         ),
         *(pp.measures.extremes(reactions())[0], *pp.derivatives.motion_derivatives(press(), motion(), [{("P", "crank"): (1, 0, 0)}])),

@@ -447,6 +447,7 @@ def calls() -> dict[str, Call]:
         ("duty_cycle", pp.measures.duty_cycle, lambda: {"run": run(), "end": 0.5}),
         ("stroke_duties", pp.measures.stroke_duties, lambda: {"run": run()}),
         ("extremes", pp.measures.extremes, lambda: {"reactions": reactions()}),
+        ("driving_energy", pp.measures.driving_energy, lambda: {"reactions": reactions()}),
         ("harmonics", pp.measures.harmonics, lambda: {"motion": motion(), "force": reactions().shaking_force, "orders": 3}),
         (
             "operating_points",

@@ -1,0 +1,121 @@
+"""Energy that a drive gives in a period at constant speed, and the flywheel that lets an even torque do it.
+
+Where a motor gives the mean of the driving torque all the time, the flywheel takes up what is too much and gives off what is missing. The
+kinetic energy that it stores between its lowest and its highest speed is the range of the integral of driving torque less mean torque over
+the crank angle. With the inertia J of all that turns evenly it is J w (w_highest - w_lowest), to the first order of the speed drop: the
+driving torque is that at constant speed w, which has the inertia of the linkage in it. `steady_state` finds the speed under a real motor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.arguments import expect, positive, typed
+from ..common.errors import PinpressError
+from ..common.results import Record
+from .extremes import is_constant
+from .harmonics import is_cycle
+from .inverse_dynamics import Reactions
+
+UNITS = {
+    "speed": "rad/s",
+    "work": "J",
+    "mean_power": "W",
+    "mean_torque": "N m",
+    "rms_torque": "N m",
+    "largest_torque": "N m",
+    "stored": "J",
+    "lowest_at": "rad",
+    "highest_at": "rad",
+}
+
+
+@dataclass(frozen=True, repr=False)
+class PeriodEnergy(Record, units=UNITS):
+    """What a press asks of its drive in one period at constant speed.
+
+    Attributes:
+        speed: Speed of the crank, negative backwards [rad/s].
+        work: Work of the drive in the period: what loads, dampers and friction take [J].
+        mean_power: Work by the duration of the period [W].
+        mean_torque: Mean of the driving torque [N m].
+        rms_torque: Root mean square of the driving torque: a motor without a flywheel heats by it [N m].
+        largest_torque: Largest size of the driving torque [N m].
+        stored: Energy that a flywheel takes up and gives off again, where the motor gives the mean torque [J].
+        lowest_at: Crank angle at which the flywheel would be slowest [rad].
+        highest_at: Crank angle at which it would be fastest [rad].
+    """
+
+    speed: float
+    work: float
+    mean_power: float
+    mean_torque: float
+    rms_torque: float
+    largest_torque: float
+    stored: float
+    lowest_at: float
+    highest_at: float
+
+    @typed
+    def speed_drop(self, inertia: float) -> float:
+        """Highest less lowest speed divided by the mean, to first order [-].
+
+        Args:
+            inertia: Inertia of flywheel and drive at the driver joint [kg m2].
+
+        Raises:
+            PinpressError: The inertia is no positive number.
+        """
+        return self.stored / (positive("inertia", inertia, "kg m2") * self.speed**2)
+
+    @typed
+    def inertia(self, speed_drop: float) -> float:
+        """Inertia of flywheel and drive at the driver joint that holds the drop of speed, to first order [kg m2].
+
+        Args:
+            speed_drop: Highest less lowest speed divided by the mean [-].
+
+        Raises:
+            PinpressError: The drop is no positive number.
+        """
+        return self.stored / (positive("speed_drop", speed_drop, "-") * self.speed**2)
+
+
+@typed
+def driving_energy(reactions: Reactions) -> PeriodEnergy:
+    """Work of the drive, its mean power and torque, and the energy that a flywheel has to store.
+
+    They are sums over the states of a period; the work of the process between them is exact, see `Reactions.process_work`.
+
+    Args:
+        reactions: Reactions to one period of a crank at constant speed, as `cycle` gives it, under loads and friction.
+
+    Raises:
+        PinpressError: The motion is not one period at constant speed, or the driver slides.
+    """
+    expect("reactions", reactions, Reactions, "inverse_dynamics")
+    motion = reactions.motion
+    if motion.crank_speed.ndim > 1 or not motion.driver_coordinates[0].turns or not is_cycle(motion) or not is_constant(motion.crank_speed):
+        raise PinpressError("the motion is not one period of a crank at constant speed: give reactions to cycle(press, speed=...)")
+    torque, speed = reactions.driving_torque, float(motion.crank_speed[0])
+    step = float(motion.crank_angle[1] - motion.crank_angle[0])
+    along = 0.0 if reactions._press.slide is None else reactions.process_force * motion.slide_velocity
+    rest = torque + along / speed  # without the process, whose force may jump between two states
+    works = 0.5 * (rest + np.roll(rest, -1)) * step + reactions._process_steps
+    mean = float(works.mean() / step)
+    missing = np.cumsum(works - mean * step)  # energy that the flywheel has given off after each step
+    lowest, highest = int(missing.argmax()), int(missing.argmin())
+    angle = np.append(motion.crank_angle[1:], motion.crank_angle[0])
+    return PeriodEnergy(
+        speed=speed,
+        work=float(works.sum()),
+        mean_power=mean * speed,
+        mean_torque=mean,
+        rms_torque=float(np.sqrt(np.mean(torque**2))),
+        largest_torque=float(np.abs(torque).max()),
+        stored=float(np.ptp(missing)),
+        lowest_at=float(angle[lowest]),
+        highest_at=float(angle[highest]),
+    )
