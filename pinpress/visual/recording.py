@@ -215,9 +215,9 @@ def _period(press: Linkage, motion: Motion) -> float | None:
 
 
 def _driver(coordinate: DriverCoordinate) -> dict[str, str]:
-    """What the driver is called, and what stands behind its coordinate: the unit, and from where it counts."""
-    unit = "°" if coordinate.turns else " mm"
-    return {"name": coordinate.part, "unit": f"{unit} from {coordinate.zero}" if coordinate.zero else unit}
+    """What the driver is called, dead centres from which it counts by their initials, and the unit behind its coordinate."""
+    zero = "".join(word[0] for word in coordinate.zero.split()).upper() if coordinate.zero.endswith("dead centre") else coordinate.zero
+    return {"name": f"{coordinate.part} from {zero}" if zero else coordinate.part, "unit": "°" if coordinate.turns else " mm"}
 
 
 def _closing_time(time: Array, crank: Array, period: float) -> float | None:

@@ -46,7 +46,7 @@ def test_pages(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     printed(capsys, *words, "--out", tmp_path, "--report")
     data = data_in(tmp_path / "report.html")
     assert data["report"]["over"] == {"quantity": "crank angle from top dead centre", "unit": "deg"}
-    assert data["driver"] == {"name": "crank", "unit": "° from top dead centre"}
+    assert data["driver"] == {"name": "crank from TDC", "unit": "°"}
     assert data["slide"][0] == max(data["slide"])
 
 
