@@ -120,7 +120,7 @@ def spins(press: Linkage, rows: Rows) -> list[Spin]:
         motion = free[way] / free[way, joint]
         free = np.delete(free - np.outer(free[:, joint], motion), way, axis=0)
         spin = _spin(press, rows, passive.joints, motion, int(joint))
-        if spin is None:
+        if spin is None or not press.spatial_model.on_loop[spin.joint]:  # a link on no loop hangs free: a loop was forgotten
             return []
         found.append(spin)
     return found
