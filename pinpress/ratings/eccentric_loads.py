@@ -111,7 +111,7 @@ class GuideReaction(Tabular):
 def eccentric_load(
     press: Linkage, motion: Motion, *, force: float, offset: Sequence[float], gibs: Gibs, engine: str = "auto"
 ) -> GuideReaction:
-    """Gibs reaction and gib pressure under a process force beside the slide's axis, without weights and inertia forces.
+    """Guide reaction and gib pressure under a process force beside the slide's axis, without weights and inertia forces.
 
     Args:
         press: a press with a slide.
