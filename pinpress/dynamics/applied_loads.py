@@ -67,7 +67,7 @@ def apply(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> list[App
             applied += _on_slide(load, press, _in_height(load, press, motion))
         else:
             raise PinpressError(
-                f"load {shown(load)} is none: give a PointForce, a SpringDamper, a process load (pinpress.loads) or a TimeForce"
+                f"load {shown(load)} is no load: give a PointForce, a SpringDamper, a process load (pinpress.loads) or a TimeForce"
             )
     return applied
 

@@ -35,7 +35,7 @@ class Assembly(NamedTuple):
         drawn: the drawn pose, closed as far as Newton's method could.
         gaps: (rows,) of the equations of loops and couplings as drawn, see `engines.spatial.model`.
         determined: whether the drivers determine how all joints move there.
-        rows: the equations in the closed pose; None where they have not been worked out yet.
+        rows: the equations in the closed pose; None where they have not been computed yet.
         branch: the assembly over the crank angle; None where it has not been followed yet.
     """
 

@@ -1,10 +1,10 @@
-"""Results that follow from a linkage alone: worked out when first asked for, kept with it, and refused once its model was changed in place.
+"""Results that follow from a linkage alone: computed when first needed, kept with it, and refused once its model was changed in place.
 
 `per_linkage` keeps such results in all rooms. They are copied and pickled with the linkage; a changed linkage, made by
 `dataclasses.replace`, starts without any.
 
-Pinocchio's model cannot be made read-only. A change in place would be seen by results that are worked out later, and not by those worked
-out before. Whenever the model, or a result, is read, the model is therefore compared with a copy of what it was, which takes less than a
+Pinocchio's model cannot be made read-only, and a change in place would show in results that are computed later, but not in those computed
+before. Therefore the model is compared with a copy of its first state whenever it, or a result, is read, which takes less than a
 microsecond.
 """
 
@@ -24,7 +24,7 @@ T = TypeVar("T")
 
 
 class Kept(NamedTuple):
-    """Results kept with a linkage, by the full names of the functions that worked them out.
+    """Results kept with a linkage, by the full names of the functions that computed them.
 
     Attributes:
         of_masses: results that may depend on masses and inertias.
@@ -53,11 +53,12 @@ def per_linkage(work_out: Callable[[P], T]) -> Callable[[P], T]: ...
 @overload
 def per_linkage(*, of_geometry: bool) -> Callable[[Callable[[P], T]], Callable[[P], T]]: ...
 def per_linkage(work_out: Callable[[Any], Any] | None = None, *, of_geometry: bool = False) -> Any:
-    """Decorate a function of a linkage so that it is worked out once for each. Arrays in its result are read-only; errors are not kept.
+    """Decorate a function of a linkage so that it is computed once for each linkage. Arrays in its result are read-only; errors are not
+    kept.
 
     Args:
         work_out: the function.
-        of_geometry: whether its result does not depend on masses and inertias, and is kept where these change (`Linkage.with_inertias`).
+        of_geometry: whether its result does not depend on masses and inertias, and is kept when these change (`Linkage.with_inertias`).
     """
     if work_out is None:
         return partial(per_linkage, of_geometry=of_geometry)
@@ -84,7 +85,7 @@ def keep_geometry(changed: object, press: object) -> None:
 
 
 def keep_all_but(forgotten: Callable[[Any], Any], copied: object, press: object) -> None:
-    """Hand all kept results to an equal linkage, without those of one function (``forgotten``) of `per_linkage`."""
+    """Hand all kept results to an equal linkage, without that of one function (``forgotten``) of `per_linkage`."""
     for known, own in zip(vars(copied)[_KEPT], vars(press)[_KEPT], strict=True):
         known.update({name: value for name, value in own.items() if name != _name(forgotten)})
 

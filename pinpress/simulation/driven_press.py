@@ -374,7 +374,7 @@ def _of_load(press: Linkage, load: Load, row: int) -> tuple[Coordinate | None, G
         return None, GeneralizedForce(_slide_row(press), 0.0, time=load.force, edges=tuple(load.edges))
     if isinstance(load, ProcessLoad) and not isinstance(load, type):
         return None, _process_force(press, load)
-    raise PinpressError(f"load {shown(load)} is none: give a PointForce, a SpringDamper or one of pinpress.loads")
+    raise PinpressError(f"load {shown(load)} is no load: give a PointForce, a SpringDamper or one of pinpress.loads")
 
 
 def _driving_force(row: int, drive: Drive) -> GeneralizedForce:

@@ -151,7 +151,7 @@ def depends_on_speed(motion):
         ({"unit_load": pp.loads.PointForce("slide", depends_on_speed)}, "is not affine in the square of the speed"),
         ({"unit_load": pp.loads.ElasticDie(0.02, 1.0, damping=0.1)}, "is not affine in the square of the speed"),
         ({"unit_load": pp.loads.ElasticDie(0.02, 1.0), "forces": [-1e8, 1e8]}, "not proportional to its amplitude"),
-        ({"unit_load": 5}, "load 5 is none"),
+        ({"unit_load": 5}, "load 5 is no load"),
         ({"loads": [pp.loads.SpringDamper("frame", "slide", damping=1e4, point1=(0, 0, 0.5))]}, "is not affine in the square of the speed"),
         ({"loads": SPRING}, "give a list"),
         ({"bearings": ["Z"]}, "no bearing 'Z'"),
