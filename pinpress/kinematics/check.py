@@ -286,9 +286,10 @@ def _described(facts: Facts) -> list[str]:
     lines = [*main_lines(facts.data, facts.drivers), *_mobility(facts), "", *_bearings(facts)]
     if facts.dyads:
         lines += ["", "Least transmission angles (between the two links of a dyad; best at 90 deg, at 0 they are in line and lock)"]
-        rows = [["", "joined to the rest by", "angle [deg]", "at crank [deg]", ""]]
+        coordinate = facts.data.coordinate
+        rows = [["", "joined to the rest by", "angle [deg]", f"at {coordinate.part} [{coordinate.shown_unit}]", ""]]
         for dyad in facts.dyads:
-            angles = [f"{np.degrees(angle) + 0.0:.2f}" for angle in (dyad.least_transmission_angle, dyad.crank_angle)]
+            angles = [f"{np.degrees(dyad.least_transmission_angle):.2f}", f"{coordinate.scale * dyad.crank_angle + 0.0:.2f}"]
             flat = dyad.least_transmission_angle < FLAT
             rows.append([dyad.bearing, ", ".join(dyad.ends), *angles, f"below {np.degrees(FLAT):.0f} deg, as in a knuckle" if flat else ""])
         lines += tables.fitted_words(rows)
@@ -301,8 +302,8 @@ def said_in_a_line(facts: Facts) -> str:
     if facts.mobility != len(facts.drivers):
         return f"mobility {facts.mobility}"
     if data.turns_between is not None:
-        low, high = np.degrees(data.turns_between)
-        return f"locks: {facts.drivers[0]} turns only from {low:.2f} to {high:.2f} deg"
+        low, high = (data.coordinate.shown(end, ".2f") for end in data.turns_between)
+        return f"locks: {facts.drivers[0]} moves only from {low} to {high}"
     stroke = "no stroke" if data.stroke is None else f"stroke {1e3 * data.stroke:.3f} mm"
     angles = [np.degrees(dyad.least_transmission_angle) for dyad in facts.dyads]
     return f"{stroke}, least transmission angle {min(angles):.2f} deg" if angles else stroke

@@ -34,7 +34,7 @@ class Dyad(Record, units={"least_transmission_angle": "rad", "crank_angle": "rad
         bearing: name of the bearing that joins the two links to each other.
         ends: names of the bearings that join them to the rest.
         least_transmission_angle: smallest transmission angle, 0 to pi/2, over all crank angles, see `least_transmission_angles` [rad].
-        crank_angle: crank angle at which it is reached first [rad].
+        crank_angle: crank angle at which it is reached first [rad]; position of a driver that slides [m].
     """
 
     bearing: str
@@ -73,7 +73,8 @@ def least_transmission_angles(press: Linkage) -> Records[Dyad]:
         return Records(Dyad, [])
     branch = press.branch_through_change_points
     first, last = (0.0, branch.period) if branch.period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
-    steps = max(2, round(SAMPLES * (last - first) / (2 * np.pi)))
+    turns = (last - first) / (2 * np.pi) if press.driver_coordinates[0].turns else 1.0  # there is the turn of a driver that slides
+    steps = max(2, round(SAMPLES * turns))
     centres, step = np.tile(np.linspace(first, last, steps + 1), (len(bearings), 1)), (last - first) / steps
     for _ in range(ROUNDS):
         found = _angles(press, plane, bearings, centres)

@@ -34,7 +34,7 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
             where the driver slides.
         drawn_height: height of the slide above bottom dead centre in the drawn pose [m].
         dead_centres: where the slide turns back.
-        turns_between: crank angles between which the linkage locks [rad].
+        turns_between: crank angles between which the linkage locks [rad]; positions of a driver that slides [m].
         no_stroke: why the slide has no dead centres.
         coordinate: what the coordinate of the driver is.
     """
@@ -151,7 +151,7 @@ def _stroke_lines(data: MainData, driver: str) -> list[str]:
             ),
         ]
     if data.stroke is not None and data.turns_between is not None:
-        low, high = np.degrees(data.turns_between)
-        between = f"while {driver} turns from {low:.3f} to {high:.3f} deg, where the linkage locks"
+        low, high = (data.coordinate.shown(end, ".3f") for end in data.turns_between)
+        between = f"while {driver} moves from {low} to {high}, where the linkage locks"
         return [tables.entry("way of the slide", f"{1e3 * data.stroke:.3f}", "mm", between)]
     return [] if data.no_stroke is None else [tables.entry("stroke", "none", "", data.no_stroke)]

@@ -317,7 +317,7 @@ def test_linkage_that_locks(check):
     low, high = map(float, re.fullmatch(r"it turns only from (\S+) to (\S+) deg, where the linkage locks", finding.problem).groups())
     assert (low, high) == pytest.approx((-100.0, 20.0), abs=1e-4)
     assert (finding.element, finding.line) == ('<joint name="O">', 7)
-    assert "mm     while O turns from -100.000 to 20.000 deg, where the linkage locks" in str(check(text))
+    assert "mm     while O moves from -100.000 deg to 20.000 deg, where the linkage locks" in str(check(text))
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ elements

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from support import texts
 from support.generators.spatial_linkages import bennett
+from support.sliding_presses import ARM, BELL, RETRACTED, G
 
 import pinpress as pp
 
@@ -64,6 +65,16 @@ def test_as_far_as_the_crank_turns() -> None:
     links = {name: {"pins": two, "mass": 1} for name, two in (("crank", "A B"), ("coupler", "B C"), ("rocker", "C D"))}
     dyad = only({"units": "mm", "frame": "A D", "pins": pins, "links": links, "drive": "A"})
     assert dyad.least_transmission_angle < 1e-3
+
+
+def test_of_a_cylinder() -> None:
+    """Between cylinder and bell crank, by the law of cosines, where the cylinder is as long as its travel allows."""
+    (dyad,) = pp.measures.least_transmission_angles(texts.load(BELL))
+    length = np.linspace(RETRACTED - 0.1, RETRACTED + 0.15, 100_001)
+    angle = np.arccos(np.abs(length**2 + ARM**2 - G @ G) / (2 * length * ARM))
+    assert (dyad.bearing, dyad.ends) == ("K", ("G", "O"))
+    assert dyad.least_transmission_angle == pytest.approx(angle.min(), abs=1e-9)
+    assert dyad.crank_angle == pytest.approx(length[angle.argmin()] - RETRACTED, abs=1e-5)
 
 
 def test_what_has_none() -> None:
