@@ -133,7 +133,9 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     problem = f"mobility is {freedom}, but {drive}"
     if freedom > len(press.drivers):
         problem += f": with {_driver(press)} held still, {_joints(mobility.undetermined(press, rows))} can move"
-        remedy = _without_axis(press) or "a <loop_joint> is missing, a link hangs free, or a driver is missing"
+        read = ((each, _read_otherwise(press, each)) for each in mobility.constraints(press))
+        exchanged = next((f"{each.title}: {likely}" for each, likely in read if likely), None)
+        remedy = _without_axis(press) or exchanged or "a <loop_joint> is missing, a link hangs free, or a driver is missing"
         if found := mobility.spins(press, rows):  # those in balance are held
             problem += f": {' and '.join(map(_spin_in_words, found))}"
             remedy = (
@@ -174,8 +176,9 @@ def _open(press: Linkage, rows: Rows) -> Iterator[Finding]:
     # Where loops overconstrain each other, all of them may be left open; those that are drawn closed are not at fault.
     still_open = [k for k in range(len(owners)) if min(gaps[k], left[k]) > ACCEPTED * press.spatial_model.tolerance]
     still_open = still_open or [int(np.argmax(gaps))]
-    in_degrees = next((f"{found.problem}; {found.remedy}" for found in units.angles(press.document.robot)), None)
-    common = in_degrees or _without_axis(press) or rounded(press)
+    robot = press.document.robot
+    other_units = next((f"{found.problem}; {found.remedy}" for found in (*units.angles(robot), *units.length(robot, press.size))), None)
+    common = other_units or _without_axis(press) or rounded(press)
     fit = "; loops hold each other here, so that lengths and angles must fit to all digits"
     beside = fit if press.engine().redundant(press.as_drawn) else ""
     for k in sorted(still_open, key=lambda k: -gaps[k]):

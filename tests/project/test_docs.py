@@ -141,6 +141,11 @@ def test_reference_has_every_public_name() -> None:
     assert sorted(scripts["SPACES"].split()) == sorted(SPACES)
 
 
+def test_the_page_of_mistakes_has_what_is_said_today() -> None:
+    script = runpy.run_path(str(DOCS / "mistakes_page.py"))
+    assert (DOCS / "mistakes.md").read_text(encoding="utf-8") == script["page"](), "python docs/mistakes_page.py"
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The built site; no warnings."""

@@ -36,8 +36,7 @@ def remarks(robot: Element, size: float, mass: float, centres: bool = True) -> I
         centres: whether centres of mass are looked at.
     """
     heavy = mass > max(HEAVY, HEAVIEST * size**3)
-    if size > LARGEST:
-        yield _warning(robot, f"the linkage is {size:.4g} m long", "write lengths in metres, 0.001 for a millimetre")
+    yield from length(robot, size)
     if heavy:
         yield _warning(robot, f"its links weigh {mass:.4g} kg, in a linkage of {size:.3g} m", "write masses in kg, 0.001 for a gram")
     yield from angles(robot)
@@ -47,6 +46,12 @@ def remarks(robot: Element, size: float, mass: float, centres: bool = True) -> I
             if centres:
                 yield from _centre(links, link.get("name"), inertial)
             yield from _inertia(links, link.get("name"), inertial, math.inf if heavy else DENSEST)
+
+
+def length(robot: Element, size: float) -> Iterator[Finding]:
+    """The warning of a linkage that is longer than any, also of one that does not close."""
+    if size > LARGEST:
+        yield _warning(robot, f"the linkage is {size:.4g} m long", "write lengths in metres, 0.001 for a millimetre")
 
 
 def angles(robot: Element) -> Iterator[Finding]:
