@@ -81,7 +81,7 @@ def with_zero(press: Linkage, zero: str) -> Linkage:
 def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True) -> None:
     """Options of `forces`: loads and springs, and where it is computed with them friction and stiffnesses of bearings."""
     option = parser.add_argument
-    option("--load", metavar="KIND:KEYS", action="append", default=[], help="process load, see below; may be given several times")
+    add_load_option(parser)
     option("--spring", metavar="KEYS", action="append", default=[], help="spring, see below; may be given several times")
     if friction:
         option("--friction", metavar="NAME:KEYS", action="append", default=[], help="friction of a bearing or guide, or of all, see below")
@@ -92,6 +92,12 @@ def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True)
             default=[],
             help="stiffness of a bearing, by which forces are shared that rigid mechanics leaves open; may be given several times",
         )
+
+
+def add_load_option(parser: argparse.ArgumentParser) -> None:
+    """Option --load."""
+    words = "process load, see below; may be given several times"
+    parser.add_argument("--load", metavar="KIND:KEYS", action="append", default=[], help=words)
 
 
 def add_flywheel_option(parser: argparse.ArgumentParser, meaning: str) -> None:

@@ -4,24 +4,41 @@ import argparse
 import importlib.util
 from pathlib import Path
 
+from ..common import tables
+from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
-from ..dynamics.inputs import of_press, stated
+from ..dynamics.inputs import of_loads, of_press, stated
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.summary import process_summary
+from ..kinematics.motion import cycle
+from ..linkage.linkage import Linkage
+from ..loads.link import PointForce
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
 from . import part_specs
-from .options import SPEED, add_out_option, add_press_options, load_press, print_inputs, say_written
+from .options import (
+    SPEED,
+    add_flywheel_option,
+    add_load_option,
+    add_out_option,
+    add_press_options,
+    add_refused_option,
+    load_press,
+    print_inputs,
+    say_written,
+)
 from .units import driver_speed, quantity
 
-EPILOG = """\
+EPILOG = f"""\
 numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min.
 e.g. pinpress ratings zxn2_3000b --speed 70 --nominal-force 3000e3 --nominal-height 0.013 --flywheel 2000 --speed-drop 0.2 --bearing A=2e6
      --out out
-"""
+
+{part_specs.explained("load")}"""
 NUMBERS = {
     "nominal-height": ("H", "m", "height from which down the crank's torque lets the nominal force act"),
     "torque": ("NM", "N m", "torque capacity at the driver joint, in place of --nominal-height"),
-    "flywheel": ("KGM2", "kg m2", "inertia of the flywheel, reduced to the driver joint; goes with --speed-drop"),
     "speed-drop": ("D", "-", "largest drop of the flywheel's speed in a stroke, a fraction, e.g. 0.2"),
     "motor-power": ("W", "W", "that restores the energy in continuous use; leave it out for single strokes"),
     "slide-acceleration": ("A", "m/s2", "largest that tool and feed allow"),
@@ -29,7 +46,7 @@ NUMBERS = {
     "contact-height": ("H", "m", "where the tool meets the work; default: the nominal height"),
     "dwell-tolerance": ("H", "m", "distance from bottom dead centre that counts as dwell; default: a hundredth of the stroke"),
 }
-CAPACITIES = {"flywheel": "flywheel_inertia"}
+POINTS = 720  # of a turn, over which the process is looked at
 NOT_CAPACITIES = ("contact_height", "dwell_tolerance")
 
 
@@ -56,6 +73,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         action="store_true",
         help="take weights and inertia forces at this speed into account (default: the process force alone)",
     )
+    add_flywheel_option(parser, "goes with --speed-drop")
+    add_load_option(parser)
+    for name in ("--spring", "--friction"):
+        add_refused_option(parser, name, "ratings leave springs and friction out: pinpress analyse takes them")
+    add_refused_option(parser, "--motor", "ratings take the power of the motor: give --motor-power")
     option("--points", type=int, default=181, metavar="N", help="number of crank angles in the working stroke (default: %(default)s)")
     add_press_options(parser)
     add_out_option(parser, "the files")
@@ -70,24 +92,38 @@ def run(options: argparse.Namespace) -> int:
     """
     given = {name.replace("-", "_"): getattr(options, name.replace("-", "_")) for name in NUMBERS}
     extra = {name: given.pop(name) for name in NOT_CAPACITIES}
-    numbers = {CAPACITIES.get(name, name): value for name, value in given.items()}
-    capacities = Capacities(
-        options.nominal_force, bearings=part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6"), **numbers
-    )
+    if options.flywheel is not None:
+        given["flywheel_inertia"] = part_specs.flywheel(options.flywheel).inertia
+    bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
+    capacities = Capacities(options.nominal_force, bearings=bearings, **given)
+    loads = [part_specs.load(words) for words in options.load]
+    if any(isinstance(load, PointForce) for load in loads):
+        raise PinpressError("--load point-force: ratings compare the process between slide and frame; pinpress analyse takes other forces")
     press = load_press(options)
     speed = options.speed.of(press.driver_coordinates[0])
     found = rate(press, speed, capacities, at_speed=options.at_speed, points=options.points, **extra)
+    process = inverse_dynamics(press, cycle(press, speed, points=POINTS * press.period_turns), loads, bearings=()) if loads else None
+    lines = [] if process is None else _process(press, process, found)
     if options.out is not None:
         make_folder(options.out)
-    print(found)
+    print("\n".join([str(found), *lines]))
     at = f"{speed / RPM:g} r/min, {'with' if options.at_speed else 'without'} weights and inertia forces"
-    print_inputs([*of_press(press), ("speed", at), *capacities_in_words(capacities), stated()])
+    print_inputs([*of_press(press), ("speed", at), *capacities_in_words(capacities), *(of_loads(loads) if loads else []), stated()])
     if options.out is not None:
-        _write(found, options.out)
+        _write(found, process, options.out)
     return 0
 
 
-def _write(found: PressRatings, folder: Path) -> None:
+def _process(press: Linkage, process: Reactions, found: PressRatings) -> list[str]:
+    """Lines that compare the process with what is permitted, its force and its work."""
+    lines = process_summary(press, process.motion, process, found.utilisation(process))
+    for name, energy in found.energies.items():
+        share = process.process_work * found.turns / press.period_turns / energy
+        lines.append(tables.entry(f"of the {name}", f"{100 * share:.2f}", "%", "by its work in a stroke"))
+    return lines
+
+
+def _write(found: PressRatings, process: Reactions | None, folder: Path) -> None:
     """Write the files and say so."""
     found.to_csv(folder / "ratings.csv")
     if importlib.util.find_spec("matplotlib") is None:
@@ -95,5 +131,5 @@ def _write(found: PressRatings, folder: Path) -> None:
         return
     from ..plots import force_stroke, style  # slow to import
 
-    style.save(force_stroke.ratings(found), folder / "ratings.png")
+    style.save(force_stroke.ratings(found, process), folder / "ratings.png")
     say_written(folder, ["ratings.csv", "ratings.png"])

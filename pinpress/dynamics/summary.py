@@ -35,7 +35,7 @@ def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: A
         f"  {len(motion.crank_angle)} {motion.driver_coordinates[0].position}s{f' from {press.zero}' if press.zero else ''},"
         f" engine {reactions.engine!r}",
         *_slide(press, motion),
-        *_process(press, motion, reactions, utilisation),
+        *process_summary(press, motion, reactions, utilisation),
         *_torque(motion, reactions),
         *_gear_pairs(motion, reactions),
         *bearing_table(reactions),
@@ -83,8 +83,8 @@ def _slide(press: Linkage, motion: Motion) -> list[str]:
     ]
 
 
-def _process(press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None) -> list[str]:
-    """Largest force and work of the process; nothing without a process."""
+def process_summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None) -> list[str]:
+    """Lines with the largest force and the work of the process; none without a process. Arguments as of `summary`."""
     if not reactions.process_force.any():
         return []
     ends, work = _dead_centres(press), reactions.process_work

@@ -8,6 +8,8 @@ import numpy as np
 
 from ..common.arguments import typed
 from ..common.quantities import Array
+from ..dynamics.inverse_dynamics import Reactions
+from ..kinematics.slide_path import dead_centres
 from ..ratings.permissible_force import NOMINAL
 from ..ratings.rating import PressRatings
 from .style import COLOURS, GREY, LINES, SMALL, drawing, grid, legend, plain
@@ -26,7 +28,7 @@ HALF_NAME = (0.07, 0.035)  # half width and height of the name of an energy, of 
 
 
 @typed
-def ratings(ratings: PressRatings) -> Figure:
+def ratings(ratings: PressRatings, reactions: Reactions | None = None) -> Figure:
     """Draw the permissible force over the slide's height, left near bottom dead centre, right over the stroke.
 
     Each limit is a thin line. The permissible force is a thick line in the colour of the limit that governs. Thin hyperbolas are lines of
@@ -34,9 +36,10 @@ def ratings(ratings: PressRatings) -> Figure:
 
     Args:
         ratings: The ratings of a press.
+        reactions: Reactions of this press to one period under process loads, whose force is drawn too, dashed.
 
     Raises:
-        PinpressError: Matplotlib is not installed, or ``ratings`` is not a `PressRatings`.
+        PinpressError: Matplotlib is not installed, ``ratings`` is not a `PressRatings`, or the reactions are of another press.
     """
     with drawing(HIGH) as figure:
         panels = figure.subplots(2, 2, height_ratios=(1.7, 1.0), width_ratios=(1.0, 1.0))
@@ -44,12 +47,15 @@ def ratings(ratings: PressRatings) -> Figure:
         lines: list[Artist] = []
         for column, reach in enumerate((near, ratings.stroke)):
             lines = _forces(panels[0, column], ratings, reach)
+            if reactions is not None:
+                lines += _process(panels[0, column], ratings, reactions)
             _works(panels[1, column], ratings, reach)
         for axes in panels[:, 1]:
             axes.set_ylabel("")
         for axes in panels[0]:
             axes.set_xlabel("")
-        legend(figure, lines, list(ratings.limits), loc="outside upper center", ncols=4)
+        names = [*ratings.limits, *([] if reactions is None else ["process force"])]
+        legend(figure, lines, names, loc="outside upper center", ncols=4)
         figure.align_ylabels()
     return figure
 
@@ -79,6 +85,15 @@ def _forces(axes: Axes, ratings: PressRatings, reach: float) -> list[Artist]:
         )
         axes.plot(height, np.where(pieces, force / 1e3, np.nan), linewidth=GOVERNING, **look)
     _limits(axes, reach, top)
+    return lines
+
+
+def _process(axes: Axes, ratings: PressRatings, reactions: Reactions) -> list[Artist]:
+    """The process force over the height."""
+    ratings.utilisation(reactions)  # refuses those of another press
+    bottom = dead_centres(reactions._press).bottom_position
+    height = 1e3 * (reactions.motion.slide_position - bottom)
+    lines: list[Artist] = [*axes.plot(height, reactions.process_force / 1e3, color="black", linestyle="--", linewidth=1.2)]
     return lines
 
 

@@ -16,6 +16,7 @@ from pinpress.cli.main import main
 BLANKING, BLANK = "blanking:force=1000kN,start=6mm,end=2mm", pp.loads.Blanking(1e6, 0.006, 0.002)
 SPRING = "link1=frame,link2=slide,stiffness=200kN/m,damping=500,free_length=0.4,point1=0/0/500mm"
 CYLINDER = pp.loads.SpringDamper("frame", "slide", 2e5, 500.0, 0.4, point1=(0.0, 0.0, 0.5))
+RATINGS = ["ratings", "zxn2_3000b", "--speed", "70", "--nominal-force", "3000kN"]
 ANALYSE = ["analyse", "zxn2_3000b", "--speed", "70", "--points", "90"]
 
 
@@ -71,13 +72,48 @@ def test_process_beside_what_is_permitted(tmp_path: Path, capsys: pytest.Capture
 
 def printed_numbers(section: str) -> dict[str, float]:
     """By their names, in SI units."""
-    factors = {"kJ": 1e3, "kN m": 1e3, "kW": 1e3, "%": 0.01, "r/min": pp.RPM}
-    rows = re.findall(r"^  ([a-z ]+?) {2,}([-\d.]+) (kJ|J|kN m|N m|kW|%|kg m2|r/min)(?: |$)", section, flags=re.MULTILINE)
+    factors = {"kJ": 1e3, "kN m": 1e3, "kW": 1e3, "kN": 1.0, "%": 0.01, "r/min": pp.RPM}
+    rows = re.findall(r"^  ([a-z ]+?) {2,}([-\d.]+) (kJ|J|kN m|N m|kN|kW|%|kg m2|r/min)(?: |$)", section, flags=re.MULTILINE)
     return {name: float(number) * factors.get(unit, 1.0) for name, number, unit in rows}
 
 
 MOTOR = "induction:rated_power=75kW,rated_speed=1400,inertia=1.2,ratio=20.7"
 WEAK = "induction:rated_power=7e3,rated_speed=1400,ratio=20.7"
+
+
+def test_ratings_beside_a_process(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    limits = [
+        "--nominal-force",
+        "3000kN",
+        "--nominal-height",
+        "13mm",
+        "--flywheel",
+        "2000kgm2",
+        "--speed-drop",
+        "20%",
+        "--motor-power",
+        "75kW",
+    ]
+    words = ["ratings", "zxn2_3000b", "--speed", "70", *limits, "--load", BLANKING, "--out", str(tmp_path)]
+    assert main(words) == 0
+    text = capsys.readouterr().out
+    press, motion = shipped(points=720)
+    reactions = pp.inverse_dynamics(press, motion, [BLANK])
+    capacities = pp.ratings.Capacities(3e6, nominal_height=0.013, flywheel_inertia=2000.0, speed_drop=0.2, motor_power=75e3)
+    ratings = pp.ratings.rate(press, 70 * pp.RPM, capacities)
+    work = 1e6 * 0.004 * 2 / np.pi
+    assert printed_numbers(text.split("\nProcess (")[1].split("\n\n")[0]) == pytest.approx(
+        {
+            "largest force": reactions.process_force.max() / 1e3,  # its unit is kN
+            "work": work,
+            "of the permissible force": ratings.utilisation(reactions).max(),
+            "of the flywheel energy": work / ratings.energies["flywheel energy"],
+            "of the motor energy": work / ratings.energies["motor energy"],
+        },
+        rel=1e-3,
+    )
+    assert "load               Blanking(force=1000 kN, start=6 mm, end=2 mm, stripping=0 N)" in text
+    assert (tmp_path / "ratings.png").stat().st_size > 10_000
 
 
 def test_flywheel_and_motor(capsys: pytest.CaptureFixture[str]) -> None:
@@ -196,6 +232,9 @@ def test_simulation_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
         ([*ANALYSE, "--nominal-height", "13mm"], "give --nominal-force too"),
         ([*ANALYSE, "--stiffness", "A"], "it takes NAME=N/m, a positive stiffness [N/m]; write e.g. --stiffness A=1e9"),
         ([*ANALYSE, "--stiffness", "Q=1e9"], "no bearing 'Q'"),
+        ([*RATINGS, "--load", "point-force:link=slide,force=0/0/1"], "--load point-force: ratings compare the process"),
+        ([*RATINGS, "--friction", "A:viscous=1"], "--friction: ratings leave springs and friction out"),
+        ([*RATINGS, "--motor", "constant:value=5"], "give --motor-power"),
         (["record", "zxn2_3000b", "--speed", "70", "--out", "x.html", "--no-forces", "--load", BLANKING], "--no-forces leaves out"),
         (["record", "zxn2_3000b", "--speed", "70", "--motor", "constant:value=5"], "--motor: a recording is at constant speed"),
         (["simulate", "zxn2_3000b", "--duration", "1", "--friction", "A:viscous=1"], "--friction: simulations know no friction"),

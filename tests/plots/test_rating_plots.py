@@ -50,6 +50,20 @@ def test_names_and_units(rated, figure):
     np.testing.assert_allclose(figure.axes[3].get_lines()[0].get_ydata(), rated.work / 1e3)
 
 
+def test_the_process_is_drawn_beside_what_is_permitted(rated):
+    press = shipped("zxn2_3000b")
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, points=90), [pp.loads.DeepDrawing(1e6, 0.04)])
+    figure = pp.plots.ratings(rated, reactions)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == [*rated.limits, "process force"]
+    for axes in figure.axes[:2]:
+        line = axes.get_lines()[-1]
+        np.testing.assert_allclose(line.get_ydata(), reactions.process_force / 1e3)
+        np.testing.assert_allclose(line.get_xdata(), 1e3 * (reactions.motion.slide_position - pp.dead_centres(press).bottom_position))
+    other = pp.inverse_dynamics(shipped("crank_slide"), pp.cycle(shipped("crank_slide"), 7.0, points=12))
+    with pytest.raises(pp.PinpressError, match="the reactions are of crank_slide"):
+        pp.plots.ratings(rated, other)
+
+
 def test_a_press_that_only_its_nominal_force_limits():
     rated = rate(shipped("crank_slide"), 9.0, Capacities(1e5), points=11)
     assert pp.plots.ratings(rated).axes[1].get_xlim() == (0.0, pytest.approx(200.0))

@@ -616,7 +616,7 @@ def calls() -> dict[str, Call]:
             lambda reactions, bearing: pp.plots.polar(reactions, bearing),
             lambda: {"reactions": reactions(), "bearing": "O"},
         ),
-        ("plots.ratings", pp.plots.ratings, lambda: {"ratings": rated()}),
+        ("plots.ratings", pp.plots.ratings, lambda: {"ratings": rated(), "reactions": reactions()}),
         ("plots.shaking", pp.plots.shaking, lambda: {"reactions": reactions()}),
         ("plots.slide", pp.plots.slide, lambda: {"motion": motion()}),
         ("plots.snap_through", pp.plots.snap_through, lambda: {"responses": {"one": pp.elasticity.snap_through(1e5, 1e9, mass=500.0)}}),
