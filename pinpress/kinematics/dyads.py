@@ -43,6 +43,11 @@ class Dyad(Record, units={"least_transmission_angle": "rad", "crank_angle": "rad
     crank_angle: float
 
 
+@dataclass(frozen=True, repr=False)
+class DyadOverTravel(Dyad, units={"least_transmission_angle": "rad", "crank_angle": "m"}):
+    """A `Dyad` of a linkage whose driver slides; the crank angle is the position of the driver [m]."""
+
+
 @typed
 @per_linkage(of_geometry=True)
 def least_transmission_angles(press: Linkage) -> Records[Dyad]:
@@ -83,10 +88,11 @@ def least_transmission_angles(press: Linkage) -> Records[Dyad]:
         step /= CLOSER
         centres = np.clip(at + step * np.arange(-CLOSER, CLOSER + 1), first, last)
     angles = np.take_along_axis(found, least, axis=1)[:, 0]
+    kind = Dyad if branch.coordinate.turns else DyadOverTravel
     return Records(
-        Dyad,
+        kind,
         (
-            Dyad(each.middle, each.ends, float(angle) if angle > IN_LINE else 0.0, float(crank))
+            kind(each.middle, each.ends, float(angle) if angle > IN_LINE else 0.0, float(crank))
             for each, angle, crank in zip(bearings, angles, at[:, 0], strict=True)
         ),
     )

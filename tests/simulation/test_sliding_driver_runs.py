@@ -139,3 +139,24 @@ def test_elastic_press_over_the_travel(toggle):
     assert "driver_position [m]" in found.columns()
     at_end = 3 * 0.5e-9 / np.cos(np.arcsin(0.01 / 0.4)) ** 2  # the force in the links is larger than on the slide, and so is their way
     assert found.compliance[-1] == pytest.approx(at_end, rel=1e-3)
+
+
+def test_derivatives_by_a_length_are_those_of_differences(toggle):
+    motion = pp.cycle(toggle, 0.1, points=12)
+    (found,) = pp.derivatives.motion_derivatives(toggle, motion, [{("S", "lower"): (0, 0, -1.0)}])
+    longer, shorter = (pp.derivatives.reshaped(toggle, {("S", "lower"): (0, 0, -0.4 - step)}) for step in (1e-5, -1e-5))
+    difference = (pp.cycle(longer, 0.1, points=12).slide_position - pp.cycle(shorter, 0.1, points=12).slide_position) / 2e-5
+    np.testing.assert_allclose(found.slide_position, difference, rtol=0, atol=1e-8)
+    assert "driver_position [m]" in found.columns()
+
+
+def test_transmission_angles_over_the_travel(toggle, bell):
+    (dyad,) = pp.measures.least_transmission_angles(bell)
+    travel = np.linspace(-0.1, 0.15, 2001)
+    lengths = 0.5 + travel, np.full(2001, 0.3), np.full(2001, np.hypot(0.5, 0.3))
+    between = np.arccos((lengths[0] ** 2 + lengths[1] ** 2 - lengths[2] ** 2) / (2 * lengths[0] * lengths[1]))
+    folded = np.minimum(between, np.pi - between)
+    assert dyad.least_transmission_angle == pytest.approx(folded.min(), abs=1e-6)
+    assert dyad.crank_angle == pytest.approx(travel[folded.argmin()], abs=1e-3)
+    assert dyad.units["crank_angle"] == "m"
+    assert "at driver [mm]" in str(pp.check(bell.file))
