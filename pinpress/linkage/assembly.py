@@ -143,7 +143,9 @@ def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, ang
 
     Raises:
         SingularityError: the linkage locks on the way.
+        PinpressError: a driver slides beyond the limits of its joint.
     """
+    _refuse_beyond_limits(spatial_model, angles)
     close_drivers, tolerance, coordinates = engine.closing_function(), ACCEPTED * engine.tolerance, spatial_model.coordinates
     lengths = np.array([1.0 if each.turns else spatial_model.size for each in coordinates])  # counted as 1 rad
     position, before, positions = start, np.zeros(len(spatial_model.drivers)), []
@@ -163,6 +165,22 @@ def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, ang
         positions.append(end)
         position, before = end, after
     return np.array(positions).T
+
+
+def _refuse_beyond_limits(spatial_model: SpatialModel, angles: Array) -> None:
+    """Raise PinpressError where one of several drivers slides beyond the limits of its joint; ``angles``: (n, drivers) [rad or m]."""
+    model = spatial_model.model
+    for driver, coordinate, positions in zip(spatial_model.drivers, spatial_model.coordinates, angles.T, strict=True):
+        if coordinate.turns:
+            continue
+        place = spatial_model.slots[driver].start
+        low, high = float(model.lowerPositionLimit[place]), float(model.upperPositionLimit[place])
+        worst = float(positions[np.maximum(low - positions, positions - high).argmax()])
+        if not low <= worst <= high:
+            raise PinpressError(
+                f"driver {model.names[driver + 1]!r} slides from {coordinate.shown(low)} to {coordinate.shown(high)} only, the <limit> of"
+                f" its joint, and is to be at {coordinate.shown(worst)}: keep the motion inside, or widen the limit"
+            )
 
 
 def refuse_far(name: str, angles: Array, coordinates: Sequence[DriverCoordinate]) -> None:

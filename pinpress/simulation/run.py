@@ -157,14 +157,19 @@ def _closed(press: Linkage, times: Array, sample: Sample) -> Motion:
 
 
 def _refuse_beyond_travel(press: Linkage, motion: Motion) -> None:
-    """Raise SimulationError where a driver that slides goes beyond its travel, which the equations of all joints do not know."""
-    if len(press.drivers) > 1 or press.driver_coordinates[0].turns:
-        return
-    ends = press.branch_through_change_points.angles
-    beyond = np.maximum(ends[0] - motion.crank_angle, motion.crank_angle - ends[-1]) > BEYOND * press.size
-    if beyond.any():
-        first = int(np.argmax(beyond))
-        raise reduced.lock_reached(reduced.reduced_model_of(press), float(motion.crank_angle[first]), float(motion.time[first]))
+    """Raise SimulationError where a driver that slides goes beyond the limits of its joint, which the equations of all joints do not
+    know."""
+    columns = motion.crank_angle.reshape(len(motion.time), -1).T
+    for k, (joint, coordinate) in enumerate(zip(press.driver_indices, press.driver_coordinates, strict=True)):
+        if coordinate.turns:
+            continue
+        place = press.slots[joint].start
+        low, high = float(press.model.lowerPositionLimit[place]), float(press.model.upperPositionLimit[place])
+        beyond = np.maximum(low - columns[k], columns[k] - high) > BEYOND * press.size
+        if beyond.any():
+            first = int(np.argmax(beyond))
+            ends = {"low": f"{low * coordinate.scale:.6g}", "high": coordinate.shown(high)}
+            raise failure("runs against an end", float(motion.time[first]), None if k else float(columns[k, first]), **ends)
 
 
 def _driver_speeds(driven: DrivenPress, sample: Sample) -> Array:

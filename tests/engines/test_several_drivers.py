@@ -94,3 +94,44 @@ def test_wrong_arguments(legs, arguments, message):
 def test_a_prescribed_speed_leaves_nothing_to_integrate(more):
     with pytest.raises(pp.PinpressError, match="leaves nothing to integrate"):
         pp.simulate(texts.shipped("jf75g_125"), 0.3, drive=pp.drives.PrescribedSpeed(31.0), **more)
+
+
+def two_slides(path):
+    """Two blocks that slide upwards, 0.6 m apart, and two rods of 0.35 m from them to a common pin above."""
+    body = (
+        '<inertial><origin xyz="0.1 0 0"/><mass value="2"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.02"/></inertial>'
+    )
+    lines = ['<robot name="two_slides"><link name="frame"/>', *(f'<link name="{name}">{body}</link>' for name in "abcd")]
+    for name, link, at in (("J1", "a", 0.0), ("J2", "b", 0.6)):
+        lines.append(
+            f'<joint name="{name}" type="prismatic"><parent link="frame"/><child link="{link}"/><origin xyz="{at} 0 0"/><axis xyz="0 0 1"/>'
+            '<limit lower="-0.1" upper="0.1" effort="1" velocity="1"/></joint>'
+            f'<transmission name="{name}_drive"><joint name="{name}"/></transmission>'
+        )
+    for name, parent, child in (("A", "a", "c"), ("B", "b", "d")):
+        ends = f'<parent link="{parent}"/><child link="{child}"/>'
+        lines.append(f'<joint name="{name}" type="continuous">{ends}<axis xyz="0 -1 0"/></joint>')
+    height = (0.35**2 - 0.3**2) ** 0.5
+    ends = f'<link1 link="c" xyz="0.3 0 {height!r}"/><link2 link="d" xyz="-0.3 0 {height!r}"/>'
+    path.write_text("".join([*lines, f'<loop_joint name="C" type="spherical">{ends}</loop_joint></robot>']))
+    return pp.load(path, slide="a")
+
+
+def test_two_drivers_that_slide(tmp_path):
+    press = two_slides(tmp_path / "press.urdf")
+    time = np.linspace(0.0, 1.0, 21)
+    positions = np.column_stack([0.05 * np.sin(time), 0.1 * (1 - np.cos(time))])
+    motion = pp.servo_cycle(press, positions, time=time)
+    apart = np.hypot(0.6, positions[:, 1] - positions[:, 0])  # of the ends of the rods, which are an isosceles triangle with it
+    lean = np.arctan2(positions[:, 1] - positions[:, 0], 0.6) + np.arccos(apart / 0.7)
+    np.testing.assert_allclose(motion.joint_position[:, press.joints.index("A")], lean - np.arccos(0.6 / 0.7), rtol=0, atol=1e-12)
+    forces = pp.inverse_dynamics(press, motion)
+    assert np.abs(forces.power_residual).max() < 1e-12
+    heads = ["driver_position_J1 [m]", "driver_position_J2 [m]", "driving_force_J1 [N]", "driving_force_J2 [N]"]
+    assert set(heads) <= set(forces.columns())
+    with pytest.raises(pp.PinpressError, match=r"driver 'J1' slides from -100 mm to 100 mm only, .*, and is to be at 210.368 mm"):
+        pp.servo_cycle(press, 5 * positions, time=time)
+    with pytest.raises(pp.SimulationError, match="the driver slides only from -100 to 100 mm"):
+        pp.simulate(press, 0.5, drive={"J1": pp.drives.ConstantTorque(100.0), "J2": pp.drives.ConstantTorque(100.0)})
+    with pytest.raises(pp.PinpressError, match="driver 'J2' slides, but Flywheel needs a shaft"):
+        pp.simulate(press, 0.5, flywheel={"J2": pp.drives.Flywheel(1.0)})
