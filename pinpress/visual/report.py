@@ -6,7 +6,7 @@ import itertools
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,13 +21,14 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion
 from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
-from ..ratings.permissible_force import capacities_in_words
-from ..ratings.rating import PressRatings
 from ..simulation.run import Run, inputs_of
 from . import charts, pages
 from .charts import Chart
 from .pages import packed
 from .recording import KeyFrames, key_frames, scene
+
+if TYPE_CHECKING:
+    from ..ratings.rating import PressRatings
 
 MOST_POINTS = 5000  # states of which each is a point of the process force over the height
 
@@ -62,8 +63,8 @@ def report(
         ratings: Ratings of the press, whose permissible force is drawn beside the process force, over the height.
 
     Raises:
-        PinpressError: As `record`, or a run under loads has no reactions, Plotly is not installed, or ``before`` is over another quantity
-            (time or crank angle) than the motion, or turns the other way.
+        PinpressError: As `record`, or a run under loads has no reactions, Plotly is not installed, the ratings are of another press, or
+            ``before`` is over another quantity (time or crank angle) than the motion, or turns the other way.
         UnknownNameError: As `record`.
     """
     frames = key_frames(press, motion)
@@ -74,7 +75,10 @@ def report(
     if before is not None:
         expect("before", before, Reactions, "inverse_dynamics")
     if ratings is not None:
+        from ..ratings.rating import PressRatings  # which most reports do without
+
         expect("ratings", ratings, PressRatings, "ratings.rate")
+        ratings.utilisation(reactions)  # refuses those of another press
     data = scene(press, motion, frames, reactions, traces) | {"report": _report(press, reactions, frames, before, ratings)}
     content = pages.page("report.html", press.name, data, pages.meshcat() | pages.plotly())
     return files.write(path, content)
@@ -214,8 +218,11 @@ def _words(motion: Motion) -> str:
 
 def _inputs(reactions: Reactions, before: Reactions | None, ratings: PressRatings | None) -> list[dict[str, Any]]:
     """What the page was computed from, and the dashed curves."""
-    capacities = [] if ratings is None else capacities_in_words(ratings.capacities)
-    given = [("Inputs", [*inputs_of(reactions), *capacities])]
+    given = [("Inputs", [*inputs_of(reactions)])]
+    if ratings is not None:
+        from ..ratings.permissible_force import capacities_in_words  # which most reports do without
+
+        given[0][1].extend(capacities_in_words(ratings.capacities))
     if before is not None:
         given.append(("Inputs of the dashed curves", [*inputs_of(before)]))
     return [{"title": title, "rows": [list(row) for row in rows]} for title, rows in given]

@@ -129,5 +129,6 @@ def test_utilisation(press: Any, pressed: Any, ratings: Any) -> None:
     assert found[at] == pytest.approx(pressed.process_force[at] / permissible, rel=1e-3)
     other = texts.shipped("crank_slide")
     idle = pp.inverse_dynamics(other, pp.cycle(other, SPEED, points=12))
-    with pytest.raises(pp.PinpressError, match=r"the reactions are of crank_slide, the ratings of zxn2_3000b"):
-        ratings.utilisation(idle)
+    for refused in (lambda: ratings.utilisation(idle), lambda: pp.report(other, idle.motion, "x.html", reactions=idle, ratings=ratings)):
+        with pytest.raises(pp.PinpressError, match=r"the reactions are of crank_slide, the ratings of zxn2_3000b"):
+            refused()
