@@ -33,6 +33,7 @@ from .shapes.bearing_layout import TOWARDS
 
 PER_TURN = 360  # key frames a turn; between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
 FEWEST_PER_TURN = 36  # key frames a turn of a long motion; the pin leaves its circle by 0.4 %
+BACK = 1e-2  # share of travel and speed by which a driver that slides may miss its first state, one step after the last
 FARTHEST = np.pi / 2  # largest angle between states, which are joined by straight lines [rad]
 MOST = 20_000  # key frames; they keep the page of a long run below 20 MB
 BEHIND = 0.01  # share of the linkage's size by which links must stand behind the frame to be seen from there
@@ -166,11 +167,11 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     time = motion.time - motion.time[0]
     crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
     period = _period(press, motion)
-    last = None if period is None else _closing_time(time, crank, period)
+    last = _time_back(motion, time) if period is None else _closing_time(time, crank, period)
     order = np.arange(len(time))
-    if period is not None and last is not None:  # the first state once more, so that the loop has no jump
+    if last is not None:  # the first state once more, so that the loop has no jump
         order, time = np.append(order, 0), np.append(time, last)
-        crank = np.append(crank, crank[0] + np.sign(crank[-1] - crank[0]) * period)
+        crank = np.append(crank, crank[0] + np.sign(crank[-1] - crank[0]) * (period or 0.0))
     first = motion.driver_coordinates[0]  # there and back is the turn of a driver that slides
     turns = float(np.abs(np.diff(crank)).sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))
     if turns * FEWEST_PER_TURN > MOST:
@@ -225,6 +226,17 @@ def _closing_time(time: Array, crank: Array, period: float) -> float | None:
     turned = abs(crank[-1] - crank[0])
     gap, step = period - turned, np.max(np.abs(np.diff(crank)), initial=0.0)
     return float(time[-1] * (1 + gap / turned)) if len(time) > 2 and 1e-6 * step < gap <= 1.001 * step else None
+
+
+def _time_back(motion: Motion, time: Array) -> float | None:
+    """Time at which the first state comes again [s], one step after the last, if one driver slides and is back then; else None."""
+    x, v, a = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
+    if motion.driver_coordinates[0].turns or x.ndim > 1 or len(time) < 3:
+        return None
+    step = float(time[-1] - time[-2])
+    missed = x[0] - x[-1] - 0.5 * step * (v[0] + v[-1]), v[0] - v[-1] - 0.5 * step * (a[0] + a[-1])
+    back = abs(missed[0]) <= BACK * np.ptp(x) and abs(missed[1]) <= BACK * np.abs(v).max() and v.any()
+    return float(time[-1]) + step if back else None
 
 
 def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions) -> None:

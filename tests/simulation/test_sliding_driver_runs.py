@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from support import sliding_presses
+from support.in_browser import data_in
 
 import pinpress as pp
 from pinpress.drives import Brake, Clutch, ConstantTorque, Flywheel, Geared, InductionMotor, PrescribedSpeed, ServoMotor, SwitchPoint
@@ -126,8 +127,11 @@ def test_pages_and_pictures(toggle, tmp_path):
     page = pp.report(toggle, reactions.motion, tmp_path / "press.html", reactions=reactions).read_text()
     assert '"driver":{"name":"driver","unit":" mm"}' in page.replace('", "', '","').replace('": ', '":')
     assert all(words in page for words in ("Driving force", "at [mm]", "largest driving force"))
+    data = data_in(tmp_path / "press.html")
+    assert (len(data["time"]), data["crank"][0], data["crank"][-1]) == (31, -150.0, -150.0)  # closed to a loop
     one_way = pp.servo_cycle(toggle, np.linspace(-0.1, 0.05, 9), speed=0.1)
     assert "driver position" in pp.report(toggle, one_way, tmp_path / "way.html").read_text()
+    assert len(data_in(tmp_path / "way.html")["time"]) == 9
     pp.plots.torque(reactions)
     pp.plots.polar(reactions)
 
