@@ -141,5 +141,7 @@ def _refuse_beside_steady(options: argparse.Namespace, speed: float) -> None:
     for name, absent in (("clutch", None), ("brake", None), ("step", None), ("method", "auto")):
         if getattr(options, name) != absent:
             raise PinpressError(f"--{name} does not go with --steady: leave it out, or give --duration in place of --steady")
+    if options.motor is None:
+        raise PinpressError("--steady needs a --motor, which keeps the press running, see --help for its kinds")
     if speed == 0:
         raise PinpressError("--steady needs a --speed other than 0, about which the press runs, e.g. --speed 70")

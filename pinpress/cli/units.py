@@ -51,7 +51,7 @@ def read_quantity(text: str, unit: str) -> float:
     number, given = parts.groups()
     known = UNITS[unit]
     if given and given not in known:
-        raise ValueError(f"whose unit {given!r} is none of {', '.join(known)}{suggestion(given, known)}")
+        raise ValueError(f"in {given!r}, which is none of {', '.join(known)}{suggestion(given, known)}")
     return float(number) * known[given] if given else float(number)
 
 

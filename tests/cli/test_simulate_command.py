@@ -419,7 +419,7 @@ def test_errors_list_what_there_is(
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--speed", "70"], "drive is None"),
+        (["--speed", "70"], "--steady needs a --motor"),
         (["--motor", "constant:value=5"], "a --speed other than 0"),
         (["--speed", "70", "--motor", "constant:value=5"], "no steady state is found"),
         (["--speed", "70", "--motor", "prescribed:speed=70"], "needs a motor"),

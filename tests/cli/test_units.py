@@ -94,9 +94,9 @@ def test_commands_take_them(capsys, plain, named):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("analyse", "crank_slide", "--speed", "60mm"), "whose unit 'mm' is none of r/min"),
+        (("analyse", "crank_slide", "--speed", "60mm"), "'60mm' is in 'mm', which is none of r/min"),
         (("analyse", "crank_slide", "--speed", "60,5"), "write decimals after a point"),
-        (("simulate", "crank_slide", "--duration", "1", "--load", "drawing:force=100km,start=50mm"), "whose unit 'km' is none of N"),
+        (("simulate", "crank_slide", "--duration", "1", "--load", "drawing:force=100km,start=50mm"), "in 'km', which is none of N"),
         (("ratings", "crank_slide", "--speed", "60", "--nominal-force", "1e5", "--bearing", "W=2mm"), "it takes NAME=N"),
     ],
 )
