@@ -528,7 +528,7 @@ def test_a_press_whose_centre_of_mass_rests_runs_as_without_weight() -> None:
     """Its potential energy is constant but for rounding, which the table over the crank angle must not try to resolve."""
     runs = []
     for gravity in ((0.0, 0.0, -9.81), (0.0, 0.0, 0.0)):
-        plain = pp.load("jf75g_125_plain", gravity=gravity)
+        plain = texts.shipped("jf75g_125_plain", gravity=gravity)
         balanced = pp.balancing.with_counterweights(plain, classical.complete_balance(plain, rod_radius=0.3, crank_radius=0.15))
         runs.append(pp.simulate(balanced, 0.2, speed=30.0))
     assert runs[0].crank_angle[-1] == pytest.approx(runs[1].crank_angle[-1], abs=1e-9)

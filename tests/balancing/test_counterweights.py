@@ -126,7 +126,7 @@ def test_what_is_no_counterweight_is_refused(six_bar):
 )
 def test_bodies_are_told_by_the_triangle_of_their_moments(moments, sound):
     """A lamina has the largest moment that two others allow."""
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     inertia = rigid_body(7.0, np.array([0.1, 0.0, 0.0]), np.diag(moments))
     if sound:
         return refuse_unphysical(press, 1, inertia)
@@ -137,4 +137,4 @@ def test_bodies_are_told_by_the_triangle_of_their_moments(moments, sound):
 @pytest.mark.parametrize("mass", [0.0, -1.0, np.nan])
 def test_bodies_have_a_mass(mass):
     with pytest.raises(pp.PinpressError, match="the body on joint 'O' a mass of"):
-        refuse_unphysical(pp.load("crank_slide"), 1, rigid_body(mass, np.zeros(3), np.eye(3)))
+        refuse_unphysical(texts.shipped("crank_slide"), 1, rigid_body(mass, np.zeros(3), np.eye(3)))

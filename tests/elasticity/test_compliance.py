@@ -32,7 +32,7 @@ def geometry(press):
 
 def test_crank_slide_by_hand():
     """The rod carries 1 / cos(beta), the guide tan(beta), the shaft r sin(theta + beta) / cos(beta)."""
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     r, length = geometry(press)
     stiffness = Stiffness({"O": 2e9, "P": 1e9, "W": 3e9, "slide_guide": 5e8}, {}, [Rod("rod", ("P", "W"), 7e8)], 1e6, 4e9)
     found = compliance(press, stiffness, angle=ANGLES)
@@ -58,7 +58,7 @@ def test_crank_slide_by_hand():
 @pytest.mark.parametrize("name", pp.presses())
 def test_castigliano(name):
     """The deflection is the derivative of the elastic energy, a quadratic of the force on the slide: central differences are exact."""
-    press = pp.load(name)
+    press = texts.shipped(name)
     stiffness = yielding(press)
     if name == "jf75g_125_symmetric":  # whose guides would share with the rods
         stiffness = replace(stiffness, moments={})
@@ -92,7 +92,7 @@ A, D = 1.25 - 0.2j, 0j
 
 def test_displaced_pins_of_the_six_bar():
     """The same springs put into the loop equations of Kong 2025 and solved anew: the difference is of second order in the load."""
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     names = ("A", "B", "C", "D", "E", "F", "slide_guide")
     stiff = {name: 1e9 * (1 + 0.2 * i) for i, name in enumerate(names)}
     rods = [Rod("coupler", ("B", "C"), 8e8), Rod("rod", ("E", "F"), 9e8), Rod("rocker", ("D", "E"), 2e9)]
@@ -151,7 +151,7 @@ def test_displaced_pins_of_the_six_bar():
 
 
 def test_two_shafts_are_twice_as_stiff():
-    one, two = pp.load("jf75g_125_plain"), pp.load("jf75g_125_symmetric")
+    one, two = texts.shipped("jf75g_125_plain"), texts.shipped("jf75g_125_symmetric")
     single = compliance(one, Stiffness({"O": 2e9, "P2": 1e9, "P4": 3e9}, {}, [Rod("main_rod", ("P2", "P4"), 7e8)]), angle=ANGLES)
     halves = {f"{name}_{side}": k for name, k in (("O", 2e9), ("P2", 1e9), ("P4", 3e9)) for side in ("left", "right")}
     rods = [Rod(f"main_rod_{side}", (f"P2_{side}", f"P4_{side}"), 7e8) for side in ("left", "right")]
@@ -162,7 +162,7 @@ def test_two_shafts_are_twice_as_stiff():
 
 def test_uneven_rods_side_by_side():
     """Springs in series in each of two paths, which are parallel."""
-    press = pp.load("jf75g_125_two_point")
+    press = texts.shipped("jf75g_125_two_point")
     stiff = {"O": 4e9, "P2_front": 1e9, "P2_back": 2e9, "P4_front": 3e9, "P4_back": 5e9}
     rods = [Rod("main_rod_front", ("P2_front", "P4_front"), 6e8), Rod("main_rod_back", ("P2_back", "P4_back"), 2e9)]
     paths = 1 / (1 / 1e9 + 1 / 3e9 + 1 / 6e8) + 1 / (1 / 2e9 + 1 / 5e9 + 1 / 2e9)
@@ -173,7 +173,7 @@ def test_uneven_rods_side_by_side():
 
 def test_guides_that_would_share_with_the_rods():
     """Symmetric halves leave nothing for the guide to hold; uneven ones would turn the slide in it."""
-    press = pp.load("jf75g_125_symmetric")
+    press = texts.shipped("jf75g_125_symmetric")
     even = Stiffness({"P4_left": 1e9, "P4_right": 1e9}, {"slide_guide": 1e7})
     assert compliance(press, even, angle=ANGLES).bottom_stiffness == pytest.approx(2e9, rel=1e-12)
     with pytest.raises(pp.PinpressError, match="make both sides alike"):
@@ -188,7 +188,7 @@ BEVEL = """<link name="cross"><inertial><mass value="1e-9"/>
 
 def test_sharing_is_looked_at_in_presses_that_are_not_planar():
     """The same press with a shaft across its plane, which carries nothing."""
-    planar = pp.load("jf75g_125_symmetric")
+    planar = texts.shipped("jf75g_125_symmetric")
     press = texts.load(planar.text.decode().replace("</robot>", BEVEL.format(planar.driver)))
     assert "plane" not in press.engines
     even = Stiffness({"P4_left": 1e9, "P4_right": 1e9}, {"slide_guide": 1e7})
@@ -201,7 +201,7 @@ def test_sharing_is_looked_at_in_presses_that_are_not_planar():
 
 def test_an_arm_that_would_share_with_the_rods():
     """Of the slide, between its guide and one of its two pins."""
-    press = pp.load("jf75g_125_symmetric")
+    press = texts.shipped("jf75g_125_symmetric")
     even = {"P4_left": 1e9, "P4_right": 1e9}
     with pytest.raises(pp.PinpressError, match="make both sides alike"):
         compliance(press, Stiffness(even, rods=[Rod("slide", ("slide_guide", "P4_left"), 1e8)]), angle=ANGLES)
@@ -210,7 +210,7 @@ def test_an_arm_that_would_share_with_the_rods():
 def test_a_rod_between_bearings_that_meet():
     """The crank-slider's guide is measured at the origin of its joint, which is the slide's pin."""
     with pytest.raises(pp.PinpressError, match="rod 'slide slide_guide-W': its bearings meet"):
-        compliance(pp.load("crank_slide"), Stiffness(rods=[Rod("slide", ("slide_guide", "W"), 1e9)]), angle=ANGLES)
+        compliance(texts.shipped("crank_slide"), Stiffness(rods=[Rod("slide", ("slide_guide", "W"), 1e9)]), angle=ANGLES)
 
 
 def mass_of(press, stiffness, angles):
@@ -220,7 +220,7 @@ def mass_of(press, stiffness, angles):
 
 def test_effective_mass_of_single_springs():
     """The slide alone above its pin; all that moves at dead centre on the shaft's bearing; on the shaft's spring the reduced inertia."""
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     r, length = geometry(press)
     slide, rod = (press.model.inertias[press.model.getJointId(name)] for name in ("slide_guide", "P"))
     sine = r * np.sin(ANGLES) / length
@@ -230,7 +230,7 @@ def test_effective_mass_of_single_springs():
     moving = sum(inertia.mass for inertia in list(press.model.inertias)[1:])
     assert compliance(press, Stiffness({"O": 1e9}), angle=[0.0]).effective_mass[0] == pytest.approx(moving, rel=1e-12)
     for name in ("crank_slide", "zxn2_3000b", "jf75g_125_two_point"):
-        press, angles = pp.load(name), np.array([0.7, 2.0, 4.4])
+        press, angles = texts.shipped(name), np.array([0.7, 2.0, 4.4])
         motion = pp.servo_cycle(press, speed=1.0, angle=angles)
         data = press.model.createData()
         energy = [pin.computeKineticEnergy(press.model, data, q, v) for q, v in zip(np.array(motion.q), np.array(motion.v), strict=True)]
@@ -239,7 +239,7 @@ def test_effective_mass_of_single_springs():
 
 
 def test_tables(tmp_path):
-    found = compliance(pp.load("crank_slide"), Stiffness({"O": 2e9, "P": 1e9}), angle=ANGLES)
+    found = compliance(texts.shipped("crank_slide"), Stiffness({"O": 2e9, "P": 1e9}), angle=ANGLES)
     assert "666.67 kN/mm" in str(found)
     found.to_csv(tmp_path / "c.csv")
     header, *rows = (tmp_path / "c.csv").read_text().splitlines()
@@ -274,4 +274,4 @@ def test_tables(tmp_path):
 )
 def test_refusals(stiffness, message):
     with pytest.raises(pp.PinpressError, match=message.replace("(", r"\(")):
-        compliance(pp.load("crank_slide"), stiffness)
+        compliance(texts.shipped("crank_slide"), stiffness)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
+from support import texts
 
 import pinpress as pp
 from pinpress.balancing.classical import as_crank_slider
@@ -18,7 +19,7 @@ def stiffness_of(press):
 
 def test_crank_slide_at_bottom_dead_centre_by_hand():
     """All forces stand upright there: each pin carries the weight and inertia of what hangs on it, the rod the mean of its ends."""
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     parts = as_crank_slider(press)
     r, length, g = parts.crank_radius, parts.rod_length, 9.81
     found = dead_centre_shift(
@@ -40,7 +41,7 @@ def test_crank_slide_at_bottom_dead_centre_by_hand():
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize(("name", "speed"), [("zxn2_3000b", 7.3), ("jf75g_125", 42.0), ("jf75g_125_two_point", 60.0), ("thin_wall", 9.0)])
 def test_bottom_dead_centre_by_brute_force(name, speed):
-    press = pp.load(name)
+    press = texts.shipped(name)
     stiffness = stiffness_of(press)
     found = dead_centre_shift(press, stiffness, speed=[0.5 * speed, speed])
 
@@ -68,7 +69,7 @@ def test_bottom_dead_centre_by_brute_force(name, speed):
 
 
 def test_affine_in_the_squared_speed():
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     stiffness, angles = stiffness_of(press), np.linspace(0.0, 6.0, 7)
     at = [slide_deflection(press, pp.servo_cycle(press, speed=w, angle=angles), stiffness).deflection for w in (0.0, 3.0, 8.0)]
     np.testing.assert_allclose((at[1] - at[0]) / 9, (at[2] - at[0]) / 64, rtol=1e-9, atol=1e-16)
@@ -76,7 +77,7 @@ def test_affine_in_the_squared_speed():
 
 def test_process_force_deflects_by_the_compliance():
     """Of a press without weight that turns slowly; without a load nothing of it yields."""
-    press = pp.load("jf75g_125", gravity=(0.0, 0.0, 0.0))
+    press = texts.shipped("jf75g_125", gravity=(0.0, 0.0, 0.0))
     stiffness, motion = stiffness_of(press), pp.cycle(press, 1e-3, points=72)
     load = pp.loads.Blanking(1.25e6, 0.010, 0.005)
     found = slide_deflection(press, motion, stiffness, loads=[load])
@@ -91,7 +92,7 @@ def test_process_force_deflects_by_the_compliance():
 
 
 def test_weight_balanced_by_a_constant_force():
-    press = pp.load("crank_slide", gravity=(0.0, 0.0, -9.81))
+    press = texts.shipped("crank_slide", gravity=(0.0, 0.0, -9.81))
     slide = press.model.inertias[press.model.getJointId("slide_guide")].mass
     stiffness = Stiffness({"W": 1e9})
     balanced = dead_centre_shift(press, stiffness, speed=15.0, loads=[pp.loads.PointForce("slide", (0.0, 0.0, slide * 9.81))])
@@ -102,7 +103,7 @@ def test_weight_balanced_by_a_constant_force():
 
 
 def test_tables(tmp_path):
-    press = pp.load("jf75g_125")
+    press = texts.shipped("jf75g_125")
     shift = dead_centre_shift(press, stiffness_of(press), speed=np.array([150.0, 300.0]) * pp.RPM)
     assert "300 strokes/min" in str(shift)
     shift.to_csv(tmp_path / "s.csv")
@@ -117,7 +118,7 @@ def test_tables(tmp_path):
 
 
 def test_refusals():
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     stiffness = Stiffness({"W": 1e9})
     for speed in ([np.nan], [], [[1.0]], "fast"):
         with pytest.raises(pp.PinpressError, match="speed"):

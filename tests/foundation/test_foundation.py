@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from support.exploring import examples
-from support.generators.frames import WIDE, loaded, on_four, uneven, weightless
+from support.generators.frames import WIDE, on_four, uneven, weightless
+from support.texts import shipped
 
 import pinpress as pp
 from pinpress import PinpressError, foundation
@@ -70,7 +71,7 @@ def test_three_mounts_share_the_weight_by_its_levers(seed):
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125_symmetric"])
 def test_weight_is_the_mean_of_the_shaking_force(name):
     """Momentum comes back after a turn: what the machine exerts on the mean is its weight at its mean place."""
-    press = loaded(name)
+    press = shipped(name)
     system = foundation.mounted(press, *uneven(20.0))
     result = pp.inverse_dynamics(press, pp.cycle(press, 30 * pp.RPM, points=720))
     mean = np.concatenate([result.shaking_force.mean(axis=0), result.shaking_moment.mean(axis=0)])
@@ -129,7 +130,7 @@ def test_damping_ratio_of_viscous_mounts(ratio):
 def test_loss_factor_damps_every_mode_by_half_of_it():
     frame, mounts = uneven()
     lossy = [foundation.Mount(m.point, m.stiffness, loss_factor=0.2) for m in mounts]
-    light = loaded("crank_slide", gravity=(0, 0, 0))
+    light = shipped("crank_slide", gravity=(0, 0, 0))
     found = foundation.modes(foundation.mounted(light, frame, lossy))
     np.testing.assert_allclose(found.damping_ratio, 0.1, rtol=1e-9)
     np.testing.assert_allclose(found.damped_frequency, found.natural_frequency * np.sqrt(1 - 0.01), rtol=1e-9)
@@ -194,13 +195,13 @@ def sum_of_springs(mounts, columns):
 
 
 def test_resonance_speeds_are_natural_frequencies_by_orders():
-    found = foundation.modes(foundation.mounted(loaded("crank_slide"), *uneven()))
+    found = foundation.modes(foundation.mounted(shipped("crank_slide"), *uneven()))
     np.testing.assert_allclose(found.resonance_speeds(3)[2] * 3, found.natural_frequency, rtol=1e-15)
 
 
 def test_eigenvalues_are_of_the_free_system():
     """Each is a root of det(s^2 M + s C + K), its smallest singular value zero beside the matrix's largest."""
-    system = foundation.mounted(loaded("crank_slide"), *uneven())
+    system = foundation.mounted(shipped("crank_slide"), *uneven())
     assert state_matrix(system).shape == (12, 12)
     for s in foundation.modes(system).eigenvalues:
         values = np.linalg.svd(s**2 * system.mass + s * system.damping + system.stiffness, compute_uv=False)
@@ -215,7 +216,7 @@ def test_logarithmic_decrement_of_a_decaying_vibration():
 
 
 def test_modes_are_written(tmp_path):
-    found = foundation.modes(foundation.mounted(loaded("crank_slide"), *uneven()))
+    found = foundation.modes(foundation.mounted(shipped("crank_slide"), *uneven()))
     found.to_csv(tmp_path / "modes.csv")
     lines = (tmp_path / "modes.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 7

@@ -3,7 +3,8 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from support.generators.frames import harmonic_force, loaded, on_four, turns, uneven, weightless
+from support.generators.frames import harmonic_force, on_four, turns, uneven, weightless
+from support.texts import shipped
 
 import pinpress as pp
 from pinpress import PinpressError, UnknownNameError, foundation
@@ -15,7 +16,7 @@ SPEED = 20.0
 
 def shaken(name="jf75g_125", speed=SPEED, frame=None, mounts=None, states=180):
     """A press on uneven mounts, and its reactions over a turn."""
-    press = loaded(name)
+    press = shipped(name)
     usual = uneven()
     system = foundation.mounted(press, frame or usual[0], mounts or usual[1])
     return system, pp.inverse_dynamics(press, pp.cycle(press, speed, points=states))
@@ -89,7 +90,7 @@ def test_force_on_the_floor_is_what_momentum_leaves(lossy):
     """Shaking force less mass times acceleration of the whole centre of mass, in the steady state and from rest."""
     frame, mounts = uneven()
     mounts = [foundation.Mount(m.point, m.stiffness, loss_factor=0.1) for m in mounts] if lossy else mounts
-    press = loaded("jf75g_125")
+    press = shipped("jf75g_125")
     system = foundation.mounted(press, frame, mounts)
     centre = {"centre": tuple(system.centre)}
     steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=180)), points=centre)
@@ -106,7 +107,7 @@ def settled(states):
     """The last of many turns in time, and the steady state of one, of the same press."""
     frame, mounts = uneven()
     damped = [foundation.Mount(m.point, m.stiffness, tuple(8 * np.array(m.damping))) for m in mounts]
-    press = loaded("jf75g_125")
+    press = shipped("jf75g_125")
     system = foundation.mounted(press, frame, damped)
     steady = foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=states)), points=POINTS)
     time = foundation.time_response(system, pp.inverse_dynamics(press, turns(press, SPEED, 12, states)), points=POINTS)
@@ -128,7 +129,7 @@ def test_time_comes_to_the_steady_state_with_the_square_of_the_step():
 
 def test_speeds_at_once_are_those_one_by_one():
     frame, mounts = uneven()
-    press = loaded("jf75g_125")
+    press = shipped("jf75g_125")
     system = foundation.mounted(press, frame, mounts)
     speeds = np.array([15.0, 22.0, 40.0])
     together = foundation.over_speeds(system, speeds, points=POINTS)
@@ -144,7 +145,7 @@ def test_acceleration_grows_with_the_square_far_below_resonance():
     """Displacements follow the force, which grows as w^2; accelerations as w^4 on stiff springs, w^2 on soft ones."""
     frame = foundation.Frame(1e4, (0, 0, -0.5), (6e3, 6e3, 6e3))
     for stiffness, power in ((1e13, 4.0), (1e3, 2.0)):
-        light = loaded("jf75g_125_plain", gravity=(0, 0, 0))
+        light = shipped("jf75g_125_plain", gravity=(0, 0, 0))
         system = foundation.mounted(light, frame, on_four((stiffness,) * 3, height=-0.5))
         found = foundation.over_speeds(system, np.linspace(20, 40, 41), points={"centre": (0, 0, -0.5)})
         assert found.growth("centre")[20] == pytest.approx(power, abs=0.01)
@@ -211,7 +212,7 @@ class Floating:
 
 def nonlinear_and_linear(name, speed, scale, count=2, states=240):
     frame, mounts = uneven(scale)
-    press = loaded(name)
+    press = shipped(name)
     system = foundation.mounted(press, frame, mounts)
     motion = turns(press, speed, count, states)
     linear = foundation.time_response(system, pp.inverse_dynamics(press, motion), points=POINTS).displacement["top"][::2]

@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pinocchio as pin
 import pytest
-from support.generators.frames import loaded, on_four, turns, uneven
+from support.generators.frames import on_four, turns, uneven
+from support.texts import shipped
 
 import pinpress as pp
 from pinpress import PinpressError, foundation
@@ -30,7 +31,7 @@ def piling(press, duration, points, load=PILING):
 
 def test_flywheel_turns_the_frame_as_if_it_were_part_of_the_crank():
     """The same inertia put into the crank's body in the URDF gives the same shaking moment in any run."""
-    press = loaded("jf75g_125_plain")
+    press = shipped("jf75g_125_plain")
     crank = press.model.getJointId("O")
     inertias = [pin.Inertia(inertia) for inertia in press.model.inertias]
     body = inertias[crank]
@@ -46,7 +47,7 @@ def test_flywheel_turns_the_frame_as_if_it_were_part_of_the_crank():
 
 
 def test_flywheel_rocks_the_frame_only_where_the_speed_changes():
-    press = loaded("jf75g_125")
+    press = shipped("jf75g_125")
     system = foundation.mounted(press, *uneven())
     even = pp.inverse_dynamics(press, pp.cycle(press, 30.0, points=90))
     without, with_it = (foundation.steady_response(system, even, points={}, flywheel=flywheel) for flywheel in (None, FLYWHEEL))
@@ -57,7 +58,7 @@ def test_flywheel_rocks_the_frame_only_where_the_speed_changes():
 
 
 def test_flywheel_behind_a_slipping_clutch_is_refused():
-    press = loaded("jf75g_125")
+    press = shipped("jf75g_125")
     run = pp.simulate(
         press,
         0.02,
@@ -76,7 +77,7 @@ def test_flywheel_behind_a_slipping_clutch_is_refused():
 
 def test_stiff_columns_make_one_frame_of_two_parts():
     """The limit of a rigid frame, from which it differs by mounts / columns; the process force then shakes nothing."""
-    press = loaded("jf75g_125_plain")
+    press = shipped("jf75g_125_plain")
     bodies = [pin.Inertia(part.mass, np.array(part.centre), part.tensor) for part in (BED, CROWN)]
     both = bodies[0] + bodies[1]
     rigid = foundation.mounted(press, foundation.Frame(both.mass, both.lever, both.inertia), MOUNTS)
@@ -96,7 +97,7 @@ def test_stiff_columns_make_one_frame_of_two_parts():
 
 def test_process_force_stretches_the_columns():
     """A force that hardly changes, as slowly as the press crawls: crown and bed part by force / stiffness of the columns."""
-    press = loaded("jf75g_125_plain")
+    press = shipped("jf75g_125_plain")
     system = foundation.mounted(press, BED, MOUNTS, crown=CROWN, uprights=columns(loss_factor=0.0))
     drawing = pp.loads.DeepDrawing(1e5, start=0.03)
     points = {"crown": ("crown", (0, 0, 0)), "bed": (0, 0, 0)}
@@ -115,7 +116,7 @@ def test_process_force_stretches_the_columns():
 
 def test_piling_rings_down_with_the_damping_of_the_stretching_mode():
     """After the stroke the columns' rate of stretching decays by the mode's decrement: 2 pi z / sqrt(1 - z^2)."""
-    press = loaded("jf75g_125_symmetric")
+    press = shipped("jf75g_125_symmetric")
     system = foundation.mounted(press, dataclasses.replace(BED, centre=(0, 0, -1)), MOUNTS, crown=CROWN, uprights=columns(loss_factor=0.06))
     result = piling(press, 0.15, 6001)
     response = foundation.time_response(system, result, points={"crown": ("crown", (0, 0, 0)), "bed": (0, 0, 0)}, flywheel=FLYWHEEL)
@@ -135,7 +136,7 @@ def test_piling_rings_down_with_the_damping_of_the_stretching_mode():
 
 def test_time_of_a_run_converges_with_its_states():
     """Jumps of the process force fall between states: first order, halving the step halves what is wrong."""
-    press = loaded("jf75g_125_plain")
+    press = shipped("jf75g_125_plain")
     system = foundation.mounted(press, BED, MOUNTS, crown=CROWN, uprights=columns())
     points = {"crown": ("crown", (0, 0, 0))}
     found = []
@@ -151,7 +152,7 @@ def test_time_of_a_run_converges_with_its_states():
 
 def test_a_period_of_a_steady_run_is_what_time_comes_to():
     """Under load with a motor the speed changes; one period by harmonics against many such periods in time, both with the flywheel."""
-    press = loaded("jf75g_125")
+    press = shipped("jf75g_125")
     frame, mounts = uneven()
     damped = [foundation.Mount(m.point, m.stiffness, tuple(10 * np.array(m.damping))) for m in mounts]
     system = foundation.mounted(press, frame, damped)
@@ -185,7 +186,7 @@ SPRINGS = on_four((2e6, 2e6, 2e6), (2e3, 2e3, 2e3), height=-0.6)
 
 
 def test_isolating_mounts_are_the_stiffest_that_keep_the_limit():
-    press = loaded("jf75g_125_plain")
+    press = shipped("jf75g_125_plain")
     found = foundation.isolate(press, FRAME, SPRINGS, speeds=SPEEDS, transmitted=0.2)
     assert found.transmitted.max() <= 0.2
     stiffer = [
@@ -203,7 +204,7 @@ def test_isolating_mounts_are_the_stiffest_that_keep_the_limit():
 
 
 def test_what_conflicts_is_named():
-    press = loaded("jf75g_125_plain")
+    press = shipped("jf75g_125_plain")
     with pytest.raises(PinpressError, match=r"isolation and sag conflict.*5 mm need"):
         foundation.isolate(press, FRAME, SPRINGS, speeds=SPEEDS, transmitted=0.2, sag=0.005)
     with pytest.raises(PinpressError, match="no stiffness lets these mounts pass on at most 1e-06"):
@@ -216,7 +217,7 @@ def test_what_conflicts_is_named():
 
 def test_backwards_shakes_as_forwards_mirrored_in_time():
     """Shaking force depends on the square of the speed: of a turn backwards the harmonics are the conjugates."""
-    press = loaded("jf75g_125")
+    press = shipped("jf75g_125")
     system = foundation.mounted(press, *uneven())
     forwards, backwards = (
         foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, speed, points=90)), points={"O": (0, 0, 0)})

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from support import texts
 from support.generators.malformed_linkages import (
     ANGLE,
     AXIS,
@@ -70,7 +71,7 @@ def said(findings):
 def test_shipped_presses_have_nothing_to_be_warned_of(name):
     report = pp.check(name)
     assert said([*report.errors, *report.warnings]) == []
-    press = pp.load(name)
+    press = texts.shipped(name)
     facts = report.facts
     assert (facts.drivers, facts.slide, facts.joints, facts.mobility) == (press.drivers, press.slide, press.joints, press.mobility)
     assert facts.engine == ("pinocchio" if "plane" not in press.engines else "plane")
@@ -122,7 +123,7 @@ note: 2 equations are redundant across the plane of the linkage, as in any with 
 
 def test_main_data_of_a_press():
     """Masses as the source prints them; heights and shares from the motion."""
-    press, data = pp.load("zxn2_3000b"), pp.check("zxn2_3000b").facts.data
+    press, data = texts.shipped("zxn2_3000b"), pp.check("zxn2_3000b").facts.data
     assert (data.moving_mass, data.slide_mass) == (pytest.approx(sum(i.mass for i in list(press.model.inertias)[1:])), 7073.87)
     motion = pp.cycle(press, speed=1.0, points=7200)
     assert data.stroke == pytest.approx(np.ptp(motion.slide_position), abs=1e-6)
@@ -281,7 +282,7 @@ def test_joint_that_leaves_its_limits(check):
     """Crank angle and value are those of the furthest state of a turn."""
     report = check(edited(ZXN2, 'lower="-1.0" upper="1.6"', 'lower="-1.0" upper="0.5"'))
     (finding,) = report.warnings
-    press = pp.load("zxn2_3000b")
+    press = texts.shipped("zxn2_3000b")
     rocker = pp.cycle(press, 1.0, points=720).joint_position[:, press.joints.index("D")]
     value, angle = rocker.max(), rocker.argmax() / 2
     assert finding.problem == (

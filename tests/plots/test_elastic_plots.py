@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support import texts
 
 import pinpress as pp
 from pinpress.elasticity.breakthrough import snap_through
@@ -11,7 +12,7 @@ from pinpress.elasticity.slide_under_load import dead_centre_shift
 from pinpress.elasticity.springs import Stiffness
 from pinpress.elasticity.unit_load import compliance
 
-PRESS = pp.load("zxn2_3000b")
+PRESS = texts.shipped("zxn2_3000b")
 STIFFNESS = Stiffness(dict.fromkeys("ABCDEF", 2000000000.0), shaft=3e7, frame=4e9)
 
 
@@ -27,7 +28,7 @@ def test_parts_are_stacked_to_the_whole():
 @pytest.mark.parametrize("names", [("P", "W"), ("W", "P")])
 def test_rounding_does_not_choose_the_order(names):
     """Of parts that yield alike, in the text and in the chart, the one that was given first comes first."""
-    found = compliance(pp.load("crank_slide"), Stiffness(dict.fromkeys(names, 1e9)), angle=np.linspace(0.0, 6.0, 25))
+    found = compliance(texts.shipped("crank_slide"), Stiffness(dict.fromkeys(names, 1e9)), angle=np.linspace(0.0, 6.0, 25))
     half = 0.5 * found.compliance
     alike = dict(zip(names, (half, half * (1 + 1e-13)), strict=True))
     found = replace(found, parts=alike, bottom_shares=dict(zip(names, (0.5, 0.5 * (1 + 1e-13)), strict=True)))

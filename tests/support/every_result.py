@@ -7,6 +7,7 @@ import sys
 from functools import cache
 
 import numpy as np
+from support import texts
 from support.sweep_points import fails_at_odd
 
 import pinpress as pp
@@ -47,7 +48,7 @@ def even(time):
 
 @cache
 def press():
-    return pp.load("crank_slide")
+    return texts.shipped("crank_slide")
 
 
 @cache

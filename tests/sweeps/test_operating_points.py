@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support import texts
 from support.exploring import examples
 from support.generators.small_linkages import two_cranks
 
 import pinpress as pp
 from pinpress.sweeps.operating_map import Affine, largest, operating_points
 
-SIX_BAR = pp.load("zxn2_3000b")
+SIX_BAR = texts.shipped("zxn2_3000b")
 SPEEDS = np.linspace(20.0, 100.0, 60) * pp.RPM
 FORCES = np.linspace(-1e5, 3e6, 70)
 
@@ -40,7 +41,7 @@ def agrees(found, i, j, expected):
 @pytest.mark.parametrize("name", pp.presses())
 @pytest.mark.parametrize("sign", [1, -1])
 def test_every_shipped_press(name, sign):
-    press = pp.load(name)
+    press = texts.shipped(name)
     stroke = pp.dead_centres(press).stroke
     points = 24 if "plane" not in press.engines else 72
     speeds, forces = sign * np.array([3.0, 0.5, 20.0]), np.array([0.0, 2e6, 3e4])

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support import texts
 
 import pinpress as pp
 import pinpress.visual.film as filming
@@ -48,7 +49,7 @@ def _needs_a_browser() -> None:
 
 @pytest.fixture(scope="module")
 def press() -> Any:
-    return pp.load("crank_slide")
+    return texts.shipped("crank_slide")
 
 
 @pytest.fixture(scope="module")

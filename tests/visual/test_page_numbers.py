@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support import texts
 
 import pinpress as pp
 from pinpress.visual import pages
@@ -24,14 +25,14 @@ def turn(press, speed):
 @pytest.mark.parametrize("speed", [1e-300, 1e-38])
 def test_a_motion_too_slow_for_the_viewer_is_refused(tmp_path, make, speed):
     """Its time is beyond 3.4e38 s, and would be infinite there."""
-    press, file = pp.load("crank_slide"), tmp_path / "page.html"
+    press, file = texts.shipped("crank_slide"), tmp_path / "page.html"
     with pytest.raises(pp.PinpressError, match=r"the time of the motion is .* large: a page shows numbers up to 3e\+38"):
         make(press, turn(press, speed), file)
     assert not file.exists()
 
 
 def test_a_motion_too_fast_for_the_viewer_is_refused(tmp_path):
-    press, file = pp.load("crank_slide"), tmp_path / "page.html"
+    press, file = texts.shipped("crank_slide"), tmp_path / "page.html"
     with pytest.raises(pp.PinpressError, match="are too near to each other to be shown"):
         pp.record(press, turn(press, 1e45), file)
     assert not file.exists()
@@ -39,7 +40,7 @@ def test_a_motion_too_fast_for_the_viewer_is_refused(tmp_path):
 
 @pytest.mark.parametrize("speed", [1e-37, 1e30])
 def test_what_the_viewer_can_tell_apart_is_shown(tmp_path, speed):
-    press = pp.load("crank_slide")
+    press = texts.shipped("crank_slide")
     assert pp.record(press, turn(press, speed), tmp_path / "page.html").exists()
 
 

@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pinocchio as pin
+from support import texts
 
 import pinpress as pp
 from pinpress import foundation
@@ -11,13 +12,10 @@ from pinpress import foundation
 WIDE = 0.6  # half the distance between mounts [m]
 
 
-loaded = functools.cache(pp.load)
-
-
 @functools.cache
 def weightless(name="crank_slide"):
     """A press whose links have no mass: what shakes the frame is what the test puts there."""
-    press = pp.load(name)
+    press = texts.shipped(name)
     return press.with_inertias([pin.Inertia.Zero() for _ in press.model.inertias])
 
 

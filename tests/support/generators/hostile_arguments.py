@@ -21,6 +21,7 @@ from typing import Any
 if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
+from support import texts
 from support.time_limit import within
 
 import pinpress as pp
@@ -87,7 +88,7 @@ ODD: dict[str, Any] = {
 
 @cache
 def press() -> pp.Linkage:
-    return pp.load("crank_slide")
+    return texts.shipped("crank_slide")
 
 
 def table() -> dict[str, object]:
