@@ -206,7 +206,7 @@ def test_a_step_too_long_is_said_or_seen(presses, made, kind, step, capfd, tmp_p
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("kind", "group", "coarse", "bounds"),
     [  # of angle [rad] and forces (of their peak) at a quarter of the step

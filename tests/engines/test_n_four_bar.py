@@ -66,7 +66,7 @@ def test_closed_at_singular_poses(count):
         assert motion.closure_error.max() < ROUNDING
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(("count", "method", "duration"), [(40, "reduced", 10.0), (12, "constraint", 3.0)])
 def test_many_windows(count, method, duration):
     """40 windows, as the benchmark was first written: 81 joints, 40 loops that all lose their rank at once."""

@@ -100,6 +100,7 @@ def test_what_is_missing_converges_with_the_order_that_is_said(press, part, moti
         assert coarse > 2 ** (order - (0.4 if times is even else 1.0)) * fine or fine < 1e-12
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("part", PARTS)
 @pytest.mark.parametrize("states", [32, 33])
 @pytest.mark.parametrize("repeated", [False, True])
@@ -176,7 +177,7 @@ def test_two_drivers():
         pp.servo_cycle(press, **contrary)
 
 
-@examples(30)
+@examples(15)
 @given(
     harmonics=st.lists(st.floats(-0.3, 0.3), min_size=6, max_size=6),
     turns=st.integers(-1, 1),
@@ -454,6 +455,7 @@ def test_noise_does_not_contradict_but_what_is_larger_does(press):
         pp.servo_cycle(press, **noisy)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("digits", [2, 3, 4, 6])
 @pytest.mark.parametrize("states", [50, 1000, 5000])
 @pytest.mark.parametrize("motion", [*MOTIONS, "constant"])

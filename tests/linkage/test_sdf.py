@@ -291,6 +291,7 @@ def test_robots_with_loops_load_or_are_refused_in_words(name):
     assert (press.mobility, len(press.loops)) == (12, 4)
 
 
+@pytest.mark.exhaustive
 def test_no_other_robot_of_the_package_has_loops():
     every = [path for path in files("example-robot-data") if path.suffix in (".urdf", ".sdf", ".world")]
     assert len(every) > 50

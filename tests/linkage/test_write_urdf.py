@@ -801,6 +801,7 @@ def test_written_over_the_file_that_was_read(press, file):
         assert reader.read() == press.text
 
 
+@pytest.mark.exhaustive
 def test_import_of_pinpress_leaves_it_out():
     writing = "'pinpress.linkage.writing' in sys.modules"
     code = f"import sys, pinpress; assert not {writing}; pinpress.write_urdf; assert {writing}"

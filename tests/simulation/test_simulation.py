@@ -130,7 +130,7 @@ def test_strokes_under_load(press, method, name):
     assert number == 5
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", LOADS)
 def test_speeds_before_and_after_the_load(press, method, name):
     """At the crank angles where the load begins and ends, by the energy: the speed there is a function of the angle alone."""
@@ -538,7 +538,7 @@ def driven(name, load):
     return case, given, equation.solve(times, case.speed, J0 + case.inertia, windows=windows, **case.options)
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(9)
 @pytest.mark.parametrize("load", ["idle", "stripping"])
 @pytest.mark.parametrize("name", DRIVES)
 def test_a_drive(press, method, name, load):

@@ -167,7 +167,7 @@ def test_the_exact_equation_comes_back(press, name, load):
     assert solution.load_work[-1] == pytest.approx(work, rel=1e-9)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("lag", "guess"),
     [(0.02, 30.3), (0.2, 30.4)],

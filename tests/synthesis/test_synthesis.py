@@ -52,6 +52,7 @@ def peak_ratio(trial):
     return -trial.motion.slide_velocity * np.radians(216) / CHEN_SPEED / 0.4
 
 
+@pytest.mark.exhaustive
 def test_the_objective_of_chen_2002_is_degenerate():
     """As Chen 2002 states it: the coupler runs into its bound whatever that is, and the crank has no say."""
     press = texts.shipped("thin_wall")
@@ -181,6 +182,7 @@ def torque(trial):
     return both_ways(trial.reactions.driving_torque)
 
 
+@pytest.mark.exhaustive
 def test_the_zxn2_3000b_needs_less_torque_at_the_same_stroke(tmp_path):
     """A fifth less, with a slide that takes no less time down than up; shown by `inverse_dynamics` of the written press."""
     synthesis = synthesise(
@@ -275,6 +277,7 @@ def test_bounds_of_constraints_that_contradict_each_other_are_refused():
     refused("function of a trial, lower bound, upper bound", subject_to={"stroke": travel})
 
 
+@pytest.mark.exhaustive
 def test_a_search_that_runs_into_designs_that_lock_says_so():
     """The stroke grows with the crank up to the length of the rod, where the slide stops."""
     refused("beside designs that cannot be assembled, or not be judged: ", {"P.crank.x": (0.05, 0.2, 0.5)}, lambda t: -travel(t), points=36)
@@ -295,6 +298,7 @@ def test_a_search_that_oversteps_into_designs_that_lock_comes_back():
     assert r * w**2 * (1 + r / rod) == pytest.approx(30.0, rel=1e-7)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     "function",
     [

@@ -156,9 +156,9 @@ def test_turns_of_other_states(start):
 
 
 def test_a_run_under_a_load_that_breaks_off():
-    """Against the integral over time, dt = d(angle) / speed, of twenty times as many states."""
+    """Against the integral over time, dt = d(angle) / speed, of ten times as many states."""
     found = loaded_run()
-    fine = finer(found, 2_401)
+    fine = finer(found, 1_201)
     for name in ("P4", "O"):
         got = harmonics(found.motion, found.bearing_force[name])
         motion, force = fine.motion, fine.bearing_force[name]

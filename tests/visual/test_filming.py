@@ -417,6 +417,7 @@ def test_without_packages(package: str, page: Path, tmp_path: Path, monkeypatch:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.exhaustive
 def test_import_is_light() -> None:
     large = ("playwright", "imageio_ffmpeg", "asyncio", "PIL")
     code = f"import sys, pinpress.visual.film; sys.exit(any(name in sys.modules for name in {large}))"

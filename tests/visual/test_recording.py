@@ -584,6 +584,7 @@ def test_without_meshcat(press: Any, motion: Any, tmp_path: Path, monkeypatch: p
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.exhaustive
 def test_import_leaves_meshcat_alone() -> None:
     code = "import sys, pinpress.visual.recording; sys.exit('meshcat' in sys.modules or 'umsgpack' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
