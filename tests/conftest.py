@@ -13,7 +13,6 @@ from typing import Any
 import pytest
 from hypothesis import settings
 from support.exploring import EXPLORE, FIXED
-from support.in_browser import FLAGS, wait
 from support.sampling import sample
 from support.skips import pytest_make_collect_report, pytest_runtest_makereport
 from support.time_limit import time_limit
@@ -26,6 +25,10 @@ settings.load_profile(FIXED)
 # Bytecode is kept, whatever the machine's habit: every test that starts Python, and every worker, would compile all of pinpress again.
 sys.dont_write_bytecode = False
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
+# Workers are as many as cores. Where each had as many threads too, these would wait for each other.
+os.environ.update(OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1", MKL_NUM_THREADS="1")
+assert "numpy" not in sys.modules, "NumPy reads them once"
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -61,6 +64,7 @@ def browser() -> Iterator[Any]:
     if executable is None or importlib.util.find_spec("playwright") is None:
         pytest.skip("needs Chromium and playwright")
     from playwright.sync_api import sync_playwright
+    from support.in_browser import FLAGS  # with NumPy, after its threads are counted
 
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=executable, args=FLAGS)
@@ -99,6 +103,8 @@ class Tab:
 
     def open(self, path: Path, fragment: str = "", size: tuple[int, int] = (800, 600)) -> Any:
         """A page, loaded anew."""
+        from support.in_browser import wait  # with NumPy, after its threads are counted
+
         self.page.set_viewport_size({"width": size[0], "height": size[1]})
         self.page.goto("about:blank")  # else a page of the same address would stay as it is
         self.page.goto(path.as_uri() + fragment)

@@ -85,7 +85,7 @@ def test_mujoco(presses, made, name, speed):
     assert max(errors(presses(name), made("Mujoco", name), 90, speed)) < EXACT
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("name", ["jf75g_125_symmetric", "jf75g_125_two_point"])
 def test_mujoco_where_loops_hold_each_other(presses, made, name):
     """The torque, and what the frame takes in all: how its bearings share it, rigid mechanics leaves open. Gear pairs too."""
@@ -290,6 +290,7 @@ def test_the_script_is_for_its_press(presses):
         HandScript(presses("zxn2_3000b")).free_run(0.0, SPEED, 0.0, 1.0, 0.1)
 
 
+@pytest.mark.exhaustive
 def test_what_exudyn_is_not_compared_on(presses):
     pytest.importorskip("exudyn")
     assert any("Exudyn is skipped: jf75g_125_symmetric has gear pairs" in line for line in find_peers(presses("jf75g_125_symmetric"))[1])

@@ -191,6 +191,7 @@ def test_no_counterweights_beat_the_bound(planar, number):
         assert worst([*part_of(b.counterweights, 1 - share), *part_of(other, share)]) >= b.bound - 1e-9
 
 
+@pytest.mark.exhaustive
 def test_no_masses_beat_the_bound_in_space():
     """Bennett's linkage: masses at points, a hole among them, and one in place of a link's own, which keeps its shape."""
     press = texts.load(bennett())

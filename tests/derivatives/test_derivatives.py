@@ -227,6 +227,7 @@ def test_a_direction_in_which_bearings_contradict_each_other_is_refused():
         motion_derivatives(press, motion, [{("P4_front", "main_rod_front"): (1, 0, 0)}])
 
 
+@pytest.mark.exhaustive
 def test_a_spatial_linkage_has_no_derivatives(tmp_path):
     file = tmp_path / "ring.urdf"
     file.write_text(spatial_linkages.bennett(), encoding="utf-8")

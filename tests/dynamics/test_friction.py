@@ -572,6 +572,7 @@ def test_friction_of_an_unknown_bearing_is_refused(engine):
         pp.inverse_dynamics(press, pp.cycle(press, speed=7.0, points=3), friction={"guide": pp.loads.Friction(0.1)}, engine=engine)
 
 
+@pytest.mark.exhaustive
 def test_friction_of_a_fixed_loop_is_refused():
     drawing = Drawing("welded")
     drawing.joint("O", "frame", "crank", 0j)

@@ -186,6 +186,7 @@ BEVEL = """<link name="cross"><inertial><mass value="1e-9"/>
 <mimic joint="{0}"/></joint></robot>"""
 
 
+@pytest.mark.exhaustive
 def test_sharing_is_looked_at_in_presses_that_are_not_planar():
     """The same press with a shaft across its plane, which carries nothing."""
     planar = texts.shipped("jf75g_125_symmetric")

@@ -77,6 +77,7 @@ def test_the_drawn_pose_is_the_published_one(press):
     assert "plane" in press.engines
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", METHODS)
 def test_first_accelerations_and_multipliers(press, simulated, method):
     run = simulated(method, 0.03)

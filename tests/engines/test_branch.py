@@ -322,6 +322,7 @@ def test_a_geared_linkage_that_is_never_back_is_remarked(never_back):
     assert any("not back at its drawn pose after 16 turns" in note.problem for note in pp.check(never_back.file).notes)
 
 
+@pytest.mark.exhaustive
 def test_redundant_loops_that_contradict_each_other_by_little():
     """A Bennett linkage turns only because its lengths fit: wrong in the twelfth digit, it closes as drawn, but not all round."""
     text = bennett()

@@ -40,6 +40,7 @@ def transmission(angle):
     return ratio, -ratio / below * np.sin(BEND) ** 2 * np.sin(2 * angle)
 
 
+@pytest.mark.exhaustive
 def test_hooke_joint_in_closed_form(joint):
     """The torque accelerates both shafts; the cross piece needs none."""
     w, alpha = 9.0, -4.0

@@ -43,7 +43,7 @@ def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     assert not datas
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("kind", KINDS)
 def test_checking_planar_linkages_needs_no_pinocchio_data(datas, kind, tmp_path):
     file = tmp_path / "linkage.urdf"
@@ -97,6 +97,7 @@ def test_chain_of_dyads_in_closed_form():
     np.testing.assert_allclose(-result.shaking_force[:, [0, 2]].T, force, rtol=0, atol=1e-11 * np.abs(force).max())
 
 
+@pytest.mark.exhaustive
 def test_gear_train_in_closed_form():
     """Every pair turns the shaft behind it and all that this one drives."""
     count = 61

@@ -4,6 +4,7 @@ Judged by closed forms, by Pinocchio's kinematics of the open tree with loops of
 and by forward dynamics.
 """
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -136,6 +137,7 @@ def test_rates_are_derivatives_of_positions(case):
     """In time, of all joints: rates, and accelerations as derivatives of rates, to 1e-10 of the peak."""
     count = 3
 
+    @cache
     def motion(offset):
         return swinging(case.press, case.name, TIMES[:count] + offset)
 
@@ -283,7 +285,7 @@ def test_bricard_locks_at_120_degrees():
         pp.servo_cycle(press, speed=1.0, angle=[2 * np.pi / 3 - BRICARD_DRAWN + 0.01])
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(("make", "cuts", "swing"), [(bennett, (2, 3, 4), 4.0), (bricard, (2, 6), 1.0)])
 def test_where_a_ring_is_cut_changes_nothing(make, cuts, swing):
     """Torque, and the shares of what is open, which are chosen among all bearings: a pin has its force and moment in any tree; 1e-12."""

@@ -148,6 +148,7 @@ def test_stretching_of_bed_and_crown():
     assert len(found.natural_frequency) == 12
 
 
+@pytest.mark.exhaustive
 def test_stiffness_is_the_curvature_of_the_energy_of_bed_and_crown():
     """Bed and crown turn by whatever angles: springs in the world's axes, loaded as at rest, and weights; without symmetry anywhere."""
     bed, crown = foundation.Frame(3000.0, (0.1, -0.2, -0.8), (900, 900, 900)), foundation.Frame(1500.0, (0.3, 0.1, 1.1), (200, 200, 200))

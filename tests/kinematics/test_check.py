@@ -225,6 +225,7 @@ def test_a_weld_is_held_in_the_plane_too(check):
     assert report.facts.engine == "pinocchio"
 
 
+@pytest.mark.exhaustive
 def test_redundancy_in_space(check):
     report = check(bennett())
     assert redundancies(report) == ["3 equations are redundant in space, of loop 'J3'"]
@@ -266,6 +267,7 @@ def test_gap_and_misalignment_of_a_loop(check):
     assert (loop.gap, loop.misalignment) == (pytest.approx(5e-4, rel=1e-9), pytest.approx(2e-3, rel=1e-9))
 
 
+@pytest.mark.exhaustive
 def test_rounded_axes(check):
     """A redundant linkage that loads though its axes are not parallel: the slow engine takes it, which is said."""
     report = check(edited(SYMMETRIC, 'rpy="0 1.5707963267948966 0"/><axis', 'rpy="1e-4 1.5707963267948966 0"/><axis'))

@@ -292,6 +292,7 @@ def test_what_an_arrangement_does_to_fractional_orders(press, name):
         assert max(change.before for change in vertical if change.order % 1) > 1.0
 
 
+@pytest.mark.exhaustive
 def test_synthesis_judges_all_turns():
     """The largest stroke of the slide's rod length within bounds is that of brute force at the bounds, over both turns."""
     from pinpress.synthesis.synthesis import synthesise
@@ -363,6 +364,7 @@ def test_time_of_a_picture(degrees, speed, turns, time):
 # No period
 
 
+@pytest.mark.exhaustive
 def test_a_linkage_that_is_never_back_has_no_dead_centres():
     press = period_presses.five_bar(0.5**0.5)
     for ask in (pp.dead_centres, lambda press: pp.cycle(press, SPEED), lambda press: press.period_turns):
@@ -373,6 +375,7 @@ def test_a_linkage_that_is_never_back_has_no_dead_centres():
     np.testing.assert_allclose(some.shown_position, np.degrees(some.crank_angle))
 
 
+@pytest.mark.exhaustive
 def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle():
     """With short rods it turns 439 degrees backwards and locks: the turn that it makes is not said to be all."""
     links = "".join(period_presses.LINK.format(*link, 0.02) for link in period_presses.LINKS)

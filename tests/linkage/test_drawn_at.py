@@ -38,6 +38,7 @@ def test_it_is_the_same_machine(name: str) -> None:
     same_machine(press, drawn, ANGLE)
 
 
+@pytest.mark.exhaustive
 def test_in_space() -> None:
     press = texts.load(bennett())
     same_machine(press, press.drawn_at(ANGLE), ANGLE)

@@ -312,6 +312,7 @@ def test_kong_weight_of_the_crank_by_the_hand_script(made, monkeypatch, words, w
     assert found == pytest.approx(100 * np.sqrt(np.mean(np.square(deviations))), rel=1e-6)
 
 
+@pytest.mark.exhaustive
 def test_kong_no_inertias_do_better_than_the_best(made):
     """Deviations for inertias from a coarse grid, beside the least that the page states."""
     pair = [kong2025.parts(kong2025.state(name, 360)) for name in ("zxn2_3000b", "zxn2_3000b_balanced")]
@@ -321,6 +322,7 @@ def test_kong_no_inertias_do_better_than_the_best(made):
         assert min(kong2025.rms_deviation(pair, weight, shares) for shares in grid) > best - 0.02  # 360 angles miss so much of extremes
 
 
+@pytest.mark.exhaustive
 def test_kong_force_in_a_is_the_cranks_on_the_frame():
     """With the other sign tables 2 and 3 are more than twice as far away."""
     pair = [kong2025.parts(kong2025.state(name, 360)) for name in ("zxn2_3000b", "zxn2_3000b_balanced")]

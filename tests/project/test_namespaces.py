@@ -13,7 +13,7 @@ import pinpress as pp
 
 NAMESPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))]
 NEEDS = {"plots": "matplotlib", "ratings": "matplotlib", "accuracy": "matplotlib", "sweeps": "pandas"}
-SLOW = ("accuracy", "video")  # a browser, and a comparison
+SLOW = ("accuracy", "plots", "ratings", "video")  # a comparison, pictures, a browser
 LONGEST = 20  # lines of a text
 
 

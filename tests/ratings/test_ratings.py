@@ -274,6 +274,7 @@ def test_every_shipped_press(name, at_speed):
         found.force[0] = 1.0
 
 
+@pytest.mark.exhaustive
 def test_both_engines_agree():
     press = shipped("crank_slide")
     capacities = Capacities(1e6, nominal_height=pp.dead_centres(press).stroke / 8, bearings=dict.fromkeys(press.bearings[::2], 2e6))

@@ -163,6 +163,7 @@ def order(steps, errors):
     return np.polyfit(np.log(steps), np.log(np.abs(errors)), 1)[0]
 
 
+@pytest.mark.exhaustive
 def test_the_fixed_step_is_the_classical_method(press):
     """The same method on the same equation makes the same errors; with 0.1 ms no more than rounding and the table's 1e-12."""
     at = JF75G["forward_idle_567Nm"]["0.6"]
@@ -805,6 +806,7 @@ def test_engaging_a_press(press, method):
     assert run.stats.energy_error < 1e-8
 
 
+@pytest.mark.exhaustive
 def test_a_clutch_that_slips_again(press):
     """200 N m take the crank along, but not through the changes of its inertia at full speed, 700 N m: it slips to and fro."""
     options = {"speed": 0.0, "flywheel": pp.drives.Flywheel(J0, speed=W0), "clutch": pp.drives.Clutch(200.0), "points": 201}

@@ -222,6 +222,7 @@ def test_power_balances_in_a_long_run(long_run, strokes):
     np.testing.assert_allclose(gained, balance, rtol=0, atol=1e-9 * ENERGY)
 
 
+@pytest.mark.exhaustive
 def test_a_long_run_ends_in_it_to_the_tolerance(press, steady):
     """Where the speed passes a corner of the drive's torque a little beside where it did the stroke before."""
     run = pp.simulate(press, 8.0, speed=SPEED, drive=slip_clutch(), flywheel=WHEEL, loads=[BLANK])
@@ -334,6 +335,7 @@ def test_backwards(press, lag):
     np.testing.assert_allclose(other.drive_work, one.drive_work, rtol=0, atol=1e-8 * ENERGY)
 
 
+@pytest.mark.exhaustive
 def test_backwards_is_another_orbit_of_a_press_with_quick_return():
     """The thin-wall press is not its own mirror image; each way the period is that of a long run."""
     speed, drive, inertia, load, _ = PRESSES["thin_wall"]

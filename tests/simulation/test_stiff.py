@@ -102,6 +102,7 @@ def test_what_is_damped_ever_so_little_is_not_repeated(scene):
     assert "repetition" not in found.stats.solvers
 
 
+@pytest.mark.exhaustive
 def test_friction_sharp_about_standstill_counts_at_the_start():
     """From rest the push alone accelerates the crank, until friction is whole at 1e-3 rad/s: all that follows comes earlier by that."""
     drive = Rubbing(5000.0, 3000.0, 1e-3)
@@ -121,7 +122,7 @@ def test_the_reference_of_swings_is_right():
     assert swung(1e7, SPEED) == pytest.approx(MECHANISM.integrated(2.0, SPEED, START, FLYWHEEL, push)[0], abs=1e-8)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("start", "loads"),
     [(1.3, [between(1e6, 0.0, 1.0)]), (0.6, [ElasticDie(0.02, 1e7)])],

@@ -258,6 +258,7 @@ def test_variables_that_make_no_sense_are_refused(words, variables):
     refused(words, variables)
 
 
+@pytest.mark.exhaustive
 def test_a_global_search_that_finds_nothing_says_why_the_first_start_failed(monkeypatch):
     tried = []
 
@@ -283,6 +284,7 @@ def test_a_search_that_runs_into_designs_that_lock_says_so():
     refused("beside designs that cannot be assembled, or not be judged: ", {"P.crank.x": (0.05, 0.2, 0.5)}, lambda t: -travel(t), points=36)
 
 
+@pytest.mark.exhaustive
 def test_a_search_that_oversteps_into_designs_that_lock_comes_back():
     """The same with a limit to the acceleration, r w^2 (1 + r / l), that keeps the crank shorter."""
     limit = {"acceleration": (lambda t: both_ways(t.motion.slide_acceleration), None, 30.0)}

@@ -155,6 +155,7 @@ def test_turns_of_other_states(start):
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-5 * np.abs(force).max())
 
 
+@pytest.mark.exhaustive
 def test_a_run_under_a_load_that_breaks_off():
     """Against the integral over time, dt = d(angle) / speed, of ten times as many states."""
     found = loaded_run()
