@@ -77,7 +77,7 @@ def test_the_hand_script(presses, name):
     assert max(errors(presses(name), HandScript(presses(name)), 90)) < EXACT
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 @pytest.mark.parametrize("name", PRESSES)
 def test_mujoco(presses, made, name, speed):
@@ -98,7 +98,7 @@ def test_mujoco_where_loops_hold_each_other(presses, made, name):
     assert np.abs(found - expected).max() < SHARED * np.abs(expected).max()
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("speed", [SPEED, -SPEED])
 @pytest.mark.parametrize("name", PRESSES)
 def test_exudyn(presses, made, name, speed):

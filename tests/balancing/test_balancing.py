@@ -353,7 +353,7 @@ def test_relative_results_do_not_depend_on_size_and_mass():
     assert np.max(found[0], axis=0)[0] < -0.01
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(7)
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that it turns too fast
 @pytest.mark.parametrize(
     "criterion", [X, TORQUE, pp.balancing.Rms("shaking_force"), pp.balancing.Peak("bearing_force", bearing="D")], ids=lambda m: m.words

@@ -206,6 +206,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     assert asked(monkeypatch, "--region", "crank:radius=0.1", "--minimise", "added_mass", *words)["limits"] == expected
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [

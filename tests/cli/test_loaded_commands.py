@@ -211,6 +211,7 @@ def test_simulation_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
     assert float(angle) == pytest.approx(np.degrees(run.crank_angle[-1]), abs=6e-4)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [

@@ -366,6 +366,7 @@ def test_help_lists_every_field(capsys: pytest.CaptureFixture[str]) -> None:
 DURATION = ["zxn2_3000b", "--duration", "1"]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [

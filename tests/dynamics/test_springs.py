@@ -104,7 +104,7 @@ def same(one, other, bound):
 # ------------------------------------------------------------------------------------------------------------------------------- forces
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(11)
 @pytest.mark.parametrize("spring", SPRINGS)
 @pytest.mark.parametrize(("name", "engine"), BOTH)
 def test_a_spring_is_the_pair_of_its_forces(name, spring, engine):

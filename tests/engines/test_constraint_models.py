@@ -6,6 +6,7 @@ import pytest
 from support import texts
 from support.generators.spatial_linkages import bennett, bricard, four_bar
 from support.oracles import cassie
+from support.sampling import rest_exhaustive
 
 import pinpress as pp
 
@@ -13,9 +14,10 @@ ANGLES = np.array([-0.3, 0.1, 0.35])
 SPATIAL = {"bennett": bennett, "bricard": bricard, "cassie": cassie.urdf, "turntable": lambda: four_bar("revolute", table="table")}
 SPATIAL |= {f"four_bar_{kind}": lambda kind=kind: four_bar(kind) for kind in ("spherical", "revolute", "fixed")}
 FAMILIES = (*pp.presses(), *SPATIAL)
+ALWAYS = ("crank_slide", "jf75g_125_two_point", "bennett", "cassie", "four_bar_revolute")  # the others are exhaustive
 
 
-@pytest.fixture(scope="module", params=FAMILIES)
+@pytest.fixture(scope="module", params=rest_exhaustive(FAMILIES, *ALWAYS))
 def press(request):
     made = SPATIAL.get(request.param)
     return texts.load(made()) if made else texts.shipped(request.param)

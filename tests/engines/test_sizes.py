@@ -113,7 +113,7 @@ def test_gear_train_in_closed_form():
     np.testing.assert_allclose(result.driving_torque, needed[0] - torques, rtol=0, atol=1e-12 * count)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("name", pp.presses())
 def test_sparse_matrices_give_what_plain_ones_do(monkeypatch, name):
     """Of every shipped press: with friction, loads in the plane and out of it, all bearings and few."""

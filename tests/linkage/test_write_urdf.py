@@ -732,6 +732,7 @@ def test_what_a_urdf_cannot_say(press, tmp_path, name, value, problem):
     assert problem in refusal(changed(press, change), tmp_path)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("change", "problem"),
     [

@@ -155,7 +155,7 @@ BUILDS = {
 }
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("name", BUILDS)
 def test_each_is_its_own_run(press, name):
     build, values = BUILDS[name]

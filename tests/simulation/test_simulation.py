@@ -205,7 +205,7 @@ def under_load(name):
     return equation.solve([0.45], W0, J0, torque=constant, windows=windows).angle[-1]
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(9)
 @pytest.mark.parametrize("name", [*LOADS, "die"])
 def test_the_fixed_step_with_loads(press, method, name):
     """Edges are located, where forces jump too: order 4 all the same. How the steps fall between them is by chance, and with it the size of
@@ -293,7 +293,7 @@ def pressed(name, duration, points, way=1, angle=0.0):
     return equation.solve(times, way * W0, J0, angle=angle, torque=lambda *_: way * M0, windows=CASES[name][1])
 
 
-@pytest.mark.one_in(5)
+@pytest.mark.one_in(11)
 @pytest.mark.parametrize("name", CASES)
 def test_a_load(press, method, name):
     run = zhang(press, 0.45, loads=[CASES[name][0]], points=61, method=method)

@@ -92,7 +92,7 @@ CLEAR = {
 }
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(9)
 @pytest.mark.parametrize("name", CLEAR)
 def test_runs_that_keep_clear_of_it_are_not_made_again(press, method, name):
     run, said = heard(press, 0.4, method=method, **CLEAR[name])
