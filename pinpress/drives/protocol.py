@@ -38,6 +38,8 @@ class Drive(Protocol):
     give it element by element. Memory, as of an excitation or a hysteresis, belongs in ``state`` with its ``rates``, not in other
     attributes. `simulate` and `steady_state` try a caller's own drive before a run, and ask for the run's torques again after it.
 
+    On a driver that slides the torque is a force [N], the speed in m/s, the angle a position [m] and the inertia a mass [kg].
+
     Attributes:
         inertia: of all that turns with the shaft [kg m2]; (S,) where it differs between scenarios.
         state: values of the drive's own states at the start; () for most drives.

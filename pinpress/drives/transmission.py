@@ -41,7 +41,7 @@ class PrescribedSpeed(Checked):
     """A drive so strong that it holds the driver joint at a constant speed, whatever torque that takes. It has no torque curve.
 
     Attributes:
-        speed: [rad/s]; negative: backwards; not zero.
+        speed: [rad/s], of a driver that slides [m/s]; negative: backwards; not zero.
     """
 
     speed: float = field(metadata=parameter("rad/s", "other than zero"))
@@ -49,7 +49,8 @@ class PrescribedSpeed(Checked):
 
 @dataclass(frozen=True)
 class Geared(Checked):
-    """A drive through gears or a belt: its shaft turns ``ratio`` times as fast as the shaft on which the gears act.
+    """A drive through gears or a belt: its shaft turns ``ratio`` times as fast as the shaft on which the gears act. A screw that moves a
+    driver that slides has 2 pi / lead as its ratio, with the lead in m a turn.
 
     Where the drive delivers power (or starts), the torque is ratio x its torque x efficiency; where it takes power, ratio x torque /
     efficiency. Only the drive's torque has losses; the torque that accelerates the drive's own inertia passes the gears without loss.

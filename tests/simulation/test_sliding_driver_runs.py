@@ -105,6 +105,8 @@ def test_what_belongs_to_cranks_is_refused_by_name(toggle, bell):
         pp.ratings.rate(toggle, 0.1, pp.ratings.Capacities(1e6, nominal_height=0.01))
     with pytest.raises(pp.PinpressError, match=f"{slides}operating points are those of a crank"):
         pp.sweeps.operating_points(toggle, [0.1])
+    with pytest.raises(pp.PinpressError, match=f"{slides}flywheels and their energy are those of a crank"):
+        pp.measures.driving_energy(pp.inverse_dynamics(toggle, pp.cycle(toggle, 0.1)))
     with pytest.raises(pp.PinpressError, match=f"{slides}scenarios are those of a crank"):
         pp.simulate_batch(toggle, 0.1, speed=[0.1, 0.2])
     with pytest.raises(pp.PinpressError, match="the driver of the motion slides to and fro, and measures are those of a crank"):
