@@ -82,8 +82,8 @@ def _on_slide(load: "ProcessLoad | TimeForce", press: "Linkage", along: Array) -
     return [AppliedForce(guide + 1, origin, force), AppliedForce(0, placement.act(origin), -force)]
 
 
-def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
-    """The force (n,) of a process load on the slide, along the guide's axis [N]."""
+def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion", *, warned: bool = False) -> Array:
+    """The force (n,) of a process load on the slide, along the guide's axis [N]; ``warned``: the load was looked at before."""
     name, force = caller_laws.name(load), np.zeros(len(motion.crank_angle))
     intervals = _intervals(load)
     if not intervals:  # an idle press needs no datum
@@ -98,6 +98,8 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion") -> Array:
         inside = np.flatnonzero((down == downwards) & (interval.lower < height) & (height <= interval.upper))
         acts |= len(inside) > 0
         force[inside] = _force_in(name, interval, height[inside], velocity[inside])
+    if warned:
+        return force
     known = not acts or load.datum is None  # else finding the stroke would take long
     warn_of_load(name, press, intervals, zero, turning_points(press) if known else (-math.inf, math.inf))
     return force
@@ -164,7 +166,7 @@ def process_force(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> 
         if isinstance(load, TimeForce):
             total += _in_time(load, motion)
         elif not isinstance(load, PointForce | SpringDamper):
-            total += _in_height(load, press, motion)
+            total += _in_height(load, press, motion, warned=True)
     return total
 
 

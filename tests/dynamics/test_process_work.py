@@ -7,7 +7,18 @@ import pytest
 from support import texts
 
 import pinpress as pp
-from pinpress.loads import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle, PointForce, SpringDamper, TimeForce
+from pinpress.loads import (
+    Blanking,
+    ConstantForce,
+    DeepDrawing,
+    ElasticDie,
+    ForceInterval,
+    ForceStroke,
+    Idle,
+    PointForce,
+    SpringDamper,
+    TimeForce,
+)
 
 SPEED = 70 * pp.RPM
 WORKS = [  # of a stroke [J]
@@ -70,3 +81,27 @@ def test_what_was_given_is_kept():
     assert "TimeForce" in str(sent.loads[1])
     assert sent.process_work == reactions.process_work
     np.testing.assert_array_equal(sent.process_force, reactions.process_force)
+
+
+class Cushion:
+    """A caller's own load: a spring below a slide position, in both directions, and friction of 2 kN against the motion."""
+
+    datum = -0.9
+
+    def intervals(self, downwards):
+        return (ForceInterval(0.0, -np.inf, lambda height, velocity: -1e6 * height - 2e3 * np.sign(velocity)),)
+
+
+def test_a_load_of_a_callers_own():
+    """The spring gives back what it takes; the friction acts on the way down from the datum to bottom dead centre and up again."""
+    press = texts.shipped("zxn2_3000b")
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=90), [Cushion()])
+    depth = Cushion.datum - pp.dead_centres(press).bottom_position
+    assert reactions.process_work == pytest.approx(2 * 2e3 * depth, rel=1e-5)
+
+
+def test_doubts_are_said_once():
+    press = texts.shipped("zxn2_3000b")
+    with pytest.warns(pp.PinpressWarning, match="nowhere on the slide's stroke"):
+        reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=24), [Blanking(1e6, 6.0, 2.0)])
+    assert (reactions.process_force.any(), reactions.process_work) == (False, 0.0)  # a second warning would be an error
