@@ -228,10 +228,9 @@ class VibrationModes(Tabular):
         shapes: (n, n) undamped shapes, a mode a column, in the coordinates of `MountedPress`, scaled to a modal mass of 1 kg.
         damped_frequency: (n,) frequencies of the damped system [rad/s]; zero for a mode that creeps back without swinging.
         damping_ratio: (n,) damping divided by critical damping, 1 or more for a mode that creeps back [-].
-        eigenvalues: (2 n,) eigenvalues of the damped system in first order, from which the last two come [1/s].
-        motion: (n,) the motion that has most of each mode's kinetic energy, about the centres of mass: "along z", "rocking about y", ...
-            In a frame of two parts ", against" follows where bed and crown move against each other, and "stretching" is such a motion
-            along z.
+        eigenvalues: (2 n,) eigenvalues of the damped system in first order, which give damped frequencies and ratios [1/s].
+        motion: (n,) motions with most of each mode's kinetic energy, about the centres of mass: "along z", "rocking about y", ... In a
+            frame of two parts ", against" follows where bed and crown move against each other; along z this is "stretching".
     """
 
     press_name: str

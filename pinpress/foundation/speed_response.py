@@ -1,4 +1,4 @@
-"""An idle press on its mounts over its range of speeds: how it vibrates, and the stiffest mounts that keep it from shaking the floor.
+"""An idle press on its mounts over its range of speeds: its vibration, and the stiffest mounts that keep it from shaking the floor.
 
 The shaking wrench of an idle press at constant speed has two parts: one by the weights of the moving links, which is equal at all speeds,
 and one that grows with the speed squared. Two cycles give both, and these give all speeds at once.
@@ -230,12 +230,12 @@ def isolate(
         frame: the frame, in one part.
         mounts: places of the mounts, and their stiffnesses up to the factor.
         speeds: (s,) speeds of the crank, positive and rising, so close that no resonance falls between two [rad/s].
-        transmitted: most of the force on the floor divided by the shaking force, both as root mean square, between 0 and 1 [-].
+        transmitted: largest ratio of the force on the floor to the shaking force, both as root mean square, between 0 and 1 [-].
         sag: largest displacement of a mount at rest [m]; None: any.
 
     Raises:
-        PinpressError: an argument is not as described, nothing shakes the frame, or no mounts do what is asked; the message says what
-            conflicts.
+        PinpressError: an argument is not as described, nothing shakes the frame, or no mounts meet the demands; the message says
+            which conflict.
     """
     speed, mounts = rising_positive("speeds", speeds), listed_mounts(mounts, "mounts")
     wanted = "a share, more than 0 and less than 1"

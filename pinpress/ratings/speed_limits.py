@@ -142,7 +142,16 @@ def limiting_speed(
 
 @dataclass(frozen=True, eq=False)
 class _TurningPress:
-    """A press that turns at constant speed under loads; see `limiting_speed`; attributes as its arguments."""
+    """A press that turns at constant speed under loads.
+
+    Attributes:
+        press: the press.
+        capacities: capacities of its parts.
+        torque: torque capacity at the driver joint [N m]; None: it limits nothing.
+        way: 1 forwards, -1 backwards.
+        loads: loads that depend on the slide's height alone.
+        engine: as in `cycle`.
+    """
 
     press: Linkage
     capacities: Capacities
@@ -182,16 +191,16 @@ class _TurningPress:
 
 
 class _Loading(NamedTuple):
-    """Something with a capacity, and how much of it is in use at crank angles (n,), as vectors of k components.
+    """A quantity with a capacity, at crank angles (n,), as vectors of k components.
 
     Attributes:
         name: name of the limit.
-        running: (n, k) at the fast speed, without loads.
-        resting: (n, k) at rest, by weights alone.
-        load: (n, k) by loads alone, or 0.
-        capacity: largest magnitude.
+        running: (n, k) values at the fast speed, without loads.
+        resting: (n, k) values at rest, by weights alone.
+        load: (n, k) values by loads alone, or 0.
+        capacity: largest permitted magnitude.
         unit: unit of all these.
-        rounding: below it the part by inertia is rounding.
+        rounding: size below which the share of inertia is rounding.
     """
 
     name: str
@@ -210,7 +219,7 @@ def _squared_speeds(turning: _TurningPress, angle: Array) -> dict[str, Array]:
 
 
 def _loadings(turning: _TurningPress, fast: Motion) -> Iterator[_Loading]:
-    """Everything that has a capacity, in a motion at the fast speed."""
+    """All quantities that have a capacity, in a motion at the fast speed."""
     press, capacities = turning.press, turning.capacities
     still = replace(fast, crank_speed=0 * fast.crank_speed, v=0 * fast.v, a=0 * fast.a)  # in the poses of the motion
     at_rest, running, loaded = turning.reactions(press, still), turning.reactions(press, fast), turning.under_loads(fast)

@@ -24,7 +24,7 @@ class Outcome(NamedTuple):
 
     Attributes:
         number: number of the point.
-        values: what the function returned, by name; empty where it failed.
+        values: values that the function returned, by name; empty where it failed.
         error: type and text of the exception where it failed; else empty.
     """
 
