@@ -20,7 +20,6 @@ from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
-from ..simulation.run import duty_summary
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
 from . import part_specs
@@ -40,6 +39,7 @@ from .options import (
     with_zero,
     write_pages,
 )
+from .run_summary import duty_summary
 from .units import driver_speed, quantity
 
 POINTS = 720  # of a turn

@@ -7,7 +7,7 @@ from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..simulation.run import Run, inputs_of, simulation_summary, stroke_duties
+from ..simulation.run import Run, inputs_of, stroke_duties
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
@@ -28,6 +28,7 @@ from .options import (
     refuse_pages_without_folder,
     write_pages,
 )
+from .run_summary import simulation_summary
 from .units import driver_position, driver_speed, quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"

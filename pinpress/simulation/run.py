@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import time as clock
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -14,13 +13,12 @@ import numpy as np
 from ..common import tables
 from ..common.arguments import is_number, typed, whole_number
 from ..common.errors import PinpressError, shown
-from ..common.quantities import RPM, Array
+from ..common.quantities import Array
 from ..common.results import Record, Records
 from ..drives.protocol import Drive
 from ..drives.transmission import Geared
 from ..dynamics import inputs
 from ..dynamics.inverse_dynamics import Reactions
-from ..dynamics.summary import bearing_table, checks
 from ..kinematics.motion import Motion, motion_through_change_points, of_states
 from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
@@ -41,8 +39,6 @@ ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # roundings of a stiff drive's
 ROUND = 1 + 1e-12  # rounding of times and turns
 BEYOND = 1e-9  # travel of a driver that slides, beyond its end, that is rounding [lengths of the linkage]
 STATES = 720  # states of a stroke in which extremes are looked for
-MOST_STROKES = 8  # most strokes that a summary lists in full
-FIRST_STROKES = 5  # of more strokes it lists so many first ones, and the last one
 
 
 @dataclass(frozen=True, repr=False)
@@ -456,7 +452,7 @@ def _crank(run: Run, sample: Sample) -> tuple[Array, Array]:
     return sample.position[place], sample.speed[place]
 
 
-# ------------------------------------------------------------------------------------------------------------------------------------- text
+# ----------------------------------------------------------------------------------------------------------------------------------- inputs
 
 
 def inputs_of(reactions: Reactions) -> inputs.Inputs:
@@ -482,141 +478,3 @@ def inputs_of(reactions: Reactions) -> inputs.Inputs:
         f"tolerance {run.problem.tolerance:g}" if run.problem.step is None else f"step {run.problem.step:g} s"
     )
     return inputs.inputs(reactions, start, given, how)
-
-
-def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: bool = False) -> str:
-    """Speeds, energies, the motor's torque, strokes and bearing forces of a run, and how well the equations are fulfilled.
-
-    Args:
-        press: the linkage.
-        run: of one driver.
-        reactions: inverse dynamics of this run under its loads; their driving torque is that of flywheel, drive, clutch and brake together.
-        steady: whether the run is one period of a steady state.
-
-    Extremes of speed and of the motor's torque are those of 720 states a turn, works are exact; torques and forces of the crank and the
-    bearings are the largest of the run's states. Signs as in `Reactions`.
-    """
-    whole = duty_cycle(run)
-    lines = [
-        f"{press.name}: {'a period of its steady state, ' if steady else ''}{run.time[-1]:.6g} s, {len(run.crank_angle)} states,"
-        f" method {run.stats.method!r}",
-        *_end(run, steady),
-        *_speeds(run, whole, steady),
-        *_work(run, whole),
-        *_motor(run, whole),
-        *_torque(reactions),
-        *(_strokes(stroke_duties(run), stroke_turns(run.problem.driven.press)) if run.driver_coordinates[0].turns else []),
-        *bearing_table(reactions),
-        "",
-        "Checks",
-        *checks(press, run.stats.closure_error, reactions),
-        tables.entry("energy error", f"{run.stats.energy_error:.2g}", "", "of the largest energy, over the whole run"),
-        tables.entry("steps", f"{run.stats.steps}", "", f"{run.stats.evaluations} evaluations"),
-    ]
-    return "\n".join(lines)
-
-
-def duty_summary(run: Run) -> list[str]:
-    """Lines with the speeds of a period of a steady state, and what it asks of the motor."""
-    whole = duty_cycle(run)
-    return [*_speeds(run, whole, True), *_motor(run, whole)]
-
-
-def _end(run: Run, steady: bool) -> list[str]:
-    first, (unit, size) = run.driver_coordinates[0], _speed_unit(run)
-    angle = first.scale * run.crank_angle
-    way = float(angle[-1] - angle[0]) + 0.0
-    moved = f"{way / 360 + 0.0:.6g} turns from the start" if first.turns else f"{way:.6g} mm from the start"
-    return [
-        "",
-        "At the end, as at the start" if steady else "At the end",
-        tables.entry(first.position, f"{angle[-1]:.3f}", first.shown_unit, moved),
-        tables.entry(f"{first.part} speed", f"{run.crank_speed[-1] / size:.6g}", unit),
-    ]
-
-
-def _speed_unit(run: Run) -> tuple[str, float]:
-    """The unit in which a driver's speed is shown, and its size in SI units."""
-    return ("r/min", RPM) if run.driver_coordinates[0].turns else ("mm/s", 1e-3)
-
-
-def _speeds(run: Run, whole: MotorDuty, steady: bool) -> list[str]:
-    unit, size = _speed_unit(run)
-    recovery = [tables.entry("from lowest to highest", f"{whole.recovery_time:.6g}", "s")] if steady else []
-    return [
-        "",
-        f"{run.driver_coordinates[0].part.capitalize()} speed",
-        tables.entry("mean", f"{whole.mean_speed / size:.6g}", unit),
-        tables.entry("highest", f"{whole.highest_speed / size:.6g}", unit),
-        tables.entry("lowest", f"{whole.lowest_speed / size:.6g}", unit),
-        tables.entry("speed drop", f"{100 * whole.speed_drop + 0.0:.4f}", "%", "of the mean"),
-        *recovery,
-    ]
-
-
-def _work(run: Run, whole: MotorDuty) -> list[str]:
-    turns = run.driver_coordinates[0].turns
-    works = [
-        ("drive", whole.drive_work, "on the crank's shaft" if turns else "on the driver"),
-        ("loads", whole.load_work, "taken"),
-    ]
-    works += (
-        []
-        if not turns
-        else [
-            ("flywheel", whole.flywheel_work, "given off, with the drive's inertia, from highest to lowest speed"),
-            ("lost", whole.lost, "in clutch and brake"),
-        ]
-    )
-    scale = tables.scale("J", [work for _, work, _ in works])
-    return ["", "Work", *(tables.entry(name, scale.shown(work), scale.unit, remark) for name, work, remark in works)]
-
-
-def _motor(run: Run, whole: MotorDuty) -> list[str]:
-    if run.problem.driven.drive is None and run.problem.driven.prescribed is None:
-        return []
-    use = [] if whole.utilisation is None else [tables.entry("utilisation", f"{100 * whole.utilisation:.4g}", "%", "rms by rated torque")]
-    geared = isinstance(run.problem.driven.drive, Geared) or run.driver_coordinates[0].turns
-    scale = tables.scale("N m" if geared else "N", [whole.motor_rms, whole.motor_peak])
-    return [
-        "",
-        "Motor (torque at its own shaft)" if geared else "Drive",
-        tables.entry("rms", scale.shown(whole.motor_rms), scale.unit),
-        tables.entry("peak", scale.shown(whole.motor_peak), scale.unit),
-        *use,
-    ]
-
-
-def _torque(reactions: Reactions) -> list[str]:
-    torque, motion = reactions.driving_torque, reactions.motion
-    first = motion.driver_coordinates[0]
-    title = "Torque at the crank (flywheel, drive, clutch and brake together)" if first.turns else "Force on the driver"
-    lines, scale = ["", title], tables.scale(first.effort_unit, [float(np.abs(torque).max())])
-    for name, at in (("largest", int(torque.argmax())), ("smallest", int(torque.argmin()))):
-        lines.append(
-            tables.entry(
-                name,
-                scale.shown(float(torque[at])),
-                scale.unit,
-                f"at {motion.shown_position[at]:8.3f} {first.shown_unit}, {motion.time[at]:.6f} s",
-            )
-        )
-    return lines
-
-
-def _strokes(found: Sequence[MotorDuty], turns: int | None) -> list[str]:
-    if not found:
-        return ["", "Strokes: none, the crank does not get through a period"]
-    scale = tables.scale("J", [work for stroke in found for work in (stroke.drive_work, stroke.load_work)])
-    heads = ["start [s]", "duration [s]", "mean [r/min]", "lowest [r/min]", f"drive [{scale.unit}]", f"loads [{scale.unit}]"]
-    what = "turns of the crank" if turns in (None, 1) else f"each {turns} turns of the crank"
-    rows = [["", *heads]]
-    few = len(found) <= MOST_STROKES
-    for k in range(len(found)) if few else [*range(FIRST_STROKES), len(found) - 1]:
-        stroke = found[k]
-        if not few and k == len(found) - 1:
-            rows.append([f"{tables.GAP:>6}"])
-        values = (stroke.start, stroke.duration, stroke.mean_speed / RPM, stroke.lowest_speed / RPM)
-        works = (scale.shown(stroke.drive_work), scale.shown(stroke.load_work))
-        rows.append([f"{k + 1:6d}", *(f"{value:.6g}" for value in values), *works])
-    return ["", f"Strokes ({what}, from the start)", *tables.table(rows, [6, 16])]
