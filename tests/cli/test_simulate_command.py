@@ -20,11 +20,11 @@ from pinpress.cli import main as __main__
 from pinpress.cli import options as command_output
 from pinpress.cli import part_specs as scene_words
 from pinpress.cli import simulate as command_simulate
+from pinpress.cli.run_summary import FIRST_STROKES, MOST_STROKES
 from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed
 from pinpress.loads.link import PointForce
 from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
-from pinpress.cli.run_summary import FIRST_STROKES, MOST_STROKES
 
 ROOT = Path(__file__).resolve().parents[2]
 MOTOR = "induction:rated_power=75e3,rated_speed=1400,inertia=1.2,ratio=20.7,efficiency=0.95"
