@@ -131,8 +131,8 @@ def test_bottom_dead_centre_of_loads(press):
     from pinpress.simulation.driven_press import _process_force
 
     lowest = -peak(-everywhere(press).motion.slide_position)
-    assert abs(datum(ConstantForce(1.0, 0.1), press) - lowest) < PARABOLA
-    assert _process_force(press, ConstantForce(1.0, 0.1)).datum == datum(ConstantForce(1.0, 0.1), press)
+    assert abs(datum(ConstantForce(1e5, 0.1), press) - lowest) < PARABOLA
+    assert _process_force(press, ConstantForce(1e5, 0.1)).datum == datum(ConstantForce(1e5, 0.1), press)
 
 
 # What is read off the states
@@ -321,7 +321,7 @@ def test_ratings_of_a_stroke_over_two_turns():
     np.testing.assert_allclose(found.crank_angle[[0, -1]], [ends.top_angle, ends.bottom_angle], atol=1e-12)
     assert abs(found.height[0] - ends.stroke) < 1e-14
     for k in (5, 12, 17):
-        loads = [ConstantForce(float(found.force[k]), 1.0)]
+        loads = [ConstantForce(float(found.force[k]), ends.stroke)]
         there = pp.inverse_dynamics(press, pp.servo_cycle(press, speed=SPEED, angle=found.crank_angle[k : k + 1]), loads)
         reached = {"torque": abs(there.driving_torque[0]) / 800.0, "bearing S": np.linalg.norm(there.bearing_force["S"]) / 5e5}
         assert abs(max(reached.values()) - 1) < 1e-9

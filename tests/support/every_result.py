@@ -77,7 +77,7 @@ def run_over_joints():
 @cache
 def runs():
     """The last one stalls."""
-    load = pp.loads.ForceStroke([0.0, 1.0], [3e4, 3e4])
+    load = pp.loads.ForceStroke([0.0, 0.2], [3e4, 3e4])
     return pp.simulate_batch(press(), 0.3, speed=np.array([SPEED, 20.0, 0.1]), flywheel=pp.drives.Flywheel(20.0), loads=[load], points=5)
 
 
