@@ -335,13 +335,15 @@ def _held_spins(press: Linkage) -> Iterator[Finding]:
     """Notes of links whose spin is held."""
     free = replace(press, held_spins=())
     for spin in mobility.spins(free, free.closed_rows) if press.held_spins else ():
-        problem = f"{_spin_in_words(spin)}: no driver determines it, and no weight turns it"
+        problem = (
+            "it can spin about the line of its ball joints, through its centre of mass: no driver determines that, and no weight turns it"
+        )
         remedy = f"it is held, with joint {press.joints[spin.joint]!r} as drawn: forces of a slender link do not depend on it"
         yield Finding("note", press.document.called("link", spin.link), None, problem, remedy)
 
 
 def _spin_in_words(spin: mobility.Spin) -> str:
-    return f"link {spin.link!r} can spin about a line {1e3 * spin.eccentricity:.3g} mm from its centre of mass"
+    return f"link {spin.link!r} can spin about a line {_short(1e3 * spin.eccentricity)} mm from its centre of mass"
 
 
 def severe(press: Linkage, centres: bool = True) -> Iterator[Finding]:

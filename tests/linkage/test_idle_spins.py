@@ -110,7 +110,7 @@ def test_check_says_which_spin_is_held(tmp_path):
     loaded(tmp_path, "ball", BALL)
     found = pp.check(tmp_path / "ball.urdf")
     assert not found.errors
-    assert any("link 'rod' can spin about a line" in note.problem and "held, with joint 'A'" in note.remedy for note in found.notes)
+    assert any("it can spin about the line of its ball" in note.problem and "held, with joint 'A'" in note.remedy for note in found.notes)
     assert str(found)
 
 
