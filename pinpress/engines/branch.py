@@ -324,10 +324,14 @@ def out_of_branch(branch: Branch, upwards: bool) -> PinpressError:
 
 
 class Follower(NamedTuple):
-    """How a branch is followed; the attributes are arguments of `walk`.
+    """How a branch is followed.
 
     Attributes:
+        close: closes the loops.
+        size: length of the linkage [m].
+        tolerance: gap at which a loop is closed [m].
         longest: longest step of the walk [rad].
+        smallest_margin: margin below which the walk ends.
         unit: travel of a driver that slides, counted as 1 rad [m].
         coordinate: of the driver.
     """
@@ -343,7 +347,15 @@ class Follower(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Node:
-    """A closed configuration of a walk, at one crank angle [rad]; the other attributes are columns of a `Closure`."""
+    """A closed configuration of a walk. All attributes but the angle are columns of a `Closure`.
+
+    Attributes:
+        angle: crank angle [rad].
+        position: (nv,) joint coordinates [rad or m].
+        first: (nv,) first-order influence coefficients.
+        second: (nv,) second-order influence coefficients.
+        margins: (blocks,) margins, see `Closure`.
+    """
 
     angle: float
     position: Array
@@ -358,8 +370,14 @@ class Node:
 
 
 class _Walked(NamedTuple):
-    """A finished walk. Its nodes stand over rising crank angles: over a period, from lock to lock, or over `MOST_TURNS` turns. The other
-    attributes are those of `Branch`."""
+    """A finished walk.
+
+    Attributes:
+        nodes: at rising crank angles, over a period, from lock to lock, or over `MOST_TURNS` turns.
+        locks: see `Branch`.
+        gain_per_period: (nv,) see `Branch`; None where there is no period.
+        passed: change points through which the walk has gone.
+    """
 
     nodes: list[Node]
     locks: Locks

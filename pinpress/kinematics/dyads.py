@@ -99,7 +99,12 @@ def least_transmission_angles(press: Linkage) -> Records[Dyad]:
 
 
 class _Bearings(NamedTuple):
-    """The bearings of a dyad by their names."""
+    """The bearings of a dyad.
+
+    Attributes:
+        middle: name of the bearing that joins the two links.
+        ends: names of the bearings that join them to the rest.
+    """
 
     middle: str
     ends: tuple[str, str]

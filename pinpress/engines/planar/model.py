@@ -316,7 +316,12 @@ def _moves_in_plane(loop: LoopJoint, place: Sequence[pin.SE3], normal: Array) ->
 
 
 class _End(NamedTuple):
-    """A point of a link: its row over the basis, and its height along the normal [m]."""
+    """A point of a link.
+
+    Attributes:
+        row: its row over the basis.
+        height: along the normal [m].
+    """
 
     row: dict[int, complex]
     height: float
