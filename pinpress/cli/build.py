@@ -58,8 +58,10 @@ def run(options: argparse.Namespace) -> int:
             files.write(sketch, error.sketch.encode())
             raise PinpressError(f"{error} (drawn in {sketch})") from error
         raise
-    press = draft.press()
-    files.write(out, draft.urdf)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", PinpressWarning)  # `check` says them, with lines of the URDF that is written
+        press = draft.press()
+        files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
     print(check(out))
     print("\n".join([*_other_places(draft), *_estimates(draft)]))

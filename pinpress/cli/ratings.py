@@ -88,10 +88,13 @@ def run(options: argparse.Namespace) -> int:
     """Print the ratings, and write the files.
 
     Raises:
-        PinpressError: The capacity of a bearing is no positive number, or computing or writing fails.
+        PinpressError: the capacity of a bearing is no positive number, one of flywheel and speed drop is missing, or computing or
+            writing fails.
     """
     given = {name.replace("-", "_"): getattr(options, name.replace("-", "_")) for name in NUMBERS}
     extra = {name: given.pop(name) for name in NOT_CAPACITIES}
+    if (options.flywheel is None) != (options.speed_drop is None):
+        raise PinpressError("--flywheel and --speed-drop go together, as an energy: give both, e.g. --speed-drop 0.2, or neither")
     if options.flywheel is not None:
         given["flywheel_inertia"] = part_specs.flywheel(options.flywheel).inertia
     bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")

@@ -47,17 +47,21 @@ def ended(program: str, run: Callable[[], int]) -> int:
 
 @contextmanager
 def _plain_warnings() -> Iterator[None]:
-    """Warnings of ours are printed as one plain line; a file and line of Python, which others have, would say nothing to those who wrote a
-    command."""
+    """Warnings of ours are printed as one plain line, the same words once; a file and line of Python, which others have, would say nothing
+    to those who wrote a command."""
     import warnings  # only once Ctrl-C is seen to
 
     from .errors import PinpressWarning  # as above
 
     usual = warnings.formatwarning
+    said: set[str] = set()
 
     def formatted(message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None) -> str:
         if issubclass(category, PinpressWarning):
-            return f"warning: {' '.join(str(message).split())}\n"
+            words = f"warning: {' '.join(str(message).split())}\n"
+            first = words not in said
+            said.add(words)
+            return words if first else ""
         return usual(message, category, filename, lineno, line)
 
     warnings.formatwarning = formatted

@@ -20,7 +20,7 @@ from ..engines.planar.model import PARALLEL
 from ..engines.spatial.kinematics import PassiveJacobian, rank, singular_values
 from ..engines.spatial.model import Rows
 from . import mobility
-from .linkage import Linkage
+from .linkage import UPRIGHT, Linkage
 from .urdf import element_checks, units
 from .urdf.document import Element, Finding
 from .urdf.reader import describe
@@ -377,10 +377,18 @@ def _stroke(press: Linkage, robot: "Element") -> Iterator[Finding]:
 
 
 def _slide_axis(press: Linkage, robot: "Element") -> Iterator[Finding]:
-    """The note of an upright slide whose axis points down."""
-    if press.slide is not None and press.slide_guide.sign < 0:
-        name = press.joints[press.slide_guide.joint]
-        joint = next(joint for joint in robot.all("joint") if joint.get("name") == name)
+    """The note of an upright slide whose axis points down, or of one that lies, whose axis says where its bottom dead centre is."""
+    if press.slide is None:
+        return
+    name, axis = press.joints[press.slide_guide.joint], press.slide_direction
+    joint = next(joint for joint in robot.all("joint") if joint.get("name") == name)
+    if abs(axis[2]) <= UPRIGHT:
+        x, y, z = np.round(axis, 3) + 0.0
+        end = f"farthest {'left' if x > 0 else 'right'}" if x and not y else "at its far end against that axis"
+        tops = f"the axis ({x:g}, {y:g}, {z:g}) points to the top dead centre of slide {press.slide!r}"
+        problem = f"{tops}, whose bottom dead centre, where process loads act, is {end}"
+        yield Finding("note", str(joint), joint.line, problem, "turn the axis of its guide round where the tool is at the other end")
+    if press.slide_guide.sign < 0:
         problem = f"the axis points down; positions, speeds and forces of slide {press.slide!r} count upwards all the same"
         yield Finding("note", str(joint), joint.line, problem, f"only the coordinate of joint {name!r} itself counts along its axis")
 

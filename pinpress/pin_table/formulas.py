@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 from collections.abc import Callable, Mapping
 
 from ..common.errors import suggestion
@@ -74,8 +75,7 @@ def formula(entry: Entry, names: Mapping[str, float]) -> float:
     try:
         return _value(ast.parse(text, mode="eval").body, names)
     except (SyntaxError, ValueError, TypeError) as error:
-        remedy = "write decimals after a point, not after a comma" if "," in text else "write a number, or a formula such as 2 * r + 10"
-        entry.refuse(f"{text!r} is no number{_reason(error)}", remedy)
+        entry.refuse(f"{text!r} is no number{_reason(error)}", _remedy(text))
     except _UnknownNameError as error:
         known = [*names, *CONSTANTS, *FUNCTIONS]
         entry.refuse(
@@ -88,6 +88,14 @@ def formula(entry: Entry, names: Mapping[str, float]) -> float:
 
 class _UnknownNameError(Exception):
     """A name that is no parameter."""
+
+
+def _remedy(text: str) -> str:
+    if "," in text:
+        return "write decimals after a point, not after a comma"
+    if re.fullmatch(r"[-+.\deE]+\s*[^\W\d_][^\s(]*|[-+.\deE]+\s*[°%\"]", text):
+        return "leave the unit out: lengths are in the table's units, angles in degrees, masses in kg, moments of inertia in kg m2"
+    return "write a number, or a formula such as 2 * r + 10"
 
 
 def _reason(error: Exception) -> str:

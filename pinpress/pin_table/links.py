@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..common.errors import suggestion
+from ..common.errors import caution, suggestion
 from ..common.quantities import Array
 from .formulas import number
 from .placement import ALIKE, AXES, SIDES, Pin
@@ -22,6 +22,7 @@ FRAME = "frame"
 STEEL = 7850.0  # density unless the table gives one [kg/m3]
 MASSLESS = 1e-6  # mass of every link where the table says ``masses: none`` [kg]
 SLENDER = 1 / 10  # thickness of a rod of which only the mass is given, beside its length
+FAR_BESIDE = 1 / 4  # a centre of mass is hardly meant to be farther beside a rod, divided by its length
 KEYS = ("pins", "guide", "travel", "mass", "com", "inertia", "gyration", "section", "overhang", "box", "disc", "density", "parts", "note")
 PART_KEYS = ("mass", "disc", "box", "density", "at", "inertia", "note")
 SOLIDS = ("section", "box", "disc")
@@ -323,9 +324,34 @@ class _Masses:
         if "com" in self.items:
             centre = self.space.place(self.items["com"])
         if "inertia" in self.items or "gyration" in self.items:
+            if "com" not in self.items:
+                self.estimates.append(f"centre of mass {self._middle()}")
             return _Body(mass, centre, self._inertia(mass, centre))
+        self._check_beside(centre)
         self.estimates.append(f"moments of inertia of {words}" + ("" if "com" in self.items else ", whose centre is taken too"))
         return _Body(mass, centre, inertia)
+
+    def _middle(self) -> str:
+        """Where the centre of mass is put that is not given."""
+        pins = self.space.pins
+        if self.space.guide is not None or len(pins) == 1:
+            return f"at {pins[0]}"
+        return f"half-way from {pins[0]} to {pins[1]}" if len(pins) == 2 else "of a flat plate with its corners at the pins"
+
+    def _check_beside(self, centre: Array) -> None:
+        """Warn of a centre of mass far beside a link that is taken for a rod: world coordinates, where the link's own are meant."""
+        if "com" not in self.items or isinstance(self.items["com"].value, str) or len(self.space.pins) != 2 or self.space.guide is not None:
+            return
+        start, end = self.space.points()
+        along = (end - start) / np.linalg.norm(end - start)
+        away = centre - start
+        if np.linalg.norm(away - (away @ along) * along) > FAR_BESIDE * np.linalg.norm(end - start):
+            entry, (a, b) = self.items["com"], self.space.pins
+            where = f"{entry.file}{'' if entry.line is None else f':{entry.line}'}: {': '.join(entry.path)}"
+            caution(
+                f"{where}: it is far beside the line {a} {b} of a link that is taken for a rod; com is in the link's own axes, "
+                f"x from {a} to {b}: name a point in pins for a place in the drawing, or give inertia too"
+            )
 
     def _estimated(self, mass: float) -> tuple[Array, Array, str]:
         """Centre of mass and inertia of a plain body with the link's pins: a cube, a rod or a plate."""

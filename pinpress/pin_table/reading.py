@@ -22,6 +22,25 @@ from ..common.files import path_of, read, reason
 LARGEST_FILE = 1 << 20  # [bytes]
 MOST_ENTRIES = 20_000  # aliases of YAML may multiply them
 MOST_BASES = 20
+USUAL_WORDS = {  # what else keys are called, in lower case
+    "radius": "length",
+    "l": "length",
+    "len": "length",
+    "weight": "mass",
+    "m": "mass",
+    "cog": "com",
+    "centre": "com",
+    "center": "com",
+    "j": "inertia",
+    "i": "inertia",
+    "material": "density",
+    "rho": "density",
+    "slot": "guide",
+    "cylinder": "guide",
+    "driver": "drive",
+    "name": "press",
+    "unit": "units",
+}
 
 
 @dataclass(frozen=True)
@@ -50,7 +69,7 @@ class Entry:
             return self.value
         if isinstance(self.value, float):
             return f"{self.value:.17g}"
-        return self.refuse(f"{self.described()} where {what} belongs", f"write {what}")
+        return self.refuse(self.described(), f"write {what}")
 
     def names(self, what: str) -> list[str]:
         """Names, separated by blanks or in a list."""
@@ -69,11 +88,11 @@ class Entry:
             return self.value
         if isinstance(self.value, str) and ":" in self.value:
             self.refuse(f"{self.value!r} is one text", "write a space after the colon")
-        return self.refuse(f"{self.described()} where {what} belongs", f"write {what}")
+        return self.refuse(self.described(), f"write {what}")
 
     def list(self, what: str) -> tuple[Entry, ...]:
         """Several entries."""
-        return self.value if isinstance(self.value, tuple) else self.refuse(f"{self.described()} where {what} belongs", f"write {what}")
+        return self.value if isinstance(self.value, tuple) else self.refuse(self.described(), f"write {what}")
 
     def known(self, keys: Sequence[str], what: str) -> Mapping[str, Entry]:
         """Entries by their keys, all of which are known ones."""
@@ -90,13 +109,19 @@ class Entry:
             where.refuse(f"{key!r} is no key here", "write a space after the colon")
         if key.isdigit() and entry.value is None:
             where.refuse(f"{key!r} is no key here", "write decimals after a point, not after a comma")
-        where.refuse(f"{key!r} is no key here{suggestion(key, keys)}", f"write some of {', '.join(keys)}")
+        if entry.value is None and "pins" in keys:
+            where.refuse(f"{key!r} is no key here", "separate names by blanks, as in pins: A B")
+        usual = USUAL_WORDS.get(key.lower())
+        meant = f", did you mean {usual!r}?" if usual in keys else suggestion(key, keys)
+        where.refuse(f"{key!r} is no key here{meant}", f"write some of {', '.join(keys)}")
 
     def described(self) -> str:
         """What kind of value this is, in words."""
         if self.value is None:
             return "there is nothing"
-        kinds = {tuple: "a list", bool: "True or False", str: "a text"}
+        if isinstance(self.value, str):
+            return f"{shown(self.value)} is a text"
+        kinds = {tuple: "a list", bool: "True or False"}
         return next(
             (words for kind, words in kinds.items() if isinstance(self.value, kind)),
             "keys with values" if isinstance(self.value, Mapping) else "a number",

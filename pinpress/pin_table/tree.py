@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..common.errors import suggestion
+from ..common.errors import caution, suggestion
 from .copies import Parts
 from .links import FRAME, Link
 from .reading import Entry
@@ -98,6 +98,7 @@ class _Growing:
             self._hang(name, None, FRAME)
         while len(self.hung) <= len(self.links):
             self._hang(*self._next())
+        self._check_free_ends()
         joints = tuple(Joint(self._joint_name(name), *self.by[name], name) for name in self.links)
         named = {joint.pin or joint.name: joint.name for joint in reversed(joints)}  # of several at a pin, the first
         gears = {self._bearing(name, named): (self._bearing(leader, named), k) for name, (leader, k) in self.parts.gears.items()}
@@ -151,6 +152,16 @@ class _Growing:
     def _reference(self, pin: str) -> str:
         return next(name for name in self.hung if name in self.at[pin])
 
+    def _check_free_ends(self) -> None:
+        """Refuse a link that one bearing alone holds, which nothing moves; mobility would refuse it too, but speaks of loops."""
+        guided = [link for link in self.links.values() if link.guide is not None]
+        held = {link.name for link in guided} | {link.guide.carrier for link in guided if link.guide is not None}
+        for link in self.links.values():
+            meetings = [pin for pin in link.pins if len(self.at[pin]) > 1]
+            if len(meetings) == 1 and link.name not in held and meetings[0] not in self.special:
+                remedy = "give a slide its guide: up, others a pin with another link"
+                link.entry.refuse(f"it hangs by pin {meetings[0]} alone and swings freely", remedy)
+
     def _joint_name(self, link: str) -> str:
         pin, _ = self.by[link]
         if pin is None:
@@ -177,11 +188,19 @@ class _Growing:
 
     def _bearing(self, name: str, named: dict[str, str]) -> str:
         """The joint of the tree at a driven or geared pin or guide."""
-        if name in named:
-            return named[name]
         entry = self._where(name)
+        if name in named:
+            if name in self.parts.drivers and name in self.at and FRAME not in self.at[name]:
+                where = f"{entry.file}{'' if entry.line is None else f':{entry.line}'}: {': '.join(entry.path)}"
+                both = " and ".join(self.at[name])
+                caution(
+                    f"{where}: pin {name} is not in the frame: angle, speed and torque are those of {both} against each other; "
+                    f"a crank is driven by its pin in the frame: {', '.join(self.parts.frame)}"
+                )
+            return named[name]
         if name in self.links:
-            entry.refuse(f"{name} is a link", f"name its bearing: {self.links[name].pins[0]}")
+            pin, _ = self.by[name]
+            entry.refuse(f"{name} is a link", f"name its bearing: {pin or self._joint_name(name)}")
         if name in self.parts.pins:
             entry.refuse(f"nothing hangs by pin {name}", "name a pin between the frame and a link, or a guide")
         entry.refuse(f"no pin or guide {name}{suggestion(name, named)}", f"name one of {', '.join(named)}")

@@ -32,6 +32,7 @@ from ..loads.process import ConstantForce
 NOMINAL, TORQUE, BEARING = "nominal force", "torque", "bearing "
 TURN = 360  # states of a turn in which the idle press is checked
 ROUNDING = 4 * float(np.finfo(float).eps)  # accuracy of roots, absolute and relative
+TIE = 1e-9  # relative difference up to which two limits count as equal
 GAUSS = np.polynomial.legendre.leggauss(3)  # nodes and weights, with which the work between two states is found
 UNITS = {
     "nominal_force": "N",
@@ -295,7 +296,7 @@ def governing_limits(rated: RatedStroke, points: int) -> GoverningLimits:
     next_names: dict[float, str] = {}
     for k in range(len(angle) - 1):
         if names[k] != names[k + 1]:
-            next_names[_crossing(rated, names[k], names[k + 1], float(angle[k]), float(angle[k + 1]))] = names[k + 1]
+            next_names |= dict(_changes(rated, names[k], names[k + 1], float(angle[k]), float(angle[k + 1])))
     every = _in_order(rated, np.concatenate([angle, list(next_names)]))
     forces = _capped(rated, every)
     # At a change two limits permit equal forces up to rounding, which must not decide which of them governs.
@@ -384,6 +385,18 @@ def _in_order(rated: RatedStroke, angles: Array) -> Array:
     """Crank angles in the order of the working stroke, each once."""
     rising = np.unique(angles)
     return (rising if rated.bottom > rated.top else rising[::-1]).copy()
+
+
+def _changes(rated: RatedStroke, first: str, second: str, low: float, high: float) -> Iterator[tuple[float, str]]:
+    """Crank angles between two at which another limit begins to govern, and that limit: the second one at last, others may come between."""
+    at = _crossing(rated, first, second, low, high)
+    forces = _capped(rated, np.array([at]))
+    (least,) = _governing(forces)
+    if at not in (low, high) and forces[least][0] < (1 - TIE) * min(forces[first][0], forces[second][0]):
+        yield from _changes(rated, first, least, low, at)
+        yield from _changes(rated, least, second, at, high)
+    else:
+        yield at, second
 
 
 def _crossing(rated: RatedStroke, first: str, second: str, low: float, high: float) -> float:

@@ -113,6 +113,7 @@ class PressRatings(Tabular):
                 "",
                 "Permissible force",
                 *tables.table([heads, *(_row(self, k) for k in _shown(self))], [14, 20, 24, 14, 13, 0]),
+                *(["  work: of the force that all limits but energy permit, from there to bottom dead centre"] if self.energies else []),
             ]
         )
 

@@ -74,3 +74,9 @@ def test_the_library_leaves_ctrl_c_alone():
     words = "import signal, pinpress; assert signal.getsignal(signal.SIGINT) is signal.default_int_handler"
     subprocess.run([sys.executable, "-c", words], check=True)
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_warning_that_comes_twice_is_said_once():
+    arguments = ["analyse", "crank_slide", "--speed", "60", "--points", "8", "--load", "drawing:force=630kN,start=6"]
+    ended = run("module", *arguments, stdout=subprocess.DEVNULL)
+    assert ended.stderr.count("warning: DeepDrawing acts from 0 to 6 m") == 1

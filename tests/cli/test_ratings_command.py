@@ -84,7 +84,7 @@ def test_without_matplotlib_it_writes_the_table(capsys, monkeypatch, tmp_path):
         (["--bearing", "A=-1"], "it takes NAME=N"),
         (["--bearing", "A=1e6", "--bearing", "A=2e6"], "given twice"),
         (["--bearing", "Q=1e6"], "no bearing 'Q'"),
-        (["--speed-drop", "0.2"], "go together"),
+        (["--speed-drop", "0.2"], "--flywheel and --speed-drop go together"),
         (["--torque", "1e5"], "leave one out"),
         (["--dwell-tolerance", "7"], "between 0 and the stroke"),
     ],

@@ -110,3 +110,20 @@ def test_of_inclined_slides_the_axis_counts(tmp_path, lean, sign):
     down = pp.cycle(inclined, speed=1.0, points=8)
     way = down.joint_position[:, inclined.slide_guide.joint]
     assert_allclose(np.diff(down.slide_position), sign * np.diff(way), atol=1e-12)
+
+
+@pytest.mark.parametrize(("axis", "end"), [("1 0 0", "left"), ("-1 0 0", "right")])
+def test_where_the_bottom_of_a_slide_that_lies_is(axis, end, tmp_path):
+    text = texts.shipped("thin_wall").text.decode()
+    head, joint = text.split('<joint name="slide_guide"')
+    path = tmp_path / "lying.urdf"
+    limits = ' lower="-10" upper="10"'
+    joint = re.sub(r' lower="[^"]*" upper="[^"]*"', limits, joint.replace('<axis xyz="1 0 0"/>', f'<axis xyz="{axis}"/>', 1), count=1)
+    path.write_text(f'{head}<joint name="slide_guide"{joint}')
+    (note,) = (each for each in pp.check(path).findings if "top dead centre" in each.problem)
+    assert note.severity == "note"
+    assert note.problem.endswith(f"whose bottom dead centre, where process loads act, is farthest {end}")
+    press = pp.load(path)
+    ends, x = pp.dead_centres(press), press.slide_direction[0]
+    assert ends.bottom_position < ends.top_position  # along the axis; in the world to the side that the note says
+    assert (x * ends.bottom_position < x * ends.top_position) == (end == "left")

@@ -6,6 +6,7 @@ import pytest
 from support.mistakes import IN_TABLES, TABLE, table_with
 
 import pinpress as pp
+from pinpress.pin_table.building import draft
 from pinpress.pin_table.templates import template
 
 
@@ -23,7 +24,9 @@ def test_what_is_said(mistake, tmp_path):
     ("old", "new", "words"),
     [
         ("com: [56.7, 0]", "com: [13000, 0]", "a place in the drawing is the name of a point in pins"),
+        ("drive: A", "drive: B", "pin B is not in the frame: angle, speed and torque are those of crank and coupler against each other"),
         ("inertia: 31.5", "inertia: 31500000", "write moments of inertia in kg m2"),
+        ("mass: 290.57", "mass: 290.57, com: [700, -400]", "com is in the link's own axes, x from B to C: name a point"),
     ],
 )
 def test_what_is_legal_but_hardly_meant(old, new, words, tmp_path):
@@ -31,6 +34,14 @@ def test_what_is_legal_but_hardly_meant(old, new, words, tmp_path):
     path.write_text(TABLE.replace(old, new), encoding="utf-8")
     with pytest.warns(pp.PinpressWarning, match=re.escape(words)):
         pp.build(path)
+
+
+def test_a_centre_of_mass_that_is_not_given_is_listed(tmp_path):
+    path = tmp_path / "press.yaml"
+    path.write_text(TABLE.replace(", com: [56.7, 0]", "").replace(", com: [-8.6, -3.8]", ""), encoding="utf-8")
+    found = dict(draft(path).estimates())
+    assert found["crank"] == "centre of mass half-way from A to B"
+    assert found["rocker"] == "centre of mass of a flat plate with its corners at the pins"
 
 
 @pytest.mark.filterwarnings("ignore:.*radius of gyration")

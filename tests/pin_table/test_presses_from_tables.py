@@ -194,7 +194,7 @@ def test_a_plate_of_four_pins_is_two_triangles():
     """A rectangle 200 x 300 with a fifth pin inside: m (a2 + b2) / 12 about its middle."""
     pins = {"A": [0, 0], "B": [200, 0], "C": [200, 300], "D": [0, 300], "E": [90, 100]}
     plate = {"pins": "A B C D E", "mass": 12, "parts": [{"mass": 1e-12, "at": "A"}]}
-    drawn = draft(**crank_slide(pins=crank_slide()["pins"] | pins, links=links(plate=plate), frame="O A"))
+    drawn = draft(**crank_slide(pins=crank_slide()["pins"] | pins, links=links(plate=plate), frame="O A B"))
     made = next(link for link in drawn.links if link.name == "plate")
     assert made.centre == pytest.approx([0.1, 0, 0.15], abs=1e-12)
     assert made.inertia[1, 1] == pytest.approx(12 * (0.2**2 + 0.3**2) / 12, rel=1e-9)
@@ -300,7 +300,7 @@ def test_sketches_are_drawings():
 @pytest.mark.parametrize(
     ("travel", "said"),
     [
-        ("20", "a text where how far it slides"),
+        ("20", "'20' is a text; write how far it slides"),
         ("[20]", "1 numbers; write the lowest and the highest"),
         ("[10, 20]", "it slides from 10 to 20; count from the drawn pose"),
         ("[0, 0]", "it slides from 0 to 0; count from the drawn pose"),

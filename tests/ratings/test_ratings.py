@@ -185,6 +185,16 @@ def test_where_the_governing_limit_changes_two_permit_the_same():
         np.testing.assert_allclose(forces[0], forces[1], rtol=1e-10)
 
 
+def test_a_limit_that_governs_only_between_two_heights_is_named():
+    # The flywheel's energy is that of 6.1 mm at nominal force; the torque, which is enough from 6 mm down, governs just above that.
+    inertia = 2 * 1e5 * 0.0061 / (SPEED**2 * (1 - 0.9**2))
+    capacities = Capacities(1e5, nominal_height=0.006, flywheel_inertia=inertia, speed_drop=0.1)
+    coarse, fine = (rate(shipped("crank_slide"), SPEED, capacities, points=n) for n in (13, 2001))
+    assert [coarse.limited_by[k] for k in np.flatnonzero(np.isin(coarse.height, coarse.changes))][-2:] == ["torque", "nominal force"]
+    np.testing.assert_allclose(coarse.changes, fine.changes, rtol=1e-9)
+    np.testing.assert_allclose([coarse.limits[name][k] for k, name in enumerate(coarse.limited_by)], coarse.force, rtol=1e-9)
+
+
 @given(
     st.lists(st.floats(-1, 1), min_size=6, max_size=6),
     st.floats(1.0, 1e3),
