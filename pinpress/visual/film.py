@@ -254,6 +254,8 @@ def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Scre
 
 
 class _Tab:
+    """A recording in a tab of the browser. Every error of the page becomes a PinpressError at the next action."""
+
     def __init__(self, name: str, page: Page, devtools: CDPSession, clip: dict[str, float]) -> None:
         self._name, self._page, self._devtools, self._clip = name, page, devtools, clip
         self._problems: list[str] = []
