@@ -42,7 +42,15 @@ SKIPPED = (
 
 
 class Errors(NamedTuple):
-    """Errors of an answer, see `Measurement`."""
+    """Errors of an answer, as in `Measurement`; None where there is none.
+
+    Attributes:
+        error: largest error.
+        force_error: largest error of a bearing force, as a share of the largest peak of any [-].
+        loop_gap: largest distance between the two sides of a loop [m].
+        energy_error: error of power or energy [-].
+        evaluations: number of crank angles, of evaluations of the equation of motion, or of samples.
+    """
 
     error: float
     force_error: float | None = None

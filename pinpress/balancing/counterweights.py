@@ -169,8 +169,10 @@ def carrying_joint(press: Linkage, link: str, position: tuple[float, float, floa
     """The Pinocchio joint that carries a moving link, and a point of the link in that joint's frame [m].
 
     Args:
+        press: the press.
+        link: name of the link.
         position: (3,) point in the link's own frame [m].
-        what: what is placed there, in words for messages.
+        what: name of what is placed there, for messages.
 
     Raises:
         PinpressError: the link does not move, or the position is not three finite numbers.

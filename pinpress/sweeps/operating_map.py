@@ -243,7 +243,12 @@ def _listed(name: str, loads: Any) -> list[Load]:
 
 @dataclass(frozen=True)
 class _Multiplied:
-    """A process load whose force is multiplied by a factor."""
+    """A process load whose force is multiplied by a factor.
+
+    Attributes:
+        load: the process load.
+        factor: factor of its force [-].
+    """
 
     load: ProcessLoad
     factor: float
