@@ -7,9 +7,10 @@ from pathlib import Path
 from ..accuracy.measurements import SCENES, WorkPrecision, plot
 from ..common.files import make_folder
 from ..common.quantities import RPM
+from ..dynamics.inputs import described, of_press, stated
 from ..plots import style
 from . import part_specs
-from .options import add_out_option, add_press_options, load_press, progress, say_written
+from .options import add_out_option, add_press_options, load_press, print_inputs, progress, say_written
 from .units import quantity
 
 EPILOG = """\
@@ -77,6 +78,8 @@ def run(options: argparse.Namespace) -> int:
             progress=told,
         )
     print(measured)
+    turning = [] if flywheel is None else [("flywheel", described(flywheel))]
+    print_inputs([*of_press(press), ("speed", f"{options.speed:g} r/min"), *turning, ("scenes", ", ".join(scenes)), stated()])
     if options.out is not None:
         _write(measured, options.out)
     return 0
