@@ -76,8 +76,9 @@ class Facts(Record):
         drivers: names of the driver joints.
         slide: name of the slide's link, None if there is none.
         joints: names of those that move.
-        equations: number of those of loops and gear pairs.
+        equations: number of those of loops, gear pairs and held spins.
         rank: number of those that are independent in the drawn pose.
+        held_spins: joints that are held, as their links could spin idly, see `Linkage.held_spins`.
         mobility: degrees of freedom.
         engine: that computes it, "plane" or "pinocchio"; None where it cannot be loaded.
         closings: loops, then gear pairs. Those of a planar linkage close in the order of the joints that they determine.
@@ -91,6 +92,7 @@ class Facts(Record):
     joints: tuple[str, ...]
     equations: int
     rank: int
+    held_spins: tuple[str, ...]
     engine: str | None
     closings: Records[Closing] = field(repr=False)
     bearings: Records[Place] = field(repr=False)
@@ -225,6 +227,7 @@ def _put_together(
         press.joints,
         len(press.drawn_gaps),
         rank,
+        press.held_spins,
         engine,
         Records(Closing, closings),
         Records(Place, _places(press, description)),
@@ -312,7 +315,7 @@ def said_in_a_line(facts: Facts) -> str:
 def _mobility(facts: Facts) -> list[str]:
     left = f"free motion{'' if facts.mobility == 1 else 's'}: {len(facts.joints)} joints"
     if facts.equations:
-        left += f" less {facts.rank} equations of loops and gear pairs"
+        left += f" less {facts.rank} equations of loops{', gear pairs and held spins' if facts.held_spins else ' and gear pairs'}"
         more = facts.equations - facts.rank
         left += f" ({more} more {'is' if more == 1 else 'are'} redundant)" if more else ""
     if facts.mobility != len(facts.drivers):

@@ -16,10 +16,7 @@ import pytest
 from support import texts
 
 import pinpress as pp
-from pinpress.cli import main as __main__
-from pinpress.cli import options as command_output
-from pinpress.cli import part_specs as scene_words
-from pinpress.cli import simulate as command_simulate
+from pinpress.cli import main, options, part_specs, simulate
 from pinpress.cli.run_summary import FIRST_STROKES, MOST_STROKES
 from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed
@@ -38,7 +35,7 @@ def motor() -> Geared:
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
-    assert __main__.main(["simulate", *map(str, arguments)]) == 0
+    assert main.main(["simulate", *map(str, arguments)]) == 0
     out, err = capsys.readouterr()
     assert err == ""
     return out
@@ -46,7 +43,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
 
 def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     """The one line on stderr of a command that is refused."""
-    assert __main__.main(["simulate", *map(str, arguments)]) == 2
+    assert main.main(["simulate", *map(str, arguments)]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert err.startswith("pinpress: ")
@@ -240,7 +237,7 @@ def test_every_option_reaches_the_simulation(capsys: pytest.CaptureFixture[str],
         calls.append(inspect.signature(pp.simulate).bind(*args, **kwargs).arguments)
         return pp.simulate(*args, **kwargs)
 
-    monkeypatch.setattr(command_simulate, "simulate", spy)
+    monkeypatch.setattr(simulate, "simulate", spy)
     printed(
         capsys,
         *("crank_slide", "--duration", 0.2, "--speed", 120, "--angle", 90, "--flywheel", 10, "--load", "idle"),
@@ -308,9 +305,9 @@ def test_every_kind_of_drive(files: dict[str, Path]) -> None:
         ),
         "prescribed:speed=-70": PrescribedSpeed(-70 * rpm),
     }
-    assert {words.partition(":")[0] for words in cases} == set(scene_words.MOTORS)
+    assert {words.partition(":")[0] for words in cases} == set(part_specs.MOTORS)
     for words, drive in cases.items():
-        assert scene_words.motor(words) == drive
+        assert part_specs.motor(words) == drive
 
 
 def test_every_kind_of_load(files: dict[str, Path]) -> None:
@@ -324,9 +321,9 @@ def test_every_kind_of_load(files: dict[str, Path]) -> None:
         "die:height=0.001,stiffness=1e9,damping=1e4": ElasticDie(0.001, 1e9, 1e4),
         "point-force:link=rod,force=0/-2kN/5,point=1mm/0/0.1": PointForce("rod", (0.0, -2e3, 5.0), (0.001, 0.0, 0.1)),
     }
-    assert {words.partition(":")[0] for words in cases} == set(scene_words.LOADS)
+    assert {words.partition(":")[0] for words in cases} == set(part_specs.LOADS)
     for words, load in cases.items():
-        found = scene_words.load(words)
+        found = part_specs.load(words)
         assert type(found) is type(load)
         for field in dataclasses.fields(load):
             np.testing.assert_array_equal(getattr(found, field.name), getattr(load, field.name))
@@ -336,23 +333,23 @@ def test_each_kind_runs(capsys: pytest.CaptureFixture[str], files: dict[str, Pat
     """By the example that the help gives, on a press small enough for all of them."""
     start = ("crank_slide", "--speed", 70, "--angle", 30, "--duration", 0.05, "--flywheel", 500, "--points", 20)
     swap = {"motion.csv": files["program"], "stroke.csv": files["force"]}
-    for option, kinds in (("--motor", scene_words.MOTORS), ("--load", scene_words.LOADS)):
+    for option, kinds in (("--motor", part_specs.MOTORS), ("--load", part_specs.LOADS)):
         for name, kind in kinds.items():
             words = re.sub(r"\w+\.csv", lambda match: str(swap[match[0]]), f"{name}:{kind.example}")
             text = printed(capsys, *start, option, words)
             assert re.search(
                 rf"^  {option[2:].replace('motor', 'drive')} +(Geared\(drive=)?{kind.made.__name__}\(", text, flags=re.MULTILINE
             )
-    for option, kind in (("--clutch", scene_words.CLUTCH), ("--brake", scene_words.BRAKE), ("--flywheel", scene_words.FLYWHEEL)):
+    for option, kind in (("--clutch", part_specs.CLUTCH), ("--brake", part_specs.BRAKE), ("--flywheel", part_specs.FLYWHEEL)):
         printed(capsys, *start, option, kind.example)
 
 
 def test_help_lists_every_field(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match=r"^0$"):
-        __main__.main(["simulate", "--help"])
+        main.main(["simulate", "--help"])
     shown = capsys.readouterr().out
     lines = shown.splitlines()
-    for name, kind in (*scene_words.MOTORS.items(), *scene_words.LOADS.items()):
+    for name, kind in (*part_specs.MOTORS.items(), *part_specs.LOADS.items()):
         line = next(line for line in lines if line.startswith(f"  {name}:"))
         from_file = () if kind.table is None else kind.table.into
         for field in dataclasses.fields(kind.made):
@@ -439,7 +436,7 @@ def test_errors_of_the_steady_state(capsys: pytest.CaptureFixture[str], argument
 )
 def test_usage_errors_exit_with_2(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> None:
     with pytest.raises(SystemExit) as stop:
-        __main__.main(["simulate", "zxn2_3000b", *arguments])
+        main.main(["simulate", "zxn2_3000b", *arguments])
     assert stop.value.code == 2
     assert "usage: pinpress simulate" in capsys.readouterr().err
 
@@ -463,7 +460,7 @@ def test_progress_bar_on_a_terminal_after_a_second(monkeypatch: pytest.MonkeyPat
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv("COLUMNS", "80")
-    with command_output.progress(10.0, command_simulate.BAR) as progress:
+    with options.progress(10.0, simulate.BAR) as progress:
         assert progress is not None
         progress(2.5)
         assert terminal.getvalue() == ""
@@ -476,26 +473,26 @@ def test_progress_bar_on_a_terminal_after_a_second(monkeypatch: pytest.MonkeyPat
 
 def test_no_progress_bar_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stderr", io.StringIO())
-    with command_output.progress(10.0, command_simulate.BAR) as progress:
+    with options.progress(10.0, simulate.BAR) as progress:
         assert progress is None
 
 
 def test_progress_is_what_the_simulation_reports(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """A short run on a terminal reports, but shows nothing: neither bar nor remains of one."""
     reached: list[float] = []
-    simulate = command_simulate.simulate  # type: ignore[attr-defined]
+    original = simulate.simulate  # type: ignore[attr-defined]
 
     def spy(*args: Any, progress: Any, **kwargs: Any) -> Any:
         def both(time: float) -> None:
             reached.append(time)
             progress(time)
 
-        return simulate(*args, progress=both, **kwargs)
+        return original(*args, progress=both, **kwargs)
 
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setattr(command_simulate, "simulate", spy)
-    assert __main__.main(["simulate", "crank_slide", "--speed", "60", "--duration", "3", "--flywheel", "50"]) == 0
+    monkeypatch.setattr(simulate, "simulate", spy)
+    assert main.main(["simulate", "crank_slide", "--speed", "60", "--duration", "3", "--flywheel", "50"]) == 0
     assert reached[-1] == pytest.approx(3.0)
     assert terminal.getvalue() == ""
 

@@ -82,6 +82,7 @@ def test_the_output_angle_of_a_rod_between_balls_is_that_of_the_closed_form(tmp_
     found = motion.joint_position[:, press.joints.index("Q")]
     np.testing.assert_allclose(found, rocker_angle(motion.crank_angle), rtol=0, atol=1e-11)
     assert np.abs(motion.joint_position[:, press.joints.index("A")]).max() < 1e-15
+    assert "5 joints less 4 equations of loops, gear pairs and held spins" in str(pp.check(tmp_path / "ball.urdf"))
 
 
 def test_forces_of_a_slender_rod_do_not_depend_on_how_its_spin_is_held(tmp_path):
