@@ -32,6 +32,7 @@ from .run_summary import simulation_summary
 from .units import driver_position, driver_speed, quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
+STEADY_POINTS = 720  # states of a turn of the steady state, as of `analyse`: at fewer, peaks of short blows are missed
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -74,7 +75,12 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--method", choices=METHODS, default="auto", help="method of computation (default: %(default)s, the fastest that serves)")
     option("--step", type=quantity("s"), metavar="S", help="fixed step of integration, in s (default: steps by error)")
     option("--tolerance", type=float, default=1e-11, metavar="T", help="relative error of a step (default: %(default)g)")
-    option("--points", type=int, metavar="N", help="number of states in the results (default: 120 a turn, at least 120)")
+    option(
+        "--points",
+        type=int,
+        metavar="N",
+        help="number of states in the results (default: 120 a turn, at least 120; 720 a turn with --steady)",
+    )
     option("--gravity", type=quantity("m/s2"), default=9.81, metavar="G", help="gravity downwards, in m/s2 (default: %(default)s)")
     add_press_options(parser)
     add_out_option(parser, "the three files")
@@ -101,7 +107,8 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
     if options.out is not None:
         make_folder(options.out)  # before a run that may be long
-    coordinate, shared = press.driver_coordinates[0], {"points": options.points, "tolerance": options.tolerance}
+    points = STEADY_POINTS * press.period_turns if options.steady and options.points is None else options.points
+    coordinate, shared = press.driver_coordinates[0], {"points": points, "tolerance": options.tolerance}
     speed, angle = options.speed.of(coordinate), options.angle.of(coordinate)
     done: Run
     if options.steady:
@@ -129,6 +136,10 @@ def run(options: argparse.Namespace) -> int:
     reactions = inverse_dynamics(press, done, loads=acting)
     took = time.perf_counter() - began
     print(simulation_summary(press, done, reactions, options.steady))
+    if acting and not options.steady:
+        print(
+            tables.entry("states", f"{len(done.time)}", "", "peaks are those at the states: where a blow falls between two, raise --points")
+        )
     print(tables.entry("time taken", f"{1e3 * done.stats.wall_time:.1f}", f"ms simulation, {1e3 * took:.1f} ms torque and forces"))
     print_inputs(inputs_of(reactions))
     if options.out is not None:

@@ -31,7 +31,7 @@ from .placement import UNITS, Pin, UnreachableError, place_pins
 from .reading import Entry, given_table, overlaid, read_table
 from .sketch import sketch_of_failure, sketch_of_parts
 from .tree import Tree, build_tree
-from .urdf_text import urdf_text
+from .urdf_text import REACH, urdf_text
 
 KEYS = ("press", "units", "parameters", "frame", "pins", "links", "drive", "base", "density", "masses", "copies", "gears", "note")
 MOST, LEAST = 200.0, 0.02  # sizes of presses [m]
@@ -127,6 +127,11 @@ class DrawnPress(Tabular):
         for link in self.links:
             for estimate in link.estimates:
                 yield link.name, estimate
+            if link.guide is not None and link.guide.name in self.tree.drivers and link.guide.travel is None:
+                yield (
+                    link.name,
+                    f"travel of its guide, {REACH:g} times the size of the press either way: give travel, from which the stroke follows",
+                )
 
     def other_places(self) -> Iterator[tuple[str, tuple[float, float], tuple[float, float]]]:
         """Names of pins that their lengths allow to be elsewhere, x and z of where they are and of the other place, in the table's unit."""

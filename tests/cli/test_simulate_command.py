@@ -121,6 +121,7 @@ def agree(text: str, press: pp.Linkage, run: pp.Run, loads: list[Any]) -> None:
 
 def test_prints_what_the_library_gives(capsys: pytest.CaptureFixture[str]) -> None:
     text = printed(capsys, *PRESSING, "--duration", 2)
+    assert "peaks are those at the states: where a blow falls between two, raise --points" in text
     press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
     run = pp.simulate(press, 2.0, speed=70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load])
     agree(text, press, run, [load])
@@ -200,8 +201,11 @@ def read(path: Path) -> dict[str, np.ndarray[Any, Any]]:
 def test_steady(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     text = printed(capsys, *PRESSING, "--steady", "--angle", 30, "--out", tmp_path)
     press, load = texts.shipped("zxn2_3000b"), Blanking(2e6, 0.006, 0.002)
-    run = pp.steady_state(press, 70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load], angle=np.radians(30))
+    run = pp.steady_state(
+        press, 70 * pp.RPM, drive=motor(), flywheel=pp.drives.Flywheel(2000.0), loads=[load], angle=np.radians(30), points=720
+    )
     agree(text, press, run, [load])
+    assert "raise --points" not in text
     assert "steady state" in text.splitlines()[0]
     assert value(text, "At the end, as at the start", "crank angle") == 390
     assert value(text, "Crank speed", "from lowest to highest") == pytest.approx(pp.measures.duty_cycle(run).recovery_time, rel=DIGITS)

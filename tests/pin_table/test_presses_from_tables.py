@@ -330,3 +330,11 @@ def test_a_screw_on_geared_spindles_turns_metres_into_radians(tmp_path):
     press = pp.build(path)
     motion = pp.servo_cycle(press, angle=np.linspace(-20, 50, 8), speed=0.0, acceleration=0.0)
     np.testing.assert_allclose(motion.slide_position, toggle_slide(np.linspace(-20, 50, 8) * 0.02 / (2 * np.pi)), rtol=0, atol=1e-12)
+
+
+def test_a_travel_that_is_not_given_is_listed(tmp_path):
+    path = tmp_path / "press.yaml"
+    path.write_bytes(template("toggle"))
+    assert not any("travel" in words for _, words in draft(path).estimates())
+    path.write_bytes(template("toggle").replace(b"travel: [-80, 195], ", b""))
+    assert [link for link, words in draft(path).estimates() if "give travel" in words] == ["piston"]
