@@ -85,6 +85,17 @@ def test_other_units_in_a_urdf_are_warned_of(tmp_path, name, units, said):
     assert any(re.search(said, f"{found.problem}; {found.remedy}") for found in pp.check(press.file).warnings)
 
 
+def test_one_link_with_moments_of_inertia_a_thousand_times_too_large_is_warned_of(tmp_path):
+    """Of a rod between two pins; one of the same size on the frame might be a flywheel."""
+    text = (URDF / "zxn2_3000b.urdf").read_text(encoding="utf-8")
+    start = text.index('<link name="coupler">')
+    end = text.index("</inertial>", start)
+    with pytest.warns(
+        pp.PinpressWarning, match="<inertia> of <link name=.coupler.>: the radius of gyration is 11.3 m, of a linkage of 1.8"
+    ):
+        load(tmp_path, text=text[:start] + scaled(text[start:end], inertia=1e3) + text[end:])
+
+
 @pytest.mark.parametrize("place", ['<link2 link="slide" xyz="0 0 0"', '<origin xyz="0.030 0 0"', '<origin xyz="0.200 0 0"'])
 def test_angles_in_degrees_are_warned_of(tmp_path, place):
     """At a loop and at centres of mass, where the linkage moves as before."""

@@ -49,7 +49,8 @@ def test_loads_act_at_the_lower_end(both, engine):
 
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_runs_are_alike(both, method):
-    loads = [pp.loads.DeepDrawing(1e4, 0.02), pp.loads.ElasticDie(0.005, 1e6, 1e3)]
+    """With a spring, along which the force has a coordinate of its own."""
+    loads = [pp.loads.DeepDrawing(1e4, 0.02), pp.loads.ElasticDie(0.005, 1e6, 1e3), pp.loads.SpringDamper("frame", "slide", 1e3)]
     runs = [
         pp.simulate(press, 0.6, speed=12.0, flywheel=pp.drives.Flywheel(2e3), loads=loads, method=method, points=25, tolerance=1e-9)
         for press in both
