@@ -69,3 +69,9 @@ def point(name: str, position: Array, size: float) -> None:
     distance = float(np.abs(position).max())
     if FAR * size < distance <= FAR * size / MILLI:
         caution(f"{name} is {distance:g} m from its link's origin, far off a linkage of {size:g} m: give x, y, z in m")
+
+
+def length(name: str, value: float, size: float) -> None:
+    """Warn of a length that is far larger than a linkage of that ``size`` [m], and in mm would fit it."""
+    if FAR * size < value <= FAR * size / MILLI:
+        caution(f"{name} is {value:g} m, beside a linkage of {size:g} m: give it in m, {value:g}e-3 if mm are meant")

@@ -291,6 +291,7 @@ def spring_ends(load: SpringDamper, press: "Linkage") -> tuple[tuple[int, Array]
     for quantity in ("stiffness", "damping", "free_length"):
         wanted = "one number that is not negative"
         suitable_numbers(f"{what}: {quantity}", getattr(load, quantity), wanted, suits=lambda value: value >= 0)
+    plausibility.length(f"{what}: free_length", float(load.free_length), press.size)
     return point_on_body(press, load.link1, load.point1, what, "point1"), point_on_body(press, load.link2, load.point2, what, "point2")
 
 

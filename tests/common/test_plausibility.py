@@ -337,3 +337,10 @@ def test_speeds_of_no_press_are_warned_of(press, name):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         SPEEDS[name](press, 152.0)
+
+
+def test_a_free_length_in_mm(press):
+    motion = pp.cycle(press, speed=6.0, points=12)
+    spring = pp.loads.SpringDamper("frame", "slide", stiffness=5e4, free_length=400.0, point1=(0, 0, 0.5))
+    with pytest.warns(pp.PinpressWarning, match="free_length is 400 m, beside a linkage of 0.5 m: give it in m, 400e-3 if mm are meant"):
+        pp.inverse_dynamics(press, motion, loads=[spring])
