@@ -413,23 +413,33 @@ def _vector(text: str, unit: str) -> tuple[float, ...]:
 
 
 def _pairs(path: str, columns: tuple[str, str]) -> list[tuple[float, float]]:
-    """The rows of a CSV file of two columns; a first line without numbers is its header."""
-    wanted = f"a CSV file of two columns, {columns[0]} and {columns[1]}"
+    """The rows of a CSV file of two columns, in their units; a first line without numbers is its header, which may name other units."""
+    wanted = f"a CSV file of two columns, {columns[0]} and {columns[1]}, with a comma between them"
     try:
         rows = [row for row in csv.reader(Path(path).read_text("utf-8-sig").splitlines()) if any(cell.strip() for cell in row)]
     except (OSError, UnicodeDecodeError, csv.Error, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is no text"
         raise ValueError(f"which cannot be read ({reason}): give {wanted}") from None
-    pairs = []
+    pairs, factors = [], (1.0, 1.0)
     for number, row in enumerate(rows, 1):
         try:
             first, second = map(float, row)
         except ValueError:
-            if number > 1:
+            if number > 1 or ";" in row[0]:
                 raise ValueError(f"whose row {number} is {','.join(row)!r}: give {wanted}") from None
+            factors = _units_of_header(row, columns)
         else:
-            pairs.append((first, second))
+            pairs.append((first * factors[0], second * factors[1]))
     return pairs
+
+
+def _units_of_header(row: list[str], columns: tuple[str, str]) -> tuple[float, float]:
+    """Factors to the columns' own units of what a header names in brackets, as in ``height [mm], force [kN]``."""
+    first, second = (
+        1.0 if (given := re.search(r"\[(.+?)\]", cell)) is None else read_quantity(f"1 {given[1].strip()}", column.partition("[")[2][:-1])
+        for cell, column in zip([*row, "", ""][:2], columns, strict=True)
+    )
+    return first, second
 
 
 def _fields_of(table: Table, pairs: list[tuple[float, float]]) -> dict[str, Any]:

@@ -333,6 +333,20 @@ def test_every_kind_of_load(files: dict[str, Path]) -> None:
             np.testing.assert_array_equal(getattr(found, field.name), getattr(load, field.name))
 
 
+def test_units_in_the_header_of_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "stroke.csv"
+    file.write_text("height [mm], force [kN]\n2,0\n1,300\n0,1600\n", encoding="utf-8")
+    found = part_specs.load(f"table:file={file}")
+    assert isinstance(found, ForceStroke)
+    np.testing.assert_allclose(np.transpose([found.heights, found.forces]), [[0.0, 1.6e6], [0.001, 3e5], [0.002, 0.0]], rtol=1e-15)
+    file.write_text("height [mm], force [lbf]\n2,0\n", encoding="utf-8")
+    with pytest.raises(pp.PinpressError, match="in 'lbf', which is none of N, kN, MN, tf"):
+        part_specs.load(f"table:file={file}")
+    file.write_text("height;force\n2;0\n", encoding="utf-8")
+    with pytest.raises(pp.PinpressError, match="whose row 1 is 'height;force': give a CSV file of two columns"):
+        part_specs.load(f"table:file={file}")
+
+
 def test_each_kind_runs(capsys: pytest.CaptureFixture[str], files: dict[str, Path]) -> None:
     """By the example that the help gives, on a press small enough for all of them."""
     start = ("crank_slide", "--speed", 70, "--angle", 30, "--duration", 0.05, "--flywheel", 500, "--points", 20)
