@@ -244,6 +244,7 @@ def test_csv_and_frame(measured, tmp_path):
         measured.to_csv(tmp_path / "none" / "accuracy.csv")
 
 
+@pytest.mark.exhaustive
 def test_plot(measured):
     pytest.importorskip("matplotlib")
     figure = pp.accuracy.plot(measured)

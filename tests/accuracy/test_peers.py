@@ -297,6 +297,7 @@ def test_what_exudyn_is_not_compared_on(presses):
     assert any("Exudyn is skipped: loops of" in line for line in find_peers(presses("jf75g_125_two_point"))[1])
 
 
+@pytest.mark.exhaustive
 def test_nothing_is_imported_before():
     code = "import sys, pinpress.accuracy.work_precision; sys.exit(any(name in sys.modules for name in ('mujoco', 'exudyn')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

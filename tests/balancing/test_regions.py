@@ -57,6 +57,7 @@ def test_what_fills_a_polygon_is_in_its_hull(six_bar, turn, criterion):
             assert 0 <= weight.inertia <= weight.mass * 0.5**2
 
 
+@pytest.mark.exhaustive
 def test_a_disc_is_between_polygons_inside_and_around_it(six_bar, turn):
     """Torque and moment count the spread of the material too."""
     for criterion in (TORQUE, HEAVY, pp.balancing.Peak("bearing_force", bearing="A")):

@@ -81,6 +81,7 @@ MOTOR = "induction:rated_power=75kW,rated_speed=1400,inertia=1.2,ratio=20.7"
 WEAK = "induction:rated_power=7e3,rated_speed=1400,ratio=20.7"
 
 
+@pytest.mark.exhaustive
 def test_ratings_beside_a_process(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     limits = [
         "--nominal-force",

@@ -347,6 +347,7 @@ def test_units_in_the_header_of_a_file(tmp_path: Path) -> None:
         part_specs.load(f"table:file={file}")
 
 
+@pytest.mark.exhaustive
 def test_each_kind_runs(capsys: pytest.CaptureFixture[str], files: dict[str, Path]) -> None:
     """By the example that the help gives, on a press small enough for all of them."""
     start = ("crank_slide", "--speed", 70, "--angle", 30, "--duration", 0.05, "--flywheel", 500, "--points", 20)
@@ -474,6 +475,7 @@ class Terminal(io.StringIO):
         return True
 
 
+@pytest.mark.exhaustive
 def test_progress_bar_on_a_terminal_after_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)

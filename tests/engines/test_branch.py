@@ -305,6 +305,7 @@ def never_back():
     return five_bar("1.4142135623730951")
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_geared_linkage_that_is_never_back(never_back, engine):
     """With an irrational ratio it is followed through 16 turns either way; further on it says so."""

@@ -286,6 +286,7 @@ def test_a_stiffness_of_an_unknown_bearing_is_refused():
 # ------------------------------------------------------------------------------------------------------------------- random linkages
 
 
+@pytest.mark.exhaustive
 @examples(5)
 @given(spec=linkages(most=2, extra=False, tilted=False), count=st.integers(1, 2), soft=st.booleans())
 def test_links_side_by_side(spec, count, soft):

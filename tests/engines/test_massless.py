@@ -55,6 +55,7 @@ def test_hooke_joint_in_closed_form(joint):
         assert np.isfinite(result.bearing_moment[name]).all()
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_hooke_joint_keeps_its_energy(joint, method):
     run = pp.simulate(joint, 1.0, speed=9.0, method=method, points=50)

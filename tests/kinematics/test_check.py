@@ -309,6 +309,7 @@ def test_limits_of_a_continuous_joint_mean_nothing(check):
     assert check(changed((f"{AXIS}<!-- P -->", f"{AXIS}{limit}"))).warnings == ()
 
 
+@pytest.mark.exhaustive
 def test_linkage_that_locks(check):
     """The guide stands off by more than the rod's length: the crank turns until the rod lies across it, 60 deg to either side of x."""
     across, up = 0.45 - PIN[0], -math.sqrt(ROD_LENGTH**2 - (0.45 - PIN[0]) ** 2)

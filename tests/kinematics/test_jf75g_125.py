@@ -304,6 +304,7 @@ def test_symmetric_press_neither_shakes_sideways_nor_tilts(motion, engine):
             assert least * peak <= np.abs(values).max() <= most * peak
 
 
+@pytest.mark.exhaustive
 def test_symmetric_press_shakes_upright_as_the_opposed_one(engine):
     symmetric, opposed = (solved(load(name), engine).shaking_force[:, 2] for name in ("jf75g_125_symmetric", "jf75g_125"))
     near(symmetric, opposed, 1e-12)

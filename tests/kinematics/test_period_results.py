@@ -388,6 +388,7 @@ def test_a_linkage_that_locks_after_more_than_a_turn_has_no_cycle():
             ask(press)
 
 
+@pytest.mark.exhaustive
 def test_a_turn_of_a_press_that_never_comes_back_is_not_measured():
     """One turn of its crank ends where it began, the second is another one."""
     press = period_presses.five_bar(0.5**0.5)

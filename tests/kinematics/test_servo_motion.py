@@ -160,6 +160,7 @@ def test_a_missing_acceleration_gives_the_true_torque_and_work(press):
     assert abs(works[0]) < 1e-8 * largest < 1e-3 * abs(works[1])  # from rest to rest drive and weight do no work
 
 
+@pytest.mark.exhaustive
 def test_two_drivers():
     press, whole = two_cranks(), swaying(np.linspace(0.0, 1.0, 80))
     both = {name: values if name == "time" else np.stack([values, -0.1 * values], axis=1) for name, values in whole.items()}

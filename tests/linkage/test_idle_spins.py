@@ -99,6 +99,7 @@ def test_forces_of_a_slender_rod_do_not_depend_on_how_its_spin_is_held(tmp_path)
         assert (len(other.coupling_torque), len(other.indeterminate_coupling)) == (0, 0)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
 def test_runs_of_a_rod_between_balls(tmp_path, method):
     ball, universal = (loaded(tmp_path, name, axes) for name, axes in (("ball", BALL), ("universal", UNIVERSAL)))

@@ -593,6 +593,7 @@ def all_changed(press, seed=5):
     return changed(press, change, loops=tuple(loops))
 
 
+@pytest.mark.exhaustive
 def test_forces_of_the_file_are_those_of_the_changed_linkage(press, tmp_path):
     """Whatever a linkage has worked out is worked out anew for the changed one; gravity is not in the file."""
     rest = {"angle": np.linspace(0, 0.3, 5), "speed": np.full(5, 8.0), "acceleration": np.full(5, -3.0)}

@@ -321,6 +321,7 @@ def test_travel_needs_a_guide(tmp_path):
         pp.build(path)
 
 
+@pytest.mark.exhaustive
 def test_a_screw_on_geared_spindles_turns_metres_into_radians(tmp_path):
     """The same toggle, its knee pushed by a nut: the driver is the spindle, geared to the guide by its lead."""
     text = template("toggle").replace(b"drive: cylinder", b"gears: {cylinder: 0.02/(2*pi) * M}\ndrive: M")

@@ -179,6 +179,7 @@ def test_shaking_of_less_than_a_turn():
     assert len(plots.shaking(pp.inverse_dynamics(press, motion)).axes) == 1
 
 
+@pytest.mark.exhaustive
 def test_polar(result):
     figure = plots.polar(result)
     diagrams = [axes for axes in figure.axes if axes.get_title()]
@@ -238,6 +239,7 @@ def test_comparison(result, balanced, comparison):
     assert legend(figure) == ["before: zxn2_3000b", "after: zxn2_3000b_balanced"]
 
 
+@pytest.mark.exhaustive
 def test_comparison_in_one_unit():
     """Slowly, the crank-slider shakes with 200 N along x, at speed with kilonewtons; a force that was nothing has no percentage."""
     slow, fast = turn("crank_slide", 10), turn("crank_slide", 400)
@@ -305,6 +307,7 @@ def test_names_are_text(oddly_named, plot, tmp_path):
     assert bool(shown) == (plot not in (plots.torque, plots.shaking) and len(figure.axes) != 3)
 
 
+@pytest.mark.exhaustive
 def test_a_name_that_begins_with_an_underscore_is_in_the_legend(oddly_named):
     (axes,) = plots.bearings(oddly_named).axes
     assert set(legend(axes)) == set(oddly_named.bearing_force)

@@ -354,6 +354,7 @@ def sets(draw):
     return {"speed": speed, "j": column(20.0, 500.0), "m": column(-800.0, 800.0), "f": column(0.0, 2e6), "s": column(0.0, 3e5)}
 
 
+@pytest.mark.exhaustive
 @examples(6)
 @given(values=sets(), angle=st.sampled_from([0.0, 1.0, -2.5, 9.0]))
 def test_random_sets(press, values, angle):

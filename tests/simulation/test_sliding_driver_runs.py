@@ -124,6 +124,7 @@ def test_summaries_and_extremes_are_in_millimetres(toggle):
     assert pp.measures.harmonics(reactions.motion, reactions.shaking_force) is None
 
 
+@pytest.mark.exhaustive
 def test_pages_and_pictures(toggle, tmp_path):
     reactions = pp.inverse_dynamics(toggle, pp.cycle(toggle, 0.1, points=30))
     page = pp.report(toggle, reactions.motion, tmp_path / "press.html", reactions=reactions).read_text()

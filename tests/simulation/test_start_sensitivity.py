@@ -62,6 +62,7 @@ def test_a_run_that_is_not_determined_says_so(press, method):
     assert run.stats.sensitivity > 1e6
 
 
+@pytest.mark.exhaustive
 def test_how_far_astray(press):
     """From 1e-5 rad beside the top, at a tolerance of 1e-8: as far as the equation leads that starts as much farther."""
     run, said = heard(press, 1.2, angle=math.pi + 1e-5, tolerance=1e-8)

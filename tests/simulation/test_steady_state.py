@@ -198,6 +198,7 @@ def test_the_exact_equation_comes_back_with_a_lag(press, lag, guess):
 # --------------------------------------------------------------------------------------------------------------------- long runs
 
 
+@pytest.mark.exhaustive
 def test_a_long_run_ends_in_the_steady_state(long_run, strokes, steady):
     """More than seventy strokes, each of which leaves a fifth of what the speed was off: period, speed along it, works."""
     assert len(strokes) == math.floor(long_run.crank_angle[-1] / 2 / math.pi) > 70

@@ -33,6 +33,7 @@ def test_what_ran_is_said():
     assert {r.stats.method for r in (ordinary, damped)} == {"reduced"}
 
 
+@pytest.mark.exhaustive
 def test_stiffness_costs_no_steps():
     """A thousand times the stiffness, hardly more steps: an explicit method would take a thousand times as many."""
     few, many = (run("auto", loads=[between(k, 1e-3 * k)]).stats.evaluations for k in (1e10, 1e13))
@@ -66,6 +67,7 @@ def test_unknown_method():
 # ---------------------------------------------------------------------------------------------------------------- swings, and standstill
 
 
+@pytest.mark.exhaustive
 def test_a_repeated_swing_is_a_motion_like_any_other():
     """At any time its energy is that of the start, and it goes where the method that follows each swing goes."""
     scene = {"loads": [between(1e7, 0.0)]}

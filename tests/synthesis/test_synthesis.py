@@ -150,6 +150,7 @@ def test_a_synthesis_is_a_table(tmp_path):
     assert pp.load(pp.write_urdf(synthesis.press, tmp_path / "found.urdf")).name == "crank_slide_synthesised"
 
 
+@pytest.mark.exhaustive
 def test_a_global_search_leaves_the_valley_it_starts_in():
     """cos(60 r) - r has a valley at every 0.105 m; the deepest within the bounds is the last."""
     problem = {

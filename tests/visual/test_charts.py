@@ -315,6 +315,7 @@ def test_units_by_size(size, unit):
     np.testing.assert_allclose(raw(chart)["z"], result.bearing_force["W"][:, 2], rtol=1e-14)
 
 
+@pytest.mark.exhaustive
 def test_a_run_has_its_drive_and_speed():
     result = loaded_run()
     chart = charts.torque(result)

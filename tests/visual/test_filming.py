@@ -211,6 +211,7 @@ def test_film_shows_the_recording_at_the_times_of_its_frames(filmed: tuple[Path,
     assert list(out.parent.iterdir()) == [out]
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("running")
 def test_one_turn_is_slowed_down_for_the_eye(tmp_path: Path) -> None:
     _, shown = frames(film(stub(tmp_path, DURATION), tmp_path / "out.mp4", size=(64, 64), frames_per_second=2))

@@ -198,6 +198,7 @@ def test_without_forces(recording: Path, shared_view: Callable[..., Any]) -> Non
     assert page.evaluate("[...document.querySelectorAll('#labels span')].every(value => value.textContent === '')")
 
 
+@pytest.mark.exhaustive
 def test_plays_in_real_time_by_address_slider_and_space_bar(recording: Path, tab: Any, motion: Any) -> None:
     page = tab.open(recording, size=SMALL)
     assert page.evaluate("playing")
@@ -276,6 +277,7 @@ def traced(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any, Any]:
     return pp.record(press, result.motion, path, reactions=result, traces=[("coupler", ON_COUPLER)]), press, result
 
 
+@pytest.mark.exhaustive
 def test_arrows_take_colour_with_load(traced: tuple[Path, Any, Any], shared_view: Callable[..., Any]) -> None:
     path, press, result = traced
     motion, page = result.motion, shared_view(path, MIDDLE)
@@ -292,6 +294,7 @@ def test_arrows_take_colour_with_load(traced: tuple[Path, Any, Any], shared_view
     assert page.inner_text("#peak") == f"{peak / 1e3:.0f} kN"
 
 
+@pytest.mark.exhaustive
 def test_toolbar_shows_and_hides(traced: tuple[Path, Any, Any], shared_view: Callable[..., Any]) -> None:
     page = shared_view(traced[0], MIDDLE)
     buttons, pictures = ("#show-forces", "#show-names", "#show-paths", "#front-view"), [seek(page, 0.1)]
@@ -342,6 +345,7 @@ def test_names_and_loads_stand_at_the_bearings(traced: tuple[Path, Any, Any], sh
         assert r1 <= l2 or r2 <= l1 or b1 <= t2 or b2 <= t1  # none lies on another
 
 
+@pytest.mark.exhaustive
 def test_paths_of_slide_and_coupler_point(traced: tuple[Path, Any, Any], shared_view: Callable[..., Any]) -> None:
     file, press, result = traced
     motion, page = result.motion, shared_view(file, MIDDLE)

@@ -101,6 +101,7 @@ def test_charts_follow_the_recording(page: Any, result: Any) -> None:
     assert np.count_nonzero(np.abs(seek(page, motion.time[60])[:, 500:] - before).max(axis=2) > 60) > 200  # cursors have moved
 
 
+@pytest.mark.exhaustive
 def test_the_press_stays_in_sight(page: Any) -> None:
     """However far the charts are scrolled, in a wide window and in a narrow one."""
     for width in (WIDE[0], 600):
@@ -148,6 +149,7 @@ def test_zoom_takes_the_cursor_along(page: Any) -> None:
     page.evaluate("Plotly.relayout(document.querySelector('.plot'), { 'xaxis.range': [0, 360] })")
 
 
+@pytest.mark.exhaustive
 def test_polar_diagrams_of_the_chosen_bearing(page: Any, press: Any, result: Any) -> None:
     page.select_option("#bearing", label="B")
     curves = page.evaluate(CURVES)
