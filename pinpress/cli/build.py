@@ -13,6 +13,7 @@ from ..common import files, tables
 from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..kinematics.check import check, said_in_a_line
 from ..linkage.urdf.document import MOST_BYTES
+from .options import table_parameters
 
 if TYPE_CHECKING:
     from ..pin_table.building import DrawnPress
@@ -24,7 +25,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         "build",
         help="a press from a table of pins: a URDF and a sketch",
         description="Make a press from a pin table and write its URDF and a sketch of the drawn pose beside the table.",
-        epilog="other commands take the table itself too: pinpress analyse press.yaml --speed 60",
+        epilog="other commands take the table itself too: pinpress analyse press.yaml --speed 60 --set r=150",
     )
     option = parser.add_argument
     option("file", metavar="TABLE", help="pin table (.yaml); `pinpress new` writes one to start from")
@@ -52,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError(f"{out} is there already, and no pin table made it: give another name by --out")
     sketch = out.with_suffix(".svg")
     try:
-        draft = building.draft(options.file, **dict(_parameter(words) for words in options.parameters))
+        draft = building.draft(options.file, **table_parameters(options.parameters))
     except PinTableError as error:
         if error.sketch is not None:
             files.write(sketch, error.sketch.encode())
@@ -67,13 +68,6 @@ def run(options: argparse.Namespace) -> int:
     print("\n".join([*_other_places(draft), *_estimates(draft)]))
     print(f"wrote {out} and {sketch} of {press.name}")
     return 0
-
-
-def _parameter(words: str) -> tuple[str, str]:
-    name, equals, value = words.partition("=")
-    if not (name and equals and value):
-        raise PinpressError(f"{words!r} is no value of a parameter: write NAME=VALUE, such as r=150")
-    return name, value
 
 
 def _other_places(draft: DrawnPress) -> list[str]:

@@ -6,7 +6,7 @@ from ..common.errors import PinTableError
 from ..common.results import Records
 from ..kinematics.check import CheckResult, check
 from ..linkage.urdf.document import Finding
-from .options import FILE, add_open_option, names_table
+from .options import FILE, add_open_option, add_set_option, names_table, table_parameters
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -25,6 +25,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--driver", metavar="JOINT", action="append", help="driven joint; may be given several times")
     option("--slide", metavar="LINK", help="slide, where it is not the link called slide")
     add_open_option(parser)
+    add_set_option(parser)
     parser.set_defaults(run=run)
 
 
@@ -38,18 +39,18 @@ def run(options: argparse.Namespace) -> int:
         PinpressError: There is no such file, driver or slide.
     """
     if names_table(options):
-        result = _of_table(options.file)
+        result = _of_table(options.file, table_parameters(options.parameters))
     else:
         result = check(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open)
     print(result)
     return 1 if result.errors else 0
 
 
-def _of_table(file: str) -> CheckResult:
+def _of_table(file: str, parameters: dict[str, str]) -> CheckResult:
     from ..pin_table.building import draft  # with a parser that a URDF does without
 
     try:
-        return draft(file).check()
+        return draft(file, **parameters).check()
     except PinTableError as error:
         if error.line is None:
             raise  # there is no such file, or it is no table at all

@@ -33,8 +33,10 @@ def add_press_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--driver", metavar="JOINT", help="driven joint, where the URDF has no <transmission> or another is meant")
     parser.add_argument("--slide", metavar="LINK", help="slide, where it is not the link called slide")
     add_open_option(parser)
+    add_set_option(parser)
     parser.add_argument(
         "--zero",
+        type=str.lower,
         choices=ZEROS,
         default="drawn",
         help="where crank angles are 0, those given, printed and written: as drawn, or at top or bottom dead centre; they rise where the"
@@ -47,9 +49,34 @@ def add_open_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--allow-open", action="store_true", help="close loops that are drawn open by more than a tenth of the linkage")
 
 
+def add_set_option(parser: argparse.ArgumentParser) -> None:
+    """Option --set, other values of parameters of a pin table."""
+    help = "another value of a parameter of the pin table, such as r=150; may be given several times"
+    parser.add_argument("--set", dest="parameters", metavar="NAME=VALUE", action="append", default=[], help=help)
+
+
+def table_parameters(specs: Sequence[str]) -> dict[str, str]:
+    """Values by the names of a pin table's parameters, from words such as ``r=150``.
+
+    Raises:
+        PinpressError: Words that are no value of a parameter, or a parameter given twice.
+    """
+    found: dict[str, str] = {}
+    for words in specs:
+        name, equals, value = words.partition("=")
+        if not (name and equals and value):
+            raise PinpressError(f"{words!r} is no value of a parameter: write NAME=VALUE, such as r=150")
+        if name in found:
+            raise PinpressError(f"{words!r}: {name} is given twice")
+        found[name] = value
+    return found
+
+
 def names_table(options: argparse.Namespace) -> bool:
-    """Whether the file is a pin table; raises PinpressError where an option is given that does not go with one."""
+    """Whether the file is a pin table; raises PinpressError where an option is given that does not go with what it is."""
     if not options.file.lower().endswith((".yaml", ".yml")):
+        if options.parameters:
+            raise PinpressError(f"--set {options.parameters[0]}: only a pin table has parameters, and {options.file} is none: leave it out")
         return False
     if options.driver is not None or options.slide is not None or options.allow_open:
         raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver, --slide and --allow-open")
@@ -64,9 +91,9 @@ def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
 def load_as_drawn(options: argparse.Namespace, **more: Any) -> Linkage:
     """The press that the options name, built from a pin table or loaded from a file in another format; ``more`` goes to `load`."""
     if names_table(options):
-        from ..pin_table.building import build  # with a parser that a URDF does without
+        from ..pin_table.building import draft  # with a parser that a URDF does without
 
-        return build(options.file, **more)
+        return draft(options.file, **table_parameters(options.parameters)).press(**more)
     return load(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open, **more)
 
 

@@ -19,7 +19,7 @@ from typing import Any
 from ..common import tables
 from ..common.errors import PinpressError, UnknownNameError, suggestion
 from ..common.parameters import declared
-from ..common.quantities import RPM
+from ..common.quantities import RPM, DriverCoordinate
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
@@ -55,12 +55,14 @@ class Kind:
         example: Words behind the kind's name that make one.
         table: Table that it takes from a file; None where it takes none.
         geared: Whether it also takes the keys of a `Geared`.
+        slides: Whether it acts on a driver that slides: with forces in place of torques, and speeds along its axis.
     """
 
     made: type
     example: str
     table: Table | None = None
     geared: bool = False
+    slides: bool = False
 
 
 MOTORS: Mapping[str, Kind] = {
@@ -81,6 +83,21 @@ MOTORS: Mapping[str, Kind] = {
     ),
     "prescribed": Kind(PrescribedSpeed, "speed=70"),
 }
+
+# without gears; what else there is needs a shaft, as the simulation says
+ON_SLIDING_DRIVERS: Mapping[str, Kind] = {
+    **MOTORS,
+    "constant": replace(MOTORS["constant"], example="value=20kN", slides=True),
+    "servo": Kind(
+        ServoMotor,
+        "program=motion.csv,stiffness=2e6,damping=9e4,peak_torque=50kN",
+        Table("program", ("time [s]", "position [mm]"), ("times", "angles"), 1e-3),
+        geared=True,
+        slides=True,
+    ),
+    "prescribed": replace(MOTORS["prescribed"], example="speed=100", slides=True),
+}
+_OF_FORCES = {"N m": "N", "N m/rad": "N/m", "N m s/rad": "N s/m"}  # units along a driver that slides
 
 LOADS: Mapping[str, Kind] = {
     "idle": Kind(Idle, ""),
@@ -103,13 +120,18 @@ FLYWHEEL, CLUTCH, BRAKE = (
 )
 
 
-def motor(words: str) -> Drive | PrescribedSpeed:
+def motor(words: str, coordinate: DriverCoordinate) -> Drive | PrescribedSpeed:
     """The motor or other drive that words such as ``constant:value=567`` mean.
+
+    Args:
+        words: What was given.
+        coordinate: That of the driver on which it acts. Where this slides, what acts without a ratio has forces and not torques.
 
     Raises:
         PinpressError: A kind or key is unknown, a key is missing, or a value is wrong; the message lists kinds or keys with an example.
     """
-    made: Drive | PrescribedSpeed = _named("--motor", MOTORS, words)
+    geared = any(word.startswith("ratio=") for word in words.partition(":")[2].split(","))
+    made: Drive | PrescribedSpeed = _named("--motor", MOTORS if coordinate.turns or geared else ON_SLIDING_DRIVERS, words)
     return made
 
 
@@ -248,6 +270,8 @@ def _of_motors() -> list[str]:
         "--motor; with ratio= it acts on the crank through gears:",
         *_kinds(MOTORS),
         f"  e.g. --motor induction:{MOTORS['induction'].example}",
+        "  on a driver that slides, without ratio=: constant, servo and prescribed, with forces in N, speeds in mm/s, the program in mm,",
+        "  e.g. --motor constant:value=20kN",
     ]
 
 
@@ -306,7 +330,7 @@ def _made(option: str, kind: Kind, words: str) -> Any:
         return f"{option}{words}".rstrip(": ")
 
     def wrong(problem: str) -> PinpressError:
-        speeds = ", speeds in r/min" if any(_is_speed(key) for key in known) else ""
+        speeds = f", speeds in {_speed_unit(kind.slides)}" if any(_is_speed(key) for key in known) else ""
         takes = f"it takes {keys(kind)}, SI units{speeds} or units of their own (12mm, 4000kN)"
         return PinpressError(f"{line(words)}: {problem}; {takes}; write e.g. {line(kind.example)}")
 
@@ -346,15 +370,15 @@ def _keys(kind: Kind) -> dict[str, _Key]:
     for field in fields(kind.made):
         optional = field.default is not MISSING
         if table is None or field.name not in table.into:
-            found.append(_Key(field.name, _note(field), optional, _reader(field)))
+            found.append(_Key(field.name, _note(field, kind.slides), optional, _reader(field, kind.slides)))
         elif field.name == table.into[0]:
             found.append(_Key(table.key, "=FILE", optional, partial(_pairs, columns=table.columns)))
     return {key.name: key for key in found} | (_GEAR if kind.geared else {})
 
 
-def _note(field: Field[Any]) -> str:
+def _note(field: Field[Any], slides: bool = False) -> str:
     if _is_speed(field.name):
-        return "=RPM"
+        return "=MM/S" if slides else "=RPM"
     if _is_at(field):
         return "=0.1s|180deg"
     known = declared(field)
@@ -363,7 +387,7 @@ def _note(field: Field[Any]) -> str:
     return "" if field.default is MISSING or field.default is None else f"={field.default:g}"
 
 
-def _reader(field: Field[Any]) -> Callable[[str], Any]:
+def _reader(field: Field[Any], slides: bool = False) -> Callable[[str], Any]:
     if _is_at(field):
         return _at
     if field.type in (int, "int"):
@@ -371,9 +395,9 @@ def _reader(field: Field[Any]) -> Callable[[str], Any]:
     if field.type in (str, "str"):
         return str
     if _is_speed(field.name):
-        return _speed
+        return partial(_speed, slides=slides)
     known = declared(field)
-    unit = "-" if known is None else known.unit
+    unit = "-" if known is None else _OF_FORCES.get(known.unit, known.unit) if slides else known.unit
     return partial(_vector if known is not None and known.axes else read_quantity, unit=unit)
 
 
@@ -385,8 +409,12 @@ def _is_at(field: Field[Any]) -> bool:
     return SwitchPoint.__name__ in re.findall(r"\w+", str(field.type))
 
 
-def _speed(text: str) -> float:
-    return read_quantity(text, "r/min") * RPM
+def _speed_unit(slides: bool) -> str:
+    return "mm/s" if slides else "r/min"
+
+
+def _speed(text: str, slides: bool) -> float:
+    return read_quantity(text, _speed_unit(slides)) * (1e-3 if slides else RPM)
 
 
 def _whole(text: str) -> int:

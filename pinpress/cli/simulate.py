@@ -96,12 +96,12 @@ def run(options: argparse.Namespace) -> int:
         PinpressError: Options do not go together, or computing or writing fails.
     """
     refuse_pages_without_folder(options)
-    drive = None if options.motor is None else part_specs.motor(options.motor)
     flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
     acting = loads(options)
     clutch = None if options.clutch is None else part_specs.clutch(options.clutch)
     brake = None if options.brake is None else part_specs.brake(options.brake)
     press = load_press(options, gravity=(0.0, 0.0, -options.gravity))
+    drive = None if options.motor is None else part_specs.motor(options.motor, press.driver_coordinates[0])
     _ = traced(press, options.trace)  # a wrong one is found before the work
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")

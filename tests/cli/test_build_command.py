@@ -41,6 +41,18 @@ def test_from_a_template_to_forces(folder, capsys):
     assert figures(capsys.readouterr().out) == figures(outputs[1])
 
 
+def test_every_command_takes_other_values_of_a_tables_parameters(folder, capsys):
+    assert main(["new", "press.yaml", "--template", "knuckle"]) == 0
+    assert main(["build", "press.yaml", "r=95"]) == 0
+    for words in (["analyse", "--speed", "60", "--points", "60"], ["simulate", "--duration", "0.1", "--speed", "60"], ["check"]):
+        shown = []
+        for file in (["press.urdf"], ["press.yaml", "--set", "r=95"], ["press.yaml"]):
+            capsys.readouterr()
+            assert main([*words, *file]) == 0
+            shown.append([line for line in figures(capsys.readouterr().out) if line.startswith(("  stroke ", "  K "))])
+        assert shown[0] == shown[1] != shown[2]
+
+
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_every_template_builds(folder, capsys, name):
@@ -57,6 +69,10 @@ def test_every_template_builds(folder, capsys, name):
         (["new", "press.txt"], "does not end in .yaml"),
         (["build", "there.yaml", "r"], "write NAME=VALUE"),
         (["build", "there.yaml", "q=1"], "no parameter q"),
+        (["build", "there.yaml", "r=1", "r=2"], "r is given twice"),
+        (["check", "there.yaml", "--set", "r"], "write NAME=VALUE"),
+        (["simulate", "there.yaml", "--duration", "1", "--set", "gravity=1"], "no parameter gravity"),
+        (["analyse", "crank_slide", "--speed", "60", "--set", "r=95"], "only a pin table has parameters"),
         (["build", "there.yaml", "--out", "press.svg"], "give the URDF's name"),
         (["build", "missing.yaml"], "missing.yaml"),
         (["build", "there.yaml", "--out", "mine.urdf"], "no pin table made it"),

@@ -18,6 +18,7 @@ from support import texts
 import pinpress as pp
 from pinpress.cli import main, options, part_specs, simulate
 from pinpress.cli.run_summary import FIRST_STROKES, MOST_STROKES
+from pinpress.common.quantities import CRANK
 from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed
 from pinpress.loads.link import PointForce
@@ -311,7 +312,7 @@ def test_every_kind_of_drive(files: dict[str, Path]) -> None:
     }
     assert {words.partition(":")[0] for words in cases} == set(part_specs.MOTORS)
     for words, drive in cases.items():
-        assert part_specs.motor(words) == drive
+        assert part_specs.motor(words, CRANK) == drive
 
 
 def test_every_kind_of_load(files: dict[str, Path]) -> None:

@@ -2,12 +2,18 @@
 
 import contextlib
 import math
+import re
 
 import pytest
 from support import sliding_presses
 
+import pinpress as pp
+from pinpress.cli import part_specs
 from pinpress.cli.main import main
 from pinpress.cli.units import UNITS, read_quantity
+from pinpress.common.quantities import CRANK, RAM
+from pinpress.drives.motors import ConstantTorque, ServoMotor
+from pinpress.drives.transmission import Geared, PrescribedSpeed
 
 
 @pytest.mark.parametrize(
@@ -118,3 +124,31 @@ def test_a_driver_that_slides_takes_speeds_in_mm_per_second(tmp_path, capsys):
     assert "'70mm/s' is of no driver that turns" in capsys.readouterr().err
     assert main(["simulate", str(path), "--duration", "0.05", "--angle=-0.1m", "--motor", "constant:value=20"]) == 0
     assert "simulated from driver position -100 mm" in capsys.readouterr().out
+
+
+def test_motors_take_forces_on_a_driver_that_slides(tmp_path):
+    program = tmp_path / "program.csv"
+    program.write_text("0,0\n1,100\n")
+    servo = f"servo:program={program},stiffness=2kN/mm,damping=9kNs/m,peak_torque=50kN"
+    expected = {
+        "constant:value=20kN": ConstantTorque(20e3),
+        "constant:value=2kNm,ratio=600": Geared(ConstantTorque(2e3), 600.0),
+        "prescribed:speed=100": PrescribedSpeed(0.1),
+        servo: ServoMotor((0.0, 1.0), (0.0, 0.1), 2e6, 9e3, 50e3),
+    }
+    for words, drive in expected.items():
+        assert part_specs.motor(words, RAM) == drive
+
+
+@pytest.mark.parametrize(
+    ("words", "coordinate", "said"),
+    [
+        ("constant:value=20kNm", RAM, "value is '20kNm', in 'kNm', which is none of N, kN, MN, tf"),
+        ("constant:value=20kN,ratio=3", RAM, "in 'kN', which is none of N m"),
+        ("constant:value=20kN", CRANK, "in 'kN', which is none of N m"),
+        ("prescribed:speed=70rpm", RAM, "in 'rpm', which is none of mm/s"),
+    ],
+)
+def test_motors_refuse_units_of_the_other_drivers(words, coordinate, said):
+    with pytest.raises(pp.PinpressError, match=re.escape(said)):
+        part_specs.motor(words, coordinate)

@@ -20,7 +20,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
     return capsys.readouterr().out
 
 
-@pytest.mark.parametrize(("zero", "words"), [("tdc", "top dead centre"), ("bdc", "bottom dead centre")])
+@pytest.mark.parametrize(("zero", "words"), [("TDC", "top dead centre"), ("bdc", "bottom dead centre")])
 def test_analyse(capsys: pytest.CaptureFixture[str], tmp_path: Path, zero: str, words: str) -> None:
     """Dead centre at 0; peaks as much later as the dead centre is; the column's name says where it counts from."""
     text = printed(capsys, "analyse", PRESS, "--speed", SPEED, "--zero", zero, "--out", tmp_path)
@@ -30,7 +30,7 @@ def test_analyse(capsys: pytest.CaptureFixture[str], tmp_path: Path, zero: str, 
     assert f"counted from {words}" in text
     assert "was changed" not in text
     ends = pp.dead_centres(texts.shipped(PRESS))
-    shift = ends.top_angle if zero == "tdc" else ends.bottom_angle
+    shift = ends.top_angle if zero == "TDC" else ends.bottom_angle
     with (tmp_path / "cycle.csv").open(encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
     assert header[1] == f"crank_angle_from_{words.replace(' ', '_')} [rad]"
