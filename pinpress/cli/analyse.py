@@ -120,7 +120,13 @@ def run(options: argparse.Namespace) -> int:
     print(tables.entry("time taken", f"{took[0]:.1f}", further))
     print("\n".join(more), end="\n" if more else "")
     driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]
-    print_inputs([*inputs(reactions), *driving, *([] if permissible is None else capacities_in_words(permissible.capacities))])
+    print_inputs(
+        [
+            *inputs(reactions),
+            *driving,
+            *([] if permissible is None else capacities_in_words(permissible.capacities, permissible.driver_coordinate)),
+        ]
+    )
     if options.out is not None:
         before = None if options.before is None else _before(options)
         make_folder(options.out)

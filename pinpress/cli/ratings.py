@@ -28,17 +28,16 @@ from .options import (
     print_inputs,
     say_written,
 )
-from .units import driver_speed, quantity
+from .units import driver_effort, driver_speed, quantity
 
 EPILOG = f"""\
-numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min.
+numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min, of a driver that slides in mm/s.
 e.g. pinpress ratings zxn2_3000b --speed 70 --nominal-force 3000e3 --nominal-height 0.013 --flywheel 2000 --speed-drop 0.2 --bearing A=2e6
      --out out
 
 {part_specs.explained("load")}"""
 NUMBERS = {
     "nominal-height": ("H", "m", "height from which down the crank's torque lets the nominal force act"),
-    "torque": ("NM", "N m", "torque capacity at the driver joint, in place of --nominal-height"),
     "speed-drop": ("D", "-", "largest drop of the flywheel's speed in a stroke, a fraction, e.g. 0.2"),
     "motor-power": ("W", "W", "that restores the energy in continuous use; leave it out for single strokes"),
     "slide-acceleration": ("A", "m/s2", "largest that tool and feed allow"),
@@ -65,6 +64,12 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--nominal-force", type=quantity("N"), required=True, metavar="N", help="largest process force at any height")
     for name, (value, unit, words) in NUMBERS.items():
         option(f"--{name}", type=quantity(unit), metavar=value, help=words)
+    option(
+        "--torque",
+        type=driver_effort,
+        metavar="NM",
+        help="torque capacity at the driver joint, in place of --nominal-height; force capacity of a driver that slides [N]",
+    )
     option(
         "--bearing", action="append", default=[], metavar="NAME=N", help="largest force in a bearing or guide; may be given several times"
     )
@@ -98,20 +103,24 @@ def run(options: argparse.Namespace) -> int:
     if options.flywheel is not None:
         given["flywheel_inertia"] = part_specs.flywheel(options.flywheel).inertia
     bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
-    capacities = Capacities(options.nominal_force, bearings=bearings, **given)
     loads = [part_specs.load(words) for words in options.load]
     if any(isinstance(load, PointForce) for load in loads):
         raise PinpressError("--load point-force: ratings compare the process between slide and frame; pinpress analyse takes other forces")
     press = load_press(options)
-    speed = options.speed.of(press.driver_coordinates[0])
+    coordinate = press.driver_coordinates[0]
+    speed, torque = options.speed.of(coordinate), None if options.torque is None else options.torque.of(coordinate)
+    capacities = Capacities(options.nominal_force, bearings=bearings, torque=torque, **given)
     found = rate(press, speed, capacities, at_speed=options.at_speed, points=options.points, **extra)
-    process = inverse_dynamics(press, cycle(press, speed, points=POINTS * press.period_turns), loads, bearings=()) if loads else None
+    turns = press.period_turns if coordinate.turns else 1
+    process = inverse_dynamics(press, cycle(press, speed, points=POINTS * turns), loads, bearings=()) if loads else None
     lines = [] if process is None else _process(press, process, found)
     if options.out is not None:
         make_folder(options.out)
     print("\n".join([str(found), *lines]))
-    at = f"{speed / RPM:g} r/min, {'with' if options.at_speed else 'without'} weights and inertia forces"
-    print_inputs([*of_press(press), ("speed", at), *capacities_in_words(capacities), *(of_loads(loads) if loads else []), stated()])
+    pace = f"{speed / RPM:g} r/min" if coordinate.turns else f"up to {1e3 * abs(speed):g} mm/s"
+    at = f"{pace}, {'with' if options.at_speed else 'without'} weights and inertia forces"
+    limits = capacities_in_words(capacities, coordinate)
+    print_inputs([*of_press(press), ("speed", at), *limits, *(of_loads(loads) if loads else []), stated()])
     if options.out is not None:
         _write(found, process, options.out)
     return 0

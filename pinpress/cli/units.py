@@ -69,12 +69,12 @@ def quantity(unit: str) -> Callable[[str], float]:
 
 @dataclass(frozen=True)
 class OfDriver:
-    """A speed or position of the driver as it was given, whose unit depends on the press.
+    """A speed, position or effort of the driver as it was given, whose unit depends on the press.
 
     Attributes:
         text: As given.
-        turning: Unit of a bare number where the driver turns, "r/min" or "deg".
-        sliding: Unit of a bare number where it slides, "mm/s" or "mm".
+        turning: Unit of a bare number where the driver turns, "r/min", "deg" or "N m".
+        sliding: Unit of a bare number where it slides, "mm/s", "mm" or "N".
     """
 
     text: str
@@ -95,7 +95,7 @@ class OfDriver:
             raise PinpressError(
                 f"{self.text!r} is of no driver that {does}: give a number in {unit}, or in {', '.join(UNITS[unit])}"
             ) from None
-        return math.radians(number) if unit == "deg" else number * (RPM if unit == "r/min" else 1e-3)
+        return math.radians(number) if unit == "deg" else number * {"r/min": RPM, "N m": 1.0, "N": 1.0}.get(unit, 1e-3)
 
 
 def driver_speed(text: str) -> OfDriver:
@@ -106,6 +106,11 @@ def driver_speed(text: str) -> OfDriver:
 def driver_position(text: str) -> OfDriver:
     """Reads an option of `argparse`: a crank angle, or the position of a driver that slides."""
     return _of_driver(text, "deg", "mm")
+
+
+def driver_effort(text: str) -> OfDriver:
+    """Reads an option of `argparse`: a torque at the driver joint, or the force of a driver that slides."""
+    return _of_driver(text, "N m", "N")
 
 
 def _of_driver(text: str, turning: str, sliding: str) -> OfDriver:

@@ -20,19 +20,20 @@ import pinocchio as pin
 from ..common.arguments import positive, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
-from ..common.quantities import RPM, Array
+from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Motion, moved
 from ..kinematics.servo_motion import servo_cycle
-from ..kinematics.slide_path import dead_centres
+from ..kinematics.slide_path import DeadCentres, dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.process import ConstantForce
 
-NOMINAL, TORQUE, BEARING = "nominal force", "torque", "bearing "
+NOMINAL, TORQUE, DRIVING_FORCE, BEARING = "nominal force", "torque", "driving force", "bearing "
 TURN = 360  # states of a turn in which the idle press is checked
 ROUNDING = 4 * float(np.finfo(float).eps)  # accuracy of roots, absolute and relative
 TIE = 1e-9  # relative difference up to which two limits count as equal
+SAME = 1e-12  # relative difference by rounding between limits that are equal at every height
 GAUSS = np.polynomial.legendre.leggauss(3)  # nodes and weights, with which the work between two states is found
 UNITS = {
     "nominal_force": "N",
@@ -53,7 +54,8 @@ class Capacities(Frozen):
     Attributes:
         nominal_force: largest process force at any height [N].
         nominal_height: height above bottom dead centre from which downwards the crank's torque permits the nominal force [m].
-        torque: torque capacity at the driver joint, in place of the nominal height [N m].
+        torque: torque capacity at the driver joint, in place of the nominal height [N m]; of a driver that slides its force, a plain
+            number [N].
         bearings: name of a bearing or guide -> largest magnitude of the force in it, in a planar press the radial force [N].
         flywheel_inertia: moment of inertia of the flywheel reduced to the driver joint, without the linkage [kg m2].
         speed_drop: largest drop of the flywheel's speed in a stroke, divided by the speed [-]. It goes with the flywheel. Usual values are
@@ -112,9 +114,12 @@ class Capacities(Frozen):
         return found
 
 
-def capacities_in_words(given: Capacities) -> Inputs:
-    """The capacities of a press that are given, by their names."""
-    rows = [(name.replace("_", " "), written(value, unit)) for name, unit in UNITS.items() if (value := getattr(given, name)) is not None]
+def capacities_in_words(given: Capacities, coordinate: DriverCoordinate) -> Inputs:
+    """The capacities of a press that are given, by their names; ``coordinate``: that of its driver."""
+    named = {name: (name.replace("_", " "), unit) for name, unit in UNITS.items()}
+    if not coordinate.turns:
+        named["torque"] = DRIVING_FORCE, coordinate.effort_unit
+    rows = [(words, written(value, unit)) for name, (words, unit) in named.items() if (value := getattr(given, name)) is not None]
     return [*rows, *((f"bearing {name}", written(force, "N")) for name, force in given.bearings.items())]
 
 
@@ -140,12 +145,14 @@ class RatedStroke:
     Attributes:
         press: the press, with one driver and a slide with one top and one bottom dead centre.
         capacities: its capacities.
-        speed: speed of the driver joint, negative backwards [rad/s].
-        torque: torque capacity at the driver joint [N m]; None: it limits nothing.
+        speed: speed of the driver joint, negative backwards [rad/s]; of a driver that slides its highest one, on the way to bottom dead
+            centre [m/s].
+        torque: torque capacity at the driver joint [N m], or force capacity of a driver that slides [N]; None: it limits nothing.
         at_speed: whether weights and inertia forces count.
         engine: as in `cycle`.
-        top: crank angle of the dead centre at which the working stroke begins [rad].
-        bottom: crank angle at which it ends, unwrapped: less than ``top`` where the crank turns backwards [rad].
+        top: crank angle of the dead centre at which the working stroke begins [rad]; position of a driver that slides [m].
+        bottom: crank angle at which it ends, unwrapped: less than ``top`` where the crank turns backwards [rad]; position of a driver that
+            slides [m].
         bottom_position: slide position at its end [m].
         turns: turns of the driver joint from stroke to stroke. The whole press may repeat itself only after several strokes, with different
             forces in each.
@@ -174,9 +181,23 @@ class RatedStroke:
     def massless(self) -> Linkage:
         return without_masses(self.press)
 
+    @property
+    def coordinate(self) -> DriverCoordinate:
+        return self.press.driver_coordinates[0]
+
     def motion(self, angle: Array) -> Motion:
-        """The motion at crank angles (n,)."""
+        """The motion at crank angles (n,), at constant speed of the driver."""
         return servo_cycle(self.press, speed=self.speed, angle=angle, engine=self.engine)
+
+    def in_operation(self, motion: Motion) -> Motion:
+        """A motion at constant speed as the press makes it in operation: a driver that slides moves harmonically, as in `cycle`."""
+        if self.coordinate.turns:
+            return motion
+        middle, half = 0.5 * (self.top + self.bottom), 0.5 * abs(self.bottom - self.top)
+        beside = motion.crank_angle - middle
+        speed = self.speed * np.sqrt(np.maximum(1.0 - (beside / half) ** 2, 0.0))
+        acceleration = -((self.speed / half) ** 2) * beside
+        return moved(self.press, self.press.branch, motion.crank_angle, speed, acceleration, None, self.engine)
 
     def height(self, motion: Motion) -> Array:
         """Heights (n,) above bottom dead centre, not below it by rounding [m]."""
@@ -187,11 +208,16 @@ def rated_stroke(press: Linkage, capacities: Capacities, speed: float, at_speed:
     """The working stroke to be rated, with the torque capacity that a nominal height stands for.
 
     Raises:
-        PinpressError: the nominal height is not between 0 and the stroke.
+        PinpressError: the nominal height is not between 0 and the stroke, or the slide turns back within the travel of a driver that
+            slides.
     """
     ends = dead_centres(press)
-    way = 1.0 if speed > 0 else -1.0
-    bottom = ends.top_angle + way * ((way * (ends.bottom_angle - ends.top_angle)) % (2 * np.pi * ends.turns))
+    if press.driver_coordinates[0].turns:
+        way = 1.0 if speed > 0 else -1.0
+        bottom = ends.top_angle + way * ((way * (ends.bottom_angle - ends.top_angle)) % (2 * np.pi * ends.turns))
+    else:
+        speed, bottom = math.copysign(speed, ends.bottom_angle - ends.top_angle), ends.bottom_angle
+        _refuse_turning_back(press, ends)
     given = RatedStroke(
         press=press,
         capacities=capacities,
@@ -211,8 +237,23 @@ def rated_stroke(press: Linkage, capacities: Capacities, speed: float, at_speed:
     return replace(given, torque=capacities.nominal_force * abs(float(needed)))
 
 
+def _refuse_turning_back(press: Linkage, ends: DeadCentres) -> None:
+    """Raise PinpressError where the slide turns back within the travel of a driver that slides, so that it comes down on two ways."""
+    low, high = (float(end) for end in press.branch_through_change_points.angles[[0, -1]])
+    places = np.linspace(ends.top_angle, ends.bottom_angle, TURN + 1)
+    speeds = servo_cycle(press, places, speed=ends.bottom_angle - ends.top_angle).slide_velocity
+    travelled = abs(ends.bottom_angle - ends.top_angle)
+    if travelled < (1 - TIE) * (high - low) or np.any(speeds[1:-1] >= 0):
+        first, last, bottom = (press.driver_coordinates[0].shown(place) for place in (low, high, ends.bottom_angle))
+        raise PinpressError(
+            f"the slide of {press.name} turns back while its driver goes from {first} to {last}, and so has no one working stroke: let the"
+            f" <limit> of joint {press.driver!r}, or the travel in its table, end where the slide turns back (bottom dead centre:"
+            f" {bottom})"
+        )
+
+
 def angle_at(rated: RatedStroke, name: str, height: float) -> float:
-    """Crank angle in the working stroke at a height above bottom dead centre, unwrapped [rad].
+    """Crank angle in the working stroke at a height above bottom dead centre, unwrapped [rad]; position of a driver that slides [m].
 
     Args:
         rated: the working stroke.
@@ -236,11 +277,18 @@ def angle_at(rated: RatedStroke, name: str, height: float) -> float:
 
 def refuse_overloaded_idle(rated: RatedStroke) -> None:
     """Raise PinpressError where the idle press at its speed exceeds a capacity of torque or bearings anywhere in a period."""
-    whole = rated.top + np.arange(TURN * rated.press.period_turns) * (2 * np.pi / TURN)
-    stroke = np.linspace(rated.top, rated.bottom, TURN)
-    motion = rated.motion(np.concatenate([whole, stroke]))
+    turning, stroke = rated.coordinate.turns, np.linspace(rated.top, rated.bottom, TURN)
+    if turning:
+        whole = rated.top + np.arange(TURN * rated.press.period_turns) * (2 * np.pi / TURN)
+        motion, speed = rated.motion(np.concatenate([whole, stroke])), f"{abs(rated.speed) / RPM:.6g} r/min"
+    else:  # on the way back a driver that slides takes the same forces
+        motion, speed = rated.in_operation(rated.motion(stroke)), f"a highest speed of {1e3 * abs(rated.speed):.6g} mm/s"
     idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings)
-    loads = {} if rated.torque is None else {"the driving torque": (np.abs(idle.driving_torque), rated.torque, "N m")}
+    loads = (
+        {}
+        if rated.torque is None
+        else {f"the driving {rated.coordinate.effort}": (np.abs(idle.driving_torque), rated.torque, rated.coordinate.effort_unit)}
+    )
     for name in rated.bearings:
         force = np.linalg.norm(idle.bearing_force[name], axis=1)
         loads[f"the force in bearing {shown(name)}"] = force, rated.capacities.bearings[name], "N"
@@ -248,9 +296,8 @@ def refuse_overloaded_idle(rated: RatedStroke) -> None:
         worst = int(size.argmax())
         if size[worst] > capacity:
             raise PinpressError(
-                f"{what} of the idle press is {size[worst]:.6g} {unit} at crank angle {motion.shown_position[worst]:.6g} deg"
-                f" and {abs(rated.speed) / RPM:.6g} r/min, but the capacity is {capacity:.6g} {unit}: lower the speed, or raise"
-                " the capacity"
+                f"{what} of the idle press is {size[worst]:.6g} {unit} at {motion.place(worst)} and {speed}, but the capacity is"
+                f" {capacity:.6g} {unit}: lower the speed, or raise the capacity"
             )
 
 
@@ -362,7 +409,8 @@ def largest_factor(constant: Array, slope: Array, capacity: Array | float) -> Ar
 def _in_every_stroke(rated: RatedStroke, motion: Motion) -> Iterator[Motion]:
     """The motion, and that part of the stroke in the other strokes of the period."""
     yield motion
-    for stroke in range(1, rated.press.period_turns // rated.turns):
+    strokes = rated.press.period_turns // rated.turns if rated.coordinate.turns else 1
+    for stroke in range(1, strokes):
         yield rated.motion(motion.crank_angle + 2 * np.pi * rated.turns * stroke)
 
 
@@ -371,13 +419,28 @@ def _in_one_stroke(rated: RatedStroke, motion: Motion) -> dict[str, Array]:
     capacities, count = rated.capacities, len(motion.crank_angle)
     found = {NOMINAL: np.full(count, capacities.nominal_force)}
     unit = unit_force_reactions(rated.massless, motion, rated.bottom_position, rated.bearings, rated.engine)
-    idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings) if rated.at_speed else None
+    operating = rated.in_operation(motion) if rated.at_speed else None
+    idle = None if operating is None else inverse_dynamics(rated.press, operating, engine=rated.engine, bearings=rated.bearings)
     if rated.torque is not None:
         before = np.zeros((count, 1)) if idle is None else idle.driving_torque[:, None]
-        found[TORQUE] = largest_factor(before, unit.driving_torque[:, None], rated.torque)
+        name = TORQUE if rated.coordinate.turns else DRIVING_FORCE
+        found[name] = largest_factor(before, unit.driving_torque[:, None], rated.torque)
     for name in rated.bearings:
         before = np.zeros((count, 3)) if idle is None else idle.bearing_force[name]
         found[BEARING + name] = largest_factor(before, unit.bearing_force[name], capacities.bearings[name])
+    return found if rated.coordinate.turns else _without_rounding(found)
+
+
+def _without_rounding(forces: Mapping[str, Array]) -> dict[str, Array]:
+    """Forces (n,) that limits permit, those that differ by rounding made equal.
+
+    A cylinder in line with the slide bears the process force at every height, and rounding must not decide which of equal limits governs.
+    """
+    found: dict[str, Array] = {}
+    for name, force in forces.items():
+        for before in found.values():
+            force = np.where(np.isclose(force, before, rtol=SAME, atol=0.0), before, force)
+        found[name] = force
     return found
 
 

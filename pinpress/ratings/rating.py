@@ -12,7 +12,7 @@ from ..common import tables
 from ..common.arguments import expect, in_unit, positive, suitable_numbers, truth_value, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
-from ..common.quantities import RPM, Array
+from ..common.quantities import RPM, Array, DriverCoordinate
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics import measures
@@ -23,6 +23,7 @@ from .permissible_force import (
     Capacities,
     GoverningLimits,
     RatedStroke,
+    angle_at,
     governing_limits,
     known_bearings,
     permitted_work,
@@ -44,36 +45,42 @@ class PressRatings(Tabular):
     Attributes:
         press_name: name of the press.
         capacities: capacities as they were given.
-        speed: speed of the driver joint, negative backwards [rad/s].
+        driver_coordinate: what the coordinate of its driver is.
+        speed: speed of the driver joint, negative backwards [rad/s]; of a driver that slides its highest one, with the sign of the way to
+            bottom dead centre [m/s].
         at_speed: whether the forces take weights and inertia forces at this speed into account. False: the process force alone, as
             catalogues print it.
-        torque_capacity: torque capacity at the driver joint, given or found from nominal force and height [N m]; None: it limits nothing.
-        crank_angle: (n,) crank angle, unwrapped [rad].
+        torque_capacity: torque capacity at the driver joint, given or found from nominal force and height [N m]; of a driver that slides
+            its force capacity [N]. None: it limits nothing.
+        crank_angle: (n,) crank angle, unwrapped [rad]; position of a driver that slides [m].
         height: (n,) height of the slide above bottom dead centre, falling to 0 [m].
         travel_per_angle: (n,) ds/dtheta of the slide along its guide's axis [m/rad]. Its magnitude is the driving torque for a process
             force of 1 N without losses [N m/N]; its inverse is the mechanical advantage, which grows without bounds at the dead centres.
+            Of a driver that slides it is the travel of the slide by that of the driver [-], the driving force for 1 N.
         slide_velocity: (n,) velocity of the slide along the guide's axis [m/s].
         force: (n,) permissible process force, the smallest that a limit permits [N].
         limits: name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
-            "torque", "bearing NAME", "flywheel energy" and "motor energy". An energy E permits E / height, a constant force from there to
-            bottom dead centre.
+            "torque" or, of a driver that slides, "driving force", "bearing NAME", "flywheel energy" and "motor energy". An energy E permits
+            E / height, a constant force from there to bottom dead centre.
         limited_by: (n,) name of the limit that governs.
         changes: heights at which another limit begins to govern, falling, accurate to rounding [m]; they are among ``height``.
         work: (n,) work of the force that all limits but energy permit, from there to bottom dead centre [J]. It may be more than an energy.
         energies: work that a stroke may take from each source, "flywheel energy" and "motor energy" [J].
         stroke: stroke of the slide [m].
-        quick_return_ratio: time of the working stroke divided by that of the return stroke [-].
+        quick_return_ratio: time of the working stroke divided by that of the return stroke [-]; None where the driver slides.
         contact_height: height above bottom dead centre at which the tool meets the work [m]; None: not given.
         contact_speed: speed of the slide at this height [m/s]; None without a height.
-        contact_advantage: mechanical advantage at this height, force on the slide for each N m on the crank [1/m]; None without a height.
-        dwell_tolerance: distance from bottom dead centre that counts as dwell [m].
-        dwell_time: time in which the slide is within this distance [s].
-        speed_limit: speed at which the idle press reaches a capacity; None where no speed does.
-        turns: turns of the driver joint from stroke to stroke.
+        contact_advantage: mechanical advantage at this height, force on the slide for each N m on the crank [1/m], or for each N of a
+            driver that slides [-]; None without a height.
+        dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; None where the driver slides.
+        dwell_time: time in which the slide is within this distance [s]; None where the driver slides.
+        speed_limit: speed at which the idle press reaches a capacity; None where no speed does, and where the driver slides.
+        turns: turns of the driver joint from stroke to stroke; 1 where it slides.
     """
 
     press_name: str
     capacities: Capacities
+    driver_coordinate: DriverCoordinate
     speed: float
     at_speed: bool
     torque_capacity: float | None
@@ -88,12 +95,12 @@ class PressRatings(Tabular):
     work: Array
     energies: Mapping[str, float]
     stroke: float
-    quick_return_ratio: float
+    quick_return_ratio: float | None
     contact_height: float | None
     contact_speed: float | None
     contact_advantage: float | None
-    dwell_tolerance: float
-    dwell_time: float
+    dwell_tolerance: float | None
+    dwell_time: float | None
     speed_limit: PermissibleSpeed | None
     turns: int
 
@@ -103,16 +110,22 @@ class PressRatings(Tabular):
 
     def __str__(self) -> str:
         """Main data, energies, and permissible force at some heights, with units."""
-        rpm = abs(self.speed) / RPM / self.turns
         what = "with weights and inertia forces at this speed" if self.at_speed else "the process force alone, as catalogues print it"
-        heads = [f"{'height [mm]':>14}", "crank angle [deg]", "torque per force [mm]", "force [kN]", "work [kJ]", "  limited by"]
+        coordinate = self.driver_coordinate
+        if coordinate.turns:
+            pace = f"{abs(self.speed) / RPM / self.turns:g} strokes/min{'' if self.speed > 0 else ', backwards'}"
+        else:
+            pace = f"up to {1e3 * abs(self.speed):g} mm/s of the driver"
+        per_force = f"{coordinate.effort} per force [{'mm' if coordinate.turns else '-'}]"
+        position = f"{coordinate.position} [{coordinate.shown_unit}]"
+        heads = [f"{'height [mm]':>14}", position, per_force, "force [kN]", "work [kJ]", "  limited by"]
         return "\n".join(
             [
-                f"{self.press_name}, ratings at {rpm:g} strokes/min{'' if self.speed > 0 else ', backwards'}; forces: {what}",
+                f"{self.press_name}, ratings at {pace}; forces: {what}",
                 *tables.table(_data(self), [38, 0]),
                 "",
                 "Permissible force",
-                *tables.table([heads, *(_row(self, k) for k in _shown(self))], [14, 20, 24, 14, 13, 0]),
+                *tables.table([heads, *(_row(self, k) for k in _shown(self))], [14, 20 if coordinate.turns else 24, 24, 14, 13, 0]),
                 *(["  work: of the force that all limits but energy permit, from there to bottom dead centre"] if self.energies else []),
             ]
         )
@@ -135,11 +148,14 @@ class PressRatings(Tabular):
         return read_only(reactions.process_force / np.interp(height, self.height[::-1], self.force[::-1]))
 
     def columns(self) -> dict[str, Array | list[str]]:
-        """A row for each height from top to bottom dead centre, with all quantities."""
+        """A row for each height from top to bottom dead centre, with all quantities. Of a driver that slides they include driver_position
+        and travel_per_driver_travel."""
+        (position, unit), *_ = self.driver_coordinate.heads
+        travel = "travel_per_angle [m/rad]" if self.driver_coordinate.turns else "travel_per_driver_travel [m/m]"
         return {
             "height [m]": self.height,
-            "crank_angle [rad]": self.crank_angle,
-            "travel_per_angle [m/rad]": self.travel_per_angle,
+            f"{position} [{unit}]": self.crank_angle,
+            travel: self.travel_per_angle,
             "slide_velocity [m/s]": self.slide_velocity,
             "force [N]": self.force,
             "limited_by": list(self.limited_by),
@@ -166,36 +182,41 @@ def rate(
     stands for the torque C = F_N |ds/dtheta| at h_N. The working stroke goes downwards, against the slide's direction.
     Friction is left out, because with it forces are not affine in the process force.
 
+    Of a driver that slides, C is its force capacity and theta its position. It moves harmonically, as in `cycle`. Capacities of energy and
+    of speed, and the dwell, are those of a crank; they are refused.
+
     Args:
-        press: a press with one driver, and a slide with one top and one bottom dead centre.
-        speed: speed of the driver joint in operation, negative backwards [rad/s].
+        press: a press with one driver, and a slide with one top and one bottom dead centre; where the driver slides, these are the ends of
+            its travel.
+        speed: speed of the driver joint in operation, negative backwards [rad/s]; of a driver that slides its highest one, in the middle of
+            its travel, where the sign has no say [m/s].
         capacities: capacities of its parts.
         at_speed: whether torque and bearings also carry weights and inertia forces at this speed, as in operation. By default they carry
             the process force alone, as catalogues print ratings. A nominal height stands for one torque capacity in both cases, so that at
             speed the force at this height differs from the nominal one.
-        points: number of crank angles in equal steps from top to bottom dead centre, at least 3. The nominal height and the heights at
-            which the governing limit changes are added.
+        points: number of crank angles, or positions of a driver that slides, in equal steps from top to bottom dead centre, at least 3. The
+            nominal height and the heights at which the governing limit changes are added.
         contact_height: height above bottom dead centre at which the tool meets the work [m]; by default the nominal height.
         dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; by default a hundredth of the stroke.
         engine: as in `cycle`.
 
     Raises:
         PinpressError: the press has several drivers or a slide that turns back more than twice in a stroke, a height is not within the
-            stroke, another argument is not as described, or the idle press exceeds a capacity, by its weight alone or (with ``at_speed``)
-            at its speed. The message names the capacity, the crank angle and the speed.
+            stroke, a capacity is none of a driver that slides, another argument is not as described, or the idle press exceeds a capacity,
+            by its weight alone or (with ``at_speed``) at its speed. The message names the capacity, the crank angle and the speed.
         UnknownNameError: the press has no such bearing.
         SingularityError: the linkage locks within the period.
     """
     known_bearings(capacities, press)
-    speed, points = _speed(speed), whole_number("points", points, 3, MOST_POINTS)
-    truth_value("at_speed", at_speed)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
-    press.refuse_sliding_driver(
-        "ratings are those of a crank; the drive's force at the slide is driving force x driver speed / slide speed"
-    )
+    turning = press.driver_coordinates[0].turns
+    speed, points = _speed(speed, turning), whole_number("points", points, 3, MOST_POINTS)
+    truth_value("at_speed", at_speed)
+    if not turning:
+        _refuse_what_turns(press, capacities, dwell_tolerance)
     period = cycle(press, speed, engine=engine)
-    quick_return = measures.quick_return_ratio(period)  # refuses a slide with several working strokes
+    quick_return = measures.quick_return_ratio(period) if turning else None  # refuses a slide with several working strokes
     rated = rated_stroke(press, capacities, speed, bool(at_speed), engine)
     if at_speed:
         refuse_overloaded_idle(rated)
@@ -206,7 +227,7 @@ def _ratings(
     rated: RatedStroke,
     found: GoverningLimits,
     period: Motion,
-    quick_return: float,
+    quick_return: float | None,
     contact_height: float | None,
     dwell_tolerance: float | None,
 ) -> PressRatings:
@@ -216,57 +237,86 @@ def _ratings(
         rated: the working stroke.
         found: its limits.
         period: motion of the press over a period at its speed.
-        quick_return: quick return ratio of this motion.
+        quick_return: quick return ratio of this motion; None where the driver slides.
         contact_height: as of `rate`.
         dwell_tolerance: as of `rate`.
     """
-    press, capacities, speed = rated.press, rated.capacities, rated.speed
+    press, capacities, speed, turning = rated.press, rated.capacities, rated.speed, rated.coordinate.turns
     motion = rated.motion(found.angle)
     height = rated.height(motion)
-    contact = capacities.nominal_height if contact_height is None else contact_height
-    tolerance = DWELL * measures.stroke(period) if dwell_tolerance is None else positive("dwell_tolerance", dwell_tolerance, "m")
+    stroke = measures.stroke(period) if turning else dead_centres(press).stroke
+    contact = capacities.nominal_height if contact_height is None else positive("contact_height", contact_height, "m")
+    tolerance = None
+    if turning:
+        tolerance = DWELL * stroke if dwell_tolerance is None else positive("dwell_tolerance", dwell_tolerance, "m")
+    contact_speed, advantage = (None, None) if contact is None else _at_contact(rated, period, contact)
     return PressRatings(
         press_name=press.name,
         capacities=capacities,
+        driver_coordinate=rated.coordinate,
         speed=speed,
         at_speed=rated.at_speed,
         torque_capacity=rated.torque,
         crank_angle=found.angle,
         height=height,
         travel_per_angle=motion.slide_velocity / speed,
-        slide_velocity=motion.slide_velocity,
+        slide_velocity=rated.in_operation(motion).slide_velocity,
         force=np.min(list(found.forces.values()), axis=0),
         limits=found.forces,
         limited_by=found.names,
         changes=tuple(float(height[k]) for k in found.changes),
         work=permitted_work(rated, found.angle),
         energies=dict(rated.energies),
-        stroke=measures.stroke(period),
+        stroke=stroke,
         quick_return_ratio=quick_return,
-        contact_height=None if contact is None else positive("contact_height", contact, "m"),
-        contact_speed=None if contact is None else measures.speed_at(period, contact),
-        contact_advantage=None if contact is None else measures.mechanical_advantage(period, contact),
+        contact_height=contact,
+        contact_speed=contact_speed,
+        contact_advantage=advantage,
         dwell_tolerance=tolerance,
-        dwell_time=measures.dwell_time(period, tolerance),
-        speed_limit=limiting_speed(press, capacities, rated.torque, math.copysign(1.0, speed), engine=rated.engine),
+        dwell_time=None if tolerance is None else measures.dwell_time(period, tolerance),
+        speed_limit=limiting_speed(press, capacities, rated.torque, math.copysign(1.0, speed), engine=rated.engine) if turning else None,
         turns=rated.turns,
     )
 
 
-def _speed(speed: float) -> float:
-    wanted = "one number that is not zero [rad/s], e.g. 70 * pinpress.RPM"
-    return float(suitable_numbers("speed", in_unit("speed", speed, "rad/s"), wanted, suits=lambda value: SLOWEST <= abs(value) <= FASTEST))
+def _at_contact(rated: RatedStroke, period: Motion, height: float) -> tuple[float, float]:
+    """Speed of the slide [m/s] and mechanical advantage at a height; arguments as of `_ratings`."""
+    if rated.coordinate.turns:
+        return measures.speed_at(period, height), measures.mechanical_advantage(period, height)
+    motion = rated.motion(np.array([angle_at(rated, "contact_height", height)]))
+    return abs(float(rated.in_operation(motion).slide_velocity[0])), abs(rated.speed / float(motion.slide_velocity[0]))
+
+
+def _refuse_what_turns(press: Linkage, capacities: Capacities, dwell_tolerance: float | None) -> None:
+    """Raise PinpressError where something is given that has a meaning for cranks alone; the driver of the press slides."""
+    given: dict[str, tuple[object, str]] = {
+        "flywheel_inertia and speed_drop": (capacities.flywheel_inertia, "give the force of the driver as torque [N]"),
+        "motor_power": (capacities.motor_power, "compare the power with the driving force x driver speed of inverse_dynamics"),
+        "slide_acceleration": (capacities.slide_acceleration, "compare it with slide_acceleration of cycle(press, speed)"),
+        "shaking_force": (capacities.shaking_force, "compare it with shaking_force of inverse_dynamics(press, cycle(press, speed))"),
+        "dwell_tolerance": (dwell_tolerance, "take the dwell from the motion that its control makes"),
+    }
+    for name, (value, instead) in given.items():
+        if value is not None:
+            press.refuse_sliding_driver(f"ratings take {name} of a crank alone; leave it out and {instead}")
+
+
+def _speed(speed: float, turning: bool) -> float:
+    unit, such = ("rad/s", "70 * pinpress.RPM") if turning else ("m/s", "0.1")
+    wanted = f"one number that is not zero [{unit}], e.g. {such}"
+    return float(suitable_numbers("speed", in_unit("speed", speed, unit), wanted, suits=lambda value: SLOWEST <= abs(value) <= FASTEST))
 
 
 def _data(ratings: PressRatings) -> list[tuple[str, str]]:
     """Names and values of the main data, as far as they are known."""
-    given, limit = ratings.capacities, ratings.speed_limit
+    given, limit, turning = ratings.capacities, ratings.speed_limit, ratings.driver_coordinate.turns
+    capacity, unit = ("torque", "N m") if turning else ("driving force", "N")
     rows: list[tuple[str, str | None]] = [
         ("nominal force", f"{given.nominal_force / 1e3:.6g} kN"),
         ("nominal height", None if given.nominal_height is None else f"{1e3 * given.nominal_height:.6g} mm above bottom dead centre"),
-        ("torque capacity", None if ratings.torque_capacity is None else f"{ratings.torque_capacity / 1e3:.6g} kN m"),
+        (f"{capacity} capacity", None if ratings.torque_capacity is None else f"{ratings.torque_capacity / 1e3:.6g} k{unit}"),
         ("stroke", f"{1e3 * ratings.stroke:.6g} mm"),
-        ("quick return ratio", f"{ratings.quick_return_ratio:.6g}"),
+        ("quick return ratio", None if ratings.quick_return_ratio is None else f"{ratings.quick_return_ratio:.6g}"),
         ("highest speed in the working stroke", f"{np.abs(ratings.slide_velocity).max():.6g} m/s"),
         (
             "speed at contact",
@@ -276,9 +326,16 @@ def _data(ratings: PressRatings) -> list[tuple[str, str]]:
         ),
         (
             "mechanical advantage there",
-            None if ratings.contact_advantage is None else f"{ratings.contact_advantage:.6g} N for each N m on the crank",
+            None
+            if ratings.contact_advantage is None
+            else f"{ratings.contact_advantage:.6g} N for each {unit} {'on the crank' if turning else 'of the driver'}",
         ),
-        ("dwell", f"{1e3 * ratings.dwell_time:.6g} ms within {1e3 * ratings.dwell_tolerance:.6g} mm of bottom dead centre"),
+        (
+            "dwell",
+            None
+            if ratings.dwell_time is None or ratings.dwell_tolerance is None
+            else f"{1e3 * ratings.dwell_time:.6g} ms within {1e3 * ratings.dwell_tolerance:.6g} mm of bottom dead centre",
+        ),
         *((name, f"{energy / 1e3:.6g} kJ a stroke") for name, energy in ratings.energies.items()),
         (
             "highest speed, idle",
@@ -298,11 +355,11 @@ def _shown(ratings: PressRatings) -> list[int]:
 
 
 def _row(ratings: PressRatings, k: int) -> list[str]:
-    angle = np.degrees(ratings.crank_angle[k]) % (360 * ratings.turns)
+    turning, position = ratings.driver_coordinate.turns, float(ratings.crank_angle[k])
     return [
         f"{1e3 * ratings.height[k]:14.3f}",
-        f"{angle:.2f}",
-        f"{1e3 * abs(ratings.travel_per_angle[k]):.4f}",
+        f"{np.degrees(position) % (360 * ratings.turns) if turning else 1e3 * position:.2f}",
+        f"{(1e3 if turning else 1.0) * abs(ratings.travel_per_angle[k]):.4f}",
         f"{ratings.force[k] / 1e3:.2f}",
         f"{ratings.work[k] / 1e3:.4f}",
         f"  {ratings.limited_by[k]}",

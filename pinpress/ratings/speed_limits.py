@@ -91,7 +91,7 @@ def speed_limit(
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
     press.refuse_sliding_driver(
-        "ratings are those of a crank; the drive's force at the slide is driving force x driver speed / slide speed"
+        "the highest constant speed is that of a crank; ratings.rate(press, speed, capacities, at_speed=True) says whether a speed may be"
     )
     if torque is not None:
         positive("torque", torque, "N m")

@@ -222,7 +222,7 @@ def _inputs(reactions: Reactions, before: Reactions | None, ratings: PressRating
     if ratings is not None:
         from ..ratings.permissible_force import capacities_in_words  # which most reports do without
 
-        given[0][1].extend(capacities_in_words(ratings.capacities))
+        given[0][1].extend(capacities_in_words(ratings.capacities, ratings.driver_coordinate))
     if before is not None:
         given.append(("Inputs of the dashed curves", [*inputs_of(before)]))
     return [{"title": title, "rows": [list(row) for row in rows]} for title, rows in given]

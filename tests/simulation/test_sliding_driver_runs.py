@@ -101,8 +101,8 @@ def test_what_belongs_to_cranks_is_refused_by_name(toggle, bell):
     slides = "driver 'screw' of screw_toggle slides to and fro: "
     with pytest.raises(pp.PinpressError, match=f"{slides}it has no steady state"):
         pp.steady_state(toggle, 0.1, drive=ConstantTorque(1.0))
-    with pytest.raises(pp.PinpressError, match=f"{slides}ratings are those of a crank"):
-        pp.ratings.rate(toggle, 0.1, pp.ratings.Capacities(1e6, nominal_height=0.01))
+    with pytest.raises(pp.PinpressError, match=f"{slides}the highest constant speed is that of a crank"):
+        pp.ratings.speed_limit(toggle, pp.ratings.Capacities(1e6, torque=1e5))
     with pytest.raises(pp.PinpressError, match=f"{slides}operating points are those of a crank"):
         pp.sweeps.operating_points(toggle, [0.1])
     with pytest.raises(pp.PinpressError, match=f"{slides}flywheels and their energy are those of a crank"):
