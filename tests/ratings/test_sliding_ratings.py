@@ -11,6 +11,7 @@ from support.sliding_presses import NUT, TOGGLE, UPPER
 import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.loads.process import ConstantForce
+from pinpress.pin_table.templates import template
 from pinpress.ratings.permissible_force import Capacities
 from pinpress.ratings.rating import rate
 
@@ -92,6 +93,8 @@ def test_at_speed_the_permissible_force_uses_up_the_driver(toggle, way):
     travel = found.crank_angle
     governs = np.array(found.limited_by) == "driving force"
     assert governs.sum() > 5
+    assert found.speed == 0.8
+    assert np.all(found.slide_velocity[1:-1] < 0)
     speed, acceleration = harmonic(travel, 0.8)
     for k in np.flatnonzero(governs):
         motion = pp.servo_cycle(toggle, travel[k : k + 1], speed=speed[k : k + 1], acceleration=acceleration[k : k + 1])
@@ -118,6 +121,15 @@ def test_limits_that_are_equal_at_every_height_do_not_take_turns(ram, given):
     found = rate(ram, 0.1, Capacities(4e5, **given), points=31)
     assert set(found.limited_by) == {"nominal force"}
     assert found.changes == ()
+
+
+def test_limits_that_differ_by_rounding_do_not_take_turns(tmp_path):
+    """All pins of a cylinder between two of them bear its force."""
+    (tmp_path / "toggle.yaml").write_bytes(template("toggle"))
+    bearings = dict.fromkeys(("cylinder", "G", "K_piston"), 3e5)
+    found = rate(pp.build(tmp_path / "toggle.yaml"), 0.05, Capacities(1e6, torque=3e5, bearings=bearings), points=31)
+    assert set(found.limited_by) == {"driving force", "nominal force"}
+    assert len(found.changes) == 1
 
 
 def test_the_use_of_what_is_permissible(toggle):
