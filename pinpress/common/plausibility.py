@@ -61,7 +61,7 @@ def forces(load: str, largest: float, weight: float) -> None:
     """Warn of a process load that is small beside the ``weight`` of the slide [N]: its ``largest`` force may be in kN."""
     if 0.0 < largest < min(WEAK, FEEBLE * weight):
         share = f"{100 * largest / weight:.2g} % of the weight of the slide"
-        caution(f"{load}: its largest force is {largest:g} N, {share}: if kN are meant, write {largest:g}e3")
+        caution(f"{load}: its largest force is {largest:g} N, {share}: if kN are meant, write {1e3 * largest:g}")
 
 
 def point(name: str, position: Array, size: float) -> None:

@@ -28,7 +28,7 @@ from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of
 from .links import Link, read_links
 from .placement import UNITS, Pin, UnreachableError, place_pins
-from .reading import Entry, given_table, overlaid, read_table
+from .reading import DEEPEST, Entry, given_table, overlaid, read_table
 from .sketch import sketch_of_failure, sketch_of_parts
 from .tree import Tree, build_tree
 from .urdf_text import REACH, urdf_text
@@ -282,13 +282,15 @@ def _with_parameters(table: Entry, values: Mapping[str, Any]) -> Entry:
     return overlaid(table, Entry({"parameters": given["parameters"]}, table.file, table.line, ()))
 
 
-def _without_units(value: Any, length: float) -> Any:
+def _without_units(value: Any, length: float, depth: int = 0) -> Any:
     """Values with the quantities of pint among them as numbers of a table: lengths in its unit [m], angles in degrees, masses, moments of
-    inertia and densities in SI units."""
+    inertia and densities in SI units. Below the deepest level of a table, as in a list that holds itself, all stays as it is."""
+    if isinstance(value, Mapping | list | tuple) and depth > DEEPEST:
+        return value
     if isinstance(value, Mapping):
-        return {key: _without_units(each, length) for key, each in value.items()}
+        return {key: _without_units(each, length, depth + 1) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        return [_without_units(each, length) for each in value]
+        return [_without_units(each, length, depth + 1) for each in value]
     if not is_quantity(value):
         return value
     for unit, one in (("m", length), ("kg", 1.0), ("kg m2", 1.0), ("kg/m3", 1.0), ("rad", np.pi / 180)):

@@ -21,6 +21,7 @@ from ..common.files import path_of, read, reason
 
 LARGEST_FILE = 1 << 20  # [bytes]
 MOST_ENTRIES = 20_000  # aliases of YAML may multiply them
+DEEPEST = 12  # most levels of mappings and lists in each other
 MOST_BASES = 20
 USUAL_WORDS = {  # what else keys are called, in lower case
     "radius": "length",
@@ -218,9 +219,13 @@ class _Composer:
     def entry(self, node: yaml.Node, path: tuple[str, ...]) -> Entry:
         line = node.start_mark.line + 1
         self.count += 1
-        if self.count > MOST_ENTRIES or len(path) > 12:
+        if self.count > MOST_ENTRIES or len(path) > DEEPEST:
             raise PinTableError(
-                self.file, line, ": ".join(path[:12]), "the table is too large", f"write at most {MOST_ENTRIES} entries, 12 deep"
+                self.file,
+                line,
+                ": ".join(path[:DEEPEST]),
+                "the table is too large",
+                f"write at most {MOST_ENTRIES} entries, {DEEPEST} deep",
             )
         if isinstance(node, yaml.MappingNode):
             return Entry(self._mapping(node, path), self.file, line, path)
@@ -244,7 +249,7 @@ class _Composer:
 
 
 def _given(value: Any, file: str, path: tuple[str, ...]) -> Entry:
-    if len(path) > 12:
+    if len(path) > DEEPEST:
         raise PinTableError(file, None, ": ".join(path), "the table is too deep", "write it as in the manual")
     if isinstance(value, Mapping):
         return Entry({str(key): _given(each, file, (*path, str(key))) for key, each in value.items()}, file, None, path)

@@ -175,12 +175,6 @@ def test_site_has_every_public_name_with_its_signature_and_docstring(site: Path)
             assert set(inspect.signature(thing).parameters) <= set(words.split()), f"{name}: its signature"
 
 
-@pytest.mark.exhaustive
-def test_reference_keeps_names_that_share_a_description_together(site: Path) -> None:
-    page = unescape((site / "reference" / "pp.html").read_text(encoding="utf-8")).replace("\u00a0", " ")
-    assert ">path, driver, slide, allow_open<" in page
-
-
 def _words(passage: str) -> str:
     return " ".join(re.findall(r"\w+", passage))
 

@@ -375,6 +375,7 @@ def test_edges_close_together(press, method, beside):
     same(run(press, 1.2, **BOTH_WAYS, loads=several, method=method), one, CLOSE + 10 * beside)
 
 
+@pytest.mark.filterwarnings("ignore:.*largest force is:pinpress.PinpressWarning")  # extremes
 @pytest.mark.parametrize("force", [1e-6, 1e3, 1e6, 1e9])
 @pytest.mark.parametrize("speed", [10.0, -10.0])
 def test_a_pile_of_any_force(press, method, force, speed):
@@ -971,6 +972,7 @@ def scene(seed):
     return name, dict(duration=8 / abs(speed), loads=chosen, brake=brake, clutch=clutch, **start)
 
 
+@pytest.mark.filterwarnings("ignore:.*largest force is:pinpress.PinpressWarning")  # extremes
 @pytest.mark.parametrize("seed", range(8))
 def test_both_methods_agree(seed):
     """On the motion, or on the error, its time and its place."""

@@ -30,7 +30,7 @@ from pinpress.balancing import classical
 from pinpress.common.results import Records
 from pinpress.kinematics import measures
 
-SECONDS = 30.0  # that a call may take, on a machine with much else to do; most take milliseconds
+SECONDS = 60.0  # that a call may take, on a machine with much else to do; most take milliseconds
 FOLDER = Path("/nowhere")  # nothing is written
 
 
