@@ -197,20 +197,20 @@ def _condition_words(condition: OperatingCondition) -> str:
 def _counterweight_lines(balanced: BalancedPress) -> list[str]:
     weights, most = balanced.counterweights, balanced.limits.get(MASS)
     width = max(26, *(len(weight.link) + 2 for weight in weights)) if weights else 26
-    heads = ("mass [kg]", "x [m]", "y [m]", "z [m]", "inertia [kg m2]")
+    heads = ("mass [kg]", "x [mm]", "y [mm]", "z [mm]", "inertia [kg m2]")
     limited = "" if most is None else f", at most {most:g} kg"
-    least = ROUNDING * balanced.original.size
-    places = [[0.0 if abs(part) < least else float(part) for part in weight.position] for weight in weights]
+    lengths, moving = tables.scale("m", [], ROUNDING * balanced.original.size), moving_mass(balanced.original)
+    masses = tables.scale("kg", [moving])
     rows = [
-        [weight.link, *(tables.cell(value) for value in (weight.mass, *place, weight.inertia))]
-        for weight, place in zip(weights, places, strict=True)
+        [weight.link, tables.cell(weight.mass), *map(lengths.shown, map(float, weight.position)), tables.cell(weight.inertia)]
+        for weight in weights
     ]
     *lines, added = tables.table([["", *heads], *rows, ["added mass", tables.cell(balanced.added_mass)]], [width, 16])
     return [
         "",
         "Counterweights (centre of mass in the link's own frame; where one replaces the link's own mass, it is all of that mass)",
         *lines,
-        f"{added} kg, beside {moving_mass(balanced.original):.6g} kg of moving mass{limited}",
+        f"{added} kg, beside {masses.shown(moving)} {masses.unit} of moving mass{limited}",
     ]
 
 
@@ -226,13 +226,14 @@ def _objective_lines(balanced: BalancedPress) -> list[str]:
         )
         before = sum(weight for target, weight in terms.items() if isinstance(target, Criterion))
     gap = balanced.value - balanced.bound
+    scale = tables.scale(unit, [before, balanced.value])
     return [
         "",
         f"Objective: {what}",
-        tables.entry("before", f"{before:.6g}", unit),
-        tables.entry("reached", f"{balanced.value:.6g}", unit),
-        tables.entry("proven bound", f"{balanced.bound:.6g}", unit, "no counterweights in these regions have less"),
-        tables.entry("gap", "0" if abs(gap) < ROUNDING * (abs(before) or abs(balanced.value)) else f"{gap:.3g}", unit),
+        tables.entry("before", scale.shown(before), scale.unit),
+        tables.entry("reached", scale.shown(balanced.value), scale.unit),
+        tables.entry("proven bound", scale.shown(balanced.bound), scale.unit, "no counterweights in these regions have less"),
+        tables.entry("gap", "0" if abs(gap) < ROUNDING * (abs(before) or abs(balanced.value)) else f"{gap * scale.factor:.3g}", scale.unit),
     ]
 
 
@@ -256,13 +257,15 @@ def _cells(balanced: BalancedPress, rows: Sequence[CriterionChange]) -> Iterator
     """For each criterion its name with unit, operating condition where there are several, values before and after, change and limit."""
     for row in rows:
         limit = balanced.limits.get(row.criterion)
+        same = [value for each in rows if each.criterion == row.criterion for value in (each.before, each.after)]
+        scale = tables.scale(row.criterion.unit, same)
         yield [
-            f"{row.criterion.words} [{row.criterion.unit}]",
+            f"{row.criterion.words} [{scale.unit}]",
             f"{row.condition}" if len(balanced.conditions) > 1 else "",
-            f"{row.before:.6g}",
-            f"{row.after:.6g}",
+            scale.shown(row.before),
+            scale.shown(row.after),
             "" if math.isnan(row.change) else f"{round(100 * row.change, 2) + 0.0:+.2f} %",
-            "" if limit is None else f"{limit:g}",
+            "" if limit is None else scale.shown(limit),
         ]
 
 

@@ -8,6 +8,7 @@ import io
 import itertools
 import math
 import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
@@ -34,6 +35,9 @@ _NAME, _NUMBER, _UNIT = 26, 12, 7  # widths of the columns of an `entry`
 _DIGITS = 5  # of the largest number of a `Scale`
 _ROUNDING = 1e-9  # share of the largest number below which a number is rounding
 _PREFIXED = ("N", "N m", "W", "J", "Pa")
+
+# a 0 with a minus sign, as a word of its own; where there is room before it, the sign leaves its place empty
+_PADDED_MINUS, _MINUS = (re.compile(before + r"-(?=0(?:\.0*)?(?![\w.]))") for before in ("(?<=  )", r"(?<![^\s(\[])"))
 
 T = TypeVar("T")
 
@@ -153,11 +157,11 @@ def _ends(column: Column) -> list[str]:
     """Smallest and largest number of a column as cells, or how many different words it has."""
     if isinstance(column, np.ndarray) and column.dtype.kind == "f":
         column = np.ma.compressed(column)
-        return [f"{column.min():.6g}", f"{column.max():.6g}"] if len(column) else []
+        return [cell(float(column.min())), cell(float(column.max()))] if len(column) else []
     values = [value for value in _values(column) if value is not None]
     numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
     if numbers and len(numbers) == len(values):
-        return [f"{min(numbers):.6g}", f"{max(numbers):.6g}"]
+        return [cell(float(min(numbers))), cell(float(max(numbers)))]
     return [f"{len(set(values))} different"]
 
 
@@ -222,7 +226,9 @@ def table(rows: Iterable[Sequence[str]], widths: Sequence[int], indent: str = " 
         widths: letters of every column; a longer cell moves those after it. The last one counts for all columns that follow.
         indent: what each line begins with.
     """
-    return [indent + "".join(_padded(k, cell, widths[min(k, len(widths) - 1)]) for k, cell in enumerate(row)) for row in rows]
+    return [
+        indent + "".join(_padded(k, cell, widths[min(k, len(widths) - 1)]) for k, cell in enumerate(_without_minus(row))) for row in rows
+    ]
 
 
 def fitted(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
@@ -233,12 +239,14 @@ def fitted(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
 
 def fitted_words(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
     """Lines of a table of words: all columns flush left and as wide as their longest cell, three letters apart."""
+    rows = [_without_minus(row) for row in rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [(indent + "   ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))).rstrip() for row in rows]
 
 
 def entry(name: str, number: str, unit: str = "", remark: str = "") -> str:
     """A line with one number, its unit and a remark. All such lines have the same columns."""
+    _, number, remark = _without_minus([name, number, remark])
     return f"  {name:{_NAME}}{number:>{_NUMBER}} {unit:{_UNIT}}{remark}".rstrip()
 
 
@@ -262,9 +270,7 @@ class Scale(NamedTuple):
         rounded = round(value * self.factor, self.decimals)
         if abs(value) <= self.least or not rounded:
             return "0"
-        number = f"{rounded:,.{self.decimals}f}"
-        whole = number.partition(".")[0]
-        return number.replace(",", " " if len(whole.strip("-")) > len("1,000") else "")
+        return _grouped(rounded, f".{self.decimals}f")
 
 
 def scale(unit: str, values: Iterable[float], least: float = 0.0) -> Scale:
@@ -297,10 +303,21 @@ def shortened(items: Sequence[T], most: int) -> list[T | None]:
 
 
 def cell(value: object) -> str:
-    """A value as a cell: six digits of a number, words in one line, nothing for None."""
+    """A value as a cell: six digits of a number, thousands apart as in `Scale.shown`, words in one line, nothing for None."""
     if value is None:
         return ""
-    return f"{value:.6g}" if isinstance(value, float) else " ".join(str(value).splitlines())
+    return _grouped(value, ".6g") if isinstance(value, float) else " ".join(str(value).splitlines())
+
+
+def _grouped(value: float, digits: str) -> str:
+    """A number with a space between thousands where it has more than four digits before the point."""
+    number = f"{value:,{digits}}"
+    return number.replace(",", " " if len(number.partition(".")[0].strip("-")) > len("1,000") else "")
+
+
+def _without_minus(row: Sequence[str]) -> list[str]:
+    """The cells of a line, those behind its name without the minus sign of a 0."""
+    return [*row[:1], *(_MINUS.sub("", _PADDED_MINUS.sub(" ", cell)) for cell in row[1:])]
 
 
 def _padded(column: int, cell: str, width: int) -> str:

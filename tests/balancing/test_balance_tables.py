@@ -14,7 +14,7 @@ from pinpress.common.tables import write_csv
 
 X, Z, TORQUE = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z"), pp.balancing.Rms("driving_torque")
 MOST_ON_ROCKER, MOST_X, MOST_ADDED = 250.0, 1000.0, 600.0
-DIGITS = 1e-5  # the text has six digits, prices three
+DIGITS = 6e-5  # the text has five digits, prices three
 ARMS = """<robot name="arms"><link name="base"/><link name="one"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"
 ixy="0" ixz="0" iyz="0"/></inertial></link><link name="two"><inertial><origin xyz="0.3 0 0"/><mass value="1"/><inertia ixx="1" iyy="1"
 izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="J" type="continuous"><parent link="base"/><child link="one"/>
@@ -62,6 +62,12 @@ def row(text: str, name: str) -> list[str]:
     return rest.split()
 
 
+def values(text: str, criterion: str) -> list[tuple[float, list[str]]]:
+    """For each condition the SI units in one unit of a criterion, and the cells behind its name."""
+    found = re.findall(rf"^  {re.escape(criterion)} \[(k?)N(?: m)?\] +(.*)$", text, flags=re.MULTILINE)
+    return [(1e3 if kilo else 1.0, rest.split()) for kilo, rest in found]
+
+
 def section(text: str, title: str) -> str:
     return next(part for part in text.split("\n\n") if part.startswith(title))
 
@@ -70,19 +76,20 @@ def test_the_text_says_what_the_balance_has() -> None:
     balance, text = pressed(), str(pressed())
     assert text.startswith("zxn2_3000b, balanced: 70 r/min of joint A, 90 states\n")
     for weight in balance.counterweights:
-        numbers = [float(cell) for cell in row(text, weight.link)]
-        np.testing.assert_allclose(numbers, [weight.mass, *weight.position, weight.inertia], rtol=DIGITS)
+        mass, *place, inertia = (float(cell) for cell in row(text, weight.link))
+        assert (mass, inertia) == pytest.approx((weight.mass, weight.inertia), rel=DIGITS)
+        np.testing.assert_allclose(place, 1e3 * np.asarray(weight.position), atol=5.01e-4)  # mm with three decimals
     assert float(row(text, "added mass")[0]) == pytest.approx(balance.added_mass, rel=DIGITS)
-    assert "kg of moving mass, at most 600 kg" in text
+    assert "t of moving mass, at most 600 kg" in text
     objective = section(text, "Objective: range of the shaking force, z")
     for name, number in (("before", balance.changes[0].before), ("reached", balance.value), ("proven bound", balance.bound)):
-        assert row(objective, name)[:2] == [f"{number:.6g}", "N"]
+        assert row(objective, name)[:2] == [f"{number / 1e3:.2f}", "kN"]
     for found in (*balance.changes, *balance.side_effects):
-        before, after, change, percent, *limit = row(text, f"{found.criterion.words} [{found.criterion.unit}]")
-        assert float(before) == pytest.approx(found.before, rel=DIGITS)
-        assert float(after) == pytest.approx(found.after, rel=DIGITS)
+        ((unit, (before, after, change, percent, *limit)),) = values(text, found.criterion.words)
+        assert unit * float(before) == pytest.approx(found.before, rel=DIGITS)
+        assert unit * float(after) == pytest.approx(found.after, rel=DIGITS, abs=1e-5 * found.before)
         assert (float(change), percent) == (pytest.approx(100 * found.change, abs=0.00501), "%")
-        assert limit == (["1000"] if found.criterion == X else [])
+        assert limit == (["1000.0"] if found.criterion == X else [])
 
 
 @pytest.mark.parametrize(
@@ -118,8 +125,8 @@ def test_the_shape_of_a_region_has_no_price() -> None:
 def test_a_weighted_objective_is_relative() -> None:
     balance, text = at_two_speeds(), str(at_two_speeds())
     objective = section(text, "Objective: 1 x range of the shaking force, z + 0.5 x rms of the driving torque; each relative to before")
-    assert row(objective, "before") == ["1.5"]
-    assert row(objective, "reached") == [f"{balance.value:.6g}"]
+    assert row(objective, "before") == ["1.5000"]
+    assert row(objective, "reached") == [f"{balance.value:.4f}"]
     worst = {
         criterion: max(change.after / change.before for change in balance.changes if change.criterion == criterion)
         for criterion in (Z, TORQUE)
@@ -131,10 +138,10 @@ def test_a_weighted_objective_is_relative() -> None:
 def test_operating_conditions_are_told_apart() -> None:
     text = str(at_two_speeds())
     assert "\n  condition 0: 70 r/min of joint A, 90 states\n  condition 1: 40 r/min of joint A, 90 states\n" in text
-    found = re.findall(r"^  range of the shaking force, z \[N\] +(\d) +(\S+)", text, flags=re.MULTILINE)
+    found = values(text, "range of the shaking force, z")
     expected = [np.ptp(reactions.shaking_force[:, 2]) for reactions in at_two_speeds().reactions_before]
-    assert [condition for condition, _ in found] == ["0", "1"]
-    np.testing.assert_allclose([float(before) for _, before in found], expected, rtol=DIGITS)
+    assert [condition for _, (condition, *_) in found] == ["0", "1"]
+    np.testing.assert_allclose([unit * float(before) for unit, (_, before, *_) in found], expected, rtol=DIGITS)
 
 
 def test_effects_are_those_of_the_counterweights_alone() -> None:
@@ -222,7 +229,7 @@ def test_the_least_mass_is_an_objective_too() -> None:
     )
     objective = section(str(balance), "Objective: added mass")
     assert row(objective, "before") == ["0", "kg"]
-    assert row(objective, "reached") == [f"{balance.added_mass:.6g}", "kg"]
+    assert row(objective, "reached") == [f"{balance.added_mass:.5g}", "kg"]
     assert re.search(r"4000 N +the objective falls by \S+ kg for each N relaxed", str(balance))
 
 

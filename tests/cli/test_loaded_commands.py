@@ -194,12 +194,12 @@ def test_balancing_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
     force = []
     for spring in ([], ["--spring", SPRING]):
         assert main([*words, "--points", "36", *spring]) == 0
-        (before,) = re.findall(r"^  before +(\S+) N$", capsys.readouterr().out, flags=re.MULTILINE)
-        force.append(float(before))
+        ((before, kilo),) = re.findall(r"^  before +(\S+) (k?)N$", capsys.readouterr().out, flags=re.MULTILINE)
+        force.append(float(before) * (1e3 if kilo else 1.0))
     press, motion = shipped("crank_slide", 36)
     for found, loads in zip(force, ([], [CYLINDER]), strict=True):
         expected = np.linalg.norm(pp.inverse_dynamics(press, motion, loads).bearing_force["O"], axis=1).max()
-        assert found == pytest.approx(expected, rel=1e-5)
+        assert found == pytest.approx(expected, rel=6e-5)
 
 
 def test_simulation_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:

@@ -160,3 +160,18 @@ def test_states_without_time_or_slide_have_no_such_columns():
 def test_numbers_of_a_scale(unit, values, printed, shown):
     scale = tables.scale(unit, values)
     assert (scale.unit, [scale.shown(value) for value in values]) == (printed, shown)
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [(10326.94, "10 326.9"), (-123456.0, "-123 456"), (1234.5, "1234.5"), (-0.25, "-0.25"), (1e6, "1e+06"), (12345, "12345"), (None, "")],
+)
+def test_thousands_stand_apart_in_cells(value, shown):
+    assert tables.cell(value) == shown
+
+
+def test_no_zero_has_a_minus_sign():
+    line = tables.entry("-0.0", "-0.000", "mm", "at   -0.000 mm, from -0 to (-0.0), -0.5, -0.001 mm, e-0 and -0e3")
+    assert line == f"  -0.0{'0.000':>34} mm     at    0.000 mm, from 0 to (0.0), -0.5, -0.001 mm, e-0 and -0e3"
+    assert tables.table([["-0", "-0.0", "-0.1"]], [3, 6]) == ["  -0    0.0  -0.1"]
+    assert tables.fitted_words([["-0", "-0 %", "x-0"]]) == ["  -0   0 %   x-0"]
