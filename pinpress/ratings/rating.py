@@ -298,7 +298,7 @@ def _refuse_what_turns(press: Linkage, capacities: Capacities, dwell_tolerance: 
     }
     for name, (value, instead) in given.items():
         if value is not None:
-            press.refuse_sliding_driver(f"ratings take {name} of a crank alone; leave it out and {instead}")
+            press.refuse_sliding_driver(f"ratings take {name} of a crank alone; instead, {instead}")
 
 
 def _speed(speed: float, turning: bool) -> float:

@@ -149,7 +149,7 @@ def test_the_use_of_what_is_permissible(toggle):
             {},
             "slides to and fro: ratings take flywheel_inertia and speed_drop of a crank alone",
         ),
-        ({"motor_power": 1e3}, {}, "motor_power of a crank alone; leave it out and compare the power"),
+        ({"motor_power": 1e3}, {}, "motor_power of a crank alone; instead, compare the power"),
         ({"slide_acceleration": 1.0}, {}, "slide_acceleration of a crank alone"),
         ({"shaking_force": 1.0}, {}, "shaking_force of a crank alone"),
         ({}, {"dwell_tolerance": 1e-3}, "dwell_tolerance of a crank alone"),
