@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import number, numbers
 from ..common.errors import PinpressError, caution
@@ -367,7 +367,7 @@ def _times(angles: Array, speeds: Array) -> Array | None:
     """
     with np.errstate(all="ignore"):
         steps = 2 * np.diff(angles) / (speeds[1:] + speeds[:-1])
-        if not np.all(np.isfinite(steps) & (steps > 0)):
+        if not np.all(_take_time(steps)):
             return None
         if len(angles) < FEWEST or np.all(speeds == speeds[0]):
             return np.concatenate([[0.0], np.cumsum(steps)])
@@ -378,10 +378,17 @@ def _times(angles: Array, speeds: Array) -> Array | None:
             if not np.all((factors > 0.1) & (factors < 10.0)):
                 return None
             steps = steps * factors
+            if not np.all(_take_time(steps)):
+                return None
             if np.abs(factors - 1).max() < SETTLED:
                 break
     settled = np.abs(factors - 1).max() < 1e3 * SETTLED and np.abs(steps / trapezoids - 1).max() < UNSURE
     return np.concatenate([[0.0], np.cumsum(steps)]) if settled else None
+
+
+def _take_time(steps: Array) -> NDArray[np.bool_]:
+    """Which steps of time (n,) are positive and count in their sum, where a rounding error vanishes."""
+    return np.asarray(np.isfinite(steps) & (np.diff(np.cumsum(np.concatenate([[0.0], steps]))) > 0))
 
 
 def _no_time(drivers: Drivers, angles: Array, speeds: Array) -> str:
@@ -389,9 +396,9 @@ def _no_time(drivers: Drivers, angles: Array, speeds: Array) -> str:
     angle, speed = (values if values.ndim == 1 else values[:, 0] for values in (angles, speeds))
     with np.errstate(all="ignore"):
         steps = 2 * np.diff(angle) / (speed[1:] + speed[:-1])
+        wrong = np.flatnonzero(~_take_time(steps))
     remedy = "give time=..., or acceleration=..., of which 0.0 leaves it out"
     first, rate = drivers.coordinates[0], drivers.units[1]
-    wrong = np.flatnonzero(~(np.isfinite(steps) & (steps > 0)))
     if not len(wrong):
         k = int(np.abs(speed).argmin())
         return (

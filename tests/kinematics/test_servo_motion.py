@@ -244,6 +244,7 @@ def test_standstill_in_an_instant_is_no_obstacle(press, time, angle, speed, acce
     [
         pytest.param([0.0, 0.1, 0.3, 0.3, 0.4, 0.8, 1.3], [1.0, 2.0, 0.0, 0.0, 1.0, 3.0, 4.0], "from state 2 to 3", id="dwell"),
         pytest.param(np.linspace(0, 1, 9), -np.linspace(1, 2, 9), "from state 0 to 1 .* no definite time", id="against the speed"),
+        pytest.param([-0.4, -0.3, -0.2, -0.1, 0.0, 5e-324, 0.1, 0.2], np.linspace(1, 2, 8), "from state 4 to 5 .* no definite", id="twice"),
         pytest.param([0.3, 0.1, 0.7, 0.2, 0.8, 0.1, 0.0], [1.0, 2.0, 3.0, 1.0, 2.0, 3.0, 1.0], "from state 0 to 1", id="no succession"),
         pytest.param(np.linspace(0, 1, 40) ** 3, 3 * np.linspace(0, 1, 40) ** 2, "state 0, at 0 deg, has a speed of 0", id="soft start"),
         pytest.param(np.linspace(0, 1, 9), [1, 1, 1, 1, 9, 1, 1, 1, 1], "do(es)? not", id="a peak"),
