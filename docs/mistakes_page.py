@@ -9,15 +9,12 @@ import difflib
 import re
 import sys
 import tempfile
-import warnings
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
 sys.path.insert(0, str(DOCS.parent))
 sys.path.insert(0, str(DOCS.parent / "tests"))
 from support import mistakes  # noqa: E402
-
-import pinpress as pp  # noqa: E402
 
 PAGE = """\
 # Everyday mistakes
@@ -45,15 +42,15 @@ def page() -> str:
     with tempfile.TemporaryDirectory() as folder:
         table, urdf = Path(folder) / "press.yaml", Path(folder) / "press.urdf"
         in_tables = [
-            (name, mistakes.TABLE, made, _said_to_table(table, made))
-            for name, each in mistakes.IN_TABLES.items()
-            for made in [mistakes.table_with(each)]
+            (name, mistakes.TABLE, made, mistakes.said_to_table(table, made))
+            for name, mistake in mistakes.IN_TABLES.items()
+            for made in [mistakes.table_with(mistake)]
         ]
-        in_urdfs = []
-        for name, mistake in mistakes.IN_URDFS.items():
-            made = mistakes.with_mistake(mistakes.URDF, mistake.edits)
-            urdf.write_text(made, encoding="utf-8")
-            in_urdfs.append((name, mistakes.URDF, made, mistakes.said_to(str(urdf))))
+        in_urdfs = [
+            (name, mistakes.URDF, made, mistakes.said_to_urdf(urdf, made))
+            for name, mistake in mistakes.IN_URDFS.items()
+            for made in [mistakes.with_mistake(mistakes.URDF, mistake.edits)]
+        ]
         rows = [
             "\n".join(
                 [HEAD, *(_row(name, right, wrong, [line.replace(f"{folder}/", "") for line in said]) for name, right, wrong, said in part)]
@@ -66,17 +63,6 @@ def page() -> str:
 
 
 HEAD = "| mistake | written | what is said |\n| --- | --- | --- |"
-
-
-def _said_to_table(path: Path, text: str) -> list[str]:
-    path.write_text(text, encoding="utf-8")
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        try:
-            pp.build(path)
-        except pp.PinpressError as error:
-            return [f"error: {error}"]
-    return [f"warning: {warning.message}" for warning in caught]
 
 
 def _row(name: str, right: str, wrong: str, said: list[str]) -> str:

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from support import sliding_presses
+from support import sliding_presses, texts
 from support.sliding_presses import ARM, BELL, LOWER, NUT, RETRACTED, TOGGLE, UPPER, G, lever_angle, potential
 
 import pinpress as pp
@@ -12,17 +12,13 @@ from pinpress.common.quantities import RAM
 
 
 @pytest.fixture(scope="module")
-def bell(tmp_path_factory):
-    path = tmp_path_factory.mktemp("bell") / "bell.urdf"
-    path.write_text(BELL)
-    return pp.load(path)
+def bell():
+    return texts.load(BELL)
 
 
 @pytest.fixture(scope="module")
-def toggle(tmp_path_factory):
-    path = tmp_path_factory.mktemp("toggle") / "toggle.urdf"
-    path.write_text(TOGGLE)
-    return pp.load(path)
+def toggle():
+    return texts.load(TOGGLE)
 
 
 def test_a_cylinder_turns_a_bell_crank_by_the_law_of_cosines(bell):

@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from support import sliding_presses
+from support import sliding_presses, texts
 from support.sliding_presses import NUT, TOGGLE, UPPER
 
 import pinpress as pp
@@ -24,22 +24,13 @@ RAM = """<robot name="ram"><link name="frame"/>
 
 
 @pytest.fixture(scope="module")
-def toggle_file(tmp_path_factory):
-    path = tmp_path_factory.mktemp("toggle") / "toggle.urdf"
-    path.write_text(TOGGLE)
-    return path
+def toggle():
+    return texts.load(TOGGLE)
 
 
 @pytest.fixture(scope="module")
-def toggle(toggle_file):
-    return pp.load(toggle_file)
-
-
-@pytest.fixture(scope="module")
-def ram(tmp_path_factory):
-    path = tmp_path_factory.mktemp("ram") / "ram.urdf"
-    path.write_text(RAM)
-    return pp.load(path)
+def ram():
+    return texts.load(RAM)
 
 
 def slope(travel):
@@ -178,8 +169,8 @@ def test_a_slide_that_turns_back_within_the_travel_has_no_one_working_stroke(tmp
     assert rate(pp.load(path), 0.1, Capacities(1e5, torque=1e4), points=5).force[-1] == 1e5  # straight: the screw is not loaded
 
 
-def test_the_command_prints_forces_and_millimetres(toggle_file, tmp_path, capsys):
-    words = ["ratings", str(toggle_file), "--speed", "100mm/s", "--nominal-force", "400kN"]
+def test_the_command_prints_forces_and_millimetres(toggle, tmp_path, capsys):
+    words = ["ratings", toggle.document.file, "--speed", "100mm/s", "--nominal-force", "400kN"]
     assert main([*words, "--torque", "100kN", "--load", "drawing:force=50kN,start=40mm", "--points", "9", "--out", str(tmp_path)]) == 0
     out = capsys.readouterr().out
     for said in (

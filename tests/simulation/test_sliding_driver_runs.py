@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support import sliding_presses
+from support import sliding_presses, texts
 from support.in_browser import data_in
 
 import pinpress as pp
@@ -13,17 +13,13 @@ LEAD = 0.02  # of the screw [m a turn]
 
 
 @pytest.fixture(scope="module")
-def bell(tmp_path_factory):
-    path = tmp_path_factory.mktemp("bell") / "bell.urdf"
-    path.write_text(sliding_presses.BELL)
-    return pp.load(path)
+def bell():
+    return texts.load(sliding_presses.BELL)
 
 
 @pytest.fixture(scope="module")
-def toggle(tmp_path_factory):
-    path = tmp_path_factory.mktemp("toggle") / "toggle.urdf"
-    path.write_text(sliding_presses.TOGGLE)
-    return pp.load(path)
+def toggle():
+    return texts.load(sliding_presses.TOGGLE)
 
 
 def test_a_slide_alone_falls_freely(tmp_path):

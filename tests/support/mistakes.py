@@ -1,6 +1,8 @@
 """Everyday mistakes in a pin table and in a URDF: what stands there, what is written instead, and words of what is said to it."""
 
 import warnings
+from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
 import pinpress as pp
@@ -248,14 +250,23 @@ def with_mistake(text: str, edits: Edits) -> str:
     return text
 
 
-def said_to(path: str) -> list[str]:
-    """What is said to a URDF, one line each: the error of `load`, or else its warnings, or else what `check` finds beside them."""
+def said_to_table(file: Path, text: str) -> list[str]:
+    """What `build` says to a table, a line each: its error, or else its warnings. The file is written."""
+    return _said(pp.build, file, text)
+
+
+def said_to_urdf(file: Path, text: str) -> list[str]:
+    """What is said to a URDF, a line each: the error of `load`, or else its warnings, or else the notes of `check`. The file is written."""
+    said = _said(pp.load, file, text)
+    return said or [f"note: {note.message(str(file))}" for note in pp.check(file).notes if "redundant" not in note.problem]
+
+
+def _said(read: Callable[[Path], object], file: Path, text: str) -> list[str]:
+    file.write_text(text, encoding="utf-8")
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            pp.load(path)
+            read(file)
         except pp.PinpressError as error:
             return [f"error: {error}"]
-    found = pp.check(path)
-    notes = [f"note: {each.message(path)}" for each in found.notes if "redundant" not in each.problem]
-    return [f"warning: {warning.message}" for warning in caught] or notes
+    return [f"warning: {warning.message}" for warning in caught]
