@@ -92,7 +92,7 @@ def in_parallel(
     A task has as many points as take about `TASK`: at first one, then at most twice as many from task to task. A task that takes longer
     returns early, and its remaining points are submitted again. When a worker dies, the points of all tasks that may have killed it are
     done one by one; a point that kills its worker then counts as failed. A process pool breaks by such a death; its work goes on in pools
-    of one process.
+    of one process. The points of a task that otherwise fails are submitted once more, one by one.
 
     Args:
         executor: the executor.
@@ -102,7 +102,7 @@ def in_parallel(
         in_flight: number of tasks submitted at a time.
 
     Raises:
-        TaskError: a task was not carried out. It is raised after the outcomes of other finished tasks.
+        TaskError: a task was not carried out, twice. It is raised after the outcomes of other finished tasks.
     """
     work = _Tasks(executor, function, grid, numbers, in_flight)
     try:
@@ -120,6 +120,7 @@ class _Tasks:
         self._waiting, self._alone = deque(numbers), deque[int]()  # points to be submitted: several a task, and each by itself
         self._pending: dict[Task, list[int]] = {}
         self._finished: SimpleQueue[Task] = SimpleQueue()
+        self._repeated: set[int] = set()  # points of tasks that have failed once
         self._size = 1  # points of the next task
 
     @property
@@ -168,6 +169,10 @@ class _Tasks:
         elif carried_out and _killed(error) and len(points) == 1:
             yield [Outcome(points[0], {}, KILLS)]
         elif carried_out and _killed(error):
+            self._alone.extend(points)
+        elif carried_out and not self._repeated.issuperset(points):
+            # Dask loses the result of a task whose worker dies while it is fetched: "not enough values to unpack".
+            self._repeated.update(points)
             self._alone.extend(points)
         else:
             yield from _left(self._finished, len(self._pending))

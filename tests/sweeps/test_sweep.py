@@ -516,6 +516,28 @@ def test_a_cluster_gives_up_a_point_that_kills_its_workers():
     assert [bad.number for bad in found.failed] == [7]
 
 
+def test_a_result_is_lost_on_its_way():
+    """As Dask loses it when a worker dies while its result is fetched; what can never be carried out ends the sweep all the same."""
+    asked = Counter()
+
+    class Cluster(ThreadPoolExecutor):
+        def submit(self, function, /, *arguments, **_):
+            asked.update(numbers := [number for number, _ in arguments[1]])
+            return super().submit(refuse if 7 in numbers and asked[7] <= lost else function, *arguments)
+
+    def refuse(*_):
+        raise ValueError("not enough values to unpack (expected 3, got 2)")
+
+    lost = 1
+    with Cluster(2) as pool:
+        found = sweep(doubled, {"a": range(50)}, executor=pool, in_flight=2)
+    assert not found.failed
+    assert found.values["twice"].tolist() == [2 * a for a in range(50)]
+    lost = 10**9
+    with Cluster(2) as pool, pytest.raises(pp.PinpressError, match=r"could not do its work \(ValueError: not enough values"):
+        sweep(doubled, {"a": range(50)}, executor=pool, in_flight=2)
+
+
 class SilentError(Exception):
     def __str__(self):
         raise RuntimeError
