@@ -16,10 +16,7 @@ from ..dynamics.inputs import described, inputs
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
 from ..kinematics.motion import cycle
-from ..linkage.linkage import Linkage
-from ..linkage.loading import load
-from ..ratings.permissible_force import Capacities, capacities_in_words
-from ..ratings.rating import PressRatings, rate
+from ..ratings.permissible_force import capacities_in_words
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
 from . import part_specs
@@ -36,13 +33,11 @@ from .options import (
     load_press,
     print_inputs,
     refuse_pages_without_folder,
-    with_zero,
     write_pages,
 )
+from .report import add_before_option, add_nominal_options, add_points_option, permissible, press_before, states
 from .run_summary import duty_summary
 from .units import driver_speed, quantity
-
-POINTS = 720  # of a turn
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -60,13 +55,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option = parser.add_argument
     option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
     add_force_options(parser)
-    option("--nominal-force", type=quantity("N"), metavar="N", help="permissible force at any height, to compare the process force with")
-    option(
-        "--nominal-height",
-        type=quantity("m"),
-        metavar="H",
-        help="height from which down the crank's torque lets the nominal force act (default: at any); other limits see pinpress ratings",
-    )
+    add_nominal_options(parser)
     add_flywheel_option(parser, "its drop of speed at an even motor torque is printed")
     option(
         "--speed-drop", type=quantity("-"), metavar="D", help="drop of the flywheel's speed, e.g. 0.1; the inertia that it takes is printed"
@@ -74,9 +63,9 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--motor", metavar="KIND:KEYS", help="motor, see below; the steady state under it, with loads and flywheel, is printed")
     add_out_option(parser, "the files")
     add_report_option(parser)
-    option("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")
+    add_before_option(parser)
     add_trace_option(parser)
-    option("--points", type=int, metavar="N", help=f"number of crank angles of the period (default: {POINTS} a turn)")
+    add_points_option(parser)
     option(
         "--engine", choices=("auto", "plane", "pinocchio"), default="auto", help="method of computation (default: the fastest that serves)"
     )
@@ -104,17 +93,17 @@ def run(options: argparse.Namespace) -> int:
     _ = press.branch  # followed here, so that the times below are those of any further motion
     start = time.perf_counter()
     speed = options.speed.of(press.driver_coordinates[0])
-    motion = cycle(press, speed=speed, points=_points(press, options), engine=options.engine)
+    motion = cycle(press, speed=speed, points=states(press, options), engine=options.engine)
     middle = time.perf_counter()
     reactions = inverse_dynamics(press, motion, **acting, engine=options.engine)
     end = time.perf_counter()
-    permissible = _permissible(press, options)
+    ratings = permissible(press, options)
     more: list[str] = []
     if any(given is not None for given in (flywheel, options.speed_drop, motor)):
         more += _of_flywheel(reactions, flywheel, options.speed_drop)
     if motor is not None:
         more += _of_motor(reactions, motor, flywheel)
-    print(summary(press, motion, reactions, None if permissible is None else permissible.utilisation(reactions)))
+    print(summary(press, motion, reactions, None if ratings is None else ratings.utilisation(reactions)))
     took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
     further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
     print(tables.entry("time taken", f"{took[0]:.1f}", further))
@@ -124,24 +113,15 @@ def run(options: argparse.Namespace) -> int:
         [
             *inputs(reactions),
             *driving,
-            *([] if permissible is None else capacities_in_words(permissible.capacities, permissible.driver_coordinate)),
+            *([] if ratings is None else capacities_in_words(ratings.capacities, ratings.driver_coordinate)),
         ]
     )
     if options.out is not None:
-        before = None if options.before is None else _before(options)
+        before = None if options.before is None else press_before(options)
         make_folder(options.out)
         reactions.to_csv(options.out / "cycle.csv")
-        write_pages(press, reactions, options, ["cycle.csv"], before, permissible)
+        write_pages(press, reactions, options, ["cycle.csv"], before, ratings)
     return 0
-
-
-def _permissible(press: Linkage, options: argparse.Namespace) -> PressRatings | None:
-    """The permissible force over the height; None where none is given."""
-    if options.nominal_force is None:
-        if options.nominal_height is not None:
-            raise PinpressError("--nominal-height is that of a nominal force: give --nominal-force too")
-        return None
-    return rate(press, options.speed.of(press.driver_coordinates[0]), Capacities(options.nominal_force, options.nominal_height))
 
 
 def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: float | None) -> list[str]:
@@ -177,15 +157,3 @@ def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Fl
     except SimulationError as error:
         return [*lines, f"  none: {error}"]
     return [*lines, *duty_summary(run)]
-
-
-def _before(options: argparse.Namespace) -> Reactions:
-    press = with_zero(load(options.before), options.zero)
-    motion = cycle(press, speed=options.speed.of(press.driver_coordinates[0]), points=_points(press, options))
-    return inverse_dynamics(press, motion, **forces(options, press))
-
-
-def _points(press: Linkage, options: argparse.Namespace) -> int:
-    if options.points is not None:
-        return int(options.points)
-    return POINTS * (press.period_turns if press.driver_coordinates[0].turns else 1)
