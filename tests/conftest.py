@@ -108,6 +108,7 @@ class Tab:
         self.page.set_viewport_size({"width": size[0], "height": size[1]})
         self.page.goto("about:blank")  # else a page of the same address would stay as it is
         self.page.goto(path.as_uri() + fragment)
+        self.page.evaluate("unpacked")
         wait(self.page, "viewer.needs_render === false || playing")
         return self.page
 

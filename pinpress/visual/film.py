@@ -53,6 +53,7 @@ DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swi
 FLAGS = (*DRAWN, "--disable-partial-raster", "--disable-dev-shm-usage", "--hide-scrollbars")
 LONGER_SIDE = 960.0
 PATIENCE = 120_000  # time limit of each action in a page [ms]
+UNPACKED = "typeof unpacked === 'object' ? unpacked : null"
 PLAYER = "[typeof duration, typeof seek, typeof setPlaying, typeof viewer].join() === 'number,function,function,object'"
 STILL = """() => {
     setPlaying(false);
@@ -266,6 +267,7 @@ class _Tab:
 
     def load(self, content: str) -> None:
         self._do(self._page.set_content, content)  # not by its address: Chromium as a snap sees no temporary files
+        self._do(self._page.evaluate, UNPACKED)
         if not self._do(self._page.evaluate, PLAYER):
             raise PinpressError(f"{self._name} is no recording; give a page that pinpress.record or report wrote")
         self.duration = float(self._do(self._page.evaluate, "duration"))

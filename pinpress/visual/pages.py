@@ -1,16 +1,20 @@
 """Self-contained web pages: templates, styles and scripts put together into one file.
 
-A page is filled with text of ours, JSON in which no tag can begin, or text whose ``<`` and ``&`` are escaped: a link called ``<script>``
-stays text.
+A page is filled with text of ours, packed data, or text whose ``<`` and ``&`` are escaped: a link called ``<script>`` stays text.
 """
 
 import base64
+import functools
+import hashlib
 import html
 import importlib.resources
 import importlib.util
+import itertools
 import json
 import re
+import zlib
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,28 +23,63 @@ import numpy as np
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 
+FIELD = re.compile(r"\{\{(\w+)\}\}")
+DIGITS = np.frombuffer(b"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;<=>?@^_`{|}~", np.uint8)  # of base 85
 NO_MESHCAT = "recordings need Meshcat, which is not installed; pip install 'pinpress[recording]'"
 NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[report]'"
 
 
-def page(template: str, title: str, data: Mapping[str, Any], scripts: dict[str, str]) -> bytes:
+@dataclass(frozen=True)
+class Library:
+    """A script of another package, as pages hold it.
+
+    Attributes:
+        packed: the script, see `pack`.
+        digest: its name in a page's security policy.
+        licence: text of its licence.
+    """
+
+    packed: str
+    digest: str
+    licence: str
+
+
+def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[str, Library]) -> bytes:
     """Make a page from the files of `templates/`; every ``{{name}}`` is replaced once.
+
+    Libraries, data and the template's own scripts of the class ``packed`` are compressed; ``unpack.js`` opens them in the browser. The
+    page's security policy names the scripts by their digests, so that no other can run.
 
     Args:
         template: name of an HTML file; ``{{file.css}}`` and ``{{file.js}}`` in it are files beside it.
         title: any text.
         data: data for the page's own scripts, written as JSON.
-        scripts: text of libraries by name, see `as_script` and `as_text`.
+        libraries: libraries by their names in the template.
 
     Raises:
         PinpressError: a number of the data is not finite.
     """
     folder = importlib.resources.files(__package__) / "templates"
-    fields = {"title": html.escape(title), "data": _as_json(data).replace("<", "\\u003c")}
-
     whole = re.sub(r"\{\{(\w+\.\w+)\}\}", lambda match: (folder / match[1]).read_text("utf-8"), (folder / template).read_text("utf-8"))
-    # in one pass, as the filled-in text must not be searched
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: (scripts | fields)[match[1]], whole).encode()
+    digests = [library.digest for library in libraries.values()]
+
+    def finished(script: re.Match[str]) -> str:
+        """A script of the template, packed where it is to be; one that is filled in later stays as it is."""
+        opening, text = script[1], script[2]
+        if FIELD.fullmatch(text):
+            return script[0]
+        digests.append(_digest(text.encode()))
+        return f"{opening}{pack(text.encode()) if 'packed' in opening else text}</script>"
+
+    whole = re.sub(r"(<script[^>]*>)(.*?)</script>", finished, whole, flags=re.DOTALL)
+    fields = {
+        "title": html.escape(title),
+        "data": pack(_as_json(data).encode()),
+        "digests": " ".join(digests),
+        "licences": html.escape("\n\n".join(library.licence for library in libraries.values()), quote=False),
+        **{name: library.packed for name, library in libraries.items()},
+    }
+    return FIELD.sub(lambda match: fields[match[1]], whole).encode()  # in one pass, as the filled-in text must not be searched
 
 
 def _as_json(data: Mapping[str, Any]) -> str:
@@ -54,25 +93,27 @@ def _as_json(data: Mapping[str, Any]) -> str:
     return "{" + ",".join(parts) + "}"
 
 
-def meshcat() -> dict[str, str]:
-    """Meshcat's viewer and its licences.
+def meshcat() -> Library:
+    """Meshcat's viewer.
 
     Raises:
         PinpressError: it is not installed.
     """
     root = _package("meshcat", NO_MESHCAT) / "viewer"
-    licences = "\n".join((root / name).read_text("utf-8") for name in ("LICENSE", "dist/main.min.js.LICENSE.txt"))
-    return {"viewer": as_script((root / "dist/main.min.js").read_text("utf-8")), "licences": as_text(licences)}
+    licence = "\n".join((root / name).read_text("utf-8") for name in ("LICENSE", "dist/main.min.js.LICENSE.txt"))
+    return _library(root / "dist/main.min.js", licence)
 
 
-def plotly() -> dict[str, str]:
-    """Plotly's charts; the licence stands at the head of the script.
+def plotly() -> Library:
+    """Plotly's charts.
 
     Raises:
         PinpressError: it is not installed.
     """
-    root = _package("plotly", NO_PLOTLY)
-    return {"plotly": as_script((root / "package_data/plotly.min.js").read_text("utf-8"))}
+    script = _package("plotly", NO_PLOTLY) / "package_data/plotly.min.js"
+    with script.open(encoding="utf-8") as lines:
+        head = list(itertools.takewhile(lambda line: "*/" not in line, lines))  # the comment in front, which is its licence
+    return _library(script, "".join(head))
 
 
 def _package(name: str, missing: str) -> Path:
@@ -83,14 +124,26 @@ def _package(name: str, missing: str) -> Path:
     return Path(spec.submodule_search_locations[0])
 
 
-def as_script(script: str) -> str:
-    """A script with the tags escaped that would end its element."""
-    return re.sub(r"<(?=/script|!--)", r"\\x3c", script, flags=re.IGNORECASE)
+@functools.cache
+def _library(script: Path, licence: str) -> Library:
+    text = script.read_bytes()
+    return Library(pack(text), _digest(text), licence)
 
 
-def as_text(text: str) -> str:
-    """Text escaped for HTML."""
-    return html.escape(text, quote=False)
+def _digest(script: bytes) -> str:
+    """The name of a script in a page's security policy."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(script).digest()).decode()}'"
+
+
+def pack(content: bytes) -> str:
+    """Compress bytes and write them in base 85 (RFC 1924), which takes 6 % less than base 64. `unpack.js` opens them."""
+    compressed = zlib.compress(content)  # the highest level takes twice as long, for 0.2 % less
+    missing = -len(compressed) % 4
+    words = np.frombuffer(compressed + bytes(missing), ">u4").astype(np.uint32)
+    digits = np.empty((len(words), 5), np.uint8)
+    for place in range(4, -1, -1):  # base64.b85encode takes 0.3 s for Plotly, this 0.01 s
+        words, digits[:, place] = np.divmod(words, np.uint32(85))
+    return DIGITS[digits].tobytes()[: -missing or None].decode("ascii")
 
 
 def packed(values: Array, what: str) -> str:

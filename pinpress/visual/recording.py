@@ -71,7 +71,7 @@ def record(
         UnknownNameError: a trace is on a link that the linkage does not have.
     """
     content = scene(press, motion, key_frames(press, motion), reactions, traces)
-    return files.write(path, page("recording.html", press.name, content, meshcat()))
+    return files.write(path, page("recording.html", press.name, content, {"viewer": meshcat()}))
 
 
 def scene(

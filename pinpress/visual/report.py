@@ -80,7 +80,7 @@ def report(
         expect("ratings", ratings, PressRatings, "ratings.rate")
         ratings.utilisation(reactions)  # refuses those of another press
     data = scene(press, motion, frames, reactions, traces) | {"report": _report(press, reactions, frames, before, ratings)}
-    content = pages.page("report.html", press.name, data, pages.meshcat() | pages.plotly())
+    content = pages.page("report.html", press.name, data, {"viewer": pages.meshcat(), "plotly": pages.plotly()})
     return files.write(path, content)
 
 

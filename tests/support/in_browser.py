@@ -1,9 +1,11 @@
 """What tests ask of a page that is open in a browser (see conftest)."""
 
+import base64
 import io
 import json
 import re
 import time
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +17,9 @@ FLAGS = [*DRAWN, "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars"]
 
 def data_in(path: Path) -> dict[str, Any]:
     """What a page was given to show."""
-    match = re.search(r'<script type="application/json" id="data">(.*?)</script>', path.read_text("utf-8"), re.DOTALL)
+    match = re.search(r'<script class="packed" type="application/json" id="data">(.*?)</script>', path.read_text("utf-8"))
     assert match is not None
-    return dict(json.loads(match[1]))
+    return dict(json.loads(zlib.decompress(base64.b85decode(match[1]))))
 
 
 def wait(page: Any, condition: str) -> None:

@@ -373,14 +373,6 @@ def test_paths_of_slide_and_coupler_point(traced: tuple[Path, Any, Any], shared_
     page.click("#show-forces")
 
 
-def test_a_page_of_360_frames_with_arrows_is_small(tmp_path: Path) -> None:
-    press = texts.shipped("zxn2_3000b")
-    motion = pp.cycle(press, speed=SPEED, points=360)
-    page = pp.record(press, motion, tmp_path / "out.html", reactions=pp.inverse_dynamics(press, motion))
-    assert len(data_in(page)["time"]) == 361
-    assert page.stat().st_size < 2e6
-
-
 def test_run_that_swings_back_and_stops(tmp_path: Path) -> None:
     """A free linkage swings; each crank angle comes several times."""
     press = texts.shipped("crank_slide")
