@@ -34,7 +34,7 @@ def test_prints_what_the_page_shows(session: tuple[dict[str, Any], list[page_blo
 
 
 def test_writes_what_it_says(session: tuple[dict[str, Any], list[page_blocks.Shown]]) -> None:
-    for name, least in (("knuckle.html", 500_000), ("report.html", 1_000_000), ("cycle.csv", 100_000), ("out/recording.html", 500_000)):
+    for name, least in (("knuckle.html", 300_000), ("report.html", 1_000_000), ("cycle.csv", 100_000), ("out/recording.html", 300_000)):
         assert Path(name).stat().st_size > least
     complete = (TOUR.parent / "tour" / "knuckle.urdf").read_text(encoding="utf-8")
     assert Path("by_hand.urdf").read_text(encoding="utf-8") == complete
