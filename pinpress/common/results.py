@@ -1,7 +1,8 @@
 """Results: tables that can be printed, written to files and shown in notebooks.
 
-Every result class is a `Tabular`: it defines its `title` and its `columns`, and all else follows from these. A result of a single row is a
-`Record`, which only declares the units of its fields; several of them are `Records`.
+Every result class is a `Tabular`: it defines its `title` and its `columns`, and all else follows from these. One with a main
+curve names the columns of its small picture in `_pictured`. A result of a single row is a `Record`, which only declares the units of its
+fields; several of them are `Records`.
 """
 
 import os
@@ -66,8 +67,19 @@ class Tabular(Frozen):
         width = 4 + max(map(len, columns), default=0)
         return "\n".join([self.title, *tables.table([["", "smallest", "largest"]], [width, 14]), *tables.ranges(columns, width)])
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        """Names of the columns that a notebook shows as a small picture: the abscissa, then curves in one unit. Empty for no picture."""
+        return ()
+
     def _repr_html_(self) -> str:
-        return tables.html(self.title, self.columns())
+        columns, pictured = self.columns(), self._pictured
+        table = tables.html(self.title, columns)
+        if not pictured:
+            return table
+        from .sparkline import sparkline  # to save start-up time: the XML library
+
+        return f"<div>{sparkline(columns, pictured)}{table}</div>"
 
 
 class Record(Tabular):

@@ -72,6 +72,13 @@ class MotionSensitivity(Tabular):
             return what
         return f"{what}, slide shifted by {self.slide_position.min():.6g} to {self.slide_position.max():.6g} m per unit of the direction"
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        if self.slide_position is None:
+            return ()
+        abscissa, *_ = self.motion._pictured
+        return abscissa, "slide_position [m per unit]"
+
     def columns(self) -> dict[str, Array]:
         """Crank angle, and derivatives of slide and joints as (n,) columns, per unit of the direction."""
         columns = by_driver([each.heads[0] for each in self.motion.driver_coordinates], self.motion.crank_angle, self.motion.drivers)

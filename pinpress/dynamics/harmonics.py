@@ -38,6 +38,10 @@ class HarmonicAnalysis(Tabular):
         mean = ", ".join(f"{component:.6g}" for component in self.amplitude[0])
         return f"HarmonicAnalysis of a force: orders 0 to {self.orders[-1]:g}, mean ({mean}) N, amplitudes up to {largest:.6g} N"
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "order [-]", *(f"amplitude_{axis} [N]" for axis in "xyz")
+
     def columns(self) -> dict[str, Array]:
         """Orders, amplitudes and phases along the world axes as columns under their names with units."""
         return {"order [-]": self.orders, **tables.by_axis("amplitude", "N", self.amplitude), **tables.by_axis("phase", "rad", self.phase)}

@@ -195,11 +195,20 @@ class Reactions(Tabular):
         driving, lost = torque * motion.v.T[list(press.driver_indices)], self._wrenches.friction.sum(axis=0)
         return balance + driving.sum(axis=0) - lost, total + np.abs(driving).sum(axis=0) + lost, apparent
 
+    @property
+    def _driving(self) -> dict[str, Array]:
+        """The columns of the driving torques."""
+        efforts = [(f"driving_{each.effort}", each.effort_unit) for each in self.motion.driver_coordinates]
+        return tables.by_driver(efforts, self.driving_torque, self.motion.drivers)
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        abscissa, *_ = self.motion._pictured
+        return abscissa, next(iter(self._driving))
+
     def columns(self) -> dict[str, Array]:
         """The motion's columns, then torques, shaking force and moment, bearing forces and moments, under their names with units."""
-        columns = self.motion.columns()
-        efforts = [(f"driving_{each.effort}", each.effort_unit) for each in self.motion.driver_coordinates]
-        columns |= tables.by_driver(efforts, self.driving_torque, self.motion.drivers)
+        columns = self.motion.columns() | self._driving
         for name, torque in self.coupling_torque.items():
             columns[f"coupling_torque_{name} [N m]"] = torque[:, 0]
         columns |= tables.by_axis("shaking_force", "N", self.shaking_force) | tables.by_axis("shaking_moment", "N m", self.shaking_moment)

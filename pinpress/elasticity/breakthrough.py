@@ -96,6 +96,10 @@ class SnapThroughResponse(Tabular):
             f" {self.peak_acceleration:.4g} m/s2, {self.frequency / (2 * np.pi):.4g} Hz after it, stored energy {self.energy:.4g} J"
         )
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "time [s]", "spring_force [N]"
+
     def columns(self) -> dict[str, Array]:
         """A row for each time: displacement, velocity and force."""
         return {

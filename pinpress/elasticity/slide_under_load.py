@@ -65,6 +65,10 @@ class DeflectedSlide(Tabular):
             f" ({first.shown(places[high], '.5g')})"
         )
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "{} [{}]".format(*self.motion.driver_coordinates[0].heads[0]), "deflection [m]"
+
     def columns(self) -> dict[str, Array]:
         """A row for each state: crank angle, slide position, deflection and the parts' shares."""
         columns = {
@@ -119,6 +123,10 @@ class ElasticDeadCentre(Tabular):
         rows = [f"{self.press_name}: bottom dead centre {standing:+.5g} mm off the rigid one at standstill"]
         rows += tables.fitted([[f"{w / RPM:8.4g} strokes/min", f"{1e3 * s:+.5f} mm"] for w, s in zip(self.speed, self.shift, strict=True)])
         return "\n".join(rows)
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "crank_speed [rad/s]", "shift [m]"
 
     def columns(self) -> dict[str, Array]:
         """A row for each speed: angle, position, shift, and deflection at the rigid angle."""

@@ -87,6 +87,10 @@ class SlideCompliance(Tabular):
         """
         return np.asarray(read_only(_moving_mass(self._held) / self.compliance**2))
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "{} [{}]".format(*self.coordinate.heads[0]), "compliance [m/N]"
+
     def columns(self) -> dict[str, Array]:
         """A row for each crank angle: angle, position, height, compliance and its parts."""
         columns = {

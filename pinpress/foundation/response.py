@@ -250,6 +250,10 @@ class FrameMotion(Tabular):
             raise UnknownNameError("point", point, self.acceleration)
         return self.acceleration[point]
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "time [s]", *(f"acceleration_{point}_z [m/s2]" for point in self.acceleration)
+
     def columns(self) -> dict[str, Array]:
         """Time, the points' displacement, velocity and acceleration, force and moment on the floor, and shaking force."""
         columns = {"time [s]": self.time}

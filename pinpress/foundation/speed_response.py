@@ -95,6 +95,10 @@ class SpeedResponse(Tabular):
             raise PinpressError(f"the growth of {shown(point)} needs two speeds at which it vibrates")
         return np.asarray(np.gradient(np.log(size), np.log(self.speed)))
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "speed [rad/s]", "floor_force [N]", "shaking_force [N]"
+
     def columns(self) -> dict[str, Array]:
         """Speed, accelerations and displacements of the points, and the forces."""
         columns = {"speed [rad/s]": self.speed}
@@ -195,6 +199,10 @@ class Isolation(Tabular):
                 tables.entry("transmitted", f"{self.transmitted.max():.4g}", f"at most, at {worst / RPM:.4g} per min"),
             ]
         )
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "speed [rad/s]", "transmitted [-]"
 
     def columns(self) -> dict[str, Array]:
         """Speed and share transmitted. The mounts are in the columns of ``system``."""

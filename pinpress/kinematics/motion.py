@@ -122,8 +122,8 @@ class Motion(Tabular):
         """Time, drivers, slide and closure error as (n,) columns under their names with units. Of a driver that slides they are
         driver_position, driver_speed and driver_acceleration."""
         columns = {} if self._time is None else {"time [s]": self._time}
-        for order, values in enumerate((self.crank_angle, self.crank_speed, self.crank_acceleration)):
-            columns |= tables.by_driver([each.heads[order] for each in self.driver_coordinates], values, self.drivers)
+        for order in range(3):
+            columns |= self._of_drivers(order)
         if self._guide is not None:
             columns |= {
                 "slide_position [m]": self.slide_position,
@@ -131,6 +131,15 @@ class Motion(Tabular):
                 "slide_acceleration [m/s2]": self.slide_acceleration,
             }
         return columns | {"closure_error [m]": self.closure_error}
+
+    def _of_drivers(self, order: int) -> dict[str, Array]:
+        """Columns of all drivers: their positions (0), speeds (1) or accelerations (2)."""
+        values = (self.crank_angle, self.crank_speed, self.crank_acceleration)[order]
+        return tables.by_driver([each.heads[order] for each in self.driver_coordinates], values, self.drivers)
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return next(iter(self._of_drivers(0))), "slide_position [m]" if self._guide is not None else next(iter(self._of_drivers(1)))
 
     def to_mat(self, path: str | os.PathLike[str]) -> None:
         """Write a MATLAB file with one vector for each column, named without its unit, and the matrices q, v, a.

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from ..engines.spatial.forward_dynamics import ForwardDynamics
 
 UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which it goes up and down
+SHOWN = np.pi / 3  # crank angle at which a linkage is drawn in notebooks: a drawn pose is often a dead centre [rad]
 EVEN = 1e-9  # unbalance of a shaft that is rounding, as a share of its moment of inertia, or of its mass times the linkage's size
 
 
@@ -85,6 +86,20 @@ class Linkage(Frozen):
 
     def __repr__(self) -> str:
         return f"<Linkage {self.name}: driver {', '.join(self.drivers)}, slide {self.slide}, bearings {', '.join(self.bearings)}>"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a drawing of the linkage, 60 deg after its drawn pose where one driver turns it as far."""
+        from html import escape  # only notebooks need it, and the drawing
+
+        from .skeleton import skeleton
+
+        try:
+            shown = self.drawn_at(SHOWN)
+        except PinpressError:
+            shown = self
+        links = [self.link_of(joint) for joint in range(self.model.njoints)]
+        picture = skeleton(shown.model, self.loops, self.axes, links, f"drawing of {self.name}")
+        return f"<div><div>{escape(repr(self)[1:-1])}</div>{picture}</div>"
 
     @property
     def file(self) -> str:

@@ -77,6 +77,9 @@ class DrawnPress(Tabular):
         """The drawn pose with its dimensions, as SVG."""
         return sketch_of_parts(self.name, self.parts, UNITS[self.unit], self.unit)
 
+    def _repr_html_(self) -> str:
+        return f"<div>{self.sketch}{super()._repr_html_()}</div>"
+
     def press(self, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Linkage:
         """The press, loaded from its URDF.
 

@@ -147,6 +147,10 @@ class PressRatings(Tabular):
         height = reactions.motion.slide_position - dead_centres(press).bottom_position
         return read_only(reactions.process_force / np.interp(height, self.height[::-1], self.force[::-1]))
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "height [m]", "force [N]"
+
     def columns(self) -> dict[str, Array | list[str]]:
         """A row for each height from top to bottom dead centre, with all quantities. Of a driver that slides they include driver_position
         and travel_per_driver_travel."""

@@ -100,6 +100,10 @@ class Run(Motion):
     def title(self) -> str:
         return f"Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, method {self.stats.method!r}"
 
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "time [s]", next(iter(self._of_drivers(1)))
+
     def columns(self) -> dict[str, Array]:
         """The motion's columns, followed by torque, speed and work of the drive, work of the loads, and losses in clutch and brake."""
         columns = super().columns()

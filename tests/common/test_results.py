@@ -104,8 +104,8 @@ def test_printed(result):
 
 
 def test_shown_in_a_notebook(result):
-    table = ET.fromstring(result._repr_html_())
-    assert table.tag == "table"
+    shown = ET.fromstring(result._repr_html_())
+    table = shown if shown.tag == "table" else shown.find("table")
     assert table.findtext("caption") == result.title
     heads = [head.text for head in table.findall("thead/tr/th")]
     rows = [[cell.text for cell in row.findall("td")] for row in table.findall("tbody/tr")]
@@ -114,6 +114,12 @@ def test_shown_in_a_notebook(result):
     assert heads[:10] == list(columns)[:10]
     assert {len(row) for row in rows} == {len(heads)}
     assert len(rows) == min(len(plain(next(iter(columns.values())))), 21)
+
+
+def test_main_curves_are_shown_as_pictures(result):
+    names = result._pictured
+    assert set(names) <= set(result.columns())
+    assert ("<svg" in result._repr_html_()) == (bool(names) or type(result).__name__ == "DrawnPress")
 
 
 def test_what_is_shown_is_escaped():

@@ -1,0 +1,188 @@
+"""A small drawing of a linkage for notebooks, as SVG: links as lines and plates, bearings as circles with their names.
+
+A planar linkage is seen along the normal of its plane, one in space from the front, the right and above.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.quantities import Array
+from ..engines.joints import Axis, LoopJoint, drawn_placements
+
+WIDTH, HEIGHT, MARGIN = 360.0, 260.0, 34.0  # of the picture [pixels]
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # Okabe and Ito
+TOWARDS = np.array([0.1, -1.0, 0.5])  # direction towards the viewer of a planar linkage, roughly
+OBLIQUE = np.array([0.40, -0.80, 0.45])  # the same of a linkage in space
+PARALLEL = 1e-6  # sine of the angle between axes that are drawn as parallel
+MOST_NAMES = 24  # a linkage with more bearings is drawn without their names
+SAME = 0.5  # points closer than this are one [pixels]
+LETTER = 6.5  # mean width of a letter [pixels]
+SHORT, FAR = 16.0, 8.0  # half the length of a slide's block, and of the rails beside it beyond it [pixels]
+
+
+class _Bearing(NamedTuple):
+    """A bearing of the drawing.
+
+    Attributes:
+        name: its name.
+        point: (3,) its place in world axes [m].
+        bodies: the Pinocchio joints whose bodies it connects; of a guide only that of what slides.
+    """
+
+    name: str
+    point: Array
+    bodies: tuple[int, ...]
+
+
+def skeleton(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis], links: Sequence[str], words: str) -> str:
+    """SVG of a linkage in its drawn pose.
+
+    Args:
+        model: its tree.
+        loops: the bearings at which loops were cut.
+        axes: axes of the moving joints.
+        links: name of the link that the body of each joint begins with, that of the frame first.
+        words: description for readers who do not see the picture.
+    """
+    places = drawn_placements(model)
+    bearings = _bearings(model, loops, axes, places)
+    guided = {joint: places[joint].rotation @ axis.direction for joint, axis in enumerate(axes, 1) if not axis.turns}
+    right, up = _view([places[joint].rotation @ axis.direction for joint, axis in enumerate(axes, 1)], axes)
+    origins = [place.translation for place in places[1:]]
+    at = _onto_sheet(np.array([each.point for each in bearings] or origins) @ np.array([right, up]).T)
+    size = {"width": f"{WIDTH:g}", "height": f"{HEIGHT:g}", "viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}"}
+    look = {"font-family": "sans-serif", "font-size": "11", "fill": "currentColor", "role": "img", "aria-label": words}
+    root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, **look})
+    corners = [np.array([at[k] for k, each in enumerate(bearings) if joint in each.bodies]).reshape(-1, 2) for joint in range(len(links))]
+    for joint in guided:
+        carrier = int(model.parents[joint])
+        if carrier and len(corners[joint]) and len(corners[carrier]):
+            _connection(root, corners[carrier].mean(axis=0), corners[joint].mean(axis=0), COLOURS[(carrier - 1) % len(COLOURS)])
+    for joint, link in enumerate(links[1:], 1):
+        colour = COLOURS[(joint - 1) % len(COLOURS)]
+        if joint in guided and len(corners[joint]):
+            way = np.array([guided[joint] @ right, -(guided[joint] @ up)])
+            _block(root, corners[joint].mean(axis=0), way, on_frame=int(model.parents[joint]) == 0, link=link, colour=colour)
+        if len(corners[joint]):
+            _link(root, corners[joint], link, colour)
+    for place, each in zip(at, bearings, strict=True):
+        if 0 in each.bodies:
+            _support(root, place)
+    _pins(root, at, [each.name for each in bearings] if len(bearings) <= MOST_NAMES else [])
+    return tostring(root, encoding="unicode")
+
+
+def _bearings(model: pin.Model, loops: Sequence[LoopJoint], axes: Sequence[Axis], places: Sequence[pin.SE3]) -> list[_Bearing]:
+    """Bearings that have a place: joints that turn, and loops. A guide is drawn as a block where its body's bearings are; where there
+    are none, it has the place of its joint."""
+    found = [_Bearing(loop.name, places[loop.joint1].act(loop.point1), (loop.joint1, loop.joint2)) for loop in loops]
+    joints = [
+        _Bearing(model.names[joint], place.translation, (int(model.parents[joint]), joint)) for joint, place in enumerate(places) if joint
+    ]
+    found += [each for each, axis in zip(joints, axes, strict=True) if axis.turns]
+    placed = {joint for each in found for joint in each.bodies}
+    return found + [each._replace(bodies=each.bodies[1:]) for each in joints if each.bodies[1] not in placed]
+
+
+def _view(directions: Sequence[Array], axes: Sequence[Axis]) -> tuple[Array, Array]:
+    """Unit vectors (3,) to the right and upwards in the picture; ``directions``: of the joints' axes in the world."""
+    turning = [direction for direction, axis in zip(directions, axes, strict=True) if axis.turns]
+    normal = turning[0] if turning else np.array([0.0, -1.0, 0.0])
+    sliding = [direction for direction, axis in zip(directions, axes, strict=True) if not axis.turns]
+    planar = all(np.linalg.norm(np.cross(normal, other)) < PARALLEL for other in turning) and all(
+        abs(normal @ other) < PARALLEL for other in sliding
+    )
+    towards = (normal if normal @ TOWARDS >= 0 else -normal) if planar else OBLIQUE / np.linalg.norm(OBLIQUE)
+    right = np.cross((0.0, 0.0, 1.0), towards)
+    right = right / np.linalg.norm(right) if np.linalg.norm(right) > PARALLEL else np.array([1.0, 0.0, 0.0])
+    return right, np.cross(towards, right)
+
+
+def _onto_sheet(points: Array) -> Array:
+    """Points (k, 2) of the picture's plane [m] as places on the sheet [pixels]."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = np.array([WIDTH, HEIGHT]) - 2 * MARGIN
+    spans = high - low
+    scale = min(room[spans > 1e-9 * max(spans)] / spans[spans > 1e-9 * max(spans)], default=1.0)
+    away = (points - (low + high) / 2) * scale
+    return np.asarray(np.array([WIDTH / 2, HEIGHT / 2]) + away * [1.0, -1.0])
+
+
+def _link(root: Element, corners: Array, link: str, colour: str) -> None:
+    """A bar, a plate or, of a link with one bearing, a disc."""
+    look = {"fill": colour, "fill-opacity": "0.25", "stroke": colour, "stroke-width": "5", "stroke-linejoin": "round"}
+    if len(corners) == 1:
+        shape = SubElement(root, "circle", {"cx": f"{corners[0, 0]:.1f}", "cy": f"{corners[0, 1]:.1f}", "r": "9", **look})
+    else:
+        kind = "polygon" if len(corners) > 2 else "polyline"
+        points = " ".join(f"{x:.1f},{y:.1f}" for x, y in _around(corners))
+        shape = SubElement(root, kind, {"points": points, "stroke-linecap": "round", **look})
+    SubElement(shape, "title").text = link
+
+
+def _connection(root: Element, begin: Array, end: Array, colour: str) -> None:
+    """A line from a link to what slides along it, as from a cylinder to its piston."""
+    (x1, y1), (x2, y2) = begin, end
+    ends = {"x1": f"{x1:.1f}", "y1": f"{y1:.1f}", "x2": f"{x2:.1f}", "y2": f"{y2:.1f}"}
+    SubElement(root, "line", {**ends, "stroke": colour, "stroke-width": "5", "stroke-opacity": "0.45"})
+
+
+def _around(corners: Array) -> Array:
+    """Corners (k, 2) in their order around their middle, so that a plate's sides do not cross."""
+    away = corners - corners.mean(axis=0)
+    return corners[np.argsort(np.arctan2(away[:, 1], away[:, 0]))] if len(corners) > 2 else corners
+
+
+def _block(root: Element, middle: Array, way: Array, *, on_frame: bool, link: str, colour: str) -> None:
+    """What slides, with rails beside it where the frame guides it; ``way``: (2,) direction of the guide on the sheet."""
+    x, y = middle
+    turn = {"transform": f"translate({x:.1f} {y:.1f}) rotate({np.degrees(np.arctan2(way[1], way[0])):.1f})"}
+    box = {"x": f"{-SHORT:g}", "y": "-11", "width": f"{2 * SHORT:g}", "height": "22", "rx": "2"}
+    block = SubElement(root, "rect", {**box, **turn, "fill": colour, "fill-opacity": "0.3", "stroke": colour, "stroke-width": "2"})
+    SubElement(block, "title").text = link
+    if on_frame:
+        rails = "".join(f"M{-SHORT - FAR:g} {side} H{SHORT + FAR:g}" for side in (-14, 14))
+        SubElement(root, "path", {"d": rails, **turn, "stroke": "currentColor", "stroke-opacity": "0.6", "stroke-width": "3"})
+
+
+def _support(root: Element, place: Array) -> None:
+    """The frame under a bearing."""
+    x, y = place
+    path = f"M{x:.1f} {y:.1f} l-9 14 h18 z M{x - 12:.1f} {y + 14:.1f} h24"
+    SubElement(root, "path", {"d": path, "fill": "none", "stroke": "currentColor", "stroke-opacity": "0.6", "stroke-width": "1.5"})
+
+
+def _pins(root: Element, at: Array, names: Sequence[str]) -> None:
+    """Circles at the bearings with their names; bearings in one place have one circle."""
+    written: list[tuple[Array, list[str]]] = []
+    for k, place in enumerate(at):
+        here = next((words for other, words in written if np.abs(other - place).max() < SAME), None)
+        if here is None:
+            here = []
+            written.append((place, here))
+        here += names[k : k + 1]
+    taken: list[Array] = []
+    for place, words in written:
+        circle = {"cx": f"{place[0]:.1f}", "cy": f"{place[1]:.1f}", "r": "4", "fill": "#fff", "stroke": "#222", "stroke-width": "1.5"}
+        SubElement(root, "circle", circle)
+        if words:
+            _name(root, place, ", ".join(words), taken)
+
+
+def _name(root: Element, place: Array, words: str, taken: list[Array]) -> None:
+    """A name beside a bearing, on the first of four sides where it is clear of the names before it."""
+    width = LETTER * len(words)
+    for side, down in ((1, -7.0), (-1, -7.0), (1, 16.0), (-1, 16.0)):
+        low = place + np.array([8.0 if side > 0 else -8.0 - width, down])
+        box = low + np.array([[0.0, -9.0], [width, 2.0]])
+        if not any(np.all(box[0] < other[1]) and np.all(other[0] < box[1]) for other in taken):
+            break
+    taken.append(box)
+    at = {"x": f"{place[0] + 8 * side:.1f}", "y": f"{place[1] + down:.1f}", "text-anchor": "start" if side > 0 else "end"}
+    SubElement(root, "text", at).text = words
