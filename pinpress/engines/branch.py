@@ -236,6 +236,39 @@ def _walk(
     raise AssemblyError("the drawn assembly moves too fast to be followed", 0.0, 0.0, 0, follower.coordinate)
 
 
+def walk_beside(close: Close, branch: Branch, size: float, tolerance: float) -> Branch | None:
+    """The branch of a linkage whose lengths are nearly those of another one, found without a walk: all nodes of the other one's table are
+    closed at once.
+
+    It begins at the drawn pose, where all joint coordinates are zero. Each second node must lie where polynomials through its neighbours
+    predict it, and the linkage must be back after the period: so no node has gone over to another assembly.
+
+    Args:
+        close: the closing function of the linkage's engine.
+        branch: the branch of the other one, over a period or a travel.
+        size: length of the linkage [m].
+        tolerance: gap at which a loop counts as closed [m].
+
+    Returns:
+        The branch; None where the lengths are too different, and it has to be walked.
+    """
+    if any(branch.locks) or branch.change_points or (branch.period is None and branch.coordinate.turns) or len(branch.angles) % 2 == 0:
+        return None
+    angles = branch.angles
+    closure = close(angles, predict(branch, angles))
+    if not closure.widest <= tolerance:
+        return None
+    columns = [values.T for values in (closure.position, closure.first, closure.second)]
+    begin = int(np.argmin(np.abs(angles)))
+    accepted = LARGEST_CORRECTION * (1 + size)
+    coarse = Branch(angles[::2], hermite(angles[::2], *(values[::2] for values in columns)), None, np.zeros(0), (None, None))
+    missed = np.abs(predict(coarse, angles) - closure.position).max()
+    gained = closure.position[:, -1] - closure.position[:, 0] - branch.gain_per_period if branch.period else np.zeros(1)
+    if angles[begin] or not max(missed, np.abs(gained).max(), np.abs(closure.position[:, begin]).max()) <= accepted:
+        return None
+    return replace(branch, coefficients=hermite(angles, *columns))
+
+
 def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> Array | SingularPosition:
     """Follow an assembly along a path, and return its configuration (nv,) at the end, or the place where it locks on the way.
 

@@ -12,7 +12,19 @@ import numpy as np
 
 from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..common.quantities import Array, DriverCoordinate
-from ..engines.branch import LARGEST_CORRECTION, SMALLEST_MARGIN, Branch, Gap, Returning, SingularPosition, Travel, follow, predict, walk
+from ..engines.branch import (
+    LARGEST_CORRECTION,
+    SMALLEST_MARGIN,
+    Branch,
+    Gap,
+    Returning,
+    SingularPosition,
+    Travel,
+    follow,
+    predict,
+    walk,
+    walk_beside,
+)
 from ..engines.engine import ACCEPTED, PIECE, Closure, Engine, joined
 from ..engines.forces import RANK
 from ..engines.planar.engine import PlanarEngine
@@ -83,6 +95,18 @@ def followed(
     returning = Returning(spatial_model.on_loop, np.array([axis.turns for axis in spatial_model.axes]))
     tolerance = ACCEPTED * engine.tolerance
     return walk(close_angle, start, returning, spatial_model.size, tolerance, smallest_margin, gap, begin, _travel(spatial_model))
+
+
+def followed_beside(engine: Engine, spatial_model: SpatialModel, branch: Branch) -> Branch | None:
+    """The assembly of a linkage with one driver, found from that of one with nearly the same lengths; see `engines.branch.walk_beside`."""
+    close_drivers, along, travel = engine.closing_function(), np.ones(1), _travel(spatial_model)
+    if travel is not None and (travel.lower, travel.upper) != (branch.angles[0], branch.angles[-1]):
+        return None
+
+    def close_angle(angle: Array, guess: Array) -> Closure:
+        return close_drivers(angle[None], along, guess)
+
+    return walk_beside(close_angle, branch, spatial_model.size, ACCEPTED * engine.tolerance)
 
 
 def _travel(spatial_model: SpatialModel) -> Travel | None:

@@ -84,6 +84,11 @@ def keep_geometry(changed: object, press: object) -> None:
     vars(changed)[_KEPT].of_geometry.update(vars(press)[_KEPT].of_geometry)
 
 
+def keep_geometry_of(work_out: Callable[[Any], T], press: object, result: T) -> None:
+    """Keep a result of a function of `per_linkage`, one of geometry alone, that was found in another way than by calling it."""
+    vars(press)[_KEPT].of_geometry[_name(work_out)] = read_only(result)
+
+
 def keep_all_but(forgotten: Callable[[Any], Any], copied: object, press: object) -> None:
     """Hand all kept results to an equal linkage, without that of one function (``forgotten``) of `per_linkage`."""
     for known, own in zip(vars(copied)[_KEPT], vars(press)[_KEPT], strict=True):

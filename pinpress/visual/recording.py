@@ -91,13 +91,17 @@ def scene(
     """
     if reactions is not None:
         _refuse_other_reactions(press, motion, reactions)
-    position = motion.joint_position[frames.states]
-    at, drawn = poses(press, position), bodies(press, position)
-    of_body = {body.name: meshcat_commands.body_poses(press, at, body.frame) for body in drawn}
+    at = poses(press, motion.joint_position[frames.states])
+    drawn = bodies(press, motion.joint_position[frames.states])
+    return moving(press, motion, frames, at, reactions, traces) | shapes(press, frames, at, drawn)
+
+
+def moving(
+    press: Linkage, motion: Motion, frames: KeyFrames, at: Poses, reactions: Reactions | None, traces: Sequence[tuple[str, ArrayLike]]
+) -> dict[str, Any]:
+    """The part of `scene` that is drawn over the links: places, forces and paths; ``at``: poses of the bodies in the key frames."""
     return {
         **_series(frames),
-        "legend": _legend(drawn, of_body),
-        "front": _front(press, at, drawn),
         "turn": frames.turn,
         "driver": _driver(motion.driver_coordinates[0]),
         "period": None if motion.period_turns is None else 360 * motion.period_turns,  # deg
@@ -106,6 +110,15 @@ def scene(
         **_shaking(reactions, frames),
         "process": None if reactions is None else _process(press, at, frames, reactions),
         **_traces(press, at, frames, traces),
+    }
+
+
+def shapes(press: Linkage, frames: KeyFrames, at: Poses, drawn: Sequence[ShownLink]) -> dict[str, Any]:
+    """The part of `scene` that is the links themselves, with their motion; ``drawn``: the links that are shown."""
+    of_body = {body.name: meshcat_commands.body_poses(press, at, body.frame) for body in drawn}
+    return {
+        "legend": _legend(drawn, of_body),
+        "front": _front(press, at, drawn),
         "scene": meshcat_commands.pack(meshcat_commands.commands(drawn, of_body, frames.time)),
     }
 

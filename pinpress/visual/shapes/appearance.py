@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -43,7 +43,7 @@ class ShownLink:
     drawn: bool
 
 
-def bodies(press: Linkage, joint_position: Array) -> tuple[ShownLink, ...]:
+def bodies(press: Linkage, joint_position: Array, *, made_up: Collection[str] = ()) -> tuple[ShownLink, ...]:
     """The links of a press as solids, in document order.
 
     A link without `<visual>` is shown as bars between its bearings, a slide as a block, the frame as pedestals and rails. Links that
@@ -52,6 +52,7 @@ def bodies(press: Linkage, joint_position: Array) -> tuple[ShownLink, ...]:
     Args:
         press: the linkage.
         joint_position: (n, nv) joint positions of a motion, whose travels are the lengths of rails [rad or m].
+        made_up: names of links that are shown from their bearings in any case, because their `<visual>` no longer fits.
 
     Raises:
         PinpressError: joint positions have a wrong shape or are not finite; a visual is not finite or has no size, or its mesh cannot be
@@ -60,7 +61,7 @@ def bodies(press: Linkage, joint_position: Array) -> tuple[ShownLink, ...]:
     travel = _travel(press, joint_position)
     robot = press.document.robot
     colours = _materials(robot)
-    drawn = _drawn(press.file, robot, colours)
+    drawn = {name: parts for name, parts in _drawn(press.file, robot, colours).items() if name not in made_up}
     made = plain_parts(press, travel, drawn.keys())
     return tuple(
         ShownLink(name, press.model.getFrameId(name, pin.BODY), drawn.get(name) or made[name], name in drawn)
