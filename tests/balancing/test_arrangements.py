@@ -434,6 +434,7 @@ def test_presses_that_cannot_be_mirrored_are_refused():
 # ---------------------------------------------------------------------------------------------------- what the new presses are good for
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     "make", [lambda press: with_opposed_balancer(press, 0.0297), lambda press: mirrored(with_opposed_balancer(press, 0.0297), 0.5)]
 )

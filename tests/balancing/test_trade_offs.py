@@ -64,6 +64,7 @@ def test_limits_hold_along_the_curve():
         assert change.after <= limit * (1 + 1e-9)
 
 
+@pytest.mark.exhaustive
 def test_curves_of_the_same_criteria_share_a_panel(forces, weight):
     figure = pp.plots.trade_offs({"661 kg": forces, "again": forces, "light": weight})
     shared, alone = figure.axes

@@ -41,6 +41,7 @@ def test_from_a_template_to_forces(folder, capsys):
     assert figures(capsys.readouterr().out) == figures(outputs[1])
 
 
+@pytest.mark.exhaustive
 def test_every_command_takes_other_values_of_a_tables_parameters(folder, capsys):
     assert main(["new", "press.yaml", "--template", "knuckle"]) == 0
     assert main(["build", "press.yaml", "r=95"]) == 0

@@ -60,6 +60,7 @@ def test_it_prints_the_ratings_and_writes_nothing(capsys, monkeypatch, tmp_path)
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.exhaustive
 def test_files(capsys, tmp_path):
     out = tmp_path / "made" / "out"
     text = printed(capsys, *ASKED, *MORE, "--out", out)

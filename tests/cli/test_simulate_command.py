@@ -269,6 +269,7 @@ def test_every_option_reaches_the_simulation(capsys: pytest.CaptureFixture[str],
     }
 
 
+@pytest.mark.exhaustive
 def test_driver_and_slide(capsys: pytest.CaptureFixture[str]) -> None:
     """Driven at the rocker's pivot the six-bar is another machine."""
     text = printed(capsys, "zxn2_3000b", "--driver", "D", "--slide", "slide", "--duration", 0.05, "--flywheel", 5000, "--speed", 3)

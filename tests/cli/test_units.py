@@ -112,6 +112,7 @@ def test_wrong_units_are_refused(capsys, words, said):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.exhaustive
 def test_a_driver_that_slides_takes_speeds_in_mm_per_second(tmp_path, capsys):
     path = tmp_path / "toggle.urdf"
     path.write_text(sliding_presses.TOGGLE)

@@ -123,6 +123,7 @@ def raise_one(kind):
     raise kind(*ARGUMENTS[kind])
 
 
+@pytest.mark.exhaustive
 def test_process_pools_report_them():
     with multiprocessing.get_context("fork").Pool(1) as pool:
         for error in built():

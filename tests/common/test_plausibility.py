@@ -158,6 +158,7 @@ def test_a_loop_that_is_drawn_far_open_is_closed_only_where_it_is_asked_for(tmp_
         load(tmp_path, edit, allow_open=1)
 
 
+@pytest.mark.exhaustive
 def test_a_command_says_warnings_in_one_plain_line_each(tmp_path):
     file = tmp_path / "press.urdf"
     file.write_text(CRANK_SLIDE.replace('<link1 link="rod" xyz="0.400 0 0"', '<link1 link="rod" xyz="0.390 0 0"'), encoding="utf-8")

@@ -83,6 +83,7 @@ def test_motion_derivatives_are_those_of_changed_presses(name):
     check_motion(press, states, direction(press, np.random.default_rng(3)))
 
 
+@pytest.mark.exhaustive
 @examples(8)
 @given(spec=linkages(most=3))
 def test_motion_and_reaction_derivatives_of_random_linkages(tmp_path, spec):

@@ -165,6 +165,7 @@ def test_a_lock_is_none():
     assert not whole.branch_through_change_points.change_points
 
 
+@pytest.mark.exhaustive
 @examples(12)
 @given(
     st.floats(0.3, 3.0),

@@ -430,6 +430,7 @@ def test_memory_of_bearings_left_out_is_not_taken(six_bar, turn, engine):
         assert wrenches.force.shape == wrenches.moment.shape == (kept, 24, 3)
 
 
+@pytest.mark.exhaustive
 def test_what_is_imported_for_one_turn():
     """Neither solvers, nor drawing, nor what simulates; each is there once it is asked for."""
     code = """

@@ -25,6 +25,7 @@ def five_bar():
     return texts.load(text)
 
 
+@pytest.mark.exhaustive
 def test_where_two_drivers_pull_the_linkage_straight():
     """The pins are 0.5 - 0.2 cos s apart: two couplers of 0.25 m are straight at a right angle, and there C is halfway on their line."""
     press, last = five_bar(), np.radians(89.0)

@@ -133,6 +133,7 @@ def test_drivers_do_what_is_asked(case):
         np.testing.assert_allclose(found[:, at], asked, rtol=0, atol=1e-14)
 
 
+@pytest.mark.exhaustive
 def test_rates_are_derivatives_of_positions(case):
     """In time, of all joints: rates, and accelerations as derivatives of rates, to 1e-10 of the peak."""
     count = 3
@@ -307,6 +308,7 @@ def test_where_a_ring_is_cut_changes_nothing(make, cuts, swing):
             assert np.abs(values - expected).max() <= 1e-12 * np.abs(expected).max(), cut
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(("closing", "engine"), [("revolute", "plane"), ("revolute", "pinocchio"), ("fixed", "pinocchio")])
 def test_a_four_bar_is_the_same_however_it_is_closed(closing, engine):
     """By a pin with an axis, or by a weld in its coupler: torque, and forces and moments in the plane at all pins; 1e-13."""

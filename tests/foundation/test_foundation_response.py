@@ -254,6 +254,7 @@ def test_responses_are_written(tmp_path):
         response.floor_force[0] = 0.0
 
 
+@pytest.mark.exhaustive
 def test_plots_have_a_curve_a_point():
     system, result = shaken()
     response = foundation.steady_response(system, result, points=POINTS)

@@ -471,6 +471,7 @@ def test_numbers_as_they_are_printed_do_not_contradict(press, motion, states, di
     pp.servo_cycle(press, **(printed | {"angle": degrees}), time=time)
 
 
+@pytest.mark.exhaustive
 def test_speeds_of_ramps_at_random(press):
     """Corners in any places, of states in unequal steps too."""
     random = np.random.default_rng(7)

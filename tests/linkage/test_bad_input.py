@@ -419,6 +419,7 @@ def test_servo_motion(press, given, problem):
         pp.servo_cycle(press, **({"angle": [0.0, 1.0], "speed": 1.0} | given))
 
 
+@pytest.mark.exhaustive
 def test_plane_engine_where_the_linkage_is_not_planar(tmp_path):
     head = (
         f'<link name="head">{INERTIAL}</link><joint name="Q" type="continuous"><parent link="rod"/><child link="head"/>'

@@ -74,6 +74,7 @@ def rocker_angle(crank):
     return np.arcsin(((FRAME - x) ** 2 + (OFFSET - y) ** 2 + ROCKER**2 - LENGTH**2) / (2 * ROCKER * (OFFSET - y)))
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("axes", [BALL, OBLIQUE])
 def test_the_output_angle_of_a_rod_between_balls_is_that_of_the_closed_form(tmp_path, axes):
     press = loaded(tmp_path, "ball", axes)
@@ -85,6 +86,7 @@ def test_the_output_angle_of_a_rod_between_balls_is_that_of_the_closed_form(tmp_
     assert "5 joints less 4 equations of loops, gear pairs and held spins" in str(pp.check(tmp_path / "ball.urdf"))
 
 
+@pytest.mark.exhaustive
 def test_forces_of_a_slender_rod_do_not_depend_on_how_its_spin_is_held(tmp_path):
     presses = [loaded(tmp_path, name, axes) for name, axes in (("ball", BALL), ("oblique", OBLIQUE), ("universal", UNIVERSAL))]
     assert [len(press.held_spins) for press in presses] == [1, 1, 0]

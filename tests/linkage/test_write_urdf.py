@@ -646,6 +646,7 @@ def test_forces_with_other_inertias(name, tmp_path):
 PROPERTY = examples(12)
 
 
+@pytest.mark.exhaustive
 @PROPERTY
 @given(linkages(most=3), st.integers(0, 2**32 - 1))
 def test_random_linkage(tmp_path, spec, seed):

@@ -236,6 +236,7 @@ def test_a_mirrored_half_turns_the_other_way():
     assert np.abs(shaking[:, 0]).max() < 1e-9 * np.abs(shaking[:, 2]).max()
 
 
+@pytest.mark.exhaustive
 def test_a_mirrored_crank_in_space_is_the_image_of_the_other():
     """Two cranks about x, one the mirror image of the other, geared: their slides move alike."""
     pins = {
@@ -256,6 +257,7 @@ def test_a_mirrored_crank_in_space_is_the_image_of_the_other():
     assert right == pytest.approx(left, abs=1e-12)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore:Conversion of an array:DeprecationWarning")  # of yourdfpy 0.0.56
 def test_what_is_written_is_a_urdf_for_others(tmp_path):
     """Read by yourdfpy and Pinocchio: links, masses and shapes; loaded by us, the same forces."""

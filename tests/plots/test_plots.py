@@ -153,6 +153,7 @@ def test_moments_below_the_forces():
     assert legend(moment) == ["slot"]
 
 
+@pytest.mark.exhaustive
 def test_a_run(run):
     figure = plots.slide(run.motion)
     assert figure.axes[3].get_ylabel() == "crank speed [r/min]"
@@ -222,6 +223,7 @@ def test_polar_of_unknown(result):
         plots.polar(result, "A", "Z")
 
 
+@pytest.mark.exhaustive
 def test_comparison(result, balanced, comparison):
     """The changes are those of tests/dynamics/test_reference.py's paper: docs/kong2025.md."""
     figure = comparison

@@ -50,6 +50,7 @@ def test_names_and_units(rated, figure):
     np.testing.assert_allclose(figure.axes[3].get_lines()[0].get_ydata(), rated.work / 1e3)
 
 
+@pytest.mark.exhaustive
 def test_the_process_is_drawn_beside_what_is_permitted(rated):
     press = shipped("zxn2_3000b")
     reactions = pp.inverse_dynamics(press, pp.cycle(press, 70 * pp.RPM, points=90), [pp.loads.DeepDrawing(1e6, 0.04)])
@@ -64,6 +65,7 @@ def test_the_process_is_drawn_beside_what_is_permitted(rated):
         pp.plots.ratings(rated, other)
 
 
+@pytest.mark.exhaustive
 def test_a_press_that_only_its_nominal_force_limits():
     rated = rate(shipped("crank_slide"), 9.0, Capacities(1e5), points=11)
     assert pp.plots.ratings(rated).axes[1].get_xlim() == (0.0, pytest.approx(200.0))

@@ -169,6 +169,7 @@ def test_a_slide_that_turns_back_within_the_travel_has_no_one_working_stroke(tmp
     assert rate(pp.load(path), 0.1, Capacities(1e5, torque=1e4), points=5).force[-1] == 1e5  # straight: the screw is not loaded
 
 
+@pytest.mark.exhaustive
 def test_the_command_prints_forces_and_millimetres(toggle, tmp_path, capsys):
     words = ["ratings", toggle.document.file, "--speed", "100mm/s", "--nominal-force", "400kN"]
     assert main([*words, "--torque", "100kN", "--load", "drawing:force=50kN,start=40mm", "--points", "9", "--out", str(tmp_path)]) == 0

@@ -49,6 +49,7 @@ def test_methods_agree_and_energy_balances(bell, method):
     assert list(run.columns())[-4:-2] == ["drive_force [N]", "drive_speed [m/s]"]
 
 
+@pytest.mark.exhaustive
 def test_a_screw_turns_a_motor_into_a_force(bell):
     motor = ServoMotor(times=[0, 1.0], angles=[0, 6 * np.pi], stiffness=200.0, damping=2.0, peak_torque=50.0, inertia=0.002)
     geared = Geared(motor, ratio=2 * np.pi / LEAD)

@@ -327,6 +327,7 @@ def test_changed_files_are_refused_or_do_no_harm(file, log, count):
     assert refused > 70 or log  # from the log SQLite takes what is whole, and leaves the rest
 
 
+@pytest.mark.exhaustive
 def test_a_log_that_is_torn_loses_its_end_alone(file):
     grid = {"k": range(30)}
     right = sweep(told, grid)
@@ -626,6 +627,7 @@ def test_interrupted_and_resumed(file):
     assert sweep(interrupted, {"a": range(6)}, to=file).values["x"].tolist() == done == list(range(6))
 
 
+@pytest.mark.exhaustive
 def test_one_at_a_time(tmp_path):
     """Refused in this process and from another one, which a kill releases."""
     file, log = tmp_path / "r.sqlite", tmp_path / "log"

@@ -231,6 +231,7 @@ def refused(words, variables=ROD, minimise=jerk, subject_to=None, **options):
         )
 
 
+@pytest.mark.exhaustive
 def test_a_constraint_that_no_design_keeps_is_named():
     refused(r"constraint 'stroke' misses its lower bound 0.6 by 0.2;", subject_to={"stroke": (travel, 0.6, None)})
 

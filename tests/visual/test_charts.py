@@ -513,6 +513,7 @@ def test_rms_of_an_unbalance():
     assert table["shaking force, magnitude"].range < 1e-12 * force
 
 
+@pytest.mark.exhaustive
 def test_extremes_of_a_run():
     result = loaded_run()
     table = {row.quantity: row for row in extremes(result)}

@@ -392,6 +392,7 @@ def test_a_recording_of_one_instant(fake_screen: Callable[[float], None], tmp_pa
         film(html, tmp_path / "out.mp4")
 
 
+@pytest.mark.exhaustive
 def test_without_chromium(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CHROMIUM", str(tmp_path / "chrome"))
     with pytest.raises(pp.PinpressError, match=r"CHROMIUM is .*chrome, which is no program"):
@@ -579,6 +580,7 @@ def test_command_refuses_words(words: list[str], says: str, capsys: pytest.Captu
     assert says in capsys.readouterr().err
 
 
+@pytest.mark.exhaustive
 def test_command_shows_progress(fake_screen: Callable[[float], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[float] = []
     fake_screen(DURATION)
