@@ -6,6 +6,7 @@ without a server or a network. World axes are in metres, with z up; a planar pre
 
 from __future__ import annotations
 
+import math
 import os
 from collections import Counter
 from collections.abc import Sequence
@@ -21,6 +22,7 @@ from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array, DriverCoordinate
 from ..dynamics import applied_loads
+from ..dynamics.applied_loads import turning_points
 from ..dynamics.inverse_dynamics import Reactions
 from ..engines.branch import predict
 from ..engines.joints import configuration
@@ -153,7 +155,8 @@ class KeyFrames:
         time: (k,) times, 0 at the first [s].
         crank: (k,) angles of the (first) driver [rad]; positions of one that slides [m].
         shown: (k,) the same as they are shown [deg or mm].
-        slide: (k,) slide positions [m]; None where there is no slide.
+        height: (k,) heights of the slide above bottom dead centre, or above the lowest state where there is none [m]; None without a slide.
+        above_bottom: whether heights are above bottom dead centre.
         turn: number of keys of one period, after which the linkage repeats its path; all of them where it does not.
     """
 
@@ -161,7 +164,8 @@ class KeyFrames:
     time: Array
     crank: Array
     shown: Array
-    slide: Array | None
+    height: Array | None
+    above_bottom: bool
     turn: int
 
 
@@ -200,10 +204,18 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     most = min(PER_TURN * max(1, np.ceil(turns - 1e-6)), MOST) + 1
     kept = np.rint(np.linspace(0, len(order) - 1, int(min(len(order), most)))).astype(int)  # the first and the last among them
     order, crank = order[kept], crank[kept]
-    slide = np.asarray(motion.slide_position)[order] if press.slide is not None else None
+    height, above_bottom = _height(press, motion)
     beyond = np.flatnonzero(np.abs(crank - crank[0]) >= (period or np.inf) * (1 - 1e-9))
     turn = int(beyond[0]) + 1 if len(beyond) else len(order)
-    return KeyFrames(order, time[kept], crank, first.scale * crank, slide, turn)
+    return KeyFrames(order, time[kept], crank, first.scale * crank, None if height is None else height[order], above_bottom, turn)
+
+
+def _height(press: Linkage, motion: Motion) -> tuple[Array | None, bool]:
+    """(n,) heights of the slide [m], and whether they are above bottom dead centre; else they are above the lowest state."""
+    if press.slide is None:
+        return None, False
+    position, bottom = np.asarray(motion.slide_position), turning_points(press)[0]
+    return (position - bottom, True) if math.isfinite(bottom) else (position - position.min(), False)
 
 
 def _refuse_broken(motion: Motion, has_slide: bool) -> None:
@@ -275,7 +287,8 @@ def _series(frames: KeyFrames) -> dict[str, Any]:
     return {
         "time": _short(frames.time),  # s
         "crank": _short(frames.shown),  # deg or mm
-        "slide": None if frames.slide is None else _short(frames.slide),  # m
+        "height": None if frames.height is None else _short(frames.height),  # m
+        "above": "above BDC" if frames.above_bottom else "above lowest",
     }
 
 

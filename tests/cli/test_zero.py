@@ -47,7 +47,7 @@ def test_pages(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     data = data_in(tmp_path / "report.html")
     assert data["report"]["over"] == {"quantity": "crank angle from top dead centre", "unit": "deg"}
     assert data["driver"] == {"name": "crank from TDC", "unit": "°"}
-    assert data["slide"][0] == max(data["slide"])
+    assert data["height"][0] == max(data["height"])
 
 
 def test_simulate(capsys: pytest.CaptureFixture[str]) -> None:

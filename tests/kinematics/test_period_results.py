@@ -196,7 +196,7 @@ def test_a_recording_is_closed_after_the_period(press, name, tmp_path):
     assert len(data["time"]) == data["turn"] == 24 * turns + 1
     assert data["period"] == 360 * turns
     assert abs(data["crank"][-1] - 360 * turns) < 1e-6
-    assert abs(data["slide"][-1] - data["slide"][0]) < 1e-9
+    assert abs(data["height"][-1] - data["height"][0]) < 1e-9
     one_turn = pp.servo_cycle(press, speed=SPEED, angle=2 * np.pi * np.arange(24) / 24)
     assert len(data_in(pp.record(press, one_turn, tmp_path / "part.html"))["time"]) == 24  # the next turn is another one
     longer = pp.servo_cycle(press, speed=SPEED, angle=2 * np.pi * np.arange(48 * turns + 1) / 24)

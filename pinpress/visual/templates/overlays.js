@@ -81,11 +81,13 @@ function addForces() {
 
 const foot = () => [centre.x, -centre.z, low.y];  // of the press, in its own axes
 
-function newtons(force) {
-  const [unit, per] = data.peak >= 1e6 ? ["MN", 1e6] : data.peak >= 1e3 ? ["kN", 1e3] : ["N", 1];
-  const largest = data.peak / per;
-  if (largest < 0.1) return `${force.toPrecision(3)} N`;
-  return `${(force / per).toFixed(largest >= 100 ? 0 : largest >= 10 ? 1 : 2)} ${unit}`;
+const UNITS = [[1e6, "MN"], [1e3, "kN"], [1, "N"]];
+
+function newtons(force) {  // three digits, in the unit of this force; rounding beside the largest of all forces is no force
+  if (force < 1e-7 * data.peak) return "0 N";
+  const [per, unit] = UNITS.find(([per]) => force >= 0.9995 * per) || UNITS[2];
+  const digits = (force / per).toPrecision(3);
+  return `${digits.includes("e+") ? Number(digits) : digits} ${unit}`;
 }
 
 // ---- paths ----
@@ -124,10 +126,13 @@ function ends(line, colour) {  // bars across both ends of a straight path
 
 const farthest = (points, from) => points.reduce((best, p) => p.distanceTo(from) > best.distanceTo(from) ? p : best);
 
-// ---- names: one label a place, beside a dot on it ----
-const labels = [];
+// ---- names: one label a place, beside a dot on it; where others are in its way it steps aside, with a line to its dot ----
+const labels = [], SVG = "http://www.w3.org/2000/svg", leaders = document.createElementNS(SVG, "svg");
+const GAP = 3, NEAR = 24;  // between labels, and from a dot to its label without a line [pixels]
 
 function addLabels() {
+  for (const side of ["width", "height"]) leaders.setAttribute(side, "100%");
+  element("labels").append(leaders);
   const named = data.bearings.map(({ name, place }, i) => ({ name, place, arrow: arrows[i] }));
   places.forEach((series, place) => addLabel(series, named.filter(bearing => bearing.place === place)));
   if (arrows.length) addLabel(foot(), [{ name: "shaking force", arrow: arrows[named.length] }]);
@@ -135,7 +140,7 @@ function addLabels() {
 }
 
 function addLabel(series, named) {
-  const dot = document.createElement("i"), chip = document.createElement("div");
+  const dot = document.createElement("i"), chip = document.createElement("div"), leader = document.createElementNS(SVG, "line");
   const rows = named.map(({ name, arrow }) => {
     const row = document.createElement("p"), bold = document.createElement("b"), value = document.createElement("span");
     bold.textContent = bold.title = name;
@@ -143,8 +148,10 @@ function addLabel(series, named) {
     chip.append(row);
     return { value, arrow };
   });
+  leader.setAttribute("stroke", "currentColor");
+  leaders.append(leader);
   element("labels").append(dot, chip);
-  labels.push({ series, dot, chip, rows, width: 0, height: 0 });
+  labels.push({ series, dot, chip, leader, rows, width: 0, height: 0, spot: 0 });
 }
 
 function fillLabels() {
@@ -154,20 +161,60 @@ function fillLabels() {
   for (const label of labels) [label.width, label.height] = [label.chip.offsetWidth, label.chip.offsetHeight];
 }
 
-function placeLabels() {  // where their places are on the screen; a label that would lie on another one moves below it
-  const width = element("view").clientWidth, height = element("view").clientHeight, taken = [];
+// Where a label may stand: at the four corners of its dot, then on rings of growing distance [pixels]
+const SPOTS = [[8, -6], [8, 6], [-8, -6], [-8, 6]];
+for (let far = 28; far < 400; far *= 1.35)
+  for (let k = 0; k < 12; k++) SPOTS.push([far * Math.cos(k * Math.PI / 6), -far * Math.sin(k * Math.PI / 6)]);
+
+function placeLabels() {  // where their places are on the screen
+  const width = element("view").clientWidth, height = element("view").clientHeight;
   for (const label of labels) {
     const at = upright(...vector(label.series).toArray()).project(viewer.camera);
-    const x = (at.x + 1) / 2 * width, y = (1 - at.y) / 2 * height;
-    label.dot.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-    label.at = { left: Math.min(x + 8, width - label.width - 4), top: Math.max(y - label.height - 6, 4) };
+    label.x = (at.x + 1) / 2 * width;
+    label.y = (1 - at.y) / 2 * height;
+    label.dot.style.transform = `translate(${label.x.toFixed(1)}px, ${label.y.toFixed(1)}px)`;
   }
-  for (const label of [...labels].sort((a, b) => a.at.top - b.at.top)) {
-    const { at } = label;
-    for (const other of taken)
-      if (at.left < other.right && at.left + label.width > other.left && at.top < other.bottom && at.top + label.height > other.top) at.top = other.bottom + 3;
-    taken.push({ left: at.left, right: at.left + label.width, top: at.top, bottom: at.top + label.height });
-    taken.sort((a, b) => a.top - b.top);
-    label.chip.style.transform = `translate(${at.left.toFixed(1)}px, ${at.top.toFixed(1)}px)`;
+  const dots = labels.map(({ x, y }) => ({ left: x - 3, right: x + 3, top: y - 3, bottom: y + 3 }));
+  const taken = [element("toolbar"), element("scale"), element("view").querySelector("header")].map(areaInView);
+  for (const label of labels) {
+    const { area, spot } = freeArea(label, taken, dots, width, height);
+    label.spot = spot;
+    taken.push(area);
+    label.chip.style.transform = `translate(${area.left.toFixed(1)}px, ${area.top.toFixed(1)}px)`;
+    drawLeader(label, area);
   }
+}
+
+function areaInView(part) {
+  const area = part.getBoundingClientRect(), view = element("view").getBoundingClientRect();
+  return { left: area.left - view.left, right: area.right - view.left, top: area.top - view.top, bottom: area.bottom - view.top };
+}
+
+// The nearest area that nothing else takes; the last one is kept as long as none is clearly nearer, so that labels do not jump
+function freeArea(label, taken, dots, width, height) {
+  let best = null;
+  for (const [spot, [dx, dy]] of SPOTS.entries()) {
+    const far = Math.hypot(dx, dy) + (spot === label.spot ? 0 : 30);
+    if (best && far >= best.cost) continue;
+    const left = Math.min(Math.max(label.x + (dx < -1 ? dx - label.width : dx > 1 ? dx : -label.width / 2), 4), width - label.width - 4);
+    const top = Math.min(Math.max(label.y + (dy < -1 ? dy - label.height : dy > 1 ? dy : -label.height / 2), 4), height - label.height - 4);
+    const area = { left, top, right: left + label.width, bottom: top + label.height };
+    const cost = far + 20 * sum(taken.map(other => shared(area, other))) + sum(dots.map(dot => shared(area, dot)));
+    if (!best || cost < best.cost) best = { cost, area, spot };
+  }
+  return best;
+}
+
+const sum = numbers => numbers.reduce((total, number) => total + number, 0);
+
+function shared(one, other) {  // area that two rectangles have in common, with the gap between them [pixels squared]
+  const width = Math.min(one.right, other.right) - Math.max(one.left, other.left) + GAP;
+  const height = Math.min(one.bottom, other.bottom) - Math.max(one.top, other.top) + GAP;
+  return width > 0 && height > 0 ? width * height : 0;
+}
+
+function drawLeader({ x, y, leader }, area) {  // to the nearest point of the label's edge
+  const toX = Math.min(Math.max(x, area.left), area.right), toY = Math.min(Math.max(y, area.top), area.bottom);
+  leader.style.display = Math.hypot(toX - x, toY - y) > NEAR ? "" : "none";
+  for (const [name, value] of Object.entries({ x1: x, y1: y, x2: toX, y2: toY })) leader.setAttribute(name, value.toFixed(1));
 }

@@ -2,7 +2,7 @@
 let now = 0, playing = false, before = null;
 const DIGITS = Math.max(3, 2 - Math.floor(Math.log10(duration || 1)));  // of times, so that those of a fast press differ
 const [LENGTH, PER_METRE] = data.size > 50 ? ["m", 1] : data.size > 0.02 ? ["mm", 1e3] : ["µm", 1e6];
-const travel = data.slide ? (Math.max(...data.slide) - Math.min(...data.slide)) * PER_METRE : 0;
+const travel = data.height ? (Math.max(...data.height) - Math.min(...data.height)) * PER_METRE : 0;
 const PLACES = travel > 0 ? Math.min(9, Math.max(1, 2 - Math.floor(Math.log10(travel)))) : 1;
 const UNWRAPPED = !data.period || data.crank.every(angle => Math.abs(angle) <= data.period + 0.001);
 const listeners = [];  // what else follows the time: functions of the time [s]
@@ -17,7 +17,7 @@ function seek(time) {
   show("time", "", now.toFixed(DIGITS) + " s");
   const within = UNWRAPPED ? angle : (angle % data.period + data.period) % data.period;
   show("crank", data.driver.name, within.toFixed(1) + data.driver.unit);
-  if (data.slide) show("slide", "slide", `${(number(data.slide) * PER_METRE).toFixed(PLACES)} ${LENGTH}`);
+  if (data.height) show("slide", data.above, `${(number(data.height) * PER_METRE).toFixed(PLACES)} ${LENGTH}`);
   element("slider").value = now;
   fillLabels();
   for (const tell of listeners) tell(now);
@@ -83,7 +83,7 @@ function start() {
     event.preventDefault();
     setPlaying(!playing);
   });
-  element("slide").hidden = data.slide === null;
+  element("slide").hidden = data.height === null;
   element("front-view").hidden = !data.front.length;
   for (const { name, colour } of data.legend) {
     const row = document.createElement("li"), swatch = document.createElement("i");
