@@ -108,7 +108,11 @@ def run(options: argparse.Namespace) -> int:
     further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
     print(tables.entry("time taken", f"{took[0]:.1f}", further))
     print("\n".join(more), end="\n" if more else "")
-    driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]
+    driving = [
+        (name, described(part, press.driver_coordinates[0]))
+        for name, part in (("flywheel", flywheel), ("motor", motor))
+        if part is not None
+    ]
     print_inputs(
         [
             *inputs(reactions),

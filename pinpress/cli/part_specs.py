@@ -19,7 +19,7 @@ from typing import Any
 from ..common import tables
 from ..common.errors import PinpressError, UnknownNameError, suggestion
 from ..common.parameters import declared
-from ..common.quantities import RPM, DriverCoordinate
+from ..common.quantities import CRANK, RAM, DriverCoordinate
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
@@ -55,14 +55,14 @@ class Kind:
         example: Words behind the kind's name that make one.
         table: Table that it takes from a file; None where it takes none.
         geared: Whether it also takes the keys of a `Geared`.
-        slides: Whether it acts on a driver that slides: with forces in place of torques, and speeds along its axis.
+        driver: Coordinate of the driver on which it acts: where this slides, with forces in place of torques, and speeds along its axis.
     """
 
     made: type
     example: str
     table: Table | None = None
     geared: bool = False
-    slides: bool = False
+    driver: DriverCoordinate = CRANK
 
 
 MOTORS: Mapping[str, Kind] = {
@@ -87,17 +87,16 @@ MOTORS: Mapping[str, Kind] = {
 # without gears; what else there is needs a shaft, as the simulation says
 ON_SLIDING_DRIVERS: Mapping[str, Kind] = {
     **MOTORS,
-    "constant": replace(MOTORS["constant"], example="value=20kN", slides=True),
+    "constant": replace(MOTORS["constant"], example="value=20kN", driver=RAM),
     "servo": Kind(
         ServoMotor,
         "program=motion.csv,stiffness=2e6,damping=9e4,peak_torque=50kN",
         Table("program", ("time [s]", "position [mm]"), ("times", "angles"), 1e-3),
         geared=True,
-        slides=True,
+        driver=RAM,
     ),
-    "prescribed": replace(MOTORS["prescribed"], example="speed=100", slides=True),
+    "prescribed": replace(MOTORS["prescribed"], example="speed=100", driver=RAM),
 }
-_OF_FORCES = {"N m": "N", "N m/rad": "N/m", "N m s/rad": "N s/m"}  # units along a driver that slides
 
 LOADS: Mapping[str, Kind] = {
     "idle": Kind(Idle, ""),
@@ -330,7 +329,7 @@ def _made(option: str, kind: Kind, words: str) -> Any:
         return f"{option}{words}".rstrip(": ")
 
     def wrong(problem: str) -> PinpressError:
-        speeds = f", speeds in {_speed_unit(kind.slides)}" if any(_is_speed(key) for key in known) else ""
+        speeds = f", speeds in {kind.driver.shown_speed[0]}" if any(_is_speed(key) for key in known) else ""
         takes = f"it takes {keys(kind)}, SI units{speeds} or units of their own (12mm, 4000kN)"
         return PinpressError(f"{line(words)}: {problem}; {takes}; write e.g. {line(kind.example)}")
 
@@ -370,15 +369,15 @@ def _keys(kind: Kind) -> dict[str, _Key]:
     for field in fields(kind.made):
         optional = field.default is not MISSING
         if table is None or field.name not in table.into:
-            found.append(_Key(field.name, _note(field, kind.slides), optional, _reader(field, kind.slides)))
+            found.append(_Key(field.name, _note(field, kind.driver), optional, _reader(field, kind.driver)))
         elif field.name == table.into[0]:
             found.append(_Key(table.key, "=FILE", optional, partial(_pairs, columns=table.columns)))
     return {key.name: key for key in found} | (_GEAR if kind.geared else {})
 
 
-def _note(field: Field[Any], slides: bool = False) -> str:
+def _note(field: Field[Any], driver: DriverCoordinate = CRANK) -> str:
     if _is_speed(field.name):
-        return "=MM/S" if slides else "=RPM"
+        return "=RPM" if driver.turns else "=MM/S"
     if _is_at(field):
         return "=0.1s|180deg"
     known = declared(field)
@@ -387,7 +386,7 @@ def _note(field: Field[Any], slides: bool = False) -> str:
     return "" if field.default is MISSING or field.default is None else f"={field.default:g}"
 
 
-def _reader(field: Field[Any], slides: bool = False) -> Callable[[str], Any]:
+def _reader(field: Field[Any], driver: DriverCoordinate = CRANK) -> Callable[[str], Any]:
     if _is_at(field):
         return _at
     if field.type in (int, "int"):
@@ -395,9 +394,9 @@ def _reader(field: Field[Any], slides: bool = False) -> Callable[[str], Any]:
     if field.type in (str, "str"):
         return str
     if _is_speed(field.name):
-        return partial(_speed, slides=slides)
+        return partial(_speed, driver=driver)
     known = declared(field)
-    unit = "-" if known is None else _OF_FORCES.get(known.unit, known.unit) if slides else known.unit
+    unit = "-" if known is None else driver.in_place_of(known.unit)
     return partial(_vector if known is not None and known.axes else read_quantity, unit=unit)
 
 
@@ -409,12 +408,9 @@ def _is_at(field: Field[Any]) -> bool:
     return SwitchPoint.__name__ in re.findall(r"\w+", str(field.type))
 
 
-def _speed_unit(slides: bool) -> str:
-    return "mm/s" if slides else "r/min"
-
-
-def _speed(text: str, slides: bool) -> float:
-    return read_quantity(text, _speed_unit(slides)) * (1e-3 if slides else RPM)
+def _speed(text: str, driver: DriverCoordinate) -> float:
+    unit, size = driver.shown_speed
+    return read_quantity(text, unit) * size
 
 
 def _whole(text: str) -> int:

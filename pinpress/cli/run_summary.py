@@ -58,7 +58,7 @@ def duty_summary(run: Run) -> list[str]:
 
 
 def _end(run: Run, steady: bool) -> list[str]:
-    first, (unit, size) = run.driver_coordinates[0], _speed_unit(run)
+    first, (unit, size) = run.driver_coordinates[0], run.driver_coordinates[0].shown_speed
     angle = first.scale * run.crank_angle
     way = float(angle[-1] - angle[0]) + 0.0
     moved = f"{way / 360 + 0.0:.6g} turns from the start" if first.turns else f"{way:.6g} mm from the start"
@@ -70,13 +70,8 @@ def _end(run: Run, steady: bool) -> list[str]:
     ]
 
 
-def _speed_unit(run: Run) -> tuple[str, float]:
-    """The unit in which a driver's speed is shown, and its size in SI units."""
-    return ("r/min", RPM) if run.driver_coordinates[0].turns else ("mm/s", 1e-3)
-
-
 def _speeds(run: Run, whole: MotorDuty, steady: bool) -> list[str]:
-    unit, size = _speed_unit(run)
+    unit, size = run.driver_coordinates[0].shown_speed
     recovery = [tables.entry("from lowest to highest", f"{whole.recovery_time:.6g}", "s")] if steady else []
     return [
         "",

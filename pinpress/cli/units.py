@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..common.errors import PinpressError, suggestion
-from ..common.quantities import RPM, DriverCoordinate
+from ..common.quantities import CRANK, RAM, RPM, DriverCoordinate
 
 # Factors to the first unit of each row, which is the one that help and messages name.
 _ROWS: tuple[Mapping[str, float], ...] = (
@@ -100,17 +100,17 @@ class OfDriver:
 
 def driver_speed(text: str) -> OfDriver:
     """Reads an option of `argparse`: a speed of the driver."""
-    return _of_driver(text, "r/min", "mm/s")
+    return _of_driver(text, CRANK.shown_speed[0], RAM.shown_speed[0])
 
 
 def driver_position(text: str) -> OfDriver:
     """Reads an option of `argparse`: a crank angle, or the position of a driver that slides."""
-    return _of_driver(text, "deg", "mm")
+    return _of_driver(text, CRANK.shown_unit, RAM.shown_unit)
 
 
 def driver_effort(text: str) -> OfDriver:
     """Reads an option of `argparse`: a torque at the driver joint, or the force of a driver that slides."""
-    return _of_driver(text, "N m", "N")
+    return _of_driver(text, CRANK.effort_unit, RAM.effort_unit)
 
 
 def _of_driver(text: str, turning: str, sliding: str) -> OfDriver:

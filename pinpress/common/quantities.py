@@ -44,6 +44,15 @@ class DriverCoordinate:
         return self.unit == "rad"
 
     @property
+    def shown_speed(self) -> tuple[str, float]:
+        """The unit in which the command line and what it prints have the driver's speed, and its size in SI units."""
+        return ("r/min", RPM) if self.turns else ("mm/s", 1e-3)
+
+    def in_place_of(self, unit: str) -> str:
+        """The SI unit that takes the place of a shaft's on this driver: "N" of "N m" where it slides, else the same."""
+        return unit if self.turns else _ALONG.get(unit, unit)
+
+    @property
     def part(self) -> str:
         """What moves: "crank" or "driver"."""
         return self.position.split()[0]
@@ -67,6 +76,15 @@ class DriverCoordinate:
         """A place in words: "crank angle 30 deg", "driver position 12 mm", "crank angle 30 deg from top dead centre"."""
         return f"{self.position} {self.shown(value)}" + (f" from {self.zero}" if self.zero else "")
 
+
+_ALONG = {  # units of a shaft's quantities, and those along an axis
+    "rad": "m",
+    "rad/s": "m/s",
+    "N m": "N",
+    "N m/rad": "N/m",
+    "N m s/rad": "N s/m",
+    "kg m2": "kg",
+}
 
 CRANK = DriverCoordinate("crank angle", "torque", "rad", "N m", "deg", 180 / np.pi)
 """The coordinate of a driver that turns."""

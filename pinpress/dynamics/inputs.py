@@ -18,7 +18,7 @@ import numpy as np
 from ..common import tables
 from ..common.errors import shown
 from ..common.parameters import declared
-from ..common.quantities import RPM
+from ..common.quantities import CRANK, RPM, DriverCoordinate
 from ..kinematics.motion import Motion
 from ..linkage import loading
 from ..linkage.linkage import Linkage
@@ -83,7 +83,7 @@ def _file_in_words(press: Linkage) -> str:
 def motion_in_words(motion: Motion) -> str:
     """Speed, duration and number of states of a motion."""
     states, first = f"{len(motion.crank_angle)} {'state' if len(motion.crank_angle) == 1 else 'states'}", motion.driver_coordinates[0]
-    unit = "rad/s" if first.turns else "m/s"
+    unit = f"{first.unit}/s"
     if motion.crank_speed.ndim == 1 and first.turns and is_constant(motion.crank_speed):
         speed = written(motion.crank_speed[0], unit)
         return f"one period at {speed}, {states}" if is_cycle(motion) else f"constant speed, {speed}, {states}"
@@ -105,8 +105,13 @@ def _by_bearing(given: Mapping[str, Any], unit: str = "") -> str:
     return "; ".join(f"{', '.join(bearings)}: {words}" for words, bearings in names.items())
 
 
-def described(part: object) -> str:
-    """A load, drive or other part in words: its class and its fields, with units where they are declared."""
+def described(part: object, driver: DriverCoordinate = CRANK) -> str:
+    """A load, drive or other part in words: its class and its fields, with units where they are declared.
+
+    Args:
+        part: the part.
+        driver: coordinate of the driver on which it acts. Where this slides, it has forces in place of torques, but not behind gears.
+    """
     if isinstance(part, str):  # it was described before it was sent here
         return part
     if not is_dataclass(part) or isinstance(part, type):
@@ -115,7 +120,7 @@ def described(part: object) -> str:
     for field in fields(part):
         value, known = getattr(part, field.name), declared(field)
         if value is not None:
-            words.append(f"{field.name}={written(value, '' if known is None else known.unit)}")
+            words.append(f"{field.name}={written(value, '' if known is None else driver.in_place_of(known.unit))}")
     return f"{type(part).__name__}({', '.join(words)})"
 
 

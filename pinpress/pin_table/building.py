@@ -61,6 +61,7 @@ class DrawnPress(Tabular):
     parts: Parts
     tree: Tree
     _table: Entry  # what it was drawn from
+    _given: str = ""  # values of the table's parameters in place of its own, " with r=150"
 
     @cached_property
     def urdf(self) -> bytes:
@@ -89,13 +90,17 @@ class DrawnPress(Tabular):
         Raises:
             PinpressError: what `load` raises.
         """
-        return load_text(self._text(), f"{self.file} as URDF", gravity=gravity)
+        return load_text(self._text(), self._file_as_urdf, gravity=gravity)
 
     def check(self) -> CheckResult:
         """How the press moves, and everything that is wrong with it, odd in it or worth knowing, as `pinpress.check` finds it."""
-        found = check_document(self.file, Document(f"{self.file} as URDF", self._text()))
+        found = check_document(self.file, Document(self._file_as_urdf, self._text()))
         findings = (replace(finding, line=None) for finding in found.findings)  # lines are of a URDF that nobody has seen
         return replace(found, findings=Records(Finding, findings))
+
+    @property
+    def _file_as_urdf(self) -> str:
+        return f"{self.file}{self._given} as URDF"
 
     def _text(self) -> bytes:
         return urdf_text(self.name, self._comment(), self.parts, self.tree)
@@ -162,13 +167,14 @@ class DrawnPress(Tabular):
         near = Entry(tuple(Entry(each, entry.file, entry.line, entry.path) for each in places[pin]), entry.file, entry.line, entry.path)
         kept = {key: each for key, each in entry.items("a pin").items() if key not in ("side", "near")}
         pins[pin] = replace(entry, value=kept | {"near": near})
-        return _drawn(replace(self._table, value={**items, "pins": replace(items["pins"], value=pins)}))
+        drawn = _drawn(replace(self._table, value={**items, "pins": replace(items["pins"], value=pins)}))
+        return replace(drawn, _given=self._given)
 
     def _comment(self) -> str:
         return "\n".join(self._commented())
 
     def _commented(self) -> Iterator[str]:
-        yield f"{self.name}: {MARK.decode()} {Path(self.file).name}."
+        yield f"{self.name}: {MARK.decode()} {Path(self.file).name}{self._given}."
         yield "Drawn at crank angle 0. x to the right, z up; pins turn about (0, -1, 0), so a positive angle turns x towards z. SI units."
         yield ""
         yield "Bearings, and on which link the force of which one is given:"
@@ -218,11 +224,10 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
     Warns:
         PinpressWarning: numbers that are hardly meant.
     """
-    return _drawn(
-        given_table(_without_units(values, _length_of(values.get("units"))))
-        if table is None
-        else _with_parameters(read_table(table), values)
-    )
+    if table is None:
+        return _drawn(given_table(_without_units(values, _length_of(values.get("units")))))
+    drawn = _drawn(_with_parameters(read_table(table), values))
+    return replace(drawn, _given=f" with {', '.join(f'{name}={value}' for name, value in values.items())}") if values else drawn
 
 
 def _drawn(entries: Entry) -> DrawnPress:

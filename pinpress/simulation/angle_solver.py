@@ -454,4 +454,4 @@ def place_at(elapsed: Array, since: Array, took: Array) -> Array:
         x = np.clip(x - step, -1.0, 1.0)
         if np.abs(step).max(initial=0.0) < 1e-13:
             break
-    return x
+    return np.where(since > 0, x, -1.0)  # a press that starts from rest stands still there, without rounding

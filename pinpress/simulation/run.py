@@ -232,14 +232,20 @@ def _rounding(driven: DrivenPress, times: Array, motion: Motion, own: Array) -> 
 
 def _torques(driven: DrivenPress, speed: Array) -> Array:
     """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n) [N m]."""
-    press, torque = driven.press, np.zeros_like(speed)
-    rows = {joint: k for k, joint in enumerate(press.driver_indices)}
+    torque = np.zeros_like(speed)
+    for k, drive in _several_drives(driven):
+        torque[k] = drive.torque(speed[k])
+    return torque
+
+
+def _several_drives(driven: DrivenPress) -> list[tuple[int, Drive]]:
+    """The drives of a press with several drivers, each behind the number of its driver."""
+    rows, found = {joint: k for k, joint in enumerate(driven.press.driver_indices)}, []
     for force in driven.forces:
         coordinate = driven.coordinates[force.row]
         if force.drive is not None and isinstance(coordinate, JointPosition):
-            k = rows[coordinate.joint]
-            torque[k] = force.drive.torque(speed[k])
-    return torque
+            found.append((rows[coordinate.joint], force.drive))
+    return found
 
 
 def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, stats: Stats, sample: Sample) -> Run:
@@ -469,13 +475,15 @@ def inputs_of(reactions: Reactions) -> inputs.Inputs:
     begin = first.at(float(np.ravel(run.crank_angle[0])[0]) + 0.0)
     speed = inputs.written(float(np.ravel(run.crank_speed[0])[0]) + 0.0, f"{first.unit}/s")
     start = f"simulated from {begin} at {speed}, {run.time[-1]:.6g} s, {len(run.time)} states"
-    several = [force.drive for force in driven.forces if force.drive is not None]
+    several = _several_drives(driven)
     parts = {"drive": driven.drive or driven.prescribed, "flywheel": driven.flywheel, "clutch": driven.clutch, "brake": driven.brake}
-    given = [(name, inputs.described(as_given(part))) for name, part in parts.items() if part is not None]
-    given += [("drive", inputs.described(as_given(drive))) for drive in several]
-    if len(driven.inertias) > 1:
-        inertias = ", ".join(f"{inertia:.9g}" for inertia in driven.inertias)
-        given.append(("flywheels", f"{inertias} kg m2 with drives, at {', '.join(run.drivers)}"))
+    given = [(name, inputs.described(as_given(part), first)) for name, part in parts.items() if part is not None]
+    coordinates = run.driver_coordinates
+    given += [(f"drive at {run.drivers[k]}", inputs.described(as_given(drive), coordinates[k])) for k, drive in several]
+    if len(driven.inertias) > 1 and driven.inertias.any():
+        units = (coordinate.in_place_of("kg m2") for coordinate in coordinates)
+        inertias = (f"{inertia:.9g} {unit} at {name}" for inertia, unit, name in zip(driven.inertias, units, run.drivers, strict=True))
+        given.append(("flywheels and drives", f"inertia {', '.join(inertias)}"))
     if not several and parts["drive"] is None:
         given.insert(0, ("drive", "none"))
     how = f", method {stats.method!r} by {', '.join(stats.solvers)}, " + (

@@ -50,7 +50,9 @@ def test_every_command_takes_other_values_of_a_tables_parameters(folder, capsys)
         for file in (["press.urdf"], ["press.yaml", "--set", "r=95"], ["press.yaml"]):
             capsys.readouterr()
             assert main([*words, *file]) == 0
-            shown.append([line for line in figures(capsys.readouterr().out) if line.startswith(("  stroke ", "  K "))])
+            said = capsys.readouterr().out
+            assert ("press.yaml with r=95 as URDF" in said) == ("--set" in file and words != ["check"])
+            shown.append([line for line in figures(said) if line.startswith(("  stroke ", "  K "))])
         assert shown[0] == shown[1] != shown[2]
 
 

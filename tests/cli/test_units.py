@@ -124,7 +124,10 @@ def test_a_driver_that_slides_takes_speeds_in_mm_per_second(tmp_path, capsys):
     assert main(["analyse", "crank_slide", "--speed", "70mm/s"]) != 0
     assert "'70mm/s' is of no driver that turns" in capsys.readouterr().err
     assert main(["simulate", str(path), "--duration", "0.05", "--angle=-0.1m", "--motor", "constant:value=20"]) == 0
-    assert "simulated from driver position -100 mm" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "simulated from driver position -100 mm at 0 mm/s" in said
+    assert " 0 mm/s" in next(line for line in said.splitlines() if line.startswith("  lowest "))
+    assert "ConstantTorque(value=20 N)" in said
 
 
 def test_motors_take_forces_on_a_driver_that_slides(tmp_path):

@@ -8,6 +8,7 @@ import pytest
 from support import texts
 
 import pinpress as pp
+from pinpress.common.quantities import RAM
 from pinpress.dynamics.inputs import described, inputs
 from pinpress.simulation.run import inputs_of
 
@@ -56,6 +57,16 @@ class OfCallers:
 )
 def test_parts_in_words(part, words):
     assert described(part) == words
+
+
+def test_what_drives_a_driver_that_slides_has_forces():
+    servo = pp.drives.ServoMotor((0.0, 1.0), (0.0, 0.1), 2e6, 9e3, 50e3, 40.0)
+    constant = pp.drives.ConstantTorque(20000.0)
+    assert described(constant, RAM) == "ConstantTorque(value=20 kN)"
+    geared = described(pp.drives.Geared(constant, 600.0, gear_inertia=3.0), RAM)
+    assert geared == "Geared(drive=ConstantTorque(value=20 kN m), ratio=600, gear_inertia=3 kg, efficiency=1)"
+    assert described(pp.drives.PrescribedSpeed(0.1), RAM) == "PrescribedSpeed(speed=0.1 m/s)"
+    assert described(servo, RAM).split("stiffness=")[1] == "2000000 N/m, damping=9000 N s/m, peak_torque=50 kN, inertia=40 kg)"
 
 
 def test_inputs_of_reactions():
