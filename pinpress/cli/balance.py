@@ -95,7 +95,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="CRITERION=MOST",
         help="most of a criterion, in its SI unit; may be given several times",
     )
-    add_force_options(parser, friction=False)
+    add_force_options(parser, friction=False, stiffness=False)
     add_refused_option(
         parser, "--friction", "balancing needs forces that are linear in the masses, and with friction they are not: leave it out"
     )

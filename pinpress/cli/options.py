@@ -105,13 +105,14 @@ def with_zero(press: Linkage, zero: str) -> Linkage:
     return press.drawn_at(ends.top_angle if zero == "tdc" else ends.bottom_angle, ZEROS[zero])
 
 
-def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True) -> None:
+def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True, stiffness: bool = True) -> None:
     """Options of `forces`: loads and springs, and where it is computed with them friction and stiffnesses of bearings."""
     option = parser.add_argument
     add_load_option(parser)
     option("--spring", metavar="KEYS", action="append", default=[], help="spring, see below; may be given several times")
     if friction:
         option("--friction", metavar="NAME:KEYS", action="append", default=[], help="friction of a bearing or guide, or of all, see below")
+    if stiffness:
         option(
             "--stiffness",
             metavar="NAME=N/m",

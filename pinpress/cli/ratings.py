@@ -8,23 +8,24 @@ from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
-from ..dynamics.inputs import of_loads, of_press, stated
+from ..dynamics.inputs import of_friction, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import process_summary
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from ..loads.link import PointForce
+from ..loads.link import PointForce, SpringDamper
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
 from . import part_specs
 from .options import (
     SPEED,
     add_flywheel_option,
-    add_load_option,
+    add_force_options,
     add_out_option,
     add_press_options,
     add_refused_option,
     load_press,
+    loads,
     print_inputs,
     say_written,
 )
@@ -35,7 +36,9 @@ numbers are in SI units, heights above bottom dead centre in m, but the speed is
 e.g. pinpress ratings zxn2_3000b --speed 70 --nominal-force 3000e3 --nominal-height 0.013 --flywheel 2000 --speed-drop 0.2 --bearing A=2e6
      --out out
 
-{part_specs.explained("load")}"""
+springs and point forces act beside the process, and go with --at-speed.
+
+{part_specs.explained("load", "spring", "friction")}"""
 NUMBERS = {
     "nominal-height": ("H", "m", "height from which down the crank's torque lets the nominal force act"),
     "speed-drop": ("D", "-", "largest drop of the flywheel's speed in a stroke, a fraction, e.g. 0.2"),
@@ -79,9 +82,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         help="take weights and inertia forces at this speed into account (default: the process force alone)",
     )
     add_flywheel_option(parser, "goes with --speed-drop")
-    add_load_option(parser)
-    for name in ("--spring", "--friction"):
-        add_refused_option(parser, name, "ratings leave springs and friction out: pinpress analyse takes them")
+    add_force_options(parser, stiffness=False)
     add_refused_option(parser, "--motor", "ratings take the power of the motor: give --motor-power")
     option("--points", type=int, default=181, metavar="N", help="number of crank angles in the working stroke (default: %(default)s)")
     add_press_options(parser)
@@ -103,16 +104,16 @@ def run(options: argparse.Namespace) -> int:
     if options.flywheel is not None:
         given["flywheel_inertia"] = part_specs.flywheel(options.flywheel).inertia
     bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
-    loads = [part_specs.load(words) for words in options.load]
-    if any(isinstance(load, PointForce) for load in loads):
-        raise PinpressError("--load point-force: ratings compare the process between slide and frame; pinpress analyse takes other forces")
+    acting = loads(options)
+    beside, process_loads = ([load for load in acting if isinstance(load, PointForce | SpringDamper) == so] for so in (True, False))
     press = load_press(options)
+    friction = part_specs.frictions(options.friction, press)
     coordinate = press.driver_coordinates[0]
     speed, torque = options.speed.of(coordinate), None if options.torque is None else options.torque.of(coordinate)
     capacities = Capacities(options.nominal_force, bearings=bearings, torque=torque, **given)
-    found = rate(press, speed, capacities, at_speed=options.at_speed, points=options.points, **extra)
+    found = rate(press, speed, capacities, at_speed=options.at_speed, loads=beside, friction=friction, points=options.points, **extra)
     turns = press.period_turns if coordinate.turns else 1
-    process = inverse_dynamics(press, cycle(press, speed, points=POINTS * turns), loads, bearings=()) if loads else None
+    process = inverse_dynamics(press, cycle(press, speed, points=POINTS * turns), process_loads, bearings=()) if process_loads else None
     lines = [] if process is None else _process(press, process, found)
     if options.out is not None:
         make_folder(options.out)
@@ -120,7 +121,8 @@ def run(options: argparse.Namespace) -> int:
     pace = f"{speed / RPM:g} r/min" if coordinate.turns else f"up to {1e3 * abs(speed):g} mm/s"
     at = f"{pace}, {'with' if options.at_speed else 'without'} weights and inertia forces"
     limits = capacities_in_words(capacities, coordinate)
-    print_inputs([*of_press(press), ("speed", at), *limits, *(of_loads(loads) if loads else []), stated()])
+    under = [*(of_loads(acting) if acting else []), *(of_friction(friction) if friction else [])]
+    print_inputs([*of_press(press), ("speed", at), *limits, *under, stated()])
     if options.out is not None:
         _write(found, process, options.out)
     return 0

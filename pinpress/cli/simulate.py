@@ -67,7 +67,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")
     option("--motor", metavar="KIND:KEYS", help="motor or other drive of the crank, see below (default: none)")
     add_flywheel_option(parser, "inertia=J,speed=RPM where it turns before a clutch closes")
-    add_force_options(parser, friction=False)
+    add_force_options(parser, friction=False, stiffness=False)
     why = "simulations know no friction in bearings: pinpress analyse has it at constant speed; losses in gears are efficiency= of --motor"
     add_refused_option(parser, "--friction", why)
     option("--clutch", metavar="KEYS", help="clutch between flywheel and crank, see below")

@@ -23,7 +23,7 @@ from ..kinematics.motion import Motion
 from ..linkage import loading
 from ..linkage.linkage import Linkage
 from ..linkage.writing import is_as_read
-from ..loads.link import SpringDamper
+from ..loads.link import Friction, SpringDamper
 from .extremes import is_constant
 from .harmonics import is_cycle
 from .inverse_dynamics import Reactions
@@ -51,7 +51,7 @@ def inputs(reactions: Reactions, motion: str = "", drives: Inputs = (), how: str
         ("motion", motion or motion_in_words(reactions.motion)),
         *drives,
         *of_loads(reactions.loads),
-        ("friction", _by_bearing(reactions.friction) or "none"),
+        *of_friction(reactions.friction),
         *([("stiffness", _by_bearing(reactions.stiffness, "N/m"))] if reactions.stiffness else []),
         stated(f"engine {reactions.engine!r}{how}"),
     ]
@@ -95,6 +95,11 @@ def of_loads(loads: Sequence[object]) -> Inputs:
     """Loads and springs as they were given, or that there are none."""
     rows = [("spring" if isinstance(load, SpringDamper) else "load", described(load)) for load in loads]
     return rows or [("loads", "none but weight")]
+
+
+def of_friction(friction: Mapping[str, Friction]) -> Inputs:
+    """Friction of bearings as it was given, or that there is none."""
+    return [("friction", _by_bearing(friction) or "none")]
 
 
 def _by_bearing(given: Mapping[str, Any], unit: str = "") -> str:

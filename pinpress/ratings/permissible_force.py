@@ -3,23 +3,28 @@
 At a given angle and speed the driving torque and every bearing force are affine in the process force F: R = R0 + F R1. R0 are the reactions
 of the idle press, and R1 those of its links without mass under a force of 1 N, so that neither is a difference of large numbers. A capacity
 C lets F grow until |R0 + F R1| = C, a quadratic equation.
+
+With friction this still holds of the process force alone, because friction grows in proportion to it. Beside weights, inertia forces and
+springs the friction of bearings is no longer affine in F, but |R| still crosses C once: where is found by Newton's method within a bracket.
 """
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from ..common.arguments import positive, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
+from ..common.numerics import bracketed_roots
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
@@ -27,13 +32,17 @@ from ..kinematics.motion import Motion, moved
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import DeadCentres, dead_centres
 from ..linkage.linkage import Linkage
-from ..loads.process import ConstantForce
+from ..loads.link import Friction, Load, PointForce, SpringDamper, law
+from ..loads.process import ConstantForce, ProcessLoad, TimeForce
 
 NOMINAL, TORQUE, DRIVING_FORCE, BEARING = "nominal force", "torque", "driving force", "bearing "
 TURN = 360  # states of a turn in which the idle press is checked
 ROUNDING = 4 * float(np.finfo(float).eps)  # accuracy of roots, absolute and relative
 TIE = 1e-9  # relative difference up to which two limits count as equal
 SAME = 1e-12  # relative difference by rounding between limits that are equal at every height
+FURTHEST = 2.0  # multiple of the nominal force up to which forces are looked for with friction; larger ones never govern
+BESIDE = 1e-6  # share of the nominal force by which the slope of a utilisation is found
+SLOWED = 1e-6  # least share of its highest speed that a driver that slides counts as moving with: at rest friction has no direction
 GAUSS = np.polynomial.legendre.leggauss(3)  # nodes and weights, with which the work between two states is found
 UNITS = {
     "nominal_force": "N",
@@ -149,6 +158,8 @@ class RatedStroke:
             centre [m/s].
         torque: torque capacity at the driver joint [N m], or force capacity of a driver that slides [N]; None: it limits nothing.
         at_speed: whether weights and inertia forces count.
+        loads: springs and constant forces that act beside the process.
+        friction: of the bearings, by their names.
         engine: as in `cycle`.
         top: crank angle of the dead centre at which the working stroke begins [rad]; position of a driver that slides [m].
         bottom: crank angle at which it ends, unwrapped: less than ``top`` where the crank turns backwards [rad]; position of a driver that
@@ -163,6 +174,8 @@ class RatedStroke:
     speed: float
     torque: float | None
     at_speed: bool
+    loads: tuple[Load, ...]
+    friction: Mapping[str, Friction]
     engine: str
     top: float
     bottom: float
@@ -195,7 +208,8 @@ class RatedStroke:
             return motion
         middle, half = 0.5 * (self.top + self.bottom), 0.5 * abs(self.bottom - self.top)
         beside = motion.crank_angle - middle
-        speed = self.speed * np.sqrt(np.maximum(1.0 - (beside / half) ** 2, 0.0))
+        slowest = SLOWED**2 if self.friction else 0.0
+        speed = self.speed * np.sqrt(np.maximum(1.0 - (beside / half) ** 2, slowest))
         acceleration = -((self.speed / half) ** 2) * beside
         return moved(self.press, self.press.branch, motion.crank_angle, speed, acceleration, None, self.engine)
 
@@ -203,9 +217,33 @@ class RatedStroke:
         """Heights (n,) above bottom dead centre, not below it by rounding [m]."""
         return np.maximum(motion.slide_position - self.bottom_position, 0.0)
 
+    @cached_property
+    def work_by_force(self) -> Callable[[Array], Array]:
+        """Work of the driver (n,) for a process force of 1 N and its friction, from crank angles (n,) to the end of the stroke [J/N]."""
+        from scipy.interpolate import CubicHermiteSpline  # slow to import
 
-def rated_stroke(press: Linkage, capacities: Capacities, speed: float, at_speed: bool, engine: str) -> RatedStroke:
-    """The working stroke to be rated, with the torque capacity that a nominal height stands for.
+        nodes, weights = GAUSS
+        angle = np.linspace(self.top, self.bottom, 2 * TURN + 1)
+        middle, half = 0.5 * (angle[1:] + angle[:-1]), 0.5 * (angle[1] - angle[0])
+        places = np.concatenate([angle, (middle[:, None] + half * nodes).ravel()])
+        torque = unit_force_reactions(self, self.motion(places), ()).driving_torque
+        steps = half * (torque[len(angle) :].reshape(-1, len(nodes)) @ weights)
+        work = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+        order = slice(None) if half > 0 else slice(None, None, -1)
+        spline = CubicHermiteSpline(angle[order], work[order], -torque[: len(angle)][order])
+        return lambda at: np.maximum(spline(at), 0.0)
+
+
+def rated_stroke(
+    press: Linkage,
+    capacities: Capacities,
+    speed: float,
+    *,
+    at_speed: bool,
+    beside: tuple[tuple[Load, ...], Mapping[str, Friction]],
+    engine: str,
+) -> RatedStroke:
+    """The working stroke to be rated, with the torque capacity that a nominal height stands for; ``beside``: loads and friction.
 
     Raises:
         PinpressError: the nominal height is not between 0 and the stroke, or the slide turns back within the travel of a driver that
@@ -224,6 +262,8 @@ def rated_stroke(press: Linkage, capacities: Capacities, speed: float, at_speed:
         speed=speed,
         torque=capacities.torque,
         at_speed=at_speed,
+        loads=beside[0],
+        friction=beside[1],
         engine=engine,
         top=ends.top_angle,
         bottom=bottom,
@@ -233,7 +273,7 @@ def rated_stroke(press: Linkage, capacities: Capacities, speed: float, at_speed:
     if capacities.nominal_height is None:
         return given
     at = given.motion(np.array([angle_at(given, "nominal_height", capacities.nominal_height)]))
-    needed = unit_force_reactions(without_masses(press), at, ends.bottom_position, (), engine).driving_torque[0]
+    needed = unit_force_reactions(given, at, ()).driving_torque[0]
     return replace(given, torque=capacities.nominal_force * abs(float(needed)))
 
 
@@ -275,6 +315,33 @@ def angle_at(rated: RatedStroke, name: str, height: float) -> float:
     return float(brentq(above, rated.top, rated.bottom, xtol=ROUNDING, rtol=ROUNDING))
 
 
+def refuse_unrated(press: Linkage, loads: object, friction: Mapping[str, Friction], *, at_speed: bool) -> None:
+    """Raise PinpressError where loads are no springs or constant forces, or where loads or viscous friction stand beside the process force
+    alone; and as `loads.link.law`."""
+    if not isinstance(loads, list | tuple):
+        raise PinpressError(f"loads is {shown(loads)}: give a list, loads=[...]")
+    for load in loads:
+        if isinstance(load, PointForce) and (callable(load.force) or np.ndim(load.force) != 1):
+            raise PinpressError(f"load on {shown(load.link)}: ratings take a constant force, (3,) in world axes [N]")
+        if not isinstance(load, PointForce | SpringDamper):
+            kind = type(load).__name__ if isinstance(load, ProcessLoad | TimeForce) and not isinstance(load, type) else shown(load)
+            raise PinpressError(
+                f"{kind} is no load of ratings, which find the force of the process: give springs (SpringDamper) and constant forces"
+                " (PointForce); ratings.utilisation(reactions) compares a process with what is permitted"
+            )
+    _ = law(friction, press)
+    if at_speed:
+        return
+    if loads:
+        raise PinpressError("springs and constant forces stand beside weights and inertia forces: give at_speed=True (--at-speed) too")
+    for name, given in friction.items():
+        if given.viscous:
+            raise PinpressError(
+                f"friction of {shown(name)}: viscous friction goes with the speed, not with the process force: give at_speed=True"
+                " (--at-speed) too, or leave it out"
+            )
+
+
 def refuse_overloaded_idle(rated: RatedStroke) -> None:
     """Raise PinpressError where the idle press at its speed exceeds a capacity of torque or bearings anywhere in a period."""
     turning, stroke = rated.coordinate.turns, np.linspace(rated.top, rated.bottom, TURN)
@@ -283,16 +350,16 @@ def refuse_overloaded_idle(rated: RatedStroke) -> None:
         motion, speed = rated.motion(np.concatenate([whole, stroke])), f"{abs(rated.speed) / RPM:.6g} r/min"
     else:  # on the way back a driver that slides takes the same forces
         motion, speed = rated.in_operation(rated.motion(stroke)), f"a highest speed of {1e3 * abs(rated.speed):.6g} mm/s"
-    idle = inverse_dynamics(rated.press, motion, engine=rated.engine, bearings=rated.bearings)
-    loads = (
+    idle = inverse_dynamics(rated.press, motion, rated.loads, rated.friction, engine=rated.engine, bearings=rated.bearings)
+    sizes = (
         {}
         if rated.torque is None
         else {f"the driving {rated.coordinate.effort}": (np.abs(idle.driving_torque), rated.torque, rated.coordinate.effort_unit)}
     )
     for name in rated.bearings:
         force = np.linalg.norm(idle.bearing_force[name], axis=1)
-        loads[f"the force in bearing {shown(name)}"] = force, rated.capacities.bearings[name], "N"
-    for what, (size, capacity, unit) in loads.items():
+        sizes[f"the force in bearing {shown(name)}"] = force, rated.capacities.bearings[name], "N"
+    for what, (size, capacity, unit) in sizes.items():
         worst = int(size.argmax())
         if size[worst] > capacity:
             raise PinpressError(
@@ -301,20 +368,21 @@ def refuse_overloaded_idle(rated: RatedStroke) -> None:
             )
 
 
-def permitted_forces(rated: RatedStroke, motion: Motion, energy: bool = True) -> dict[str, Array]:
+def permitted_forces(rated: RatedStroke, motion: Motion, energy: bool = True, wanted: Collection[str] | None = None) -> dict[str, Array]:
     """Process force (n,) that each limit permits, by the limit's name, infinite where it permits any; the nominal force is first [N].
 
     Args:
         rated: the working stroke.
         motion: motion of the press, n states.
         energy: whether to add the forces that take all usable energy when they act from here to bottom dead centre.
+        wanted: names of limits; others are left out where that saves time. None: all.
     """
-    strokes = (_in_one_stroke(rated, again) for again in _in_every_stroke(rated, motion))
+    strokes = (_in_one_stroke(rated, again, wanted) for again in _in_every_stroke(rated, motion))
     found = functools.reduce(lambda some, others: {name: np.minimum(force, others[name]) for name, force in some.items()}, strokes)
     if energy:
-        height = rated.height(motion)
+        work = rated.work_by_force(motion.crank_angle) if rated.friction and rated.energies else rated.height(motion)
         with np.errstate(divide="ignore", over="ignore"):  # at height zero any force is permitted
-            found |= {name: usable / height for name, usable in rated.energies.items()}
+            found |= {name: usable / work for name, usable in rated.energies.items()}
     return found
 
 
@@ -365,18 +433,13 @@ def permitted_work(rated: RatedStroke, angle: Array) -> Array:
     return np.append(np.cumsum(steps[::-1])[::-1], 0.0)
 
 
-def unit_force_reactions(massless: Linkage, motion: Motion, bottom: float, bearings: tuple[str, ...] | None, engine: str) -> Reactions:
-    """Reactions to a process force of 1 N at every height of a motion, without weights and inertia forces.
-
-    Args:
-        massless: the press with massless links, see `without_masses`.
-        motion: motion of the press.
-        bottom: slide position at bottom dead centre [m].
-        bearings: as in `inverse_dynamics`.
-        engine: as in `cycle`.
-    """
+def unit_force_reactions(rated: RatedStroke, motion: Motion, bearings: tuple[str, ...] | None) -> Reactions:
+    """Reactions to a process force of 1 N at every height of a motion, with the Coulomb friction that it causes, without weights and
+    inertia forces; ``bearings``: as in `inverse_dynamics`."""
+    massless, bottom = rated.massless, rated.bottom_position
     above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.size)
-    return inverse_dynamics(massless, motion, [ConstantForce(1.0, above, bottom)], engine=engine, bearings=bearings)
+    dry = {name: replace(given, viscous=0.0) for name, given in rated.friction.items()}
+    return inverse_dynamics(massless, motion, [ConstantForce(1.0, above, bottom)], dry, engine=rated.engine, bearings=bearings)
 
 
 def without_masses(press: Linkage) -> Linkage:
@@ -414,21 +477,106 @@ def _in_every_stroke(rated: RatedStroke, motion: Motion) -> Iterator[Motion]:
         yield rated.motion(motion.crank_angle + 2 * np.pi * rated.turns * stroke)
 
 
-def _in_one_stroke(rated: RatedStroke, motion: Motion) -> dict[str, Array]:
+def _in_one_stroke(rated: RatedStroke, motion: Motion, wanted: Collection[str] | None) -> dict[str, Array]:
     """The forces that torque, bearings and the nominal force permit in one stroke; see `permitted_forces`."""
-    capacities, count = rated.capacities, len(motion.crank_angle)
-    found = {NOMINAL: np.full(count, capacities.nominal_force)}
-    unit = unit_force_reactions(rated.massless, motion, rated.bottom_position, rated.bearings, rated.engine)
+    found = {NOMINAL: np.full(len(motion.crank_angle), rated.capacities.nominal_force)}
+    found |= _beside_friction(rated, motion, wanted) if rated.at_speed and rated.friction else _affine(rated, motion)
+    return found if rated.coordinate.turns else _without_rounding(found)
+
+
+def _affine(rated: RatedStroke, motion: Motion) -> dict[str, Array]:
+    """The forces that torque and bearings permit where all reactions are affine in the process force."""
+    capacities, count, found = rated.capacities, len(motion.crank_angle), {}
+    unit = unit_force_reactions(rated, motion, rated.bearings)
     operating = rated.in_operation(motion) if rated.at_speed else None
-    idle = None if operating is None else inverse_dynamics(rated.press, operating, engine=rated.engine, bearings=rated.bearings)
+    idle = (
+        None if operating is None else inverse_dynamics(rated.press, operating, rated.loads, engine=rated.engine, bearings=rated.bearings)
+    )
     if rated.torque is not None:
         before = np.zeros((count, 1)) if idle is None else idle.driving_torque[:, None]
-        name = TORQUE if rated.coordinate.turns else DRIVING_FORCE
-        found[name] = largest_factor(before, unit.driving_torque[:, None], rated.torque)
+        found[_driving_limit(rated)] = largest_factor(before, unit.driving_torque[:, None], rated.torque)
     for name in rated.bearings:
         before = np.zeros((count, 3)) if idle is None else idle.bearing_force[name]
         found[BEARING + name] = largest_factor(before, unit.bearing_force[name], capacities.bearings[name])
-    return found if rated.coordinate.turns else _without_rounding(found)
+    return found
+
+
+def _driving_limit(rated: RatedStroke) -> str:
+    return TORQUE if rated.coordinate.turns else DRIVING_FORCE
+
+
+def _beside_friction(rated: RatedStroke, motion: Motion, wanted: Collection[str] | None) -> dict[str, Array]:
+    """The forces that torque and bearings permit where friction goes with weights, inertia forces and springs too; infinite where they are
+    beyond `FURTHEST`. ``wanted``: names of the limits, None for all.
+
+    Raises:
+        PinpressError: friction locks the linkage, or a smaller force than one that is permitted is not.
+    """
+    capacities = {} if rated.torque is None else {_driving_limit(rated): rated.torque}
+    capacities |= {BEARING + name: rated.capacities.bearings[name] for name in rated.bearings}
+    names = [name for name in capacities if wanted is None or name in wanted]
+    count, largest = len(motion.crank_angle), FURTHEST * rated.capacities.nominal_force
+    found = np.full(len(names) * count, np.inf)
+    if not names:
+        return {}
+    limit, angle = np.arange(len(found)) // count, np.tile(motion.crank_angle, len(names))
+    idle, loaded = _Utilisation(rated, names, limit, angle).at(np.array([[0.0], [largest]]) + np.zeros(len(found)))
+    found[idle >= 1.0] = 0.0
+    limited = np.flatnonzero((idle < 1.0) & (loaded > 1.0))
+    if len(limited):
+        some = _Utilisation(rated, names, limit[limited], angle[limited])
+        found[limited] = bracketed_roots(some.missing, np.zeros(len(limited)), np.full(len(limited), largest), relative=SAME)
+        if wanted is None:
+            some.refuse_several(found[limited])
+    return dict(zip(names, found.reshape(len(names), count), strict=True))
+
+
+class _Utilisation:
+    """Shares of capacities that are used at m pairs of a limit and a state, under a process force each."""
+
+    def __init__(self, rated: RatedStroke, names: Sequence[str], limit: NDArray[np.intp], angle: Array) -> None:
+        """Begin with the states.
+
+        Args:
+            rated: the working stroke.
+            names: of limits, the driving torque or bearings.
+            limit: (m,) index of the limit among them.
+            angle: (m,) crank angle of the state [rad].
+        """
+        self.rated, self.names, self.limit, self.angle = rated, names, limit, angle
+        self.motions: dict[int, Motion] = {}
+
+    def at(self, force: Array) -> Array:
+        """Shares (k, m) under process forces (k, m) [N]."""
+        rated, k = self.rated, len(force)
+        if k not in self.motions:
+            self.motions[k] = rated.in_operation(rated.motion(np.tile(self.angle, k)))
+        loads = [*rated.loads, PointForce(str(rated.press.slide), force.reshape(-1, 1) * rated.press.slide_direction)]
+        found = inverse_dynamics(rated.press, self.motions[k], loads, rated.friction, engine=rated.engine, bearings=rated.bearings)
+        shares = [
+            np.linalg.norm(found.bearing_force[name.removeprefix(BEARING)], axis=1) / rated.capacities.bearings[name.removeprefix(BEARING)]
+            if name.startswith(BEARING)
+            else np.abs(found.driving_torque) / rated.torque
+            for name in self.names
+        ]
+        return np.asarray(np.array(shares).reshape(len(shares), k, -1)[self.limit, :, np.arange(len(self.limit))].T)
+
+    def missing(self, force: Array) -> tuple[Array, Array]:
+        """Shares less 1 (m,) under process forces (m,) [N], and their derivatives by the force."""
+        step = BESIDE * self.rated.capacities.nominal_force
+        share, beside = self.at(np.stack([force, force + step]))
+        return share - 1.0, (beside - share) / step
+
+    def refuse_several(self, force: Array) -> None:
+        """Raise PinpressError where a smaller force than (m,), at which a capacity is reached, exceeds it."""
+        beyond = (self.at(np.array([[0.25], [0.5], [0.75]]) * force) > 1.0 + TIE).any(axis=0)
+        if beyond.any():
+            worst = int(np.argmax(beyond))
+            raise PinpressError(
+                f"at {self.rated.coordinate.at(float(self.angle[worst]))} friction leaves no one permissible force: '"
+                f"{self.names[int(self.limit[worst])]}' permits {force[worst]:.6g} N, but not every smaller force; rate the press without"
+                " friction"
+            )
 
 
 def _without_rounding(forces: Mapping[str, Array]) -> dict[str, Array]:
@@ -468,7 +616,7 @@ def _crossing(rated: RatedStroke, first: str, second: str, low: float, high: flo
 
     def ahead(angle: float) -> float:
         """Force that the first limit permits beyond that of the second; forces count up to twice the nominal one."""
-        found = permitted_forces(rated, rated.motion(np.array([angle])))
+        found = permitted_forces(rated, rated.motion(np.array([angle])), wanted=(first, second))
         one, other = (min(float(found[name][0]), 2 * rated.capacities.nominal_force) for name in (first, second))
         return one - other
 

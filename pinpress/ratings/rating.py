@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,14 +11,15 @@ import numpy as np
 from ..common import tables
 from ..common.arguments import expect, in_unit, positive, suitable_numbers, truth_value, typed, whole_number
 from ..common.errors import PinpressError
-from ..common.frozen import read_only
+from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..common.results import Tabular
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions
 from ..kinematics import measures
 from ..kinematics.motion import Motion, cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
+from ..loads.link import Friction, Load, SpringDamper
 from .permissible_force import (
     Capacities,
     GoverningLimits,
@@ -29,6 +30,7 @@ from .permissible_force import (
     permitted_work,
     rated_stroke,
     refuse_overloaded_idle,
+    refuse_unrated,
 )
 from .speed_limits import PermissibleSpeed, limiting_speed
 
@@ -50,8 +52,10 @@ class PressRatings(Tabular):
             bottom dead centre [m/s].
         at_speed: whether the forces take weights and inertia forces at this speed into account. False: the process force alone, as
             catalogues print it.
+        loads: springs and constant forces that act beside the process, as they were given.
+        friction: the friction of bearings and guides, as it was given.
         torque_capacity: torque capacity at the driver joint, given or found from nominal force and height [N m]; of a driver that slides
-            its force capacity [N]. None: it limits nothing.
+            its force capacity [N]. None: it limits nothing. Of a nominal height it has the friction that the nominal force causes there.
         crank_angle: (n,) crank angle, unwrapped [rad]; position of a driver that slides [m].
         height: (n,) height of the slide above bottom dead centre, falling to 0 [m].
         travel_per_angle: (n,) ds/dtheta of the slide along its guide's axis [m/rad]. Its magnitude is the driving torque for a process
@@ -61,7 +65,8 @@ class PressRatings(Tabular):
         force: (n,) permissible process force, the smallest that a limit permits [N].
         limits: name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
             "torque" or, of a driver that slides, "driving force", "bearing NAME", "flywheel energy" and "motor energy". An energy E permits
-            E / height, a constant force from there to bottom dead centre.
+            E / height, a constant force from there to bottom dead centre; with friction the work that the crank does for 1 N stands in
+            place of the height.
         limited_by: (n,) name of the limit that governs.
         changes: heights at which another limit begins to govern, falling, accurate to rounding [m]; they are among ``height``.
         work: (n,) work of the force that all limits but energy permit, from there to bottom dead centre [J]. It may be more than an energy.
@@ -74,7 +79,8 @@ class PressRatings(Tabular):
             driver that slides [-]; None without a height.
         dwell_tolerance: distance from bottom dead centre that counts as dwell [m]; None where the driver slides.
         dwell_time: time in which the slide is within this distance [s]; None where the driver slides.
-        speed_limit: speed at which the idle press reaches a capacity; None where no speed does, and where the driver slides.
+        speed_limit: speed at which the idle press reaches a capacity; None where no speed does, where the driver slides, and with friction
+            or dampers.
         turns: turns of the driver joint from stroke to stroke; 1 where it slides.
     """
 
@@ -83,6 +89,8 @@ class PressRatings(Tabular):
     driver_coordinate: DriverCoordinate
     speed: float
     at_speed: bool
+    loads: tuple[Load, ...]
+    friction: Mapping[str, Friction]
     torque_capacity: float | None
     crank_angle: Array
     height: Array
@@ -111,13 +119,16 @@ class PressRatings(Tabular):
     def __str__(self) -> str:
         """Main data, energies, and permissible force at some heights, with units."""
         what = "with weights and inertia forces at this speed" if self.at_speed else "the process force alone, as catalogues print it"
+        what += "".join(f", with {words}" for words, given in (("springs", self.loads), ("friction", self.friction)) if given)
         coordinate = self.driver_coordinate
         if coordinate.turns:
             pace = f"{abs(self.speed) / RPM / self.turns:g} strokes/min{'' if self.speed > 0 else ', backwards'}"
         else:
             pace = f"up to {1e3 * abs(self.speed):g} mm/s of the driver"
-        per_force = f"{coordinate.effort} per force [{'mm' if coordinate.turns else '-'}]"
+        ideal = "frictionless " if self.friction else ""
+        per_force = f"{ideal}{coordinate.effort} per force [{'mm' if coordinate.turns else '-'}]"
         position = f"{coordinate.position} [{coordinate.shown_unit}]"
+        widths = [14, 20 if coordinate.turns else 24, 24 + len(ideal), 14, 13, 0]
         heads = [f"{'height [mm]':>14}", position, per_force, "force [kN]", "work [kJ]", "  limited by"]
         return "\n".join(
             [
@@ -125,7 +136,7 @@ class PressRatings(Tabular):
                 *tables.table(_data(self), [38, 0]),
                 "",
                 "Permissible force",
-                *tables.table([heads, *(_row(self, k) for k in _shown(self))], [14, 20 if coordinate.turns else 24, 24, 14, 13, 0]),
+                *tables.table([heads, *(_row(self, k) for k in _shown(self))], widths),
                 *(["  work: of the force that all limits but energy permit, from there to bottom dead centre"] if self.energies else []),
             ]
         )
@@ -175,6 +186,8 @@ def rate(
     capacities: Capacities,
     *,
     at_speed: bool = False,
+    loads: Sequence[Load] = (),
+    friction: Mapping[str, Friction] = NONE_GIVEN,
     points: int = 181,
     contact_height: float | None = None,
     dwell_tolerance: float | None = None,
@@ -184,7 +197,9 @@ def rate(
 
     The permissible force is the smallest of F_N, C / |ds/dtheta|, E / h and the forces that the bearings permit. A nominal height h_N
     stands for the torque C = F_N |ds/dtheta| at h_N. The working stroke goes downwards, against the slide's direction.
-    Friction is left out, because with it forces are not affine in the process force.
+
+    Friction raises the torque for a process force and changes the bearing forces; what a process force loses by it comes off the energies.
+    What friction takes of the idle press, and dampers, is left to the motor.
 
     Of a driver that slides, C is its force capacity and theta its position. It moves harmonically, as in `cycle`. Capacities of energy and
     of speed, and the dwell, are those of a crank; they are refused.
@@ -198,6 +213,10 @@ def rate(
         at_speed: whether torque and bearings also carry weights and inertia forces at this speed, as in operation. By default they carry
             the process force alone, as catalogues print ratings. A nominal height stands for one torque capacity in both cases, so that at
             speed the force at this height differs from the nominal one.
+        loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, which act beside the process; with ``at_speed``,
+            because they stand beside weights and inertia forces.
+        friction: friction of bearings and guides, by their names. By default it is that of the process force alone; with ``at_speed``
+            weights, inertia forces and springs cause friction too, and it may be viscous.
         points: number of crank angles, or positions of a driver that slides, in equal steps from top to bottom dead centre, at least 3. The
             nominal height and the heights at which the governing limit changes are added.
         contact_height: height above bottom dead centre at which the tool meets the work [m]; by default the nominal height.
@@ -206,9 +225,10 @@ def rate(
 
     Raises:
         PinpressError: the press has several drivers or a slide that turns back more than twice in a stroke, a height is not within the
-            stroke, a capacity is none of a driver that slides, another argument is not as described, or the idle press exceeds a capacity,
-            by its weight alone or (with ``at_speed``) at its speed. The message names the capacity, the crank angle and the speed.
-        UnknownNameError: the press has no such bearing.
+            stroke, a capacity is none of a driver that slides, a load is a process load, friction locks the press, another argument is not
+            as described, or the idle press exceeds a capacity, by its weight alone or (with ``at_speed``) at its speed. The message names
+            the capacity, the crank angle and the speed.
+        UnknownNameError: the press has no such bearing or link.
         SingularityError: the linkage locks within the period.
     """
     known_bearings(capacities, press)
@@ -217,11 +237,13 @@ def rate(
     turning = press.driver_coordinates[0].turns
     speed, points = _speed(speed, turning), whole_number("points", points, 3, MOST_POINTS)
     truth_value("at_speed", at_speed)
+    refuse_unrated(press, loads, friction, at_speed=bool(at_speed))
     if not turning:
         _refuse_what_turns(press, capacities, dwell_tolerance)
     period = cycle(press, speed, engine=engine)
     quick_return = measures.quick_return_ratio(period) if turning else None  # refuses a slide with several working strokes
-    rated = rated_stroke(press, capacities, speed, bool(at_speed), engine)
+    beside = tuple(loads), FrozenMapping(friction)
+    rated = rated_stroke(press, capacities, speed, at_speed=bool(at_speed), beside=beside, engine=engine)
     if at_speed:
         refuse_overloaded_idle(rated)
     return _ratings(rated, governing_limits(rated, points), period, quick_return, contact_height, dwell_tolerance)
@@ -260,6 +282,8 @@ def _ratings(
         driver_coordinate=rated.coordinate,
         speed=speed,
         at_speed=rated.at_speed,
+        loads=rated.loads,
+        friction=rated.friction,
         torque_capacity=rated.torque,
         crank_angle=found.angle,
         height=height,
@@ -278,9 +302,17 @@ def _ratings(
         contact_advantage=advantage,
         dwell_tolerance=tolerance,
         dwell_time=None if tolerance is None else measures.dwell_time(period, tolerance),
-        speed_limit=limiting_speed(press, capacities, rated.torque, math.copysign(1.0, speed), engine=rated.engine) if turning else None,
+        speed_limit=_speed_limit(rated),
         turns=rated.turns,
     )
+
+
+def _speed_limit(rated: RatedStroke) -> PermissibleSpeed | None:
+    """The speed at which the idle press reaches a capacity; None where forces are not affine in the square of the speed."""
+    if not rated.coordinate.turns or rated.friction or any(isinstance(load, SpringDamper) and load.damping for load in rated.loads):
+        return None
+    way = math.copysign(1.0, rated.speed)
+    return limiting_speed(rated.press, rated.capacities, rated.torque, way, rated.loads, rated.engine)
 
 
 def _at_contact(rated: RatedStroke, period: Motion, height: float) -> tuple[float, float]:

@@ -101,7 +101,7 @@ def speed_limit(
 
 
 def limiting_speed(
-    press: Linkage, capacities: Capacities, torque: float | None, way: float, loads: Sequence[ProcessLoad] = (), engine: str = "auto"
+    press: Linkage, capacities: Capacities, torque: float | None, way: float, loads: Sequence[Load] = (), engine: str = "auto"
 ) -> PermissibleSpeed | None:
     """The highest speed as `speed_limit` finds it, with the crank turning forwards or backwards.
 
@@ -110,7 +110,7 @@ def limiting_speed(
         capacities: as for `speed_limit`.
         torque: torque capacity at the driver joint [N m]; None: it limits nothing.
         way: 1 forwards, -1 backwards, which decides where loads act.
-        loads: as for `speed_limit`.
+        loads: as for `speed_limit`, or springs without damping and constant forces.
         engine: as in `cycle`.
     """
     turning = _TurningPress(press, capacities, torque, way, tuple(loads), engine)

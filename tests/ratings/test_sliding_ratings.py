@@ -189,3 +189,14 @@ def test_the_command_prints_forces_and_millimetres(toggle, tmp_path, capsys):
     assert (tmp_path / "ratings.png").exists()
     assert main([*words, "--torque", "100kNm"]) == 2
     assert "'100kNm' is of no driver that slides: give a number in N" in capsys.readouterr().err
+
+
+def test_friction_counts_up_to_the_ends_of_the_travel(toggle):
+    """There the driver of a harmonic motion stands; friction is that of the way down, as just beside the end."""
+    friction = {name: pp.loads.Friction(0.1, 0.05) for name in ("U", "K", "S")} | {"slide_guide": pp.loads.Friction(0.1)}
+    given = {"at_speed": True, "points": 41}
+    ideal = rate(toggle, 0.1, Capacities(4e5, torque=1e5), **given)
+    found = rate(toggle, 0.1, Capacities(4e5, torque=1e5), friction=friction, **given)
+    shares = np.interp(ideal.crank_angle, found.crank_angle, found.force) / ideal.force
+    assert 0.5 < shares[0] < shares[1] < shares[2] < 0.999
+    np.testing.assert_allclose(shares[0], 2 * shares[1] - shares[2], rtol=2e-3)
