@@ -89,9 +89,9 @@ class Linkage(Frozen):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: a drawing of the linkage, 60 deg after its drawn pose where one driver turns it as far."""
-        from html import escape  # only notebooks need it, and the drawing
+        from html import escape  # to save start-up time: only notebooks need it
 
-        from .skeleton import skeleton
+        from .skeleton import skeleton  # to save start-up time: the XML library
 
         try:
             shown = self.drawn_at(SHOWN)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from ..balancing.optimum import TradeOffCurve
 from ..balancing.problem import AddedMass, Target
 from ..common.arguments import typed
 from ..common.errors import PinpressError
-from .style import COLOURS, GREY, drawing, grid, legend, panel_places, plain
+from .style import COLOURS, GREY, grid, legend, panel_places, panels, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -20,28 +20,33 @@ HIGH = 6.5  # height of a panel [cm]
 
 
 @typed
-def trade_offs(curves: Mapping[str, TradeOffCurve]) -> Figure:
+def trade_offs(curves: Mapping[str, TradeOffCurve], *, ax: Axes | Iterable[Axes] | None = None) -> Figure:
     """Draw curves of `trade_off`, the first criterion over the second, with a panel for each pair of criteria.
 
     A grey cross marks the press before balancing.
 
     Args:
         curves: results of `pinpress.balancing.trade_off`, by the names of the curves.
+        ax: the caller's axes, one for each pair of criteria; by default those of a new figure.
 
     Raises:
-        PinpressError: Matplotlib is not installed, or there is no curve.
+        PinpressError: Matplotlib is not installed, there is no curve, or ``ax`` are not as many axes as charts.
     """
     if not isinstance(curves, Mapping) or not curves or not all(isinstance(curve, TradeOffCurve) for curve in curves.values()):
         raise PinpressError("there is no curve to draw: give what trade_off returns, under a name")
-    panels: dict[tuple[Target, Target], dict[str, TradeOffCurve]] = {}
+    pairs: dict[tuple[Target, Target], dict[str, TradeOffCurve]] = {}
     for name, curve in curves.items():
-        panels.setdefault((curve.first, curve.second), {})[name] = curve
-    rows = (len(panels) + 1) // 2
-    with drawing(HIGH * rows) as figure:
-        places = figure.add_gridspec(rows, 2 if len(panels) > 1 else 1)
-        for place, shown in zip(panel_places(places, len(panels)), panels.values(), strict=True):
-            _panel(figure.add_subplot(place), shown)
-    return figure
+        pairs.setdefault((curve.first, curve.second), {})[name] = curve
+    rows = (len(pairs) + 1) // 2
+
+    def laid_out(figure: Figure) -> list[Axes]:
+        places = figure.add_gridspec(rows, 2 if len(pairs) > 1 else 1)
+        return [figure.add_subplot(place) for place in panel_places(places, len(pairs))]
+
+    with panels(ax, len(pairs), HIGH * rows, laid_out) as drawn:
+        for axes, shown in zip(drawn.axes, pairs.values(), strict=True):
+            _panel(axes, shown)
+    return drawn.figure
 
 
 def _panel(axes: Axes, curves: Mapping[str, TradeOffCurve]) -> None:

@@ -13,7 +13,7 @@ from ..common.quantities import RPM
 from ..elasticity.breakthrough import SnapThroughResponse
 from ..elasticity.slide_under_load import ElasticDeadCentre
 from ..elasticity.unit_load import SlideCompliance
-from .style import COLOURS, GREY, LINES, drawing, grid, legend, plain
+from .style import COLOURS, GREY, LINES, grid, legend, panels, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -26,49 +26,52 @@ SMALLEST = 5e-3  # parts that never reach this share of the largest compliance a
 
 
 @typed
-def compliance(elasticity: SlideCompliance) -> Figure:
+def compliance(elasticity: SlideCompliance, *, ax: Axes | None = None) -> Figure:
     """Draw the compliance at the slide over the crank angle, with the shares of the parts stacked, the largest at the bottom.
 
     Args:
         elasticity: result of `pinpress.elasticity.compliance`.
+        ax: the caller's axes; by default those of a new figure.
 
     Raises:
-        PinpressError: Matplotlib is not installed.
+        PinpressError: Matplotlib is not installed, or ``ax`` are no axes.
     """
-    return _alone(draw_compliance, elasticity)
+    return _chart(draw_compliance, elasticity, ax)
 
 
 @typed
-def dead_centre_shift(shifts: Mapping[str, ElasticDeadCentre]) -> Figure:
+def dead_centre_shift(shifts: Mapping[str, ElasticDeadCentre], *, ax: Axes | None = None) -> Figure:
     """Draw the shift of bottom dead centre over the speed, relative to standstill.
 
     Args:
         shifts: results of `pinpress.elasticity.dead_centre_shift`, by the names of the presses.
+        ax: the caller's axes; by default those of a new figure.
 
     Raises:
-        PinpressError: Matplotlib is not installed, or there is no press.
+        PinpressError: Matplotlib is not installed, there is no press, or ``ax`` are no axes.
     """
-    return _alone(draw_dead_centre_shift, shifts)
+    return _chart(draw_dead_centre_shift, shifts, ax)
 
 
 @typed
-def snap_through(responses: Mapping[str, SnapThroughResponse]) -> Figure:
+def snap_through(responses: Mapping[str, SnapThroughResponse], *, ax: Axes | None = None) -> Figure:
     """Draw the force of the sprung press over time, divided by that at break-through; below zero the linkage is pulled.
 
     Args:
         responses: results of `pinpress.elasticity.snap_through`, by the names of the curves.
+        ax: the caller's axes; by default those of a new figure.
 
     Raises:
-        PinpressError: Matplotlib is not installed, or there is no curve.
+        PinpressError: Matplotlib is not installed, there is no curve, or ``ax`` are no axes.
     """
-    return _alone(draw_snap_through, responses)
+    return _chart(draw_snap_through, responses, ax)
 
 
-def _alone(draw: Callable[[Axes, Any], None], shown: object) -> Figure:
-    """Draw a chart in a figure of its own."""
-    with drawing(HIGH) as figure:
-        draw(figure.subplots(), shown)
-    return figure
+def _chart(draw: Callable[[Axes, Any], None], shown: object, ax: Axes | None) -> Figure:
+    """Draw a chart on given axes, or in a figure of its own."""
+    with panels(ax, 1, HIGH, lambda figure: [figure.subplots()]) as drawn:
+        draw(drawn.axes[0], shown)
+    return drawn.figure
 
 
 def draw_compliance(axes: Axes, elasticity: SlideCompliance) -> None:

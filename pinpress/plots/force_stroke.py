@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.slide_path import dead_centres
 from ..ratings.permissible_force import NOMINAL
 from ..ratings.rating import PressRatings
-from .style import COLOURS, GREY, LINES, SMALL, drawing, grid, legend, plain
+from .style import COLOURS, GREY, LINES, SMALL, grid, panels, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -28,7 +29,7 @@ HALF_NAME = (0.07, 0.035)  # half width and height of the name of an energy, of 
 
 
 @typed
-def ratings(ratings: PressRatings, reactions: Reactions | None = None) -> Figure:
+def ratings(ratings: PressRatings, reactions: Reactions | None = None, *, ax: Iterable[Axes] | None = None) -> Figure:
     """Draw the permissible force over the slide's height, left near bottom dead centre, right over the stroke.
 
     Each limit is a thin line. The permissible force is a thick line in the colour of the limit that governs. Thin hyperbolas are lines of
@@ -37,27 +38,29 @@ def ratings(ratings: PressRatings, reactions: Reactions | None = None) -> Figure
     Args:
         ratings: The ratings of a press.
         reactions: Reactions of this press to one period under process loads, whose force is drawn too, dashed.
+        ax: The caller's four axes, the upper two first; by default those of a new figure.
 
     Raises:
-        PinpressError: Matplotlib is not installed, ``ratings`` is not a `PressRatings`, or the reactions are of another press.
+        PinpressError: Matplotlib is not installed, ``ratings`` is not a `PressRatings`, the reactions are of another press, or ``ax`` are
+            not four axes.
     """
-    with drawing(HIGH) as figure:
-        panels = figure.subplots(2, 2, height_ratios=(1.7, 1.0), width_ratios=(1.0, 1.0))
-        near = _near(ratings)
+    with panels(ax, 4, HIGH, lambda figure: figure.subplots(2, 2, height_ratios=(1.7, 1.0)).ravel()) as drawn:
+        upper, lower = drawn.axes[:2], drawn.axes[2:]
         lines: list[Artist] = []
-        for column, reach in enumerate((near, ratings.stroke)):
-            lines = _forces(panels[0, column], ratings, reach)
+        for column, reach in enumerate((_near(ratings), ratings.stroke)):
+            lines = _forces(upper[column], ratings, reach)
             if reactions is not None:
-                lines += _process(panels[0, column], ratings, reactions)
-            _works(panels[1, column], ratings, reach)
-        for axes in panels[:, 1]:
-            axes.set_ylabel("")
-        for axes in panels[0]:
-            axes.set_xlabel("")
+                lines += _process(upper[column], ratings, reactions)
+            _works(lower[column], ratings, reach)
+        if drawn.own:  # the panels share labels
+            for axes in (upper[1], lower[1]):
+                axes.set_ylabel("")
+            for axes in upper:
+                axes.set_xlabel("")
         names = [*ratings.limits, *([] if reactions is None else ["process force"])]
-        legend(figure, lines, names, loc="outside upper center", ncols=4)
-        figure.align_ylabels()
-    return figure
+        drawn.legend(lines, names, loc="outside upper center", ncols=4)
+        drawn.align_labels()
+    return drawn.figure
 
 
 def _near(ratings: PressRatings) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,9 +12,10 @@ from ..common.errors import PinpressError, UnknownNameError
 from ..common.quantities import RPM, Array
 from ..foundation.response import FrameMotion
 from ..foundation.speed_response import SpeedResponse
-from .style import COLOURS, drawing, grid, legend, plain
+from .style import COLOURS, grid, legend, panels, plain
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 HIGH = 5.0  # height of one panel [cm]
@@ -22,22 +23,26 @@ DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linea
 
 
 @typed
-def vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float | None = None) -> Figure:
+def vibration(
+    motions: Mapping[str, FrameMotion], axis: str = "z", last: float | None = None, *, ax: Axes | Iterable[Axes] | None = None
+) -> Figure:
     """Draw the acceleration of all points along an axis over time, with a panel for each motion.
 
     Args:
         motions: results of `steady_response` or `time_response`, by the motions' names.
         axis: "x", "y" or "z".
         last: time shown at the end of each motion; by default all [s].
+        ax: the caller's axes, one for each motion; by default those of a new figure.
 
     Raises:
-        PinpressError: Matplotlib is not installed, there is no motion, or no such axis.
+        PinpressError: Matplotlib is not installed, there is no motion, no such axis, or ``ax`` are not as many axes as motions.
     """
     named = isinstance(motions, Mapping) and all(isinstance(motion, FrameMotion) for motion in motions.values())
     if not named or not motions or not isinstance(axis, str) or axis not in ("x", "y", "z"):
         raise PinpressError("there is nothing to draw: give motions, each under a name, and an axis 'x', 'y' or 'z'")
-    with drawing(HIGH * len(motions)) as figure:
-        for panel, (name, motion) in zip(figure.subplots(len(motions), 1, squeeze=False)[:, 0], motions.items(), strict=True):
+    count = len(motions)
+    with panels(ax, count, HIGH * count, lambda figure: figure.subplots(count, 1, squeeze=False)[:, 0]) as drawn:
+        for panel, (name, motion) in zip(drawn.axes, motions.items(), strict=True):
             shown = motion.time >= motion.time[-1] - (np.inf if last is None else number("last", last, positive=True))
             lines = []
             for k, values in enumerate(motion.acceleration.values()):
@@ -47,19 +52,20 @@ def vibration(motions: Mapping[str, FrameMotion], axis: str = "z", last: float |
             where = {"loc": "lower right", "bbox_to_anchor": (1.01, 0.98), "borderaxespad": 0.2, "columnspacing": 1.4}
             legend(panel, lines, list(motion.acceleration), ncols=len(lines), **where)  # above the panel, clear of the curves
         plain(panel.set_xlabel("time [s]"))
-    return figure
+    return drawn.figure
 
 
 @typed
-def speed_response(responses: Mapping[str, SpeedResponse], point: str) -> Figure:
+def speed_response(responses: Mapping[str, SpeedResponse], point: str, *, ax: Iterable[Axes] | None = None) -> Figure:
     """Draw the acceleration of a point (root mean square, all directions) and the share of force on the floor over the speed.
 
     Args:
         responses: results of `over_speeds`, by the names of the curves.
         point: name of a point that all responses have.
+        ax: the caller's two axes; by default those of a new figure.
 
     Raises:
-        PinpressError: Matplotlib is not installed, or there is no response.
+        PinpressError: Matplotlib is not installed, there is no response, or ``ax`` are not two axes.
         UnknownNameError: a response does not have this point.
     """
     if not isinstance(responses, Mapping) or not responses or not all(isinstance(each, SpeedResponse) for each in responses.values()):
@@ -67,8 +73,8 @@ def speed_response(responses: Mapping[str, SpeedResponse], point: str) -> Figure
     for response in responses.values():
         if not isinstance(point, str) or point not in response.rms:
             raise UnknownNameError("point", point, response.rms)
-    with drawing(1.4 * HIGH) as figure:
-        left, right = figure.subplots(1, 2)
+    with panels(ax, 2, 1.4 * HIGH, lambda figure: figure.subplots(1, 2)) as drawn:
+        left, right = drawn.axes
         lines = []
         for k, response in enumerate(responses.values()):
             colour, speed = COLOURS[k % len(COLOURS)], response.speed / RPM
@@ -80,7 +86,7 @@ def speed_response(responses: Mapping[str, SpeedResponse], point: str) -> Figure
             grid(panel, label)
             plain(panel.set_xlabel("strokes per minute"))
         legend(left, lines, list(responses), loc="best")
-    return figure
+    return drawn.figure
 
 
 def _size(vectors: Array) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,7 +18,25 @@ from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion
 from ..visual import charts
 from ..visual.charts import Chart, ChartCurve, Locus
-from .style import COLOURS, GREY, LIGHT, LINE, SMALL, THIN, WIDTH, Over, above, brief, draw, drawing, grid, legend, panel_places, plain
+from .style import (
+    CENTIMETRE,
+    COLOURS,
+    GREY,
+    LIGHT,
+    LINE,
+    SMALL,
+    THIN,
+    WIDTH,
+    Over,
+    above,
+    brief,
+    draw,
+    grid,
+    legend,
+    panel_places,
+    panels,
+    plain,
+)
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -42,54 +60,58 @@ LARGEST = 8.0  # longest side of a diagram [cm]
 
 
 @typed
-def slide(motion: Motion) -> Figure:
+def slide(motion: Motion, *, ax: Iterable[Axes] | None = None) -> Figure:
     """Draw position, velocity and acceleration of the slide, and the speed of the crank where it is not constant.
 
     Args:
         motion: result of `cycle`, `simulate` or `steady_state`.
+        ax: the caller's axes, three, and one more for a speed that is not constant; by default those of a new figure.
 
     Raises:
-        PinpressError: the linkage has no slide, a value is not finite, or Matplotlib is not installed.
+        PinpressError: the linkage has no slide, a value is not finite, ``ax`` are not as many axes as charts, or Matplotlib is not
+            installed.
     """
     shown = [*charts.slide(motion)]
     if not shown:
         raise PinpressError(f"{motion.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
     speed = charts.crank_speed(motion)
-    return _stacked(motion, shown if speed is None else [*shown, speed], 4.2)
+    return _stacked(motion, shown if speed is None else [*shown, speed], ax, 4.2)
 
 
 @typed
-def torque(reactions: Reactions) -> Figure:
+def torque(reactions: Reactions, *, ax: Axes | None = None) -> Figure:
     """Draw the driving torque of every driver, and for a run also the torque of its drive.
 
     Args:
         reactions: result of `inverse_dynamics`.
+        ax: the caller's axes; by default those of a new figure.
 
     Raises:
-        PinpressError: a value is not finite, or Matplotlib is not installed.
+        PinpressError: a value is not finite, ``ax`` are no axes, or Matplotlib is not installed.
     """
-    return _stacked(reactions.motion, [charts.torque(reactions)], 6.0)
+    return _stacked(reactions.motion, [charts.torque(reactions)], ax, 6.0)
 
 
 @typed
-def bearings(reactions: Reactions) -> Figure:
+def bearings(reactions: Reactions, *, ax: Axes | Iterable[Axes] | None = None) -> Figure:
     """Draw the magnitudes of all bearing and guide forces, and of the moments in bearings and guides that hold one.
 
     Curves that coincide are drawn once, under both names.
 
     Args:
         reactions: result of `inverse_dynamics`, with all bearings.
+        ax: the caller's axes, one, or two where there are moments; by default those of a new figure.
 
     Raises:
-        PinpressError: a value is not finite, or Matplotlib is not installed.
+        PinpressError: a value is not finite, ``ax`` are not as many axes as charts, or Matplotlib is not installed.
     """
     moments = charts.bearing_moment(reactions)
     shown = [_merged(chart) for chart in (charts.bearing(reactions), moments) if chart is not None]
-    return _stacked(reactions.motion, shown, 7.5, 4.5)
+    return _stacked(reactions.motion, shown, ax, 7.5, 4.5)
 
 
 @typed
-def polar(reactions: Reactions, *bearings: str) -> Figure:
+def polar(reactions: Reactions, *bearings: str, ax: Axes | Iterable[Axes] | None = None) -> Figure:
     """Draw polar diagrams of bearing forces.
 
     A diagram shows the path of the force vector's tip in world axes (solid) and in axes that turn with the link on which the force acts
@@ -98,39 +120,41 @@ def polar(reactions: Reactions, *bearings: str) -> Figure:
     Args:
         reactions: result of `inverse_dynamics`.
         *bearings: names of bearings and guides; by default all.
+        ax: the caller's axes, one for each bearing; by default those of a new figure.
 
     Raises:
         UnknownNameError: there is no such bearing.
-        PinpressError: a value is not finite, or Matplotlib is not installed.
+        PinpressError: a value is not finite, ``ax`` are not as many axes as bearings, or Matplotlib is not installed.
     """
     names = bearings or reactions._press.bearings
-    return _draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names])
+    return _draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names], ax)
 
 
 @typed
-def shaking(reactions: Reactions) -> Figure:
+def shaking(reactions: Reactions, *, ax: Axes | Iterable[Axes] | None = None) -> Figure:
     """Draw the components of the shaking force in world axes, and the amplitudes of its harmonics in the last full period.
 
     Args:
         reactions: result of `inverse_dynamics`. Without a full period there are no harmonics.
+        ax: the caller's axes, one, or two where there are harmonics; by default those of a new figure.
 
     Raises:
-        PinpressError: a value is not finite, or Matplotlib is not installed.
+        PinpressError: a value is not finite, ``ax`` are not as many axes as charts, or Matplotlib is not installed.
     """
     motion, chart = reactions.motion, charts.shaking(reactions)
     found = harmonics(motion, reactions.shaking_force)
     if found is None or len(found.orders) < 2:
-        return _stacked(motion, [chart], 6.0)
-    with drawing(12.0) as figure:
-        top, bottom = figure.subplots(2, 1, height_ratios=(1.2, 1.0))
+        return _stacked(motion, [chart], ax, 6.0)
+    with panels(ax, 2, 12.0, lambda figure: figure.subplots(2, 1, height_ratios=(1.2, 1.0))) as drawn:
+        top, bottom = drawn.axes
         _panel(top, Over(motion), chart)
         _amplitudes(bottom, chart, found)
-        figure.align_ylabels()
-    return figure
+        drawn.align_labels()
+    return drawn.figure
 
 
 @typed
-def comparison(before: Reactions, after: Reactions) -> Figure:
+def comparison(before: Reactions, after: Reactions, *, ax: Iterable[Axes] | None = None) -> Figure:
     """Draw the reactions of two presses, or of two operating points of one press, over each other.
 
     It shows driving torque, shaking force, and the peaks of the forces in the bearings that both have, each with its change in percent.
@@ -138,10 +162,12 @@ def comparison(before: Reactions, after: Reactions) -> Figure:
     Args:
         before: reactions drawn dashed.
         after: reactions drawn solid.
+        ax: the caller's axes, one for each torque and each component of the shaking force, and one for the peaks; by default those of a new
+            figure.
 
     Raises:
         PinpressError: they have no bearing of one name, one motion is over the crank angle and the other over time, they turn in different
-            directions, or Matplotlib is not installed.
+            directions, ``ax`` are not as many axes as charts, or Matplotlib is not installed.
     """
     peaks = _pairs(charts.bearing(before), charts.bearing(after))
     if not peaks:
@@ -151,15 +177,19 @@ def comparison(before: Reactions, after: Reactions) -> Figure:
     pairs = _torques(before, after) + _shaking(before, after)
     rows = (len(pairs) + 1) // 2
     high = 0.62 * len(peaks) + 1.2
-    with drawing(1.2 + 4.8 * rows + high) as figure:
+
+    def laid_out(figure: Figure) -> list[Axes]:
         places = figure.add_gridspec(rows + 1, 2, height_ratios=[4.8] * rows + [high])
-        lines = []
-        for place, pair in zip(panel_places(places, len(pairs)), pairs, strict=True):
-            lines = _compare(figure.add_subplot(place), overs, pair, wide=len(place.colspan) == 2)
-        _bars(figure.add_subplot(places[rows, :]), peaks)
+        return [figure.add_subplot(place) for place in (*panel_places(places, len(pairs)), places[rows, :])]
+
+    with panels(ax, len(pairs) + 1, 1.2 + 4.8 * rows + high, laid_out) as drawn:
+        lines: list[Artist] = []
+        for k, (axes, pair) in enumerate(zip(drawn.axes, pairs, strict=False)):
+            lines = _compare(axes, overs, pair, wide=k == 0 and len(pairs) % 2 == 1)
+        _bars(drawn.axes[-1], peaks)
         names = [f"before: {before.motion.linkage}", f"after: {after.motion.linkage}"]
-        legend(figure, lines, names, loc="outside upper center", ncols=2)
-    return figure
+        drawn.legend(lines, names, loc="outside upper center", ncols=2)
+    return drawn.figure
 
 
 def _refuse_incomparable(before: Over, after: Over) -> None:
@@ -190,25 +220,31 @@ def _amplitudes(axes: Axes, chart: Chart, found: HarmonicAnalysis) -> None:
     above(axes, bars, names)
 
 
-def _stacked(motion: Motion, shown: Sequence[Chart], *least: float) -> Figure:
+def _stacked(motion: Motion, shown: Sequence[Chart], ax: Axes | Iterable[Axes] | None, *least: float) -> Figure:
     """Draw charts one below the other over one abscissa, as high as their legends need.
 
     Args:
         motion: the motion.
         shown: the charts.
+        ax: the caller's axes, one for each chart.
         *least: least heights of the charts, the last one for all others [cm].
     """
     lines = [sum(1 + curve.name.count("\n") for curve in chart.curves) for chart in shown]
     heights = [max(least[min(i, len(least) - 1)], 0.5 + ROW * count) for i, count in enumerate(lines)]
-    with drawing(1.0 + sum(heights)) as figure:
+
+    def laid_out(figure: Figure) -> Iterable[Axes]:
+        column: Iterable[Axes] = figure.subplots(len(shown), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+        return column
+
+    with panels(ax, len(shown), 1.0 + sum(heights), laid_out) as drawn:
         over = Over(motion)
-        column = figure.subplots(len(shown), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
-        for axes, chart in zip(column, shown, strict=True):
+        for axes, chart in zip(drawn.axes, shown, strict=True):
             _panel(axes, over, chart)
-        for axes in column[:-1]:
-            axes.set_xlabel("")
-        figure.align_ylabels()
-    return figure
+        if drawn.own:  # they share the lowest label
+            for axes in drawn.axes[:-1]:
+                axes.set_xlabel("")
+        drawn.align_labels()
+    return drawn.figure
 
 
 def _panel(axes: Axes, over: Over, chart: Chart) -> None:
@@ -335,7 +371,7 @@ def _number(value: float) -> str:
     return f"{value + 0.0:.3g}".replace("-", "−")
 
 
-def _draw_loci(motion: Motion, loci: Sequence[Locus]) -> Figure:
+def _draw_loci(motion: Motion, loci: Sequence[Locus], ax: Axes | Iterable[Axes] | None) -> Figure:
     """Draw a diagram for each locus in the last full period, with equal scales on both axes.
 
     A diagram of a force on a link that does not turn has one path.
@@ -343,21 +379,27 @@ def _draw_loci(motion: Motion, loci: Sequence[Locus]) -> Figure:
     columns = {1: 1, 2: 2, 4: 2}.get(len(loci), 3 if len(loci) < 10 else 4)
     rows = math.ceil(len(loci) / columns)
     side = min(WIDTH / columns, LARGEST)
-    with drawing(1.0 + rows * (side + 0.8)) as figure:
+
+    def laid_out(figure: Figure) -> list[Axes]:
+        places: list[Axes] = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
+        for empty in places[len(loci) :]:
+            empty.set_axis_off()
+        return places[: len(loci)]
+
+    with panels(ax, len(loci), 1.0 + rows * (side + 0.8), laid_out) as drawn:
         over, marked = Over(motion), _quarters(motion)
         first = max(0, (last_period(motion) or 0) - 1)  # earlier periods would only hide the last
-        places = figure.subplots(rows, columns, squeeze=False).ravel()
-        for axes, locus in zip(places, loci, strict=False):
-            _draw(axes, locus, over, first, marked, side)
-        for axes in places[len(loci) :]:
-            axes.set_axis_off()
-        lines = [*places[0].plot([], [], color=FRAME), *places[0].plot([], [], color=OWN, linestyle=DASHED)]
+        for axes, locus in zip(drawn.axes, loci, strict=True):
+            width = side if drawn.own else float(axes.get_window_extent().width) / float(axes.figure.dpi) / CENTIMETRE
+            _draw(axes, locus, over, first, marked, min(width, LARGEST))
+        place = drawn.axes[0]
+        lines = [*place.plot([], [], color=FRAME), *place.plot([], [], color=OWN, linestyle=DASHED)]
         names = ["axes of the frame", "axes fixed to the link"]
         if marked:
-            lines += places[0].plot([], [], "o", color=FRAME, markersize=4.0)
+            lines += place.plot([], [], "o", color=FRAME, markersize=4.0)
             names.append("crank angle [deg]")
-        legend(figure, lines, names, loc="outside lower center", ncols=len(names))
-    return figure
+        drawn.legend(lines, names, loc="outside lower center", ncols=len(names))
+    return drawn.figure
 
 
 def _draw(axes: Axes, locus: Locus, over: Over, first: int, marked: Sequence[tuple[int, int]], side: float) -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -66,6 +66,67 @@ def drawing(height: float) -> Iterator[Figure]:
         yield figure
         figure.draw_without_rendering()
         figure.set_layout_engine("none")  # it would move all parts a little whenever the figure is drawn
+
+
+class Panels(NamedTuple):
+    """Axes to draw on.
+
+    Attributes:
+        figure: the figure that they are on.
+        axes: one for each chart, row by row.
+        own: whether the figure is ours, to be laid out; False for axes that the caller gave.
+    """
+
+    figure: Figure
+    axes: list[Axes]
+    own: bool
+
+    def legend(self, handles: Sequence[Artist], names: Sequence[str], **where: Any) -> None:
+        """Draw a legend of all axes beside them; on given axes, whose figure may hold more, on the first."""
+        legend(self.figure if self.own else self.axes[0], handles, names, **(where if self.own else {"loc": "best"}))
+
+    def align_labels(self) -> None:
+        """Align the labels of the vertical axes in a figure of ours."""
+        if self.own:
+            self.figure.align_ylabels()
+
+
+@contextmanager
+def panels(ax: Axes | Iterable[Axes] | None, count: int, height: float, laid_out: Callable[[Figure], Iterable[Axes]]) -> Iterator[Panels]:
+    """Axes to draw on: those given, or those of a new figure.
+
+    Args:
+        ax: axes of the caller, None for a figure of ours.
+        count: number of charts.
+        height: height of the new figure [cm].
+        laid_out: function that makes the axes of the new figure.
+
+    Raises:
+        PinpressError: Matplotlib is not installed, or ``ax`` are not as many axes as charts.
+    """
+    if ax is None:
+        with drawing(height) as figure:
+            yield Panels(figure, list(laid_out(figure)), own=True)
+        return
+    axes = _given(ax, count)
+    from matplotlib import style  # optional, and slow to import
+
+    with style.context(["default", STYLE]):
+        yield Panels(axes[0].figure, axes, own=False)  # type: ignore[arg-type]  # a part of a figure does as well
+
+
+def _given(ax: object, count: int) -> list[Axes]:
+    """The caller's axes, row by row."""
+    try:
+        from matplotlib.axes import Axes  # optional, and slow to import
+    except ImportError:
+        raise PinpressError(NOT_INSTALLED) from None
+    axes = np.ravel(np.array(ax, dtype=object)).tolist()
+    if not all(isinstance(each, Axes) for each in axes):
+        raise PinpressError(f"ax is {shown(ax)}: give axes of Matplotlib, matplotlib.pyplot.subplots({count})[1]")
+    if len(axes) != count:
+        raise PinpressError(f"ax has {len(axes)} axes, but there are {count} charts to draw: give matplotlib.pyplot.subplots({count})[1]")
+    return axes
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:

@@ -33,7 +33,7 @@ def test_the_crank_is_drawn_60_deg_on():
     assert {text.text for text in picture.iter(f"{SVG}text")} == {"O", "P", "W"}
 
 
-@pytest.mark.parametrize("name", rest_exhaustive([*pp.presses(), *TEMPLATES], "jf75g_125_symmetric", "eccentric-block", "toggle"))
+@pytest.mark.parametrize("name", rest_exhaustive([*pp.presses(), *TEMPLATES], "jf75g_125_symmetric", "toggle"))
 def test_every_press_has_a_drawing(name, tmp_path):
     table = tmp_path / "press.yaml"
     if name in TEMPLATES:

@@ -1,0 +1,82 @@
+"""Plots on axes that the caller gives: the same curves as in a figure of ours, on these axes and on no others."""
+
+import numpy as np
+import pytest
+from support import every_result, texts
+from support.sampling import rest_exhaustive
+
+import pinpress as pp
+
+pytest.importorskip("matplotlib")
+
+from matplotlib.figure import Figure
+
+from pinpress import plots
+
+PLOTS = {
+    "slide": (3, lambda ax: plots.slide(every_result.motion(), ax=ax)),
+    "torque": (1, lambda ax: plots.torque(every_result.reactions(), ax=ax)),
+    "bearings": (2, lambda ax: plots.bearings(every_result.reactions(), ax=ax)),
+    "polar": (2, lambda ax: plots.polar(every_result.reactions(), "O", "P", ax=ax)),
+    "shaking": (2, lambda ax: plots.shaking(every_result.reactions(), ax=ax)),
+    "comparison": (4, lambda ax: plots.comparison(every_result.reactions(), every_result.reactions(), ax=ax)),
+    "ratings": (4, lambda ax: plots.ratings(made("PressRatings"), ax=ax)),
+    "compliance": (1, lambda ax: plots.compliance(made("SlideCompliance"), ax=ax)),
+    "dead_centre_shift": (1, lambda ax: plots.dead_centre_shift({"press": made("ElasticDeadCentre")}, ax=ax)),
+    "snap_through": (1, lambda ax: plots.snap_through({"press": made("SnapThroughResponse")}, ax=ax)),
+    "vibration": (1, lambda ax: plots.vibration({"press": made("FrameMotion")}, ax=ax)),
+    "speed_response": (2, lambda ax: plots.speed_response({"press": made("SpeedResponse")}, "head", ax=ax)),
+    "trade_offs": (1, lambda ax: plots.trade_offs({"press": made("TradeOffCurve")}, ax=ax)),
+}
+
+
+def made(kind):
+    return next(value for value in every_result.made() if type(value).__name__ == kind)
+
+
+def curves(axes):
+    return [line.get_xydata() for line in axes.lines] + [patch.get_height() for patch in axes.patches]
+
+
+def test_every_plot_takes_axes():
+    assert set(PLOTS) == set(dir(plots)) - {"save"}
+
+
+@pytest.mark.parametrize("name", rest_exhaustive(PLOTS, "slide", "polar", "comparison"))
+def test_on_given_axes(name):
+    count, plot = PLOTS[name]
+    figure = Figure(figsize=(8, 8))
+    other, *given = figure.subplots(count + 1, 1)
+    assert plot(given[0] if count == 1 else np.array(given)) is figure
+    ours = plot(None).axes
+    assert len(ours) == count
+    for mine, own in zip(given, ours, strict=True):
+        for one, two in zip(curves(mine), curves(own), strict=True):
+            np.testing.assert_array_equal(one, two)
+        assert mine.get_ylabel() == own.get_ylabel() or not own.get_ylabel()
+    assert not other.has_data()
+    assert figure.legends == []
+    figure.draw_without_rendering()
+
+
+@pytest.mark.parametrize(
+    ("ax", "message"),
+    [
+        (3, "ax is one int: give a list"),
+        ([3, 4, 5], "give axes of Matplotlib"),
+        ([], "ax has 0 axes, but there are 3 charts to draw"),
+    ],
+)
+def test_refused(ax, message):
+    with pytest.raises(pp.PinpressError, match=message):
+        plots.slide(every_result.motion(), ax=ax)
+    with pytest.raises(pp.PinpressError, match="ax is 3: give axes of Matplotlib"):
+        plots.torque(every_result.reactions(), ax=3)
+
+
+def test_letters_of_a_polar_diagram_suit_its_size():
+    reactions = pp.inverse_dynamics(texts.shipped("zxn2_3000b"), pp.cycle(texts.shipped("zxn2_3000b"), 7.0, points=36))
+    small = Figure(figsize=(3, 3))
+    plots.polar(reactions, "A", ax=small.subplots())
+    small.draw_without_rendering()
+    assert len(small.axes[0].texts) > 4
