@@ -74,7 +74,7 @@ def table_parameters(specs: Sequence[str]) -> dict[str, str]:
 
 def names_table(options: argparse.Namespace) -> bool:
     """Whether the file is a pin table; raises PinpressError where an option is given that does not go with what it is."""
-    if not options.file.lower().endswith((".yaml", ".yml")):
+    if not _is_table(options.file):
         if options.parameters:
             raise PinpressError(f"--set {options.parameters[0]}: only a pin table has parameters, and {options.file} is none: leave it out")
         return False
@@ -91,10 +91,23 @@ def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
 def load_as_drawn(options: argparse.Namespace, **more: Any) -> Linkage:
     """The press that the options name, built from a pin table or loaded from a file in another format; ``more`` goes to `load`."""
     if names_table(options):
-        from ..pin_table.building import draft  # with a parser that a URDF does without
-
-        return draft(options.file, **table_parameters(options.parameters)).press(**more)
+        return _built(options.file, table_parameters(options.parameters), **more)
     return load(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open, **more)
+
+
+def load_other(options: argparse.Namespace, file: str) -> Linkage:
+    """Another press than that of `load_press`, as its own file has it, with crank angles counted as the options say."""
+    return with_zero(_built(file, {}) if _is_table(file) else load(file), options.zero)
+
+
+def _is_table(file: str) -> bool:
+    return file.lower().endswith((".yaml", ".yml"))
+
+
+def _built(table: str, parameters: dict[str, str], **more: Any) -> Linkage:
+    from ..pin_table.building import draft  # with a parser that a URDF does without
+
+    return draft(table, **parameters).press(**more)
 
 
 def with_zero(press: Linkage, zero: str) -> Linkage:

@@ -7,12 +7,11 @@ from ..common.errors import PinpressError
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from ..linkage.loading import load
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
 from ..visual.recording import traced
 from . import part_specs
-from .options import SIGNS, SPEED, add_force_options, add_press_options, add_trace_option, forces, load_press, with_zero
+from .options import SIGNS, SPEED, add_force_options, add_press_options, add_trace_option, forces, load_other, load_press
 from .units import driver_speed, quantity
 
 POINTS = 720  # of a turn
@@ -75,7 +74,8 @@ def add_nominal_options(parser: argparse.ArgumentParser) -> None:
 
 def add_before_option(parser: argparse.ArgumentParser) -> None:
     """Option of `press_before`."""
-    parser.add_argument("--before", metavar="FILE", help="another press, drawn beside this one in the report at the same speed")
+    help = "another press, or the same pin table without --set, drawn beside this one in the report at the same speed"
+    parser.add_argument("--before", metavar="FILE", help=help)
 
 
 def add_points_option(parser: argparse.ArgumentParser) -> None:
@@ -94,7 +94,7 @@ def permissible(press: Linkage, options: argparse.Namespace) -> PressRatings | N
 
 def press_before(options: argparse.Namespace) -> Reactions:
     """Another press at the same speed, under the same forces."""
-    press = with_zero(load(options.before), options.zero)
+    press = load_other(options, options.before)
     motion = cycle(press, speed=options.speed.of(press.driver_coordinates[0]), points=states(press, options))
     return inverse_dynamics(press, motion, **forces(options, press))
 

@@ -228,7 +228,7 @@ def in_unit(name: str, value: Any, unit: str | None) -> Any:
     written = " ".join(str(value).split())
     given = written if len(written) < 50 else f"in {value.units}"
     try:
-        converted = value.to("" if unit == "-" else _power(unit.replace(" ", "*"))).magnitude
+        converted = _converted(value, unit)
     except Exception as error:  # whatever the registry says
         wanted = "without a unit" if unit == "-" else f"in {unit}, or in a multiple of it"
         raise PinpressError(f"{name} is {given}: give it {wanted}") from error
@@ -244,6 +244,19 @@ _QUANTITY = ("to", "to_base_units", "magnitude", "dimensionality", "units")  # w
 def is_quantity(value: object) -> bool:
     """Whether a value is a quantity of pint, by what it can do."""
     return all(hasattr(type(value), name) for name in _QUANTITY)
+
+
+def is_multiple(quantity: Any, unit: str) -> bool:
+    """Whether a quantity of pint is one of this unit or of its multiples."""
+    try:
+        _converted(quantity, unit)
+    except Exception:  # whatever the registry says
+        return False
+    return True
+
+
+def _converted(quantity: Any, unit: str) -> Any:
+    return quantity.to("" if unit == "-" else _power(unit.replace(" ", "*"))).magnitude
 
 
 def _holds_quantities(values: Iterable[Any], level: int = 1) -> bool:

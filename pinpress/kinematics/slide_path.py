@@ -53,6 +53,11 @@ class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "botto
         return self.top_position - self.bottom_position
 
 
+@dataclass(frozen=True, repr=False)
+class DeadCentresOverTravel(DeadCentres, units=DeadCentres.units | {"top_angle": "m", "bottom_angle": "m"}):
+    """Dead centres of a press whose driver slides. Attributes of `DeadCentres`; in place of angles the positions of the driver [m]."""
+
+
 @typed
 @per_linkage(of_geometry=True)
 def dead_centres(press: Linkage) -> DeadCentres:
@@ -99,7 +104,7 @@ def _within_travel(press: Linkage) -> DeadCentres:
     top, bottom = int(positions.argmax()), int(positions.argmin())
     if not positions[top] - positions[bottom] > EQUAL * press.size:
         raise PinpressError(f"the slide of {press.name} does not move with its driver: it has no dead centres")
-    return DeadCentres(float(places[top]), float(positions[top]), float(places[bottom]), float(positions[bottom]), 1)
+    return DeadCentresOverTravel(float(places[top]), float(positions[top]), float(places[bottom]), float(positions[bottom]), 1)
 
 
 def _slide(press: Linkage, angle: Array) -> tuple[Array, Array, Array]:

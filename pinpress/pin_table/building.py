@@ -226,8 +226,7 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
     """
     if table is None:
         return _drawn(given_table(_without_units(values, _length_of(values.get("units")))))
-    drawn = _drawn(_with_parameters(read_table(table), values))
-    return replace(drawn, _given=f" with {', '.join(f'{name}={value}' for name, value in values.items())}") if values else drawn
+    return _with_parameters(read_table(table), values) if values else _drawn(read_table(table))
 
 
 def _drawn(entries: Entry) -> DrawnPress:
@@ -274,20 +273,19 @@ _MISSING = {
 }
 
 
-def _with_parameters(table: Entry, values: Mapping[str, Any]) -> Entry:
-    """A table with other values of its parameters."""
-    if not values:
-        return table
+def _with_parameters(table: Entry, values: Mapping[str, Any]) -> DrawnPress:
+    """The press of a table with other values of its parameters."""
     items = table.items("a table")
     known = items["parameters"].items("names with numbers") if "parameters" in items else {}
     for name in values:
         if name not in known:
             where = f"its parameters are {', '.join(known)}" if known else "it has no parameters"
             table.refuse(f"no parameter {name}{suggestion(name, known)}", where)
-    given = given_table({"parameters": _without_units(values, _length_of(items["units"].value if "units" in items else None))}).items(
-        "parameters"
-    )
-    return overlaid(table, Entry({"parameters": given["parameters"]}, table.file, table.line, ()))
+    numbers = _without_units(values, _length_of(items["units"].value if "units" in items else None))
+    given = given_table({"parameters": numbers}).items("parameters")
+    drawn = _drawn(overlaid(table, Entry({"parameters": given["parameters"]}, table.file, table.line, ())))
+    words = (f"{name}={value:.9g}" if isinstance(value, float) else f"{name}={value}" for name, value in numbers.items())
+    return replace(drawn, _given=f" with {', '.join(words)}")
 
 
 def _without_units(value: Any, length: float, depth: int = 0) -> Any:

@@ -91,7 +91,7 @@ class _Writer:
     def _link(self, link: Link) -> Iterator[str]:
         place = self.places[link.name]
         for estimate in link.estimates:
-            yield f"  <!-- Estimated: {estimate}. -->".replace("--", "--")
+            yield f"  <!-- Estimated: {estimate.replace('--', '- -')}. -->"
         inertia = place.rotation.T @ link.inertia @ place.rotation
         scale = float(np.abs(inertia).max())
         moments = {f"i{a}{b}": _number(inertia[i, j], scale) for a, b, i, j in _MOMENTS}

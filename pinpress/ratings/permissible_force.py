@@ -21,7 +21,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ..common.arguments import positive, suitable_numbers
+from ..common.arguments import is_multiple, is_quantity, positive, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
 from ..common.numerics import bracketed_roots
@@ -63,8 +63,7 @@ class Capacities(Frozen):
     Attributes:
         nominal_force: largest process force at any height [N].
         nominal_height: height above bottom dead centre from which downwards the crank's torque permits the nominal force [m].
-        torque: torque capacity at the driver joint, in place of the nominal height [N m]; of a driver that slides its force, a plain
-            number [N].
+        torque: torque capacity at the driver joint, in place of the nominal height [N m]; of a driver that slides its force [N].
         bearings: name of a bearing or guide -> largest magnitude of the force in it, in a planar press the radial force [N].
         flywheel_inertia: moment of inertia of the flywheel reduced to the driver joint, without the linkage [kg m2].
         speed_drop: largest drop of the flywheel's speed in a stroke, divided by the speed [-]. It goes with the flywheel. Usual values are
@@ -75,8 +74,8 @@ class Capacities(Frozen):
         shaking_force: largest force on the foundation beside the weight [N].
 
     Raises:
-        PinpressError: a number is not positive and finite, both torque and nominal height are given, one of flywheel and drop of speed is
-            given without the other, or the drop is larger than the speed.
+        PinpressError: a number is not positive and finite, or has a unit of something else, both torque and nominal height are given, one
+            of flywheel and drop of speed is given without the other, or the drop is larger than the speed.
     """
 
     nominal_force: float
@@ -88,8 +87,13 @@ class Capacities(Frozen):
     motor_power: float | None = None
     slide_acceleration: float | None = None
     shaking_force: float | None = None
+    _effort_unit: str | None = field(default=None, init=False, repr=False, compare=False)  # of the torque, where it was given with one
 
     def __post_init__(self) -> None:
+        if is_quantity(self.torque):
+            unit = "N" if is_multiple(self.torque, "N") else "N m"
+            object.__setattr__(self, "torque", positive("torque", self.torque, unit))
+            object.__setattr__(self, "_effort_unit", unit)
         for name, unit in UNITS.items():
             value = getattr(self, name)
             if value is not None or name == "nominal_force":
@@ -104,6 +108,12 @@ class Capacities(Frozen):
             raise PinpressError("flywheel_inertia and speed_drop go together: give both, or neither")
         if self.speed_drop is not None and self.speed_drop > 1.0:
             raise PinpressError(f"speed_drop is {self.speed_drop:g}: give a fraction of the speed, 1 or less")
+
+    def check_effort(self, coordinate: DriverCoordinate) -> None:
+        """Raise PinpressError where the torque was given in a unit that a driver with this coordinate does not have."""
+        if self._effort_unit not in (None, coordinate.effort_unit):
+            moves = "turns" if coordinate.turns else "slides"
+            raise PinpressError(f"torque is given in {self._effort_unit}, but the driver {moves}: give it in {coordinate.effort_unit}")
 
     def energies(self, speed: float, turns: int = 1) -> dict[str, float]:
         """Work that a stroke may take from each source of energy, by the source's name [J].

@@ -234,6 +234,7 @@ def rate(
     known_bearings(capacities, press)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
+    capacities.check_effort(press.driver_coordinates[0])
     turning = press.driver_coordinates[0].turns
     speed, points = _speed(speed, turning), whole_number("points", points, 3, MOST_POINTS)
     truth_value("at_speed", at_speed)

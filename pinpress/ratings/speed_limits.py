@@ -93,8 +93,9 @@ def speed_limit(
     press.refuse_sliding_driver(
         "the highest constant speed is that of a crank; ratings.rate(press, speed, capacities, at_speed=True) says whether a speed may be"
     )
+    capacities.check_effort(press.driver_coordinates[0])
     if torque is not None:
-        positive("torque", torque, "N m")
+        torque = positive("torque", torque, "N m")
         if capacities.torque is not None:
             raise PinpressError("torque is among the capacities already: leave one out")
     return limiting_speed(press, capacities, capacities.torque if torque is None else torque, 1.0, loads, engine)

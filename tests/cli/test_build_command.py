@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from support.in_browser import data_in
 
 import pinpress as pp
 from pinpress.cli.main import main
@@ -54,6 +55,14 @@ def test_every_command_takes_other_values_of_a_tables_parameters(folder, capsys)
             assert ("press.yaml with r=95 as URDF" in said) == ("--set" in file and words != ["check"])
             shown.append([line for line in figures(said) if line.startswith(("  stroke ", "  K "))])
         assert shown[0] == shown[1] != shown[2]
+
+
+def test_a_report_shows_the_table_as_it_is_beside_other_values(folder):
+    assert main(["new", "press.yaml", "--template", "crank-slide"]) == 0
+    report = ["report", "press.yaml", "--speed", "60", "--points", "36", "--out", "report.html"]
+    assert main([*report, "--set", "r=90", "--before", "press.yaml"]) == 0
+    rows = {row[0]: row for row in data_in(folder / "report.html")["report"]["table"]["rows"]}
+    assert rows["slide position"][-4:-2] == ["180.00", "200.00"]  # of the crank's radius of 90 and 100 mm
 
 
 @pytest.mark.one_in(4)

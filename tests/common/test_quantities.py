@@ -6,7 +6,7 @@ import numpy as np
 import pint
 import pytest
 from numpy.testing import assert_allclose
-from support import texts
+from support import sliding_presses, texts
 
 import pinpress as pp
 from pinpress.balancing import CounterweightRegion
@@ -137,6 +137,23 @@ def test_other_dimensions_are_refused_by_name(press, name):
     ask, said = WRONG[name]
     with pytest.raises(pp.PinpressError, match=re.escape(said)):
         ask(press)
+
+
+def test_what_a_driver_stands_has_the_unit_of_its_effort(press):
+    crank, ram = pp.ratings.Capacities(1e6, torque=2 * u.kN * u.m), pp.ratings.Capacities(1e6, torque=20 * u.kN)
+    assert (crank.torque, ram.torque) == (2e3, 2e4)
+    toggle = texts.load(sliding_presses.TOGGLE)
+    assert pp.ratings.rate(press, 60 * RPM, crank, points=3).torque_capacity == 2e3
+    assert pp.ratings.rate(toggle, 0.1, ram, points=3).torque_capacity == 2e4
+    for turned_round in (lambda: pp.ratings.rate(press, 60 * RPM, ram), lambda: pp.ratings.speed_limit(press, ram)):
+        with pytest.raises(pp.PinpressError, match="torque is given in N, but the driver turns: give it in N m"):
+            turned_round()
+    with pytest.raises(pp.PinpressError, match="torque is given in N m, but the driver slides: give it in N"):
+        pp.ratings.rate(toggle, 0.1, crank)
+    with pytest.raises(pp.PinpressError, match="torque is 3 meter: give it in N m"):
+        pp.ratings.Capacities(1e6, torque=3 * u.m)
+    plain = pp.ratings.speed_limit(press, pp.ratings.Capacities(1e6), torque=2e3)
+    assert pp.ratings.speed_limit(press, pp.ratings.Capacities(1e6), torque=2 * u.kN * u.m) == plain
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,7 @@ def test_the_slide_of_a_toggle_goes_down_as_its_screw_straightens_it(toggle):
     np.testing.assert_allclose(motion.slide_position, sliding_presses.slide_position(travel), rtol=0, atol=1e-13)
     ends = pp.dead_centres(toggle)
     assert (ends.top_angle, ends.bottom_angle, ends.turns) == (-0.15, 0.09, 1)
+    assert [*ends.columns()][:2] == ["top_angle [m]", "top_position [m]"]
     assert ends.stroke == pytest.approx(2 * np.sqrt(UPPER**2 - 0.01**2) - 2 * np.sqrt(UPPER**2 - 0.25**2), abs=1e-13)
 
 

@@ -241,6 +241,7 @@ def judge(data: bytes, folder: Path) -> str:
     file.write_bytes(data)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.simplefilter("ignore", pp.PinpressWarning)  # a file may be legal, and hardly meant
         press, refusal = loaded(file)
         errors = pp.check(file).errors
         if press is None:
