@@ -53,6 +53,14 @@ def test_worker_goes_on():
         worker.stop()
 
 
+def test_a_warning_is_no_fault(tmp_path):
+    path, in_millimetres = tmp_path / "centre.urdf", GOES.replace("<inertial>", '<inertial><origin xyz="50 0 0"/>', 1)
+    path.write_text(in_millimetres)
+    with pytest.warns(pp.PinpressWarning):
+        pp.load(path)
+    assert fuzz_urdf.judge(in_millimetres.encode(), tmp_path) == "plane"
+
+
 @pytest.mark.parametrize(
     ("name", "value", "said"), [("model_mass", 3.0, "mass 3.0 kg, not 4.0"), ("gap_of", 1e-6, "a loop is 1e-06 m open")]
 )
