@@ -54,7 +54,7 @@ class DeadCentres(Record, units={"top_angle": "rad", "top_position": "m", "botto
 
 
 @dataclass(frozen=True, repr=False)
-class DeadCentresOverTravel(DeadCentres, units=DeadCentres.units | {"top_angle": "m", "bottom_angle": "m"}):
+class DeadCentresOverTravel(DeadCentres, units=dict.fromkeys(DeadCentres.units, "m")):
     """Dead centres of a press whose driver slides. Attributes of `DeadCentres`; in place of angles the positions of the driver [m]."""
 
 
