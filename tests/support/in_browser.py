@@ -40,15 +40,15 @@ def seek(page: Any, moment: float) -> Any:
 
 def pixels(page: Any, points: Any) -> Any:
     """Where world points (n, 3) lie on the screen, (n, 2), by the viewer's camera."""
-    *camera, (width, height) = page.evaluate(
-        """(({ camera, renderer: { domElement } }) => [
-            camera.matrixWorldInverse.elements, camera.projectionMatrix.elements, [domElement.clientWidth, domElement.clientHeight],
-        ])(viewer)"""
+    *camera, (left, top, width, height) = page.evaluate(
+        """(({ camera }, area) => [
+            camera.matrixWorldInverse.elements, camera.projectionMatrix.elements, [area.left, area.top, area.width, area.height],
+        ])(viewer, viewer.renderer.domElement.getBoundingClientRect())"""
     )
     view, projection = (np.array(elements).reshape(4, 4).T for elements in camera)
     x, y, z = np.asarray(points).T
     clip = projection @ view @ np.array([x, z, -y, np.ones_like(x)])  # three.js has y up
-    return np.column_stack([(clip[0] / clip[3] + 1) / 2 * width, (1 - clip[1] / clip[3]) / 2 * height])
+    return np.column_stack([left + (clip[0] / clip[3] + 1) / 2 * width, top + (1 - clip[1] / clip[3]) / 2 * height])
 
 
 def visible(picture: Any, pixel: Any, colour: str) -> bool:

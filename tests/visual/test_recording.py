@@ -223,9 +223,9 @@ def test_plays_in_real_time_by_address_slider_and_space_bar(recording: Path, tab
     page.evaluate("location.hash = '#t=0.25'")
     wait(page, "now === 0.25")
     assert page.evaluate(state) == [0.25, False, "0.250 s"]
-    assert page.inner_text("#crank") == f"crank{np.degrees(0.25 * SPEED):.1f}°"
+    assert page.inner_text("#crank") == f"crank {np.degrees(0.25 * SPEED):.1f}°"
     height = np.interp(0.25, motion.time, motion.slide_position) - motion.slide_position.min()  # bottom dead centre is among the states
-    assert float(page.inner_text("#slide").removeprefix("above BDC")[:-3]) == pytest.approx(1e3 * height, abs=0.1)
+    assert float(page.inner_text("#slide").removeprefix("above BDC ")[:-3]) == pytest.approx(1e3 * height, abs=0.1)
     page.locator("#slider").fill("0.4")
     assert page.evaluate(state) == [0.4, False, "0.400 s"]
     assert page.evaluate("location.hash") == "#t=0.400"
@@ -346,7 +346,7 @@ def test_names_and_loads_stand_at_the_bearings(traced: tuple[Path, Any, Any], sh
 def nothing_covered(page: Any) -> None:
     """No label lies on another one, on the heading or on the buttons, or beyond the window."""
     boxes = page.evaluate(
-        """[...document.querySelectorAll('#labels div, #view header, #toolbar')].map(part => part.getBoundingClientRect()).map(
+        """[...document.querySelectorAll('#labels div, header, #toolbar')].map(part => part.getBoundingClientRect()).map(
             box => [box.left, box.top, box.right, box.bottom])"""
     )
     for (l1, t1, r1, b1), (l2, t2, r2, b2) in itertools.combinations(boxes, 2):
@@ -449,7 +449,7 @@ def test_small_and_fast_press_of_meshes(
     page = view(pp.record(press, fast, tmp_path / "out.html"), "#t=0", window)
     small = pictured(page, fast.time[40])
     assert page.inner_text("#time") == "0.00100 s"
-    assert page.inner_text("#slide") == f"above BDC{1e6 * (fast.slide_position[40] - fast.slide_position.min()):.1f} µm"
+    assert page.inner_text("#slide") == f"above BDC {1e6 * (fast.slide_position[40] - fast.slide_position.min()):.1f} µm"
     assert np.count_nonzero(np.abs(small - large).max(axis=2) > 30) < 100
 
 

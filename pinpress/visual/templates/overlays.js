@@ -175,7 +175,7 @@ function placeLabels() {  // where their places are on the screen
     label.dot.style.transform = `translate(${label.x.toFixed(1)}px, ${label.y.toFixed(1)}px)`;
   }
   const dots = labels.map(({ x, y }) => ({ left: x - 3, right: x + 3, top: y - 3, bottom: y + 3 }));
-  const taken = [element("toolbar"), element("scale"), element("view").querySelector("header")].map(areaInView);
+  const taken = [element("toolbar"), element("scale"), document.querySelector("header")].map(areaInView);
   for (const label of labels) {
     const { area, spot } = freeArea(label, taken, dots, width, height);
     label.spot = spot;

@@ -19,6 +19,7 @@ function seek(time) {
   show("crank", data.driver.name, within.toFixed(1) + data.driver.unit);
   if (data.height) show("slide", data.above, `${(number(data.height) * PER_METRE).toFixed(PLACES)} ${LENGTH}`);
   element("slider").value = now;
+  element("slider").ariaValueText = ["time", "crank", "slide"].map(id => element(id).textContent).filter(Boolean).join(", ");
   fillLabels();
   for (const tell of listeners) tell(now);
   viewer.set_dirty();
@@ -26,13 +27,14 @@ function seek(time) {
 
 function show(id, label, text) {
   const small = document.createElement("small");
-  small.textContent = label;
+  small.textContent = label && label + " ";
   element(id).replaceChildren(small, text.replace("-", "\u2212"));
 }
 
 function setPlaying(on) {
   playing = on && duration > 0;
   before = null;
+  element("play").ariaLabel = playing ? "Pause" : "Play";
   element("play").querySelector("path").setAttribute("d", playing ? "M2 1h4v12H2zM8 1h4v12H8z" : "M2 0l11 7-11 7z");
 }
 
@@ -57,6 +59,18 @@ function startingRate() {  // real time, or so slow that a period takes half a s
 }
 
 // ---- controls ----
+const KEYS = {
+  " ": () => setPlaying(!playing),
+  ArrowLeft: count => step(-count),
+  ArrowRight: count => step(count),
+};
+
+function step(count) {  // to a key before or after the present one
+  const key = moment.part > 0.5 ? moment.after : moment.before;
+  setPlaying(false);
+  seek(data.time[Math.min(Math.max(key + count, 0), data.time.length - 1)]);
+}
+
 function toggle(id, apply) {
   element(id).addEventListener("click", () => {
     const on = element(id).ariaPressed !== "true";
@@ -72,16 +86,16 @@ function start() {
   element("slider").addEventListener("input", event => { setPlaying(false); seek(Number(event.target.value)); });
   element("slider").addEventListener("change", () => history.replaceState(null, "", "#t=" + now.toFixed(DIGITS)));
   element("play").addEventListener("click", () => setPlaying(!playing));
-  element("toolbar").addEventListener("pointerdown", event => event.stopPropagation());  // the camera's controls would take it
   toggle("show-forces", on => { overlay.visible = on; });
   toggle("show-names", on => { element("labels").hidden = !on; });
   toggle("show-paths", on => { paths.visible = on; });
   toggle("front-view", on => { fromFront = on; fitted = true; resize(); });
   addEventListener("hashchange", seekFromAddress);
   addEventListener("keydown", event => {
-    if (event.key !== " " || ["BUTTON", "SELECT"].includes(event.target.tagName)) return;  // these two use the space bar themselves
+    const act = event.ctrlKey || event.altKey || event.metaKey || event.target.tagName === "SELECT" ? null : KEYS[event.key];
+    if (!act || (event.key === " " && event.target.tagName === "BUTTON")) return;  // what uses these keys itself
     event.preventDefault();
-    setPlaying(!playing);
+    act(event.shiftKey ? 10 : 1);
   });
   element("slide").hidden = data.height === null;
   element("front-view").hidden = !data.front.length;

@@ -1,6 +1,6 @@
 // ---- charts: Plotly draws the curves; cursor, legend with present values and table are the page's own ----
 const { report } = data;
-const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d1f", "#56b4e9", "#6f4fb0", "#e69f00", "#7a2e2e", "#3d7a7a", "#b5179e", "#5a6b1f", "#1d2730"];
+const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];  // Okabe and Ito: the colour-blind tell them apart
 const FONT = { family: getComputedStyle(document.body).fontFamily, size: 11.5, color: "#46535f" };
 const CONFIG = {  // nothing that would send a chart anywhere
   responsive: true, displaylogo: false, modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
