@@ -1,4 +1,4 @@
-"""Texts of pages stand out in both themes, the colour-blind tell curves apart, and keys, screen readers and phones get along with a page."""
+"""Texts of pages stand out in both themes, the colour-blind tell curves apart; keys, screen readers and phones get along with a page."""
 
 import itertools
 import re
@@ -141,7 +141,7 @@ def test_keys_and_names(report: Path, view: Callable[..., Any]) -> None:
     page.keyboard.press("Space")
     assert page.evaluate("!playing && element('play').ariaLabel") == "Play"
     unnamed = page.evaluate(
-        """[...document.querySelectorAll('button, input, select, figure, [role]')].filter(each =>
+        """[...document.querySelectorAll('button, input, select, figure, [role]')].filter(each => each.checkVisibility() &&
             !(each.ariaLabel || each.title || each.textContent.trim())).length"""
     )
     assert unnamed == 0
