@@ -140,3 +140,44 @@ def test_a_link_that_hangs_free_is_no_spin(tmp_path):
     path.write_text(text + "</robot>")
     with pytest.raises(pp.UrdfError, match="mobility is 2, but one joint drives"):
         pp.load(path)
+
+
+SDF = """<sdf version="1.7"><model name="rssr">
+<link name="crank"><inertial><pose>0.02 0 0 0 0 0</pose><mass>4</mass>{plain}</inertial></link>
+<link name="rocker"><pose>{q} 0 0 0</pose><inertial><pose>0 0 0.07 0 0 0</pose><mass>6</mass>{plain}</inertial></link>
+<link name="rod"><pose>{a} 0 0 0</pose><inertial><pose>{centre} 0 0 0</pose><mass>3</mass>{thin}</inertial></link>
+<joint name="O" type="revolute"><parent>world</parent><child>crank</child><axis><xyz>0 0 1</xyz></axis></joint>
+<joint name="Q" type="revolute"><parent>world</parent><child>rocker</child><axis><xyz>1 0 0</xyz></axis></joint>
+<joint name="A" type="ball"><parent>crank</parent><child>rod</child></joint>
+<joint name="B" type="ball"><pose>0 0 {rocker} 0 0 0</pose><parent>rod</parent><child>rocker</child></joint></model></sdf>"""
+MJCF = """<mujoco model="rssr"><option gravity="0 0 -9.81"/><worldbody>
+<body name="crank"><joint name="O" axis="0 0 1"/><inertial pos="0.02 0 0" mass="4" diaginertia="0.02 0.02 0.02"/>
+<body name="rod" pos="{a}"><joint name="A" type="ball"/><inertial pos="{centre}" mass="3" fullinertia="{moments}"/></body></body>
+<body name="rocker" pos="{q}"><joint name="Q" axis="1 0 0"/><inertial pos="0 0 0.07" mass="6" diaginertia="0.02 0.02 0.02"/></body>
+</worldbody><equality><connect name="B" body1="rod" body2="rocker" anchor="{way}"/></equality></mujoco>"""
+
+
+@pytest.mark.parametrize(("ending", "text"), [("sdf", SDF), ("xml", MJCF)])
+def test_balls_of_other_formats_follow_whole_turns(tmp_path, ending, text):
+    """The axes of the links are those of the world, so that hinges about these axes would lock at 54 degrees."""
+    tensor = 0.01 * (np.eye(3) - np.outer(ALONG, ALONG)) + 1e-9 * np.eye(3)
+    named = {f"i{'xyz'[i]}{'xyz'[j]}": repr(float(tensor[i, j])) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))}
+    places = {"q": [FRAME, OFFSET, 0.0], "a": BALL_A, "centre": 0.5 * (BALL_B - BALL_A), "way": BALL_B - BALL_A}
+    path = tmp_path / f"rssr.{ending}"
+    path.write_text(
+        text.format(
+            **{name: words(place) for name, place in places.items()},
+            rocker=ROCKER,
+            plain="<inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz></inertia>",
+            thin=f"<inertia>{''.join(f'<{name}>{value}</{name}>' for name, value in named.items())}</inertia>",
+            moments=" ".join(named.values()),
+        )
+    )
+    press = pp.load(path, driver="O")
+    assert press.held_spins == ("A_z",)
+    motion = pp.cycle(press, 10.0, points=24)
+    np.testing.assert_allclose(motion.joint_position[:, press.joints.index("Q")], rocker_angle(motion.crank_angle), rtol=0, atol=1e-11)
+    torque = pp.inverse_dynamics(press, motion).driving_torque
+    universal = loaded(tmp_path, "universal", UNIVERSAL)
+    expected = pp.inverse_dynamics(universal, pp.cycle(universal, 10.0, points=24)).driving_torque
+    np.testing.assert_allclose(torque, expected, rtol=0, atol=1e-6 * np.abs(expected).max())  # the rod has 1e-9 kg m2 about its line

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..urdf.text import MOMENTS, tag, written
 
 # What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.
 UNLIMITED = 1000.0  # limit of position and velocity that is written where there is none [rad or m], [rad/s or m/s]
+NEARLY_ALONG = 0.1  # sine of the angle between a link and an axis that is too small for that axis to turn it
 STRONGEST = 1e9  # limit of effort that is written where there is none [N m or N]
 
 
@@ -156,6 +157,7 @@ class Mechanism:
         drivers: names of joints, and where they were read.
         remarks: what the file says and is not in here.
         origin: of the model.
+        balls: names of the three revolute joints that make each ball joint of the tree, from parent to child.
     """
 
     name: str
@@ -165,6 +167,7 @@ class Mechanism:
     drivers: tuple[tuple[str, Origin], ...]
     remarks: tuple[Finding, ...]
     origin: Origin
+    balls: tuple[tuple[str, ...], ...] = ()
 
 
 class Edge(NamedTuple):
@@ -223,6 +226,34 @@ def spanning_tree(root: str, links: Sequence[str], edges: Sequence[Edge]) -> Spa
     return SpanningTree(tree, tuple(link for link in links if link not in reached))
 
 
+def _with_axes_of_balls(mechanism: Mechanism) -> Iterator[Joint]:
+    """The joints, those of balls with axes that do not lock where the ball would turn on.
+
+    The first axis is that about which the parent turns, so that the child follows whole turns of a crank; the last one lies along the
+    child, which can spin idly about it where a ball is at its other end; the second one is across both. They lock where a rod lies along
+    the axis of its crank, in which the crank does not move it.
+    """
+    joints = {joint.name: joint for joint in mechanism.joints}
+    carriers = {joint.child: joint for joint in mechanism.joints}
+    for names in mechanism.balls:
+        ball = [joints[name] for name in names]
+        child, carrier = ball[-1].child, carriers.get(ball[0].parent)
+        others = [joint.place for joint in mechanism.joints if joint.parent == child]
+        others += [place for loop in mechanism.loops for link, place in loop.ends if link == child]
+        along = np.mean([place.translation for place in others], axis=0) if others else np.zeros(3)
+        if not along.any():
+            continue
+        along /= np.linalg.norm(along)
+        first = np.eye(3)[np.abs(along).argmin()]
+        if carrier is not None and carrier.type == "revolute":
+            turns = ball[0].place.rotation.T @ carrier.axis
+            first = first if np.linalg.norm(np.cross(along, turns)) < NEARLY_ALONG else turns
+        across = np.cross(along, first)
+        axes = (first, across / np.linalg.norm(across), along)
+        joints.update({joint.name: replace(joint, axis=axis) for joint, axis in zip(ball, axes, strict=True)})
+    yield from joints.values()
+
+
 def as_document(file: str, mechanism: Mechanism, source: str) -> Document:
     """The URDF of a mechanism that was read from this file; ``source``: the name of its format."""
     lines = [
@@ -235,7 +266,7 @@ def as_document(file: str, mechanism: Mechanism, source: str) -> Document:
         ),
     ]
     lines += [(line, "link", origin) for link in mechanism.links for line, origin in _link(link)]
-    lines += [(line, "joint", origin) for joint in mechanism.joints for line, origin in _joint(joint)]
+    lines += [(line, "joint", origin) for joint in _with_axes_of_balls(mechanism) for line, origin in _joint(joint)]
     lines += [(f"  {loop_element(loop)}", "loop_joint", loop.origin) for loop in mechanism.loops]
     for name, origin in mechanism.drivers:
         lines.append((f"  {tag('transmission', {'name': f'{name}_drive'}, tag('joint', {'name': name}))}", "transmission", origin))

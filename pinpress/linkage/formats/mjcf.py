@@ -74,6 +74,7 @@ class _Reader:
         self.root = Origin(f'<mujoco model="{spec.modelname}">', document.robot.line)
         self.included = bool(_all(document.robot, "include"))
         self.remarks: list[Finding] = []
+        self.balls: list[tuple[str, ...]] = []
         self.taken: set[str] = set()
         self.bodies = self._by_id(spec.bodies)
         self.hinges = self._by_id(spec.joints)
@@ -114,7 +115,7 @@ class _Reader:
         self._remark_on_forces()
         name = self.spec.modelname or "press"
         drivers = tuple(self._drivers())
-        return Mechanism(name, tuple(links), tuple(joints), tuple(loops), drivers, tuple(self.remarks), self.root)
+        return Mechanism(name, tuple(links), tuple(joints), tuple(loops), drivers, tuple(self.remarks), self.root, tuple(self.balls))
 
     # --------------------------------------------------------------------------------------------------------------- what is not a linkage
 
@@ -270,6 +271,7 @@ class _Reader:
         if self.model.jnt_type[joint] != int(self.mujoco.mjtJoint.mjJNT_BALL):
             return [(np.array(self.model.jnt_axis[joint]), name)]
         names = [f"{name}_{axis}" for axis in "xyz"]
+        self.balls.append(tuple(names))
         problem = f"a ball joint is made of revolute joints: {', '.join(names)}"
         self.remarks.append(remark("note", self._origin(self.hinges[joint], "joint", name), problem, ""))
         return list(zip(np.eye(3), names, strict=True))

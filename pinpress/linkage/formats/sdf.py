@@ -86,6 +86,7 @@ class _Reader:
         self.file = file
         self.version = self._version(root)
         self.remarks: list[Finding] = []
+        self.balls: list[tuple[str, ...]] = []
         self.model = self._only_model(root)
         refuse_unknown(file, self.model, _KNOWN["model"].split())
         for tag, remedy in (("include", "write the model that it names in its place"), ("model", "write its links and joints in this one")):
@@ -254,7 +255,7 @@ class _Reader:
         self._note_turned(turned_round, bearings)
         drivers = tuple(self._drivers({joint.name for joint in joints}))
         name, origin = self.model.get("name") or "press", origin_of(self.model)
-        return Mechanism(name, (*links, *chains), tuple(joints), tuple(loops), drivers, tuple(self.remarks), origin)
+        return Mechanism(name, (*links, *chains), tuple(joints), tuple(loops), drivers, tuple(self.remarks), origin, tuple(self.balls))
 
     def _root(self, bearings: Sequence[_Bearing]) -> tuple[str, Joint | None]:
         """Name of the root link, and the joint that holds it: the world, if joints connect it, without such a joint; else the link that is
@@ -367,6 +368,8 @@ class _Reader:
                 massless = Inertia(0.0, pin.SE3.Identity(), np.zeros((3, 3)), origin)
                 links.append(Link(to, massless, (), origin))
             parent, place = to, pin.SE3.Identity()
+        if bearing.type == "ball":
+            self.balls.append(tuple(joint.name for joint in joints))
         names = ", ".join(joint.name for joint in joints)
         problem = f"a {bearing.type} joint of the tree is made of revolute joints: {names}"
         self.remarks.append(remark("note", bearing.element, problem, ""))
