@@ -151,7 +151,7 @@ def _write(balanced: BalancedPress, as_drawn: Linkage, folder: Path, with_report
     balanced.counterweights.to_csv(folder / "counterweights.csv")
     written = ["balanced.urdf", "balance.csv", "counterweights.csv"]
     if with_report:
-        from ..visual.report import report  # Plotly is optional, and slow to import
+        from ..visual.reports.report import report  # Plotly is optional, and slow to import
 
         # with all bearings, of which balancing computes only those that are asked for
         loads = balanced.conditions[0].loads

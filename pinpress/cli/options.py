@@ -9,13 +9,13 @@ from typing import Any, TypedDict
 
 from ..common import tables
 from ..common.errors import PinpressError
+from ..common.results import Tabular
 from ..dynamics.inputs import Inputs
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load, presses
 from ..loads.link import Friction, Load
-from ..ratings.rating import PressRatings
 from . import part_specs
 
 SIGNS = """\
@@ -220,7 +220,7 @@ def write_pages(
     options: argparse.Namespace,
     names: Sequence[str],
     before: Reactions | None = None,
-    ratings: PressRatings | None = None,
+    results: Sequence[Tabular] = (),
 ) -> None:
     """Write recording.html, and report.html where it is wanted, and say what has been written.
 
@@ -230,17 +230,17 @@ def write_pages(
         options: those of `add_out_option`, `add_report_option` and `add_trace_option`.
         names: of the files that have been written before, in the same folder.
         before: reactions of another press, for the report.
-        ratings: permissible forces of the press, for the report.
+        results: other results of the press, for the report.
     """
     from ..visual.recording import record  # the pages are slow to import
 
     pages = ["recording.html"]
     record(press, reactions.motion, options.out / "recording.html", reactions=reactions, traces=options.trace)
     if options.report:
-        from ..visual.report import report  # slow to import
+        from ..visual.reports.report import report  # slow to import
 
         page = options.out / "report.html"
-        report(press, reactions.motion, page, reactions=reactions, traces=options.trace, before=before, ratings=ratings)
+        report(press, reactions.motion, page, reactions=reactions, traces=options.trace, before=before, results=results)
         pages.append("report.html")
     say_written(options.out, [*names, *pages])
 

@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: Options do not go together, or computing or writing fails.
     """
-    from ..visual.report import report  # slow to import
+    from ..visual.reports.report import report  # slow to import
 
     press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
@@ -55,7 +55,8 @@ def run(options: argparse.Namespace) -> int:
     reactions = inverse_dynamics(press, motion, **forces(options, press))
     ratings = permissible(press, options)
     before = None if options.before is None else press_before(options)
-    report(press, motion, options.out, reactions=reactions, traces=options.trace, before=before, ratings=ratings)
+    results = [] if ratings is None else [ratings]
+    report(press, motion, options.out, reactions=reactions, traces=options.trace, before=before, results=results)
     print(f"wrote {options.out}")
     return 0
 

@@ -133,10 +133,10 @@ class PressRatings(Tabular):
         return "\n".join(
             [
                 f"{self.press_name}, ratings at {pace}; forces: {what}",
-                *tables.table(_data(self), [38, 0]),
+                *tables.table(data_in_words(self), [38, 0]),
                 "",
                 "Permissible force",
-                *tables.table([heads, *(_row(self, k) for k in _shown(self))], widths),
+                *tables.table([heads, *(_row(self, k) for k in listed_heights(self))], widths),
                 *(["  work: of the force that all limits but energy permit, from there to bottom dead centre"] if self.energies else []),
             ]
         )
@@ -344,7 +344,7 @@ def _speed(speed: float, turning: bool) -> float:
     return float(suitable_numbers("speed", in_unit("speed", speed, unit), wanted, suits=lambda value: SLOWEST <= abs(value) <= FASTEST))
 
 
-def _data(ratings: PressRatings) -> list[tuple[str, str]]:
+def data_in_words(ratings: PressRatings) -> list[tuple[str, str]]:
     """Names and values of the main data, as far as they are known."""
     given, limit, turning = ratings.capacities, ratings.speed_limit, ratings.driver_coordinate.turns
     capacity, unit = ("torque", "N m") if turning else ("driving force", "N")
@@ -384,7 +384,7 @@ def _data(ratings: PressRatings) -> list[tuple[str, str]]:
     return [(name, value) for name, value in rows if value is not None]
 
 
-def _shown(ratings: PressRatings) -> list[int]:
+def listed_heights(ratings: PressRatings) -> list[int]:
     """Indices of the heights in the table: even steps of the crank angle, the nominal height, and changes of the governing limit."""
     even = np.linspace(0, len(ratings.height) - 1, ROWS).round().astype(int)
     marks = [*ratings.changes, *([] if ratings.capacities.nominal_height is None else [ratings.capacities.nominal_height])]

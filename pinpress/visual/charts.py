@@ -144,13 +144,21 @@ def abscissa(motion: Motion) -> Abscissa:
     return Abscissa("state", "", read_only(np.arange(len(angle), dtype=float)))
 
 
-def slide(motion: Motion) -> tuple[Chart, ...]:
-    """Charts of position, velocity and acceleration of the slide along its guide's axis; none for a linkage without a slide."""
+def slide(motion: Motion, bottom: float | None = None) -> tuple[Chart, ...]:
+    """Charts of position, velocity and acceleration of the slide along its guide's axis; none for a linkage without a slide.
+
+    Args:
+        motion: motion of the linkage.
+        bottom: slide position at bottom dead centre [m]; with it the height above it is drawn in place of the position.
+    """
     expect("motion", motion, Motion, "cycle or simulate")
     if motion._guide is None:
         return ()
-    series = (("position", motion.slide_position), ("velocity", motion.slide_velocity), ("acceleration", motion.slide_acceleration))
-    return tuple(_chart(f"Slide {quantity}", quantity, {quantity: values}) for quantity, values in series)
+    position = _chart("Slide position", "position", {"position": motion.slide_position})
+    if bottom is not None:
+        position = _chart("Slide height above bottom dead centre", "position", {"height": motion.slide_position - bottom})
+    series = (("velocity", motion.slide_velocity), ("acceleration", motion.slide_acceleration))
+    return position, *(_chart(f"Slide {quantity}", quantity, {quantity: values}) for quantity, values in series)
 
 
 def crank_speed(motion: Motion) -> Chart | None:

@@ -20,7 +20,7 @@ CHARTS = """() => Object.fromEntries([...document.querySelectorAll('.chart')].fi
     box.querySelector('h3').textContent, box.querySelector('.plot').data.map(({ x, y }) => [[...x], [...y]]),
 ]))"""
 STATED = """() => [...document.querySelectorAll('.inputs')].map(box => [
-    box.previousSibling.textContent, [...box.querySelectorAll('dt')].map(name => [name.textContent, name.nextSibling.textContent]),
+    box.querySelector('h3')?.textContent ?? '', [...box.querySelectorAll('dt')].map(name => [name.textContent, name.nextSibling.textContent]),
 ])"""
 ARROW = """time => {
     setPlaying(false);
@@ -54,7 +54,7 @@ def ratings(press: Any) -> Any:
 def written(press: Any, pressed: Any, ratings: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
     idle = pp.inverse_dynamics(press, pressed.motion)
     path = tmp_path_factory.mktemp("report") / "out.html"
-    return pp.report(press, pressed.motion, path, reactions=pressed, before=idle, ratings=ratings)
+    return pp.report(press, pressed.motion, path, reactions=pressed, before=idle, results=[ratings])
 
 
 @pytest.fixture
@@ -90,20 +90,20 @@ def test_the_arrow_pushes_the_slide_up(page: Any, pressed: Any) -> None:
 
 def test_force_over_height(page: Any, press: Any, pressed: Any, ratings: Any) -> None:
     charts = page.evaluate(CHARTS)
-    (process, permissible) = charts["Force over height above bottom dead centre [kN]"]
+    (process, permissible) = charts["Force over the height [kN]"]
     assert_allclose(process[0][:-1], height(press, pressed.motion), rtol=1e-5, atol=1e-4)
     assert_allclose(process[1][:-1], pressed.process_force / 1e3, rtol=1e-6)
     assert_allclose(permissible[0], 1e3 * ratings.height, rtol=1e-6)
     assert_allclose(permissible[1], ratings.force / 1e3, rtol=1e-6)
     assert len(charts["Process force [kN]"]) == 1  # the idle press has none to be dashed
-    assert f"{pressed.process_work / 1e3:.4g} kJ" in page.inner_text("#cards")
+    assert f"{pressed.process_work / 1e3:.4g} kJ" in page.inner_text(".figures")
 
 
 def test_a_page_states_its_inputs(page: Any, press: Any, pressed: Any) -> None:
     stated = {title: dict(rows) for title, rows in page.evaluate(STATED)}
-    assert stated["Inputs"] == dict(inputs_of(pressed)) | {"nominal force": "3000 kN", "nominal height": "13 mm"}
-    assert stated["Inputs"]["load"] == "DeepDrawing(force=1500 kN, start=40 mm, end=2 mm)"
-    assert stated["Inputs of the dashed curves"]["loads"] == "none but weight"
+    assert stated[""] == dict(inputs_of(pressed)) | {"nominal force": "3000 kN", "nominal height": "13 mm"}
+    assert stated[""]["load"] == "DeepDrawing(force=1500 kN, start=40 mm, end=2 mm)"
+    assert stated["Dashed curves"]["loads"] == "none but weight"
 
 
 def test_a_run_states_its_motor_and_flywheel(press: Any, tmp_path: Path) -> None:
@@ -115,7 +115,7 @@ def test_a_run_states_its_motor_and_flywheel(press: Any, tmp_path: Path) -> None
     rows = dict(report["inputs"][0]["rows"])
     assert rows["flywheel"] == "Flywheel(inertia=2000 kg m2)"
     assert rows["drive"].startswith("Geared(drive=InductionMotor(rated_power=75 kW, rated_speed=1485 r/min")
-    (card,) = [card for card in report["cards"] if card["name"] == "work of the process"]
+    (card,) = [card for card in report["figures"] if card["name"] == "work of the process"]
     assert (card["value"], card["at"]) == (f"{run.load_work[-1] / 1e3:.4g} kJ", "over the motion")
 
 
@@ -129,6 +129,6 @@ def test_utilisation(press: Any, pressed: Any, ratings: Any) -> None:
     assert found[at] == pytest.approx(pressed.process_force[at] / permissible, rel=1e-3)
     other = texts.shipped("crank_slide")
     idle = pp.inverse_dynamics(other, pp.cycle(other, SPEED, points=12))
-    for refused in (lambda: ratings.utilisation(idle), lambda: pp.report(other, idle.motion, "x.html", reactions=idle, ratings=ratings)):
+    for refused in (lambda: ratings.utilisation(idle), lambda: pp.report(other, idle.motion, "x.html", reactions=idle, results=[ratings])):
         with pytest.raises(pp.PinpressError, match=r"the reactions are of crank_slide, the ratings of zxn2_3000b"):
             refused()

@@ -79,7 +79,7 @@ def see_charts(page: Any, result: Any) -> None:
     assert_allclose(velocity["x"], np.linspace(0, 360, len(motion.time) + 1), atol=1e-3)
     assert_allclose(velocity["y"][:-1], motion.slide_velocity, atol=1e-6)
     titles = " ".join(curves)
-    for word in ("Slide position", "Slide acceleration", "Driving torque", "Polar diagram, world axes", "Shaking force", "Harmonics"):
+    for word in ("Slide height above bottom dead centre", "Slide acceleration", "Driving torque", "Energy of a stroke", "Polar diagram, world axes", "Shaking force", "Harmonics"):
         assert word in titles
     assert page.locator("tbody tr").count() > 10
 
@@ -144,7 +144,7 @@ def test_nothing_is_sent_anywhere(page: Any) -> None:
 def test_zoom_takes_the_cursor_along(page: Any) -> None:
     page.evaluate("t => seek(t)", 0.3 * 60 / 70)
     page.evaluate("Plotly.relayout(document.querySelector('.plot'), { 'xaxis.range': [90, 180] })")
-    assert page.evaluate(CURSOR, "Slide position")["x"] == pytest.approx(108, abs=0.1)
+    assert page.evaluate(CURSOR, "Slide height")["x"] == pytest.approx(108, abs=0.1)
     page.evaluate("seek(0)")
     assert page.evaluate("document.querySelector('.plot .cursor').offsetParent") is None  # it is outside what is shown
     page.evaluate("Plotly.relayout(document.querySelector('.plot'), { 'xaxis.range': [0, 360] })")
@@ -187,15 +187,14 @@ def test_legend_hides_a_curve(page: Any) -> None:
 def test_table_of_extremes(page: Any, result: Any) -> None:
     rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
     table = {row[0]: row[1:] for row in rows}
-    unit, smallest, _, largest, at, width, rms = table["driving torque"]
-    torque = result.driving_torque
-    assert unit == "N m"
+    smallest, _, largest, at, width, rms = table["driving torque [kN m]"]
+    torque = result.driving_torque / 1e3
     assert_allclose([shown(t) for t in (smallest, largest, width)], [torque.min(), torque.max(), np.ptp(torque)], rtol=1e-4)
     assert shown(at) == pytest.approx(2 * torque.argmax(), abs=0.06)
     assert shown(rms) == pytest.approx(np.sqrt(np.mean(torque**2)), rel=1e-4)
-    cards = page.inner_text("#cards")
-    assert "301.2 mm" in cards
-    assert f"{np.abs(torque).max() / 1e3:.4g} kN m" in cards
+    figures = page.inner_text(".figures")
+    assert "301.2 mm" in figures
+    assert f"{np.abs(torque).max():.4g} kN m" in figures
 
 
 def test_a_press_of_many_links_has_its_charts(tmp_path: Path) -> None:
@@ -203,23 +202,25 @@ def test_a_press_of_many_links_has_its_charts(tmp_path: Path) -> None:
     press = texts.shipped("thin_wall")
     result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=60))
     report = data_in(pp.report(press, result.motion, tmp_path / "out.html"))["report"]
-    charts = {chart["title"]: chart for section in report["sections"] for chart in section["charts"]}
-    assert {"Slide position", "Slide velocity", "Slide acceleration", "Driving torque", "Shaking force"} <= set(charts)
+    blocks = [block for section in report["sections"] for block in section["blocks"]]
+    charts = {block["title"]: block for block in blocks if block["kind"] == "lines"}
+    assert {"Slide height above bottom dead centre", "Slide velocity", "Slide acceleration", "Driving torque", "Shaking force"} <= set(charts)
     motion, given = result.motion, {}
     for title, chart in charts.items():
         for curve in chart["curves"]:
-            given[title, curve["name"]] = {"N": 1.0, "kN": 1e3, "MN": 1e6}.get(chart["unit"], 1.0) * floats(curve["values"])
+            given[title, curve["name"]] = {"N": 1.0, "kN": 1e3, "MN": 1e6}.get(chart["unit"], 1.0) * floats(curve["y"])
     peak = max(np.linalg.norm(force, axis=1).max() for force in result.bearing_force.values())
     assert {name for title, name in given if title == "Bearing forces"} == set(result.bearing_force)
     for name, force in result.bearing_force.items():
         size = np.linalg.norm(force, axis=1)
         assert_allclose(given["Bearing forces", name], [*size, size[0]], atol=1e-6 * peak)
     assert_allclose(given["Slide velocity", "velocity"][:-1], motion.slide_velocity, atol=1e-6)
-    assert [bearing["name"] for bearing in report["bearings"]] == list(result.bearing_force)
-    for bearing, force in zip(report["bearings"], result.bearing_force.values(), strict=True):
+    (bearings,) = (block["bearings"] for block in blocks if block["kind"] == "bearings")
+    assert [bearing["name"] for bearing in bearings] == list(result.bearing_force)
+    for bearing, force in zip(bearings, result.bearing_force.values(), strict=True):
         unit = {"N": 1.0, "kN": 1e3, "MN": 1e6}[bearing["unit"]]
         assert_allclose(unit * floats(bearing["frame"]).reshape(-1, 2)[:-1], force[:, [0, 2]], atol=1e-6 * peak)
-    assert len(report["table"]["rows"]) > 10
+    assert len(blocks[-1]["rows"]) > 10
 
 
 def floats(packed: str) -> Any:
@@ -245,12 +246,12 @@ def test_before_and_after_backwards(press: Any, result: Any, view: Callable[...,
     assert len(curves["Polar diagram, world axes [kN]"]) == 2
     assert "dashed: zxn2_3000b, crank at −70 r/min" in page.inner_text("#subtitle")
     rows = page.evaluate("[...document.querySelectorAll('tbody tr')].map(row => [...row.children].map(cell => cell.textContent))")
-    row = next(row for row in rows if row[0] == "shaking force, x")
+    row = next(row for row in rows if row[0] == "shaking force, x [kN]")
     change = 100 * (np.ptp(after.shaking_force[:, 0]) / np.ptp(plain.shaking_force[:, 0]) - 1)
     assert shown(row[-2].removesuffix(" %")) == pytest.approx(change, abs=0.006)
-    assert shown(row[-3]) == pytest.approx(np.ptp(plain.shaking_force[:, 0]), rel=1e-4)
+    assert shown(row[-3]) == pytest.approx(np.ptp(plain.shaking_force[:, 0]) / 1e3, rel=1e-4)
     page.evaluate("t => seek(t)", after.motion.time[30])
-    assert page.evaluate(CURSOR, "Slide position")["x"] == pytest.approx(-120, abs=0.1)
+    assert page.evaluate(CURSOR, "Slide height")["x"] == pytest.approx(-120, abs=0.1)
     place = "parseFloat(document.querySelector('.cursor').style.left)"
     left = page.evaluate(place)
     page.evaluate("t => seek(t)", after.motion.time[45])
@@ -291,7 +292,7 @@ def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> Non
     assert NAMES["rod"] in page.inner_text("#legend")
     assert NAMES["P"] in page.inner_text("#labels")
     assert page.evaluate("viewer.scene_tree.find(['press']).object.children.length") == 4
-    assert {"Slide position", "Driving torque", "Shaking force"} <= {title.split(" [")[0] for title in page.evaluate(CURVES)}
+    assert {"Slide height above bottom dead centre", "Driving torque", "Shaking force"} <= {title.split(" [")[0] for title in page.evaluate(CURVES)}
     page.select_option("#bearing", label=NAMES["P"])
     page.mouse.move(800, 400)
     page.wait_for_timeout(100)
@@ -313,7 +314,8 @@ def test_what_rigid_mechanics_leaves_open_is_said(tmp_path: Path) -> None:
     two_rods, one_rod = texts.shipped("jf75g_125_two_point"), texts.shipped("jf75g_125")
     for press, expected in ((two_rods, True), (one_rod, False)):
         motion = pp.cycle(press, speed=SPEED, points=24)
-        bearings = data_in(pp.report(press, motion, tmp_path / "out.html"))["report"]["bearings"]
+        sections = data_in(pp.report(press, motion, tmp_path / "out.html"))["report"]["sections"]
+        bearings = [bearing for section in sections for block in section["blocks"] for bearing in block.get("bearings", ())]
         assert any("force" in bearing["open"] for bearing in bearings) is expected
 
 

@@ -6,17 +6,32 @@ const CONFIG = {  // nothing that would send a chart anywhere
   responsive: true, displaylogo: false, modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
 };
 const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true };
-const over = report.over.unit === "s" ? data.time : data.crank;
+const over = !report.over ? null : report.over.unit === "s" ? data.time : data.crank;  // null: nothing moves on this page
 const overBefore = report.before && floats(report.before);
+const heights = report.heights && floats(report.heights);
 const asText = text => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll(">", "&gt;");  // Plotly takes some tags
-const MODE = over.length > 1 ? "lines" : "markers";
+const MODE = !over || over.length > 1 ? "lines" : "markers";
 const brief = (text, most = 40) => text.length > most ? text.slice(0, most - 1) + "…" : text;
 
-function xAxis() {  // backwards too time runs to the right
-  const axis = { ...AXIS, title: { text: `${report.over.quantity} [${report.over.unit}]`, standoff: 6 } };
-  if (over.length > 1) axis.range = [over[0], over.at(-1)];
-  if (report.over.unit === "deg" && Math.abs(over.at(-1) - over[0]) >= 180) axis.dtick = 45;
+function xAxis({ across, follows, reach, logarithmic }) {
+  const frames = follows === "frames", axis = { ...AXIS, title: { text: asText(across || `${report.over.quantity} [${report.over.unit}]`), standoff: 6 } };
+  if (frames && over.length > 1) axis.range = [over[0], over.at(-1)];  // backwards too time runs to the right
+  if (frames && report.over.unit === "deg" && Math.abs(over.at(-1) - over[0]) >= 180) axis.dtick = 45;
+  if (reach) axis.range = reach;
+  if (logarithmic === "xy") Object.assign(axis, { type: "log", dtick: 1, exponentformat: "power" });
   return axis;
+}
+
+// What the cursors of a chart follow: present places along it, and the moment at one of them.
+const PLACES_ALONG = {
+  frames: { now: () => number(over), moments: () => over },
+  time: { now: () => now, moments: () => data.time },
+  height: { now: () => number(heights), moments: () => heights },
+  position: { now: () => within(number(data.crank)), moments: () => data.crank.map(within) },
+};
+
+function within(position) {  // the period from 0 on; on its border 0
+  return report.period ? (position % report.period + report.period) % report.period : position;
 }
 
 function make(tag, parent, properties = {}) {
@@ -53,36 +68,77 @@ function legend(parent, plot, curves) {  // a button a curve, which hides it, wi
   });
 }
 
+function look(curve, colour) {  // of a curve that lies on another, and of that one
+  if (curve.look === "dotted") return { color: colour, width: 2.6, dash: "1.5px,5px", simplify: false };
+  return { color: colour, width: { wide: 3.4, strong: 5 }[curve.look] || 1.8, simplify: false };
+}
+
 function lineChart(parent, chart) {
-  const box = card(parent, chart.title, chart.unit), series = chart.curves.map(curve => floats(curve.values)), traces = [];
-  const largest = Math.max(...series.map(largestOf));
-  const curves = chart.curves.map((curve, i) => {
+  const box = card(parent, chart.title, chart.unit), traces = [], place = over && PLACES_ALONG[chart.follows];
+  const unpacked = chart.curves.map(curve => ({ ...curve, x: curve.x ? floats(curve.x) : over, y: floats(curve.y), atFrames: curve.at_frames && floats(curve.at_frames) }));
+  const largest = Math.max(...unpacked.map(({ y }) => largestOf(y)));
+  const curves = unpacked.map((curve, i) => {
     const colour = COLOURS[i % COLOURS.length], mine = [traces.length], name = asText(brief(curve.name));
-    const line = { mode: MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
-    traces.push({ ...line, x: over, y: series[i], name, line: { color: colour, width: 1.8, simplify: false } });
+    const line = { mode: curve.points ? "markers" : MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
+    if (chart.stacked) Object.assign(line, { stackgroup: "all", fillcolor: colour + "aa" });
+    traces.push({ ...line, x: curve.x, y: curve.y, name, line: look(curve, colour), marker: { color: colour, size: 6 } });
     if (curve.before) {
       mine.push(traces.length);
       traces.push({ ...line, x: overBefore, y: floats(curve.before), name: name + ", before", opacity: 0.65, line: { color: colour, width: 1.4, dash: "dash", simplify: false } });
     }
     return { name: curve.name, colour, traces: mine };
   });
-  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, hovermode: "x unified", showlegend: false, xaxis: xAxis(), yaxis: { ...AXIS }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
+  const yaxis = { ...AXIS, rangemode: chart.follows === "height" || chart.stacked ? "tozero" : "normal" };
+  if (chart.logarithmic) Object.assign(yaxis, { type: "log", dtick: 1, exponentformat: "power" });
+  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, hovermode: chart.follows === "height" ? "closest" : "x unified", showlegend: false, xaxis: xAxis(chart), yaxis, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
   const plot = document.createElement("div"), values = legend(box, plot, curves);
   plot.className = "plot";
   box.append(plot);
+  if (chart.note) make("p", box, { className: "remark", textContent: chart.note });
   Plotly.newPlot(plot, traces, layout, CONFIG);
-  seekOnClick(plot, ({ x }) => timeAt(x));
-  const cursor = make("div", plot, { className: "cursor" });
+  if (place) seekOnClick(plot, ({ x, y, curveNumber }) => nearestMoment(place, unpacked.find(({ atFrames }, i) => atFrames && curves[i].traces.includes(curveNumber)), x, y));
   const follow = () => {
-    series.forEach((numbers, i) => { values[i].textContent = rounded(number(numbers), largest); });
-    const { xaxis, yaxis } = plot._fullLayout, x = xaxis.l2p(number(over));
-    cursor.hidden = x < 0 || x > xaxis._length;
+    const { xaxis, yaxis } = plot._fullLayout, at = place && place.now(), away = x => !(x >= 0 && x <= xaxis._length);
+    unpacked.forEach((curve, i) => {
+      const value = curve.atFrames ? pairAt(curve.atFrames)[1] : !place ? null : curve.x === over ? number(curve.y) : valueAt(curve.x, curve.y, at);
+      values[i].textContent = value === null ? "" : rounded(value, largest);
+    });
+    for (const { dot, atFrames } of dots) {
+      const [x, y] = pairAt(atFrames), [left, top] = [xaxis.l2p(x), yaxis.l2p(y)];
+      dot.hidden = away(left) || !(top >= 0 && top <= yaxis._length);
+      Object.assign(dot.style, { left: `${xaxis._offset + left}px`, top: `${yaxis._offset + top}px` });
+    }
+    if (!place) return;
+    const x = xaxis.l2p(at);
+    cursor.hidden = away(x);
     Object.assign(cursor.style, { left: `${xaxis._offset + x}px`, top: `${yaxis._offset}px`, height: `${yaxis._length}px` });
   };
+  const cursor = place && make("div", plot, { className: "cursor" });
+  const dots = over ? unpacked.filter(({ atFrames }) => atFrames).map(({ atFrames }) => ({ atFrames, dot: make("div", plot, { className: "tip" }) })) : [];
+  if (!place && !dots.length) {
+    values.forEach(value => value.remove());
+    return () => { Plotly.purge(plot); box.remove(); };
+  }
   plot.on("plotly_relayout", follow);
   plot.on("plotly_afterplot", follow);
   listeners.push(follow);
   return () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); };
+}
+
+const pairAt = pairs => [0, 1].map(i => pairs[2 * moment.before + i] + moment.part * (pairs[2 * moment.after + i] - pairs[2 * moment.before + i]));
+
+function valueAt(x, y, at) {  // of a curve over rising or falling places, between which it is straight; null beyond its ends
+  const way = Math.sign(x.at(-1) - x[0]), k = x.findIndex(place => way * (place - at) >= 0);
+  if (k < 0 || (k === 0 && x[0] !== at)) return null;
+  return k === 0 ? y[0] : y[k - 1] + (at - x[k - 1]) / (x[k] - x[k - 1] || 1) * (y[k] - y[k - 1]);
+}
+
+function nearestMoment({ moments }, curve, x, y) {  // the moment at a place along a chart; of a curve that is no function of it the nearest on it
+  const along = moments(), wide = largestOf(along) || 1, high = curve ? largestOf(curve.y) || 1 : 1;
+  const far = k => Math.hypot((along[k] - x) / wide, curve ? (curve.atFrames[2 * k + 1] - y) / high : 0);
+  let best = 0;
+  for (let k = 0; k < along.length; k++) if (far(k) < far(best)) best = k;
+  return data.time[best];
 }
 
 function seekOnClick(plot, time) {  // but not on a double click, which takes the zoom back
@@ -92,11 +148,6 @@ function seekOnClick(plot, time) {  // but not on a double click, which takes th
     if (!(event.detail > 1)) waiting = setTimeout(() => { setPlaying(false); seek(time(points[0])); }, 300);
   });
   plot.on("plotly_doubleclick", () => clearTimeout(waiting));
-}
-
-function timeAt(x) {
-  const k = over.reduce((best, value, i) => Math.abs(value - x) < Math.abs(over[best] - x) ? i : best, 0);
-  return data.time[k];
 }
 
 function polarChart(parent, title, axes, unit, path, before) {  // the tip of the force vector, circles of constant force
@@ -138,59 +189,14 @@ function polarChart(parent, title, axes, unit, path, before) {  // the tip of th
   return () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); };
 }
 
-function forceStrokeChart(parent) {  // over the height, down and up; the cursor is a dot on the curve
-  const { unit, axis, reach, height, force, keys, permissible } = report.process, title = "Force over " + axis;
-  const box = card(parent, title, unit), plot = document.createElement("div"), heights = floats(keys.height), forces = floats(keys.force);
-  const line = { mode: MODE, hovertemplate: `%{y:.5g} ${unit} at %{x:.4g} mm` };
-  const traces = [{ ...line, x: floats(height), y: floats(force), name: "process force", line: { color: COLOURS[0], width: 1.8, simplify: false } }];
-  const curves = [{ name: "process force", colour: COLOURS[0], traces: [0] }];
-  if (permissible) {
-    traces.push({ ...line, x: floats(permissible.height), y: floats(permissible.force), name: "permissible force", line: { color: COLOURS[1], width: 1.8, simplify: false } });
-    curves.push({ name: "permissible force", colour: COLOURS[1], traces: [1] });
-  }
-  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, hovermode: "closest", showlegend: false, xaxis: { ...AXIS, range: [0, reach], title: { text: `${axis} [mm]`, standoff: 6 } }, yaxis: { ...AXIS, rangemode: "tozero" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
-  const [value, limit] = legend(box, plot, curves);
-  if (limit) limit.remove();
-  plot.className = "plot";
-  box.append(plot);
-  Plotly.newPlot(plot, traces, layout, CONFIG);
-  const largest = largestOf(forces);
-  seekOnClick(plot, ({ x, y }) => {
-    const far = k => Math.hypot((heights[k] - x) / reach, (forces[k] - y) / (largest || 1));
-    return data.time[heights.reduce((best, _, k) => far(k) < far(best) ? k : best, 0)];
-  });
-  const dot = make("div", plot, { className: "tip" });
-  const follow = () => {
-    const { xaxis, yaxis } = plot._fullLayout, x = xaxis.l2p(number(heights)), y = yaxis.l2p(number(forces));
-    value.textContent = rounded(number(forces), largest);
-    dot.hidden = x < 0 || x > xaxis._length || y < 0 || y > yaxis._length;
-    Object.assign(dot.style, { left: `${xaxis._offset + x}px`, top: `${yaxis._offset + y}px` });
-  };
-  plot.on("plotly_relayout", follow);
-  plot.on("plotly_afterplot", follow);
-  listeners.push(follow);
-}
-
-function inputs(parent) {
-  for (const { title, rows } of report.inputs) {
-    make("h2", parent, { textContent: title });
-    const box = make("section", parent, { className: "chart inputs" });
-    const list = make("dl", box);
-    for (const [name, words] of rows) {
-      make("dt", list, { textContent: name });
-      make("dd", list, { textContent: words });
-    }
-  }
-}
-
-function bearingDetail(parent) {  // one at a time: a press has up to a dozen
+function bearingDetail(parent, { bearings }) {  // one at a time: a press has up to a dozen
   const heading = make("h2", parent, { textContent: "Force in " }), choice = make("select", heading, { id: "bearing", ariaLabel: "Bearing or guide" });
-  report.bearings.forEach((bearing, i) => make("option", choice, { value: i, textContent: bearing.name }));
+  bearings.forEach((bearing, i) => make("option", choice, { value: i, textContent: bearing.name }));
   const place = make("div", parent);
   let stop = [];
   const draw = () => {
     stop.forEach(end => end());
-    const { name, link, axes, unit, frame, own, before, components, open } = report.bearings[choice.value];
+    const { link, axes, unit, frame, own, before, components, open } = bearings[choice.value];
     const note = make("p", place, { className: "note", hidden: !open });
     note.textContent = `Rigid mechanics leaves open: ${open}. It is shared with the least sum of squared bearing forces, or as the stiffnesses say.`;
     const chart = lineChart(place, components), pair = make("div", place, { className: "pair" });
@@ -203,54 +209,81 @@ function bearingDetail(parent) {  // one at a time: a press has up to a dozen
   draw();
 }
 
-function harmonicsChart(parent) {
-  const { unit, orders, amplitude, before } = report.harmonics, axes = Object.keys(amplitude);
-  const box = card(parent, "Harmonics of the shaking force", unit), traces = [];
-  const curves = axes.map((axis, i) => {
-    const bar = { type: "bar", x: orders, hovertemplate: `order %{x}: %{y:.4g} ${unit}` }, mine = [traces.length];
-    traces.push({ ...bar, y: amplitude[axis], name: axis, marker: { color: COLOURS[i] } });
-    if (before?.[axis]) {
+function barChart(parent, { title, unit, places, bars, before, across, note }) {
+  const box = card(parent, title, unit), traces = [], words = typeof places[0] === "string";
+  const x = words ? places.map(place => asText(brief(place, 24))) : places, where = words ? "%{x}" : "order %{x}";
+  const curves = Object.keys(bars).map((name, i) => {
+    const bar = { type: "bar", x, hovertemplate: `${where}: %{y:.4g} ${unit}` }, mine = [traces.length];
+    const labels = words ? { text: bars[name].map(value => rounded(value, largestOf(bars[name]))), textposition: "auto", cliponaxis: false } : {};
+    traces.push({ ...bar, ...labels, y: bars[name], name: asText(brief(name)), marker: { color: COLOURS[i % COLOURS.length] } });
+    if (before?.[name]) {
       mine.push(traces.length);
-      traces.push({ ...bar, y: before[axis], name: axis + ", before", marker: { color: COLOURS[i], opacity: 0.35 } });
+      traces.push({ ...bar, y: before[name], name: asText(brief(name)) + ", before", marker: { color: COLOURS[i % COLOURS.length], opacity: 0.35 } });
     }
-    return { name: axis, colour: COLOURS[i], traces: mine };
+    return { name, colour: COLOURS[i % COLOURS.length], traces: mine };
   });
-  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, showlegend: false, bargap: 0.25, xaxis: { ...AXIS, dtick: 1, title: { text: "order of the crank's speed", standoff: 6 } }, yaxis: { ...AXIS, rangemode: "tozero" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
+  const xaxis = { ...AXIS, title: { text: asText(across), standoff: 6 }, ...(words ? {} : { dtick: 1 }) };
+  const layout = { margin: { l: 58, r: 12, t: 12, b: 38 }, font: FONT, showlegend: false, bargap: words ? 0.5 : 0.25, xaxis, yaxis: { ...AXIS, rangemode: "tozero" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
   const plot = document.createElement("div");
-  legend(box, plot, curves).forEach(value => value.remove());
+  if (curves.length > 1) legend(box, plot, curves).forEach(value => value.remove());
   plot.className = "plot";
   box.append(plot);
+  if (note) make("p", box, { className: "remark", textContent: note });
   Plotly.newPlot(plot, traces, layout, CONFIG);
 }
 
-function table(parent) {
-  make("h2", parent, { textContent: "Extremes" });
-  const box = make("section", parent, { className: "chart table" }), grid = make("table", box);
-  const head = make("tr", make("thead", grid)), body = make("tbody", grid);
-  for (const title of report.table.head) make("th", head, { textContent: title });
-  for (const cells of report.table.rows) {
+function table(parent, { title, heads, rows, words, note }) {
+  const box = make("section", parent, { className: "chart table" });
+  if (title) make("h3", box, { textContent: title });
+  const grid = make("table", box), head = make("tr", make("thead", grid)), body = make("tbody", grid);
+  const cell = (tag, row, text, i) => make(tag, row, { textContent: brief(text.replace(/^-/, "\u2212"), 80), title: text, className: i < words ? "words" : "" });
+  heads.forEach((text, i) => cell("th", head, text, i));
+  for (const cells of rows) {
     const row = make("tr", body);
-    for (const cell of cells) make("td", row, { textContent: brief(cell.replace(/^-/, "\u2212"), 80), title: cell });
+    cells.forEach((text, i) => cell("td", row, text, i));
+  }
+  if (note) make("p", box, { className: "remark", textContent: note });
+}
+
+function figures(parent, { figures }) {  // in rows of nearly equal numbers, each of which is filled
+  const box = make("div", parent, { className: "figures" });
+  const boxes = figures.map(({ name, value, at }) => {
+    const one = make("div", box);
+    make("small", one, { textContent: name });
+    make("strong", one, { textContent: value });
+    make("small", one, { textContent: at });
+    return one;
+  });
+  const arrange = () => {
+    const most = Math.max(1, Math.floor(box.clientWidth / 138)), rows = Math.ceil(boxes.length / most);
+    for (let row = 0, i = 0; row < rows; row++)
+      for (let end = Math.ceil((row + 1) * boxes.length / rows), count = end - i; i < end; i++) boxes[i].style.flex = `1 1 calc(${100 / count}% - 10px)`;
+  };
+  new ResizeObserver(arrange).observe(box);
+  arrange();
+}
+
+function facts(parent, { title, rows }) {
+  const box = make("section", parent, { className: "chart inputs" });
+  if (title) make("h3", box, { textContent: title });
+  const list = make("dl", box);
+  for (const [name, words] of rows) {
+    make("dt", list, { textContent: name });
+    make("dd", list, { textContent: words });
   }
 }
 
+const BLOCKS = { lines: lineChart, bars: barChart, bearings: bearingDetail, table, figures, facts };
+
 function drawReport() {
   const article = element("charts");
-  element("subtitle").textContent = report.subtitle + "; all inputs stand at the end";
-  for (const { name, value, at } of report.cards) {
-    const box = make("div", element("cards"));
-    make("small", box, { textContent: name });
-    make("strong", box, { textContent: value });
-    make("small", box, { textContent: at });
-  }
-  for (const { title, charts } of report.sections) {
+  element("subtitle").textContent = report.subtitle;
+  for (const given of report.inputs) facts(article, given);
+  if (report.figures.length) figures(article, report);
+  for (const { title, note, blocks } of report.sections) {
     make("h2", article, { textContent: title });
-    for (const chart of charts) lineChart(article, chart);
-    if (title === "Process" && report.process) forceStrokeChart(article);
-    if (title === "Bearings and guides" && report.bearings.length) bearingDetail(article);
-    if (title === "Foundation" && report.harmonics) harmonicsChart(article);
+    if (note) make("p", article, { className: "remark", textContent: note });
+    for (const block of blocks) BLOCKS[block.kind](article, block);
   }
-  table(article);
-  inputs(article);
-  seek(now);
+  if (over) seek(now);
 }

@@ -1,0 +1,94 @@
+"""Ratings in reports: what a press may exert at each height, what limits it, and what the process takes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...common import tables
+from ...common.quantities import RPM, Array
+from ...ratings.permissible_force import capacities_in_words
+from ...ratings.rating import PressRatings, data_in_words, listed_heights
+from .. import charts
+from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table
+from .shown import Shown
+
+ACROSS = "height above bottom dead centre [mm]"
+NEAR = 2.0  # reach of the chart near bottom dead centre, divided by the largest height at which another limit begins to govern
+
+
+def section(ratings: PressRatings, shown: Shown) -> Section:
+    """The section of ratings; raises `PinpressError` where they are of another press."""
+    use = ratings.utilisation(shown.reactions)  # refuses those of another press
+    what = "with weights and inertia forces at this speed" if ratings.at_speed else "the process force alone, as catalogues print it"
+    pace = f"up to {1e3 * abs(ratings.speed):g} mm/s of the driver"
+    if ratings.driver_coordinate.turns:
+        pace = f"{abs(ratings.speed) / RPM / ratings.turns:g} strokes/min"
+    blocks: list[Block] = [*_figures(ratings, shown, use), *_forces(ratings, shown), *_use(use, shown), *_work(ratings)]
+    blocks += [Facts("Main data", data_in_words(ratings)), _table(ratings)]
+    return Section("Ratings", blocks, [*capacities_in_words(ratings.capacities, ratings.driver_coordinate)], f"At {pace}; forces: {what}.")
+
+
+def _figures(ratings: PressRatings, shown: Shown, use: Array) -> list[Block]:
+    if not shown.reactions.process_force.any():
+        return []
+    at, first = int(use.argmax()), ratings.driver_coordinate
+    height = f"{1e3 * (shown.motion.slide_position[at] - (shown.bottom or 0.0)):.4g} mm above bottom dead centre"
+    place = first.shown(float(np.ravel(shown.motion.crank_angle[at])[0]), ".4g")
+    found = [Figure("of the permissible force", f"{100 * use[at]:.4g} %", f"at {place}, {height}")]
+    strokes = (shown.motion.period_turns or 1) / ratings.turns if first.turns else 1.0
+    for name, energy in ratings.energies.items():
+        share = shown.reactions.process_work / strokes / energy
+        found.append(Figure(f"of the {name}", f"{100 * share:.4g} %", "by the work of a stroke"))
+    return [Figures(found)]
+
+
+def _forces(ratings: PressRatings, shown: Shown) -> Sequence[Block]:
+    """The permissible force with all limits over the stroke, and near bottom dead centre."""
+    scale, height = tables.scale("N", [ratings.capacities.nominal_force]), 1e3 * ratings.height
+    lines = [Line("permissible force", scale.factor * ratings.force, height, strong=True)]
+    lines += [Line(name, scale.factor * force, height) for name, force in ratings.limits.items()]
+    process = charts.force_over_height(shown.reactions)
+    if process is not None and process.above_bottom:
+        factor = scale.factor / charts.factor("force", process.unit)
+        states = shown.frames.states
+        pairs = np.column_stack([process.height[states], factor * process.force[states]])
+        lines.append(Line("process force", pairs[:, 1], pairs[:, 0], at_frames=pairs))
+    nominal = ratings.capacities.nominal_height
+    marks = [mark for mark in (*ratings.changes, *([] if nominal is None else [nominal])) if mark < ratings.stroke / 2]
+    reaches = {"Permissible force": ratings.stroke}
+    if marks:
+        reaches["Permissible force near bottom dead centre"] = min(NEAR * max(marks), ratings.stroke)
+    return [
+        LineChart(title, scale.unit, lines, across=ACROSS, follows="height", reach=(0.0, 1e3 * reach)) for title, reach in reaches.items()
+    ]
+
+
+def _use(use: Array, shown: Shown) -> list[Block]:
+    """Share of the permissible force over the motion."""
+    if not use.any():
+        return []
+    return [LineChart("Process force by permissible force", "%", [Line("use", 100 * use[shown.frames.states])])]
+
+
+def _work(ratings: PressRatings) -> list[Block]:
+    """Work of the permissible force from a height down, beside the energies that limit it."""
+    scale, height = tables.scale("J", [float(ratings.work.max()), *ratings.energies.values()]), 1e3 * ratings.height
+    lines = [Line("work of the permissible force down to bottom dead centre", scale.factor * ratings.work, height)]
+    lines += [Line(name, np.full(2, scale.factor * energy), height[[0, -1]]) for name, energy in ratings.energies.items()]
+    return [LineChart("Work", scale.unit, lines, across=ACROSS, follows="height", reach=(0.0, 1e3 * ratings.stroke))]
+
+
+def _table(ratings: PressRatings) -> Table:
+    first = ratings.driver_coordinate
+    force, work = tables.scale("N", [ratings.capacities.nominal_force]), tables.scale("J", [float(ratings.work.max())])
+    heads = ["limited by", "height [mm]", f"{first.position} [{first.shown_unit}]", f"force [{force.unit}]", f"work [{work.unit}]"]
+    turn = 360.0 * ratings.turns
+    rows = []
+    for k in listed_heights(ratings):
+        position = first.scale * float(ratings.crank_angle[k])
+        place = f"{position % turn if first.turns else position:.2f}"
+        numbers = [f"{1e3 * ratings.height[k]:.3f}", place, force.shown(float(ratings.force[k])), work.shown(float(ratings.work[k]))]
+        rows.append([ratings.limited_by[k], *numbers])
+    return Table("Permissible force", heads, rows)

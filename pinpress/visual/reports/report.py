@@ -1,0 +1,115 @@
+"""A report: one web page with the recording of a press, and charts of its motion, torque and forces that follow it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from ...common import files
+from ...common.arguments import expect, typed
+from ...common.errors import PinpressError
+from ...common.results import Tabular
+from ...dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ...kinematics.motion import Motion
+from ...linkage.linkage import Linkage
+from ...simulation.run import Run, inputs_of
+from .. import charts, pages
+from ..pages import packed
+from ..recording import key_frames, scene
+from .blocks import Section
+from .motion import figures, sections, table_of_extremes
+from .shown import Shown, as_shown, before_shown, frames_along, in_words
+
+
+@typed
+def report(
+    press: Linkage,
+    motion: Motion,
+    path: str | os.PathLike[str],
+    *,
+    reactions: Reactions | None = None,
+    traces: Sequence[tuple[str, ArrayLike]] = (),
+    before: Reactions | None = None,
+    results: Sequence[Tabular] = (),
+) -> Path:
+    """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return its path.
+
+    At its top the page states what was computed: press, file and its SHA-256, motion, drives, loads, friction, version and day. Its charts
+    show slide height, velocity and acceleration; driving torque, crank speed where it is not constant, and where the energy of a stroke
+    goes; every bearing and guide force, its magnitude, components, and polar diagrams in the world's axes and in those of the link on which
+    it acts; moments in guides; shaking force with its harmonics, and shaking moment. Under process loads they show these over the crank
+    angle and over the slide's height; of a run its motor's torque over the speed, beside the motor's curve. A table lists the extremes over
+    all states. Curves have the recording's key frames, at most 360 a turn.
+
+    Args:
+        press: As for `record`.
+        motion: As for `record`.
+        path: Path of the file, as for `record`.
+        reactions: Reactions to this motion; by default those without loads and friction. Give them for a run under loads.
+        traces: As for `record`.
+        before: Reactions of another press, or of this one at another operating point. They are drawn as dashed curves, and the table gives
+            their ranges too.
+        results: Other results of the press, each of which adds a section: `PressRatings`, whose permissible force is drawn beside the
+            process force too; a `Run` of the press beside this motion; `BalancedPress` and `TradeOffCurve`; `SlideCompliance`,
+            `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `MountedPress`, `VibrationModes`, `FrameMotion`,
+            `SpeedResponse` and `Isolation`.
+
+    Raises:
+        PinpressError: As `record`, or a run under loads has no reactions, Plotly is not installed, a result is of another press or of a
+            kind that has no section, or ``before`` is over another quantity (time or crank angle) than the motion, or turns the other way.
+        UnknownNameError: As `record`.
+    """
+    frames = key_frames(press, motion)
+    if reactions is None and isinstance(motion, Run) and any(force.drive is None for force in motion.problem.driven.forces):
+        raise PinpressError("the run has loads: give its reactions with them, inverse_dynamics(press, run, loads=[...])")
+    if reactions is None:
+        reactions = inverse_dynamics(press, motion)
+    if before is not None:
+        expect("before", before, Reactions, "inverse_dynamics")
+    player = scene(press, motion, frames, reactions, traces)
+    shown = as_shown(reactions, frames)
+    data = player | {"report": _content(shown, None if before is None else before_shown(before, motion), results)}
+    content = pages.page("report.html", press.name, data, {"viewer": pages.meshcat(), "plotly": pages.plotly()})
+    return files.write(path, content)
+
+
+def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> dict[str, Any]:
+    """What the charts' part of the page is given."""
+    ratings, more = None, list[Section]()
+    if results:
+        from .results import ratings_among, sections_of  # with the rooms of all features, which most reports do without
+
+        ratings = ratings_among(results)
+        more = [section for result in results for section in sections_of(result, shown)]
+    abscissa = charts.abscissa(shown.motion)
+    parts = [*sections(shown, before, ratings), *more, table_of_extremes(shown, before)]
+    heights, period = shown.heights, shown.motion.period_turns
+    return {
+        "subtitle": _subtitle(shown, before),
+        "inputs": _inputs(shown, before, more),
+        "figures": [figure.as_json() for figure in figures(shown)],
+        "over": {"quantity": abscissa.quantity, "unit": abscissa.unit},
+        "before": None if before is None else packed(frames_along(before), "before"),
+        "heights": None if heights is None else packed(heights, "height"),
+        "period": 360.0 * period if period is not None and shown.motion.driver_coordinates[0].turns else None,
+        "sections": [part.as_json() for part in parts],
+    }
+
+
+def _subtitle(shown: Shown, before: Shown | None) -> str:
+    count = len(shown.motion.crank_angle)
+    beside = "" if before is None else f"; dashed: {before.press.name}, {in_words(before.motion)}"
+    return f"{in_words(shown.motion)}, {count} {'states' if count > 1 else 'state'}{beside}"
+
+
+def _inputs(shown: Shown, before: Shown | None, more: Sequence[Section]) -> list[dict[str, Any]]:
+    """What the page was computed from, its other results, and the dashed curves."""
+    rows = [*inputs_of(shown.reactions)]
+    for section in more:
+        rows += [row for row in section.inputs if row not in rows]
+    given = [("", rows)] + ([] if before is None else [("Dashed curves", [*inputs_of(before.reactions)])])
+    return [{"title": title, "rows": [list(row) for row in rows]} for title, rows in given]

@@ -1,0 +1,37 @@
+"""Sections of a report for results beside the motion and its reactions, by their class."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ...common.errors import PinpressError, shown
+from ...common.results import Tabular
+from ...ratings.rating import PressRatings
+from ...simulation.run import Run
+from . import driving, ratings
+from .blocks import Section
+from .shown import Shown
+
+MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
+    PressRatings: ratings.section,
+    Run: driving.section,
+}
+
+
+def ratings_among(results: Sequence[Tabular]) -> PressRatings | None:
+    """The ratings whose permissible force stands beside the process force; the first, where there are several."""
+    return next((result for result in results if isinstance(result, PressRatings)), None)
+
+
+def sections_of(result: Tabular, page: Shown) -> list[Section]:
+    """The sections of a result.
+
+    Raises:
+        PinpressError: It has none, or is of another press.
+    """
+    make = next((make for kind, make in MAKERS.items() if isinstance(result, kind)), None)
+    if make is None:
+        known = ", ".join(kind.__name__ for kind in MAKERS)
+        raise PinpressError(f"results: a report has no section for {shown(result)}; give any of {known}")
+    return [make(result, page)]

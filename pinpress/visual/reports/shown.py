@@ -1,0 +1,87 @@
+"""What a report shows moving: a press, its motion with the reactions to it, and the key frames that all charts share."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...common.errors import PinpressError
+from ...common.quantities import RPM, Array
+from ...dynamics.applied_loads import turning_points
+from ...dynamics.inverse_dynamics import Reactions
+from ...kinematics.motion import Motion
+from ...linkage.linkage import Linkage
+from ...simulation.run import Run
+from .. import charts
+from ..recording import KeyFrames, key_frames
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What a page shows moving.
+
+    Attributes:
+        press: The linkage.
+        reactions: Reactions to its motion.
+        frames: Key frames of the motion.
+        bottom: Slide position at bottom dead centre [m]; None where there is none.
+    """
+
+    press: Linkage
+    reactions: Reactions
+    frames: KeyFrames
+    bottom: float | None
+
+    @property
+    def motion(self) -> Motion:
+        """The motion to which the reactions are."""
+        return self.reactions.motion
+
+    @property
+    def heights(self) -> Array | None:
+        """(k,) heights of the slide above bottom dead centre at the key frames [mm]; None where there is none."""
+        if self.frames.height is None or not self.frames.above_bottom:
+            return None
+        return np.asarray(1e3 * self.frames.height)
+
+
+def as_shown(reactions: Reactions, frames: KeyFrames) -> Shown:
+    """What a page shows moving, of reactions and the key frames of their motion."""
+    press = reactions._press
+    bottom = -math.inf if press.slide is None else turning_points(press)[0]
+    return Shown(press, reactions, frames, bottom if math.isfinite(bottom) else None)
+
+
+def before_shown(before: Reactions, motion: Motion) -> Shown:
+    """The dashed curves: another press, or this one at another operating point.
+
+    Raises:
+        PinpressError: It is over another quantity than the motion, or turns the other way.
+    """
+    its, over = charts.abscissa(before.motion).quantity, charts.abscissa(motion).quantity
+    if its != over:
+        raise PinpressError(f"before is over {its}, the motion over {over}: compare a cycle with a cycle, or a run with a run")
+    frames = key_frames(before._press, before.motion)
+    if over != "time" and (motion.crank_angle[-1] > motion.crank_angle[0]) != (frames.crank[-1] > frames.crank[0]):
+        raise PinpressError("before turns the other way than the motion: compare two that turn the same way")
+    return as_shown(before, frames)
+
+
+def frames_along(shown: Shown) -> Array:
+    """(k,) quantity over which the curves of the key frames are drawn, in its unit."""
+    if charts.abscissa(shown.motion).quantity == "time":
+        return shown.frames.time
+    return np.asarray(shown.motion.driver_coordinates[0].scale * shown.frames.crank)
+
+
+def in_words(motion: Motion) -> str:
+    """What the motion is."""
+    if isinstance(motion, Run):
+        return f"simulated run of {motion.time[-1]:.6g} s"
+    if motion.crank_speed.ndim == 1 and charts.crank_speed(motion) is None:
+        speed = float(motion.crank_speed[0])
+        moving = f"crank at {speed / RPM:.6g} r/min" if motion.driver_coordinates[0].turns else f"driver at {1e3 * speed:.6g} mm/s"
+        return moving.replace("-", "\u2212")
+    return "prescribed motion"
