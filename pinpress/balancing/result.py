@@ -218,7 +218,7 @@ def _objective_lines(balanced: BalancedPress) -> list[str]:
     terms, unit = balanced.objective, balanced.unit
     if unit:
         (target,) = terms
-        what, before = target.words, balanced.changes[0].before if isinstance(target, Criterion) else 0.0
+        what, before = target.words, before_balancing(balanced, target)
     else:
         what = (
             f"{' + '.join(f'{weight:g} x {target.words}' for target, weight in terms.items())}; each relative to before, in its worst"
@@ -237,13 +237,18 @@ def _objective_lines(balanced: BalancedPress) -> list[str]:
     ]
 
 
+def before_balancing(balanced: BalancedPress, target: Target) -> float:
+    """A criterion that was minimised or limited, before balancing in the first operating condition; no mass is added then."""
+    return next((change.before for change in balanced.changes if change.criterion == target), 0.0)
+
+
 def _active_lines(balanced: BalancedPress) -> list[str]:
     if not balanced.active:
         return []
-    return ["", "Held back by", *tables.fitted_words([[each.constraint, _price_words(balanced, each)] for each in balanced.active])]
+    return ["", "Held back by", *tables.fitted_words([[each.constraint, price_in_words(balanced, each)] for each in balanced.active])]
 
 
-def _price_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
+def price_in_words(balanced: BalancedPress, active: ActiveConstraint) -> str:
     """The price of a constraint in words; the shape of a region has none."""
     if active.price is None:
         return ""

@@ -77,7 +77,9 @@ def test_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert [float(mass) for mass in weights["mass [kg]"]] == [weight.mass for weight in expected.counterweights]
     data = data_in(out / "report.html")
     assert "dashed: zxn2_3000b, crank at 70 r/min" in data["report"]["subtitle"]
-    assert [bearing["name"] for bearing in data["report"]["bearings"] if bearing["before"]] == list(shipped("zxn2_3000b").bearings)
+    blocks = [block for section in data["report"]["sections"] for block in section["blocks"]]
+    (bearings,) = (block["bearings"] for block in blocks if block["kind"] == "bearings")
+    assert [bearing["name"] for bearing in bearings if bearing["before"]] == list(shipped("zxn2_3000b").bearings)
 
 
 def read(path: Path) -> dict[str, list[str]]:

@@ -67,9 +67,7 @@ def test_process_beside_what_is_permitted(tmp_path: Path, capsys: pytest.Capture
     assert "  nominal height   13 mm" in text
     data = data_in(tmp_path / "report.html")["report"]
     assert ["nominal force", "3000 kN"] in data["inputs"][0]["rows"]
-    (chart,) = [
-        block for section in data["sections"] for block in section["blocks"] if block.get("title") == "Force over the height"
-    ]
+    (chart,) = [block for section in data["sections"] for block in section["blocks"] if block.get("title") == "Force over the height"]
     assert [curve["name"] for curve in chart["curves"]] == ["process force", "permissible force"]
 
 
@@ -177,9 +175,9 @@ def test_the_press_before_is_under_the_same(tmp_path: Path) -> None:
     assert main([*ANALYSE, *words, "--out", str(tmp_path)]) == 0
     press, motion = shipped("zxn2_3000b_balanced")
     other = pp.inverse_dynamics(press, motion, [BLANK], {"A": pp.loads.Friction(0.1, 0.1)})
-    rows = {row[0]: row for row in data_in(tmp_path / "report.html")["report"]["table"]["rows"]}
-    (before,) = [row[-3] for name, row in rows.items() if name == "driving torque"]
-    assert float(before) == pytest.approx(np.ptp(other.driving_torque), rel=1e-4)
+    rows = {row[0]: row for row in data_in(tmp_path / "report.html")["report"]["sections"][-1]["blocks"][0]["rows"]}
+    (before,) = [row[-3] for name, row in rows.items() if name == "driving torque [kN m]"]
+    assert 1e3 * float(before) == pytest.approx(np.ptp(other.driving_torque), rel=1e-4)
 
 
 def test_recording_shows_the_loaded_press(tmp_path: Path) -> None:

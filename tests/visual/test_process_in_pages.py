@@ -20,7 +20,8 @@ CHARTS = """() => Object.fromEntries([...document.querySelectorAll('.chart')].fi
     box.querySelector('h3').textContent, box.querySelector('.plot').data.map(({ x, y }) => [[...x], [...y]]),
 ]))"""
 STATED = """() => [...document.querySelectorAll('.inputs')].map(box => [
-    box.querySelector('h3')?.textContent ?? '', [...box.querySelectorAll('dt')].map(name => [name.textContent, name.nextSibling.textContent]),
+    box.querySelector('h3')?.textContent ?? '',
+    [...box.querySelectorAll('dt')].map(name => [name.textContent, name.nextSibling.textContent]),
 ])"""
 ARROW = """time => {
     setPlaying(false);

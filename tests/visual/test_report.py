@@ -20,6 +20,7 @@ from support.in_browser import data_in, seek, wait
 import pinpress as pp
 
 SPEED = 70 * pp.RPM
+HEIGHT = "Slide height above bottom dead centre"
 WIDE, SMALL = (1000, 500), (700, 300)  # windows, the press beside the charts and above them; the larger one takes longer to draw
 CURVES = """() => Object.fromEntries([...document.querySelectorAll('.chart')].filter(box => box.querySelector('.plot')).map(box => [
     box.querySelector('h3').textContent,
@@ -79,7 +80,7 @@ def see_charts(page: Any, result: Any) -> None:
     assert_allclose(velocity["x"], np.linspace(0, 360, len(motion.time) + 1), atol=1e-3)
     assert_allclose(velocity["y"][:-1], motion.slide_velocity, atol=1e-6)
     titles = " ".join(curves)
-    for word in ("Slide height above bottom dead centre", "Slide acceleration", "Driving torque", "Energy of a stroke", "Polar diagram, world axes", "Shaking force", "Harmonics"):
+    for word in (HEIGHT, "Slide acceleration", "Driving torque", "Energy of a stroke", "Polar diagram, world axes", "Harmonics"):
         assert word in titles
     assert page.locator("tbody tr").count() > 10
 
@@ -97,6 +98,7 @@ def test_charts_follow_the_recording(page: Any, result: Any) -> None:
             cursor = page.evaluate(CURSOR, title)
             assert cursor["x"] == pytest.approx(2 * i, abs=0.05)
             assert_allclose([shown(text) for text in cursor["values"]], [value[i] for value in values], atol=6e-4 * np.abs(values).max())
+    page.locator(".chart .plot").first.scroll_into_view_if_needed()
     before = seek(page, motion.time[20])[:, 500:]
     assert np.count_nonzero(np.abs(seek(page, motion.time[60])[:, 500:] - before).max(axis=2) > 60) > 200  # cursors have moved
 
@@ -121,6 +123,7 @@ def test_the_press_stays_in_sight(page: Any) -> None:
 
 
 def test_a_click_on_a_chart_seeks(page: Any) -> None:
+    page.locator(".chart .plot").first.scroll_into_view_if_needed()
     box = page.locator(".chart .plot .nsewdrag").first.bounding_box()
     place = (box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
     page.mouse.move(*place)
@@ -204,7 +207,7 @@ def test_a_press_of_many_links_has_its_charts(tmp_path: Path) -> None:
     report = data_in(pp.report(press, result.motion, tmp_path / "out.html"))["report"]
     blocks = [block for section in report["sections"] for block in section["blocks"]]
     charts = {block["title"]: block for block in blocks if block["kind"] == "lines"}
-    assert {"Slide height above bottom dead centre", "Slide velocity", "Slide acceleration", "Driving torque", "Shaking force"} <= set(charts)
+    assert {HEIGHT, "Slide velocity", "Slide acceleration", "Driving torque", "Shaking force"} <= set(charts)
     motion, given = result.motion, {}
     for title, chart in charts.items():
         for curve in chart["curves"]:
@@ -292,7 +295,7 @@ def test_hostile_names_are_text(tmp_path: Path, view: Callable[..., Any]) -> Non
     assert NAMES["rod"] in page.inner_text("#legend")
     assert NAMES["P"] in page.inner_text("#labels")
     assert page.evaluate("viewer.scene_tree.find(['press']).object.children.length") == 4
-    assert {"Slide height above bottom dead centre", "Driving torque", "Shaking force"} <= {title.split(" [")[0] for title in page.evaluate(CURVES)}
+    assert {HEIGHT, "Driving torque", "Shaking force"} <= {title.split(" [")[0] for title in page.evaluate(CURVES)}
     page.select_option("#bearing", label=NAMES["P"])
     page.mouse.move(800, 400)
     page.wait_for_timeout(100)

@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from ...balancing.optimum import TradeOffCurve
+from ...balancing.result import BalancedPress
 from ...common.errors import PinpressError, shown
 from ...common.results import Tabular
 from ...ratings.rating import PressRatings
 from ...simulation.run import Run
-from . import driving, ratings
+from . import balancing, driving, ratings
 from .blocks import Section
 from .shown import Shown
 
 MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     PressRatings: ratings.section,
     Run: driving.section,
+    BalancedPress: balancing.section,
+    TradeOffCurve: balancing.trade_off,
 }
 
 

@@ -1,0 +1,120 @@
+"""Balancing in reports: counterweights, what they do to forces and torque, the proof of the optimum, and trade-offs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...balancing.optimum import TradeOffCurve
+from ...balancing.problem import Target
+from ...balancing.result import BalancedPress, CriterionChange, before_balancing, price_in_words
+from ...common import tables
+from ...common.errors import PinpressError
+from ...common.quantities import RPM, Array
+from .. import charts
+from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table, with_prefix
+from .shown import Shown
+
+
+def section(balanced: BalancedPress, shown: Shown) -> Section:
+    """The section of a balance; raises `PinpressError` where it is of another press."""
+    _refuse_others(balanced, shown)
+    asked, rest = _criteria("Criteria", balanced, balanced.changes), _criteria("The rest of the press", balanced, balanced.side_effects)
+    held = Facts("Held back by", [(each.constraint, price_in_words(balanced, each)) for each in balanced.active])
+    blocks: list[Block] = [_figures(balanced), _counterweights(balanced), *asked, *_shaking(balanced), *rest]
+    what = " and ".join(target.words for target in balanced.objective)
+    limits = "; ".join(f"{target.words} at most {limit:g} {target.unit}" for target, limit in balanced.limits.items())
+    note = f"The counterweights have the least {what}{f', with {limits}' if limits else ''}. No counterweights in these regions have less."
+    return Section("Balancing", [*blocks, *([held] if balanced.active else [])], note=note)
+
+
+def trade_off(curve: TradeOffCurve, shown: Shown) -> Section:
+    """The section of a trade-off; raises `PinpressError` where it is of another press."""
+    first = curve.designs[0]
+    _refuse_others(first, shown)
+    (up, unit), (across, other) = (_scale(target, curve.values[:, k]) for k, target in enumerate((curve.first, curve.second)))
+    line = Line("balanced", up * curve.values[:, 0], across * curve.values[:, 1], points=True)
+    origin = [factor * before_balancing(first, target) for factor, target in ((up, curve.first), (across, curve.second))]
+    lines = [line, Line("before balancing", np.array([origin[0]]), np.array([origin[1]]), points=True)]
+    chart = LineChart(curve.first.words.capitalize(), unit, lines, across=f"{curve.second.words} [{other}]", follows="nothing")
+    heads = [f"{curve.first.words} [{unit}]", f"{curve.second.words} [{other}]", "added mass [kg]"]
+    rows = [
+        [f"{up * value[0]:.5g}", f"{across * value[1]:.5g}", tables.cell(design.added_mass)]
+        for value, design in zip(curve.values, curve.designs, strict=True)
+    ]
+    return Section("Trade-off", [chart, Table("", heads, rows, words=0)], note="Each point is a proved optimum.")
+
+
+def _refuse_others(balanced: BalancedPress, shown: Shown) -> None:
+    if shown.press.name not in (balanced.original.name, balanced.press.name):
+        name = balanced.original.name
+        raise PinpressError(f"results: the balance is of {name}, the page of {shown.press.name}: give one of the same press")
+
+
+def _scale(target: Target, values: Array) -> tuple[float, str]:
+    scale = tables.scale(target.unit, values.tolist())
+    return scale.factor, scale.unit
+
+
+def _figures(balanced: BalancedPress) -> Figures:
+    if balanced.unit:
+        (target,) = balanced.objective
+        before = before_balancing(balanced, target)
+        names = [(target.words, before), ("reached", balanced.value), ("proven bound", balanced.bound)]
+        found = [Figure(name if k else f"{name}, before", with_prefix(value, balanced.unit)) for k, (name, value) in enumerate(names)]
+    else:
+        reached = {"reached": balanced.value, "proven bound": balanced.bound}
+        found = [Figure(name, f"{value:.4g}", "of before, weighted") for name, value in reached.items()]
+    return Figures([Figure("added mass", f"{balanced.added_mass:.4g} kg", f"{len(balanced.counterweights)} counterweights"), *found])
+
+
+def _counterweights(balanced: BalancedPress) -> Table:
+    heads = ["link", "mass [kg]", "x [mm]", "y [mm]", "z [mm]", "inertia [kg m²]"]
+    lengths = tables.scale("m", [balanced.original.size])
+    rows = [
+        [weight.link, tables.cell(weight.mass), *map(lengths.shown, map(float, weight.position)), tables.cell(weight.inertia)]
+        for weight in balanced.counterweights
+    ]
+    note = "Centres of mass in the link's own frame; one that replaces a link's own mass is all of it."
+    return Table("Counterweights", heads, rows, note=note)
+
+
+def _criteria(title: str, balanced: BalancedPress, changes: Sequence[CriterionChange]) -> list[Block]:
+    """Criteria before and after, in each operating condition."""
+    if not changes:
+        return []
+    several, limited = len(balanced.conditions) > 1, any(change.criterion in balanced.limits for change in changes)
+    heads = ["", *(["condition"] if several else []), "before", "after", "change", *(["at most"] if limited else [])]
+    rows = []
+    for change in changes:
+        limit = balanced.limits.get(change.criterion)
+        same = [value for each in changes if each.criterion == change.criterion for value in (each.before, each.after)]
+        scale = tables.scale(change.criterion.unit, same)
+        share = "" if math.isnan(change.change) else f"{round(100 * change.change, 2) + 0.0:+.2f} %"
+        cells = [scale.shown(change.before), scale.shown(change.after), share]
+        cells += ["" if limit is None else scale.shown(limit)] if limited else []
+        rows.append([f"{change.criterion.words} [{scale.unit}]", *([f"{change.condition}"] if several else []), *cells])
+    note = "; ".join(f"{number}: {_pace(balanced, number)}" for number in range(len(balanced.conditions))) if several else ""
+    return [Table(title, heads, rows, note=f"Conditions: {note}" if note else "")]
+
+
+def _pace(balanced: BalancedPress, number: int) -> str:
+    speed = balanced.conditions[number].motion.crank_speed
+    return f"{float(np.ravel(speed)[0]) / RPM:g} r/min" if np.ptp(speed) <= 1e-9 * np.abs(speed).max() else "a motion"
+
+
+def _shaking(balanced: BalancedPress) -> list[Block]:
+    """The shaking force in the first operating condition, before and after."""
+    before, after = (charts.shaking(each[0]) for each in (balanced.reactions_before, balanced.reactions_after))
+    motion = balanced.conditions[0].motion
+    first = motion.driver_coordinates[0]
+    if motion.crank_angle.ndim > 1:
+        return []
+    along, lines = first.scale * motion.crank_angle, []
+    for words, chart in (("before", before), ("after", after)):
+        factor = charts.factor("force", before.unit) / charts.factor("force", chart.unit)
+        lines += [Line(f"{curve.name}, {words}", factor * curve.values, along) for curve in chart.curves]
+    across = f"{first.counted} [{first.shown_unit}]"
+    return [LineChart("Shaking force before and after", before.unit, lines, across=across, follows="position")]
