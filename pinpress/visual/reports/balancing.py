@@ -13,6 +13,7 @@ from ...balancing.result import BalancedPress, CriterionChange, before_balancing
 from ...common import tables
 from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
+from ...dynamics.inverse_dynamics import inverse_dynamics
 from .. import charts
 from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown
@@ -107,7 +108,9 @@ def _pace(balanced: BalancedPress, number: int) -> str:
 
 def _shaking(balanced: BalancedPress) -> list[Block]:
     """The shaking force in the first operating condition, before and after."""
-    before, after = (charts.shaking(each[0]) for each in (balanced.reactions_before, balanced.reactions_after))
+    known = (balanced.original, balanced.reactions_before[0]), (balanced.press, balanced.reactions_after[0])
+    # with all bearings, by which rounding is known; balancing computes only those that are asked for
+    before, after = (charts.shaking(inverse_dynamics(press, each.motion, balanced.conditions[0].loads)) for press, each in known)
     motion = balanced.conditions[0].motion
     first = motion.driver_coordinates[0]
     if motion.crank_angle.ndim > 1:
