@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from .shown import Shown
 CURVE = 240  # points of a motor's curve
 BEYOND = 1.05  # largest speed of a motor's curve, divided by the largest that the run or the curve's corners have
 MOST_STROKES = 12  # most strokes in a table
+ROUNDING = 1e-9  # share of the largest work, or of that which a flywheel takes up, below which a work is rounding
 SAME = 1e-6  # relative difference of angle and speed up to which a run ends as it began
 
 
@@ -48,12 +50,15 @@ def energy(reactions: Reactions) -> list[Block]:
     others = any(isinstance(load, SpringDamper | PointForce) for load in reactions.loads)
     if others:
         work["springs, dampers, other forces"] = work["drive"] - work["process"] - work["friction"]
+    least = ROUNDING * max(asked.stored, abs(asked.work))
+    if abs(asked.work) <= least:
+        asked = replace(asked, mean_torque=0.0, mean_power=0.0)
     figures = [
         Figure("mean driving torque", with_prefix(asked.mean_torque, "N m")),
         Figure("mean power", with_prefix(asked.mean_power, "W")),
         Figure("taken up and given off", with_prefix(asked.stored / strokes, "J"), "by a flywheel at an even torque, in a stroke"),
     ]
-    return [*_bars("Energy of a stroke", {name: value / strokes for name, value in work.items()}), Figures(figures)]
+    return [*_bars("Energy of a stroke", {name: value / strokes for name, value in work.items() if abs(value) > least}), Figures(figures)]
 
 
 def _strokes_in_period(reactions: Reactions) -> float:
@@ -63,8 +68,8 @@ def _strokes_in_period(reactions: Reactions) -> float:
 
 def _bars(title: str, work: dict[str, float]) -> list[Block]:
     """Works [J] as bars; those that are rounding beside the largest are left out, and the chart where none is left."""
-    largest = max(map(abs, work.values()))
-    work = {name: value for name, value in work.items() if abs(value) > 1e-9 * largest}
+    largest = max(map(abs, work.values()), default=0.0)
+    work = {name: value for name, value in work.items() if abs(value) > ROUNDING * largest}
     scale = tables.scale("J", work.values())
     return [BarChart(title, scale.unit, list(work), {"work": [scale.factor * value for value in work.values()]})] if work else []
 

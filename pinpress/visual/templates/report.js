@@ -56,9 +56,10 @@ const largestOf = values => values.reduce((largest, value) => Math.max(largest, 
 
 function legend(parent, plot, curves) {  // a button a curve, which hides it, with its present value
   const list = make("ul", parent, { className: "legend" });
-  return curves.map(({ name, colour, traces }) => {
-    const button = make("button", make("li", list), { type: "button", title: name, ariaPressed: "true" });
-    make("i", button).style.background = colour;
+  return curves.map(({ name, colour, traces, dash }) => {
+    const button = make("button", make("li", list), { type: "button", title: name, ariaPressed: "true" }), swatch = make("i", button);
+    swatch.style.background = colour;
+    if (dash) swatch.style.maskImage = "repeating-linear-gradient(90deg, #000 0 4px, #0000 4px 6px)";
     make("b", button, { textContent: name });
     button.addEventListener("click", () => {
       button.ariaPressed = String(button.ariaPressed !== "true");
@@ -68,9 +69,11 @@ function legend(parent, plot, curves) {  // a button a curve, which hides it, wi
   });
 }
 
-function look(curve, colour) {  // of a curve that lies on another, and of that one
+const dashOf = i => ["", "9px,3px,2px,3px", "2px,3px"][Math.floor(i / COLOURS.length) % 3];  // tells those apart that share a colour
+
+function look(curve, colour, i) {  // of a curve that lies on another, and of that one
   if (curve.look === "dotted") return { color: colour, width: 2.6, dash: "1.5px,5px", simplify: false };
-  return { color: colour, width: { wide: 3.4, strong: 5 }[curve.look] || 1.8, simplify: false };
+  return { color: colour, width: { wide: 3.4, strong: 5 }[curve.look] || 1.8, dash: dashOf(i) || "solid", simplify: false };
 }
 
 function lineChart(parent, chart) {
@@ -81,12 +84,12 @@ function lineChart(parent, chart) {
     const colour = COLOURS[i % COLOURS.length], mine = [traces.length], name = asText(brief(curve.name));
     const line = { mode: curve.points ? "markers" : MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
     if (chart.stacked) Object.assign(line, { stackgroup: "all", fillcolor: colour + "aa" });
-    traces.push({ ...line, x: curve.x, y: curve.y, name, line: look(curve, colour), marker: { color: colour, size: 6 } });
+    traces.push({ ...line, x: curve.x, y: curve.y, name, line: look(curve, colour, i), marker: { color: colour, size: 6 } });
     if (curve.before) {
       mine.push(traces.length);
       traces.push({ ...line, x: overBefore, y: floats(curve.before), name: name + ", before", opacity: 0.65, line: { color: colour, width: 1.4, dash: "dash", simplify: false } });
     }
-    return { name: curve.name, colour, traces: mine };
+    return { name: curve.name, colour, traces: mine, dash: curve.look === "dotted" || dashOf(i) };
   });
   const yaxis = { ...AXIS, rangemode: chart.follows === "height" || chart.stacked ? "tozero" : "normal" };
   if (chart.logarithmic) Object.assign(yaxis, { type: "log", dtick: 1, exponentformat: "power" });
