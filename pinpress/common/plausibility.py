@@ -6,23 +6,34 @@ from collections.abc import Sequence
 import numpy as np
 
 from .errors import caution
-from .quantities import CRANK, RPM, Array, DriverCoordinate
+from .quantities import CRANK, GRAVITY, RPM, Array, DriverCoordinate
 
 FASTEST = 1000.0  # no crank or motor of a press turns faster [rad/s], 9549 r/min
+HARDEST = 50 * GRAVITY  # no slide of a press is accelerated more, those of fast presses by 20 to 30 g [m/s2]
 FASTEST_SLIDING = 10.0  # no cylinder or screw of a press slides faster [m/s]
 FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
 WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
-def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRANK) -> None:
-    """Warn of speeds of a driver [rad/s or m/s], of any shape, that no press runs at: they may be in r/min or mm/s."""
+def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRANK, acceleration: float = 0.0) -> None:
+    """Warn of speeds of a driver [rad/s or m/s], of any shape, that no press runs at: they may be in r/min or mm/s.
+
+    Args:
+        name: what they are, as messages call it.
+        values: the speeds.
+        coordinate: what the driver's coordinate is.
+        acceleration: largest acceleration of the slide at the highest of these speeds of a crank, 0 where it is not known [m/s2].
+    """
     fastest = float(np.abs(values).max(initial=0.0))
     if not coordinate.turns:
         if fastest > FASTEST_SLIDING:
-            caution(f"{name} is {fastest:g} m/s: if mm/s are meant, write {fastest:g}e-3")
-    elif fastest > FASTEST:
-        caution(f"{name} is {fastest:g} rad/s, {fastest / RPM:g} r/min: if r/min are meant, write {fastest:g} * pinpress.RPM")
+            caution(f"{name} is {fastest:g} m/s: if {fastest:g} mm/s are meant, write {fastest:g}e-3")
+    elif fastest > FASTEST or acceleration > HARDEST:
+        hard = f", at which the acceleration of the slide reaches {acceleration / GRAVITY:.3g} g" if acceleration > HARDEST else ""
+        caution(
+            f"{name} is {fastest:g} rad/s, {fastest / RPM:g} r/min{hard}: if {fastest:g} r/min are meant, write {fastest:g} * pinpress.RPM"
+        )
 
 
 def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, high: float, size: float, contact: bool = False) -> None:
