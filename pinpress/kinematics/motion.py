@@ -226,7 +226,8 @@ def doubt_speeds(press: Linkage, speeds: Array | float, motion: Motion | None = 
         speeds: the speeds, of any shape.
         motion: the only states at which they are reached; by default a crank may have them at any angle.
     """
-    acceleration = acceleration_at_unit_speed(press) * float(np.abs(speeds).max()) ** 2
+    fastest = float(np.abs(speeds).max())
+    acceleration = acceleration_at_unit_speed(press) * fastest * fastest  # infinite where ** 2 would raise OverflowError
     if motion is not None and acceleration > plausibility.HARDEST:
         acceleration = float(np.abs(motion.slide_acceleration).max())
     plausibility.speeds("speed", speeds, press.driver_coordinates[0], acceleration)
