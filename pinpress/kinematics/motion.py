@@ -25,7 +25,6 @@ from ..linkage.linkage import Linkage, SlideGuide
 from ..linkage.memo import per_linkage
 
 POINTS = 360  # states of a turn by default
-STANDS = 1e-3  # a slide whose stroke is smaller is not that of a press [m]
 MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
 
 
@@ -186,7 +185,8 @@ def cycle(press: Linkage, speed: float | None = None, *, points: int | None = No
         AssemblyError: the loops do not close.
 
     Warns:
-        PinpressWarning: the slide is accelerated by more than 50 g, or the speed is above 1000 rad/s or 10 m/s, which is hardly meant.
+        PinpressWarning: the speed is hardly meant: the slide is faster than 3 m/s and accelerated by more than 40 g, or the speed is above
+            1000 rad/s, or 10 m/s.
     """
     motion = period_at(press, speed, points, engine)
     doubt_speeds(press, motion.crank_speed)
@@ -227,21 +227,21 @@ def doubt_speeds(press: Linkage, speeds: Array | float, motion: Motion | None = 
         motion: the only states at which they are reached; by default a crank may have them at any angle.
     """
     fastest = float(np.abs(speeds).max())
-    acceleration = acceleration_at_unit_speed(press) * fastest * fastest  # infinite where ** 2 would raise OverflowError
-    if motion is not None and acceleration > plausibility.HARDEST:
-        acceleration = float(np.abs(motion.slide_acceleration).max())
-    plausibility.speeds("speed", speeds, press.driver_coordinates[0], acceleration)
+    first, second = _slide_rates(press)
+    slide = first * fastest, second * fastest * fastest  # infinite where ** 2 would raise OverflowError
+    if motion is not None and plausibility.too_hard(*slide):
+        slide = float(np.abs(motion.slide_velocity).max()), float(np.abs(motion.slide_acceleration).max())
+    plausibility.speeds("speed", speeds, press.driver_coordinates[0], slide)
 
 
 @per_linkage(of_geometry=True)
-def acceleration_at_unit_speed(press: Linkage) -> float:
-    """Largest acceleration of the slide where the crank turns at 1 rad/s [m/s2]; 0 of a linkage without a crank that turns fully, or
-    without a slide that moves."""
-    if press.slide is None or len(press.drivers) > 1 or not press.driver_coordinates[0].turns:
-        return 0.0
-    branch = press.branch_through_change_points
-    position, _, second, *_ = branch.coefficients[:, :, press.slide_guide.joint].T
-    return 0.0 if branch.period is None or np.ptp(position) < STANDS else 2.0 * float(np.abs(second).max())
+def _slide_rates(press: Linkage) -> tuple[float, float]:
+    """Largest speed [m/s] and acceleration [m/s2] of the slide where the crank turns at 1 rad/s; 0 of a linkage without a slide, or without
+    a crank that turns fully."""
+    if press.slide is None or len(press.drivers) > 1 or not press.driver_coordinates[0].turns or press.branch.period is None:
+        return 0.0, 0.0
+    _, first, half_second, *_ = np.abs(press.branch.coefficients[:, :, press.slide_guide.joint]).max(axis=0)
+    return float(first), 2.0 * float(half_second)
 
 
 def of_states(

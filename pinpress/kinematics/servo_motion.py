@@ -83,7 +83,7 @@ def servo_cycle(
 
     Warns:
         PinpressWarning: A derived acceleration is dominated by noise or uncertain, a varying speed in time has the acceleration 0, speeds
-            are above 1000 rad/s or accelerate the slide by more than 50 g.
+            are hardly meant, as of `cycle`.
     """
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
     unit = press.driver_coordinates[0].unit

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support import page_blocks
+from support import mistakes, page_blocks
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
@@ -143,7 +143,18 @@ def test_reference_has_every_public_name() -> None:
 
 def test_the_page_of_mistakes_has_what_is_said_today() -> None:
     script = runpy.run_path(str(DOCS / "mistakes_page.py"))
-    assert (DOCS / "mistakes.md").read_text(encoding="utf-8") == script["page"](), "python docs/mistakes_page.py"
+    page = script["page"]()
+    assert (DOCS / "mistakes.md").read_text(encoding="utf-8") == page, "python docs/mistakes_page.py"
+    assert "|  |" not in page, "nothing is said to a mistake"
+
+
+@pytest.mark.parametrize("right", [mistakes.TABLE, mistakes.URDF], ids=lambda file: file.name)
+def test_mistakes_are_named_in_their_files_and_nothing_is_said_to_what_is_right(right: Path) -> None:
+    assert mistakes.said(right) == []
+    for file in mistakes.files(right):
+        named = re.search(r"Mistake: (?:an? |the )?(.*?)(?: -->)?\n", file.read_text(encoding="utf-8"))
+        assert named is not None, file
+        assert re.sub(r"\W+", "-", named[1].replace("'s", "")).lower() == file.stem
 
 
 @pytest.fixture(scope="module")
