@@ -14,8 +14,6 @@ sys.path.insert(0, str(DOCS.parent))
 sys.path.insert(0, str(DOCS.parent / "tests"))
 from support import mistakes  # noqa: E402
 
-import pinpress as pp  # noqa: E402
-
 PAGE = """\
 # Everyday mistakes
 
@@ -57,6 +55,8 @@ docs/mistakes_page.py` writes this page.
 HEAD = "| file | written | what is said |\n| --- | --- | --- |"
 
 RIGHT_CALLS = """\
+import pinpress as pp
+
 press = pp.load("zxn2_3000b")
 motion = pp.cycle(press, speed=70 * pp.RPM)
 reactions = pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4e6, start=0.008, end=0.003)])
@@ -105,7 +105,7 @@ def _row(file: Path) -> str:
 
 def _rows_of_calls() -> list[str]:
     """A row for each of `CALLS`: the call, and what is said."""
-    names: dict[str, object] = {"pp": pp}
+    names: dict[str, object] = {}
     exec(RIGHT_CALLS, names)
     return [f"| {_code(call, 140)} | {'<br>'.join(map(_plain, mistakes.heard(lambda call=call: eval(call, names))))} |" for call in CALLS]
 
