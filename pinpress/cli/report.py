@@ -1,6 +1,7 @@
 """`pinpress report`: all that a press does, on one page."""
 
 import argparse
+import tempfile
 from pathlib import Path
 
 from ..common.errors import PinpressError
@@ -31,7 +32,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     )
     option = parser.add_argument
     option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
-    option("--out", type=Path, required=True, metavar="HTML", help="write this page")
+    option("--out", type=Path, metavar="HTML", help="write this page")
+    option("--pdf", type=Path, metavar="PDF", help="print it to this file (needs Chromium and pip install 'pinpress[video]')")
     add_force_options(parser)
     add_nominal_options(parser)
     add_before_option(parser)
@@ -47,6 +49,9 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: Options do not go together, or computing or writing fails.
     """
+    if options.out is options.pdf is None:
+        raise PinpressError("nothing to write: give --out page.html or --pdf report.pdf")
+    from ..visual.film import pdf
     from ..visual.reports.report import report  # slow to import
 
     press = load_press(options)
@@ -56,8 +61,12 @@ def run(options: argparse.Namespace) -> int:
     ratings = permissible(press, options)
     before = None if options.before is None else press_before(options)
     results = [] if ratings is None else [ratings]
-    report(press, motion, options.out, reactions=reactions, traces=options.trace, before=before, results=results)
-    print(f"wrote {options.out}")
+    with tempfile.TemporaryDirectory() as folder:
+        page = options.out or Path(folder, "report.html")
+        report(press, motion, page, reactions=reactions, traces=options.trace, before=before, results=results)
+        if options.pdf is not None:
+            pdf(page, options.pdf)
+    print(f"wrote {' and '.join(str(path) for path in (options.out, options.pdf) if path is not None)}")
     return 0
 
 
