@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.out is options.pdf is None:
         raise PinpressError("nothing to write: give --out page.html or --pdf report.pdf")
-    from ..visual.film import pdf
+    from ..visual.film import pdf  # slow to import
     from ..visual.reports.report import report  # slow to import
 
     press = load_press(options)
