@@ -115,13 +115,14 @@ def moving(
     }
 
 
-def shapes(press: Linkage, frames: KeyFrames, at: Poses, drawn: Sequence[ShownLink]) -> dict[str, Any]:
-    """The part of `scene` that is the links themselves, with their motion; ``drawn``: the links that are shown."""
+def shapes(press: Linkage, frames: KeyFrames, at: Poses, drawn: Sequence[ShownLink], *, animated: bool = True) -> dict[str, Any]:
+    """The part of `scene` that is the links themselves; ``drawn``: those that are shown; ``animated``: whether their motion is too."""
     of_body = {body.name: meshcat_commands.body_poses(press, at, body.frame) for body in drawn}
+    commands = meshcat_commands.commands(drawn, of_body, frames.time)
     return {
         "legend": _legend(drawn, of_body),
         "front": _front(press, at, drawn),
-        "scene": meshcat_commands.pack(meshcat_commands.commands(drawn, of_body, frames.time)),
+        "scene": meshcat_commands.pack(each for each in commands if animated or each["type"] != "set_animation"),
     }
 
 

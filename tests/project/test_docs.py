@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 TABLES = ("accuracy", "balancing", "elasticity", "ratings", "synthesis")  # scripts in viz, of the pages of the same names
 RUN = ["balancing", "commands", "elasticity", "foundation", "motion_and_forces", "ratings", "recording", "simulation", "sweep", "synthesis"]
-RUN += ["mistakes", "pin_table", "pinocchio", "units_and_signs"]
+RUN += ["live", "mistakes", "pin_table", "pinocchio", "units_and_signs"]
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
