@@ -9,6 +9,7 @@ from ..common import tables
 from ..common.errors import PinpressError, SimulationError
 from ..common.files import make_folder
 from ..common.quantities import RPM
+from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.driving_energy import driving_energy
@@ -17,6 +18,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
 from ..kinematics.motion import cycle
 from ..ratings.permissible_force import capacities_in_words
+from ..simulation.run import Run
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
 from . import part_specs
@@ -101,8 +103,11 @@ def run(options: argparse.Namespace) -> int:
     more: list[str] = []
     if any(given is not None for given in (flywheel, options.speed_drop, motor)):
         more += _of_flywheel(reactions, flywheel, options.speed_drop)
+    results: list[Tabular] = [] if ratings is None else [ratings]
     if motor is not None:
-        more += _of_motor(reactions, motor, flywheel)
+        steady, words = _of_motor(reactions, motor, flywheel)
+        more += words
+        results += [] if steady is None else [steady]
     print(summary(press, motion, reactions, None if ratings is None else ratings.utilisation(reactions)))
     took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
     further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
@@ -124,7 +129,7 @@ def run(options: argparse.Namespace) -> int:
         before = None if options.before is None else press_before(options)
         make_folder(options.out)
         reactions.to_csv(options.out / "cycle.csv")
-        write_pages(press, reactions, options, ["cycle.csv"], before, [] if ratings is None else [ratings])
+        write_pages(press, reactions, options, ["cycle.csv"], before, results)
     return 0
 
 
@@ -151,13 +156,13 @@ def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: fl
     return lines
 
 
-def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Flywheel | None) -> list[str]:
-    """Speeds and the motor's duty in the steady state under a motor, or why there is none."""
+def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Flywheel | None) -> tuple[Run | None, list[str]]:
+    """The steady state under a motor with its speeds and the motor's duty in words; None, and why there is none."""
     speed = float(reactions.motion.crank_speed[0])
     rubbing = ", without the friction in bearings" if reactions.friction else ""
     lines = ["", f"Steady state under the motor near {speed / RPM:g} r/min{rubbing}; all else here is at constant speed"]
     try:
         run = steady_state(reactions._press, speed, drive=motor, flywheel=flywheel, loads=reactions.loads)  # type: ignore[arg-type]
     except SimulationError as error:
-        return [*lines, f"  none: {error}"]
-    return [*lines, *duty_summary(run)]
+        return None, [*lines, f"  none: {error}"]
+    return run, [*lines, *duty_summary(run)]
