@@ -91,6 +91,11 @@ def run(options: argparse.Namespace) -> int:
     motor = None if options.motor is None else part_specs.motor(options.motor, press.driver_coordinates[0])
     if flywheel is not None and flywheel.speed is not None:
         raise PinpressError("--flywheel: at constant speed it turns with the crank: leave speed= out, or simulate the press with a clutch")
+    turning = any(given is not None for given in (flywheel, options.speed_drop, motor))
+    if turning:
+        press.refuse_sliding_driver(
+            "--flywheel, --speed-drop and --motor are of a crank that keeps turning; pinpress simulate takes --motor"
+        )
     walk = time.perf_counter()
     _ = press.branch  # followed here, so that the times below are those of any further motion
     start = time.perf_counter()
@@ -101,7 +106,7 @@ def run(options: argparse.Namespace) -> int:
     end = time.perf_counter()
     ratings = permissible(press, options)
     more: list[str] = []
-    if any(given is not None for given in (flywheel, options.speed_drop, motor)):
+    if turning:
         more += _of_flywheel(reactions, flywheel, options.speed_drop)
     results: list[Tabular] = [] if ratings is None else [ratings]
     if motor is not None:
@@ -113,18 +118,10 @@ def run(options: argparse.Namespace) -> int:
     further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
     print(tables.entry("time taken", f"{took[0]:.1f}", further))
     print("\n".join(more), end="\n" if more else "")
-    driving = [
-        (name, described(part, press.driver_coordinates[0]))
-        for name, part in (("flywheel", flywheel), ("motor", motor))
-        if part is not None
-    ]
-    print_inputs(
-        [
-            *inputs(reactions),
-            *driving,
-            *([] if ratings is None else capacities_in_words(ratings.capacities, ratings.driver_coordinate)),
-        ]
-    )
+    driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]
+    capacities = [] if ratings is None else capacities_in_words(ratings.capacities, ratings.driver_coordinate)
+    *stated, computed = inputs(reactions)
+    print_inputs([*stated, *driving, *capacities, computed])
     if options.out is not None:
         before = None if options.before is None else press_before(options)
         make_folder(options.out)
@@ -149,7 +146,9 @@ def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: fl
     ]
     if flywheel is not None:
         inertia = float(np.ravel(flywheel.inertia)[0])
-        lines.append(tables.entry("speed drop", f"{100 * energy.speed_drop(inertia):.4f}", "%", f"with {inertia:g} kg m2"))
+        own = 0.5 * inertia * energy.speed**2
+        short = f": it holds only {works.shown(own)} {works.unit} at this speed, and the press stops" if energy.stored >= own else ""
+        lines.append(tables.entry("speed drop", f"{100 * energy.speed_drop(inertia):.4f}", "%", f"with {inertia:g} kg m2{short}"))
     if speed_drop is not None:
         inertia = energy.inertia(speed_drop)
         lines.append(tables.entry("inertia it takes", f"{inertia:.5g}", "kg m2", f"with the drive's, for a drop of {100 * speed_drop:g} %"))

@@ -15,7 +15,7 @@ import numpy as np
 from ..common.arguments import LARGEST, number, typed
 from ..common.errors import PinpressError, SimulationError, shown
 from ..common.parameters import refuse_scenarios
-from ..common.quantities import Array
+from ..common.quantities import RPM, Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel
 from ..kinematics.motion import doubt_speeds
@@ -168,7 +168,7 @@ def _speed_near(driven: DrivenPress, borders: Array, angle: float, speed: float)
         energies = 0.5 * (mesh.inertia_ends[0] + driven.inertia) * speeds**2
         solution = collocation.solve(driven, mesh, energies)
         if solution.speed_free:  # no speed is better than another
-            raise failure("no steady state", speed=speed)
+            raise _no_steady_state(speed)
         good = np.flatnonzero(~stopping_panels(solution).any(axis=0))
         gained = (solution.ends[-1] - energies)[good]
         found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
@@ -194,10 +194,14 @@ def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float
     except LawError:  # an error of the caller's law is raised as it is
         raise
     except (SimulationError, np.linalg.LinAlgError) as error:
-        raise failure("no steady state", speed=speed) from error
+        raise _no_steady_state(speed) from error
     if found is None:
-        raise failure("no steady state", speed=speed)
+        raise _no_steady_state(speed)
     return found
+
+
+def _no_steady_state(speed: float) -> SimulationError:
+    return failure("no steady state", speed=speed, turns=speed / RPM)
 
 
 def _shooting(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> Trajectory | None:
