@@ -120,7 +120,7 @@ def test_ratings_beside_a_process(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 def test_a_flywheel_that_is_too_small_says_so(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*ANALYSE, "--points", "90", "--load", BLANKING, "--flywheel", "20"]) == 0
-    assert "with 20 kg m2: it holds only 537.3 J at this speed, and the press stops" in capsys.readouterr().out
+    assert "with 20 kg m2: it holds only 0.537 kJ at this speed, and the press stops" in capsys.readouterr().out
 
 
 def test_flywheel_and_motor(capsys: pytest.CaptureFixture[str]) -> None:
