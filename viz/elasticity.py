@@ -159,7 +159,5 @@ def picture() -> Figure:
 
 
 if __name__ == "__main__":
-    from light import light  # type: ignore[import-not-found]  # beside this script
-
     print(table())
-    light(figures.save(picture(), PICTURE))
+    figures.save(picture(), PICTURE)

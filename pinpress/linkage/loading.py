@@ -104,9 +104,7 @@ def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
         return _library() / f"{file}.urdf"
     if file.endswith((".urdf", ".xml", ".sdf", ".mjcf")) or "\0" in file:
         return path  # reading it says what is wrong with it
-    shipped = presses()
-    remedy = f"name a URDF file or a shipped press ({', '.join(shipped)})"
-    raise UrdfError(file, None, None, f"no such file{suggestion(file, shipped)}", remedy)
+    raise UrdfError(file, None, None, "no such file", f"name a URDF file or a shipped press ({', '.join(presses())})")
 
 
 def document_of(path: str | os.PathLike[str]) -> Document:

@@ -57,7 +57,7 @@ MADE |= {
     "SpeedResponse",
     "ForceInterval",
 }
-MADE |= {"LiveView", "RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
+MADE |= {"RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
 
 
 def wrong(some):
