@@ -13,7 +13,7 @@ from ..common import files, tables
 from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..kinematics.check import check, said_in_a_line
 from ..linkage.urdf.document import MOST_BYTES
-from .options import table_parameters
+from .options import add_refused_option, table_parameters
 
 if TYPE_CHECKING:
     from ..pin_table.building import DrawnPress
@@ -30,6 +30,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option = parser.add_argument
     option("file", metavar="TABLE", help="pin table (.yaml); `pinpress new` writes one to start from")
     option("parameters", metavar="NAME=VALUE", nargs="*", help="another value of a parameter of the table, such as r=150")
+    add_refused_option(parser, "--set", "build takes values behind the table: pinpress build press.yaml r=150")
     option("--out", type=Path, metavar="FILE", help="the URDF; default: the table's name with .urdf. The sketch has its name with .svg")
     parser.set_defaults(run=run)
 

@@ -6,7 +6,7 @@ from ..common.errors import PinTableError
 from ..common.results import Records
 from ..kinematics.check import CheckResult, check
 from ..linkage.urdf.document import Finding
-from .options import FILE, add_open_option, add_set_option, names_table, table_parameters
+from .options import FILE, add_open_option, add_refused_option, add_set_option, names_table, table_parameters
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -26,6 +26,9 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--slide", metavar="LINK", help="slide, where it is not the link called slide")
     add_open_option(parser)
     add_set_option(parser)
+    add_refused_option(
+        parser, "--zero", "check says where the dead centres are in the angles of the file; pinpress analyse counts from them"
+    )
     parser.set_defaults(run=run)
 
 

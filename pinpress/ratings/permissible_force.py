@@ -109,12 +109,6 @@ class Capacities(Frozen):
         if self.speed_drop is not None and self.speed_drop > 1.0:
             raise PinpressError(f"speed_drop is {self.speed_drop:g}: give a fraction of the speed, 1 or less")
 
-    def check_effort(self, coordinate: DriverCoordinate) -> None:
-        """Raise PinpressError where the torque was given in a unit that a driver with this coordinate does not have."""
-        if self._effort_unit not in (None, coordinate.effort_unit):
-            moves = "turns" if coordinate.turns else "slides"
-            raise PinpressError(f"torque is given in {self._effort_unit}, but the driver {moves}: give it in {coordinate.effort_unit}")
-
     def energies(self, speed: float, turns: int = 1) -> dict[str, float]:
         """Work that a stroke may take from each source of energy, by the source's name [J].
 
@@ -131,6 +125,13 @@ class Capacities(Frozen):
         if self.motor_power is not None:
             found["motor energy"] = self.motor_power * 2 * math.pi * turns / abs(speed)
         return found
+
+
+def refuse_other_effort(given: Capacities, coordinate: DriverCoordinate) -> None:
+    """Raise PinpressError where the torque was given in a unit that a driver with this coordinate does not have."""
+    if given._effort_unit not in (None, coordinate.effort_unit):
+        moves = "turns" if coordinate.turns else "slides"
+        raise PinpressError(f"torque is given in {given._effort_unit}, but the driver {moves}: give it in {coordinate.effort_unit}")
 
 
 def capacities_in_words(given: Capacities, coordinate: DriverCoordinate) -> Inputs:

@@ -29,6 +29,7 @@ from .permissible_force import (
     known_bearings,
     permitted_work,
     rated_stroke,
+    refuse_other_effort,
     refuse_overloaded_idle,
     refuse_unrated,
 )
@@ -234,7 +235,7 @@ def rate(
     known_bearings(capacities, press)
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
-    capacities.check_effort(press.driver_coordinates[0])
+    refuse_other_effort(capacities, press.driver_coordinates[0])
     turning = press.driver_coordinates[0].turns
     speed, points = _speed(speed, turning), whole_number("points", points, 3, MOST_POINTS)
     truth_value("at_speed", at_speed)

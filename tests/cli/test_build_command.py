@@ -87,6 +87,8 @@ def test_every_template_builds(folder, capsys, name):
         (["analyse", "crank_slide", "--speed", "60", "--set", "r=95"], "only a pin table has parameters"),
         (["build", "there.yaml", "--out", "press.svg"], "give the URDF's name"),
         (["build", "missing.yaml"], "missing.yaml"),
+        (["build", "there.yaml", "--set", "r=95"], "build takes values behind the table: pinpress build press.yaml r=150"),
+        (["check", "there.yaml", "--zero", "tdc"], "pinpress analyse counts from them"),
         (["build", "there.yaml", "--out", "mine.urdf"], "no pin table made it"),
         (["analyse", "there.yaml", "--speed", "60", "--driver", "O"], "leave out --driver"),
         (["build", "there.yaml", "l=20"], "drawn in there.svg"),
