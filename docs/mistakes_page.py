@@ -1,14 +1,12 @@
-"""Writes docs/mistakes.md: everyday mistakes in pin tables and URDFs, and what is said to each.
+"""Writes docs/mistakes.md: everyday mistakes in pin tables, URDFs and calls, and what is said to each.
 
     python docs/mistakes_page.py
 
-The mistakes stand in tests/support/mistakes.py. What is said is what `build` and `load` say today; a test holds the page to it.
+The mistakes in descriptions are the files of tests/mistakes. What is said is computed; a test holds the page to it.
 """
 
-import difflib
 import re
 import sys
-import tempfile
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
@@ -19,64 +17,101 @@ from support import mistakes  # noqa: E402
 PAGE = """\
 # Everyday mistakes
 
-What `pp.build` and `pp.load`, and so every command, say to {count} mistakes that people make when they describe a press. An error ends the
-call. A warning is a line on stderr in a command and a `PinpressWarning` in Python; a note is what `pinpress check` adds. `python
-docs/mistakes_page.py` writes this page: each mistake is put, alone, into the description above its table, and what is said is copied here.
+What `pp.build` and `pp.load`, and so every command, say to {count} mistakes that people make when they describe a press, and what other
+functions say to some more. An error ends the call. A warning is a line on stderr in a command and a `PinpressWarning` in Python; a note is
+what `pinpress check` adds.
+
+Each mistake in a description is a file of the folder `tests/mistakes`, to be tried: `pinpress check tests/mistakes/no-units.yaml`. Beside
+its name stands what it has in place of the right file above, and what is said, with `press` for the file's name. `python
+docs/mistakes_page.py` writes this page.
 
 ## In pin tables
+
+`press.yaml` is without a mistake:
 
 ```yaml
 {table}```
 
 {in_tables}
+
 ## In URDFs
+
+`press.urdf` is without a mistake:
 
 ```xml
 {urdf}```
 
-{in_urdfs}"""
+{in_urdfs}
+
+## In calls
+
+```python
+{calls}```
+
+| call | what is said |
+| --- | --- |
+{in_calls}
+"""
+HEAD = "| file | written | what is said |\n| --- | --- | --- |"
+
+RIGHT_CALLS = """\
+import pinpress as pp
+
+press = pp.load("zxn2_3000b")
+motion = pp.cycle(press, speed=70 * pp.RPM)
+reactions = pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4e6, start=0.008, end=0.003)])
+"""
+CALLS = (
+    'pp.load("zxn2_3000")',
+    "pp.cycle(press)",
+    "pp.cycle(press, speed=60)",
+    'pp.cycle(press, speed="70 rpm")',
+    "pp.inverse_dynamics(press, motion, loads=pp.loads.Blanking(force=4e6, start=0.008, end=0.003))",
+    "pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4000, start=0.008, end=0.003)])",
+    "pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4e6, start=8, end=3)])",
+    "pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4e6, start=0.003, end=0.008)])",
+    "pp.inverse_dynamics(press, motion, loads=[pp.loads.DeepDrawing(force=4e6, start=0.4)])",
+    'pp.inverse_dynamics(press, motion, loads=[pp.loads.SpringDamper("frame", "slide", stiffness=5e4, free_length=400)])',
+    'pp.inverse_dynamics(pp.load("crank_slide"), motion)',
+    'reactions.bearing_force["a"]',
+    "pp.servo_cycle(press, angle=[0.0, 0.1, 0.2], speed=[7.0, 7.0, 7.0], time=[0.0, 1.0, 2.0])",
+    "pp.drives.InductionMotor(rated_power=75e3, rated_speed=1485)",
+    "pp.simulate(press, duration=1.0, speed=7.0, drive=pp.drives.PrescribedSpeed(8.0))",
+    "pp.steady_state(press, 7.0, drive=pp.drives.ConstantTorque(5e3))",
+)
 
 
 def page() -> str:
     """The text of docs/mistakes.md."""
-    with tempfile.TemporaryDirectory() as folder:
-        table, urdf = Path(folder) / "press.yaml", Path(folder) / "press.urdf"
-        in_tables = [
-            (name, mistakes.TABLE, made, mistakes.said_to_table(table, made))
-            for name, mistake in mistakes.IN_TABLES.items()
-            for made in [mistakes.table_with(mistake)]
-        ]
-        in_urdfs = [
-            (name, mistakes.URDF, made, mistakes.said_to_urdf(urdf, made))
-            for name, mistake in mistakes.IN_URDFS.items()
-            for made in [mistakes.with_mistake(mistakes.URDF, mistake.edits)]
-        ]
-        rows = [
-            "\n".join(
-                [HEAD, *(_row(name, right, wrong, [line.replace(f"{folder}/", "") for line in said]) for name, right, wrong, said in part)]
-            )
-            for part in (in_tables, in_urdfs)
-        ]
+    tables, urdfs = mistakes.files(mistakes.TABLE), mistakes.files(mistakes.URDF)
     return PAGE.format(
-        count=len(in_tables) + len(in_urdfs), table=mistakes.TABLE, urdf=mistakes.URDF, in_tables=rows[0] + "\n", in_urdfs=rows[1] + "\n"
+        count=len(tables) + len(urdfs),
+        table=mistakes.TABLE.read_text(encoding="utf-8"),
+        urdf=mistakes.URDF.read_text(encoding="utf-8"),
+        in_tables="\n".join([HEAD, *map(_row, tables)]),
+        in_urdfs="\n".join([HEAD, *map(_row, urdfs)]),
+        calls=RIGHT_CALLS,
+        in_calls="\n".join(_rows_of_calls()),
     )
 
 
-HEAD = "| mistake | written | what is said |\n| --- | --- | --- |"
+def _row(file: Path) -> str:
+    """A row of the table: the file, the first line that its mistake changes, and what is said."""
+    _, put_in, taken_out = mistakes.changes(file)
+    written = _code(put_in[0]) + (" ..." if len(put_in) > 1 else "") if put_in else f"without {_code(taken_out[0])}"
+    said = (line.replace(str(file), f"press{file.suffix}") for line in mistakes.said(file))
+    return f"| {file.name} | {written} | {'<br>'.join(map(_plain, said))} |"
 
 
-def _row(name: str, right: str, wrong: str, said: list[str]) -> str:
-    """A row of the table: the first line that the mistake changes, as it is written there."""
-    changes = [line for line in difflib.ndiff(right.splitlines(), wrong.splitlines()) if line[:2] in ("+ ", "- ")]
-    changed = [line[2:].strip() for line in changes if line.startswith("+")]
-    removed = [line[2:].strip() for line in changes if line.startswith("-")]
-    written = _code(changed[0]) + (" ..." if len(changed) > 1 else "") if changed else f"without {_code(removed[0])}"
-    written = written if wrong else "nothing"
-    return f"| {name} | {written} | {'<br>'.join(_plain(line) for line in said)} |"
+def _rows_of_calls() -> list[str]:
+    """A row for each of `CALLS`: the call, and what is said."""
+    names: dict[str, object] = {}
+    exec(RIGHT_CALLS, names)
+    return [f"| {_code(call, 140)} | {'<br>'.join(map(_plain, mistakes.heard(lambda call=call: eval(call, names))))} |" for call in CALLS]
 
 
-def _code(text: str) -> str:
-    return f"`{text[:90].replace('|', '/')}`"
+def _code(text: str, most: int = 90) -> str:
+    return f"`{text.strip()[:most].replace('|', '/')}`"
 
 
 def _plain(text: str) -> str:

@@ -4,6 +4,7 @@ python docs/tour_pictures.py
 """
 
 import math
+import sys
 import tempfile
 from pathlib import Path
 
@@ -24,6 +25,9 @@ LINK, PIN, THIN, BLUE = "#2b5c8a", "#ffffff", "#7a828c", "#b3392b"
 
 
 def main() -> None:
+    sys.path.append(str(HERE.parents[1] / "viz"))
+    from light import light  # type: ignore[import-not-found]  # a script of viz
+
     HERE.mkdir(exist_ok=True)
     (HERE / "sketch.svg").write_text(sketch(), encoding="utf-8")
     draft = pp.pin_table.draft(table("650"))
@@ -39,7 +43,7 @@ def main() -> None:
     pp.plots.save(pp.plots.bearings(loaded), HERE / "bearings.svg")
     with tempfile.TemporaryDirectory() as folder:
         page = pp.record(press, motion, Path(folder) / "knuckle.html", reactions=loaded, traces=[("lower", (0.0, 0.0, 0.0))])
-        pp.video.image(page, HERE / "knuckle.png", time=NEAR_BOTTOM, size=(900, 720))
+        light(pp.video.image(page, HERE / "knuckle.png", time=NEAR_BOTTOM, size=(900, 720)))
 
 
 def table(coupler: str) -> Path:

@@ -32,6 +32,8 @@ from .linkage.linkage import Linkage as Linkage
 from .linkage.loading import load as load
 from .linkage.loading import presses as presses
 from .linkage.writing import write_urdf as write_urdf
+from .live.viewing import LiveView as LiveView
+from .live.viewing import view as view
 from .pin_table.building import build as build
 from .simulation.batch import RunBatch as RunBatch
 from .simulation.batch import simulate_batch as simulate_batch

@@ -102,7 +102,9 @@ def _times(ratio: float) -> str:
 
 
 if __name__ == "__main__":
+    from light import light  # type: ignore[import-not-found]  # beside this script
+
     measured = pp.accuracy.compare(pp.load("zxn2_3000b"), speed=70 * pp.RPM, repeats=4)
     measured.to_csv(HERE / "accuracy.csv")
-    pp.plots.save(pp.accuracy.plot(measured), HERE / "accuracy.png")
+    light(pp.plots.save(pp.accuracy.plot(measured), HERE / "accuracy.png"))
     print(f"{measured}\n\n{table()}")

@@ -140,8 +140,10 @@ def curves() -> dict[str, pp.balancing.TradeOffCurve]:
 
 
 if __name__ == "__main__":
+    from light import light  # type: ignore[import-not-found]  # beside this script
+
     print(table())
     print("\nOne call of balance, with the reactions before and after:")
     for what, solve in {**jf75g(), **zxn2()}.items():
         print(f"  {what}: {1e3 * least_seconds([solve], REPEATED)[0]:.0f} ms")
-    print(pp.plots.save(pp.plots.trade_offs(curves()), HERE / "balancing.png"))
+    print(light(pp.plots.save(pp.plots.trade_offs(curves()), HERE / "balancing.png")))

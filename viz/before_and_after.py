@@ -7,6 +7,8 @@ import os
 import shutil
 from pathlib import Path
 
+from light import light  # type: ignore[import-not-found]  # beside this script
+
 import pinpress as pp
 
 HERE = Path(__file__).parent
@@ -21,7 +23,7 @@ def main() -> None:
     plain, balanced = pp.load("zxn2_3000b"), pp.load("zxn2_3000b_balanced")
     before, after = (pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=720)) for press in (plain, balanced))
     page = pp.report(balanced, after.motion, out / "before_and_after.html", reactions=after, before=before)
-    print(page, picture(page, HERE / "report.png"))
+    print(page, light(picture(page, HERE / "report.png")))
     for name, figure in (
         ("comparison", pp.plots.comparison(before, after)),
         ("polar", pp.plots.polar(before)),
@@ -31,7 +33,7 @@ def main() -> None:
         ("shaking", pp.plots.shaking(before)),
     ):
         print(*(pp.plots.save(figure, out / f"zxn2_3000b_{name}.{suffix}") for suffix in ("svg", "png")))
-    print(pp.plots.save(pp.plots.comparison(before, after), HERE / "comparison.png"))
+    print(light(pp.plots.save(pp.plots.comparison(before, after), HERE / "comparison.png")))
 
 
 def picture(page: Path, target: Path) -> Path:

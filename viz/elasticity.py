@@ -159,5 +159,7 @@ def picture() -> Figure:
 
 
 if __name__ == "__main__":
+    from light import light  # type: ignore[import-not-found]  # beside this script
+
     print(table())
-    figures.save(picture(), PICTURE)
+    light(figures.save(picture(), PICTURE))

@@ -141,5 +141,8 @@ NOTES = """
 """
 
 if __name__ == "__main__":
+    from light import light  # type: ignore[import-not-found]  # beside this script
+
     PAGE.write_text(page(vibration.Vibration()), encoding="utf-8")
+    light(PICTURE)
     print(PAGE.read_text(encoding="utf-8"))

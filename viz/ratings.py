@@ -140,5 +140,7 @@ def at(one: pp.ratings.PressRatings, values: np.ndarray, height: float) -> float
 
 
 if __name__ == "__main__":
+    from light import light  # type: ignore[import-not-found]  # beside this script
+
     print(table())
-    print(pp.plots.save(pp.plots.ratings(rated("zxn2_3000b")), HERE / "ratings.png"))
+    print(light(pp.plots.save(pp.plots.ratings(rated("zxn2_3000b")), HERE / "ratings.png")))

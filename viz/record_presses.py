@@ -5,6 +5,8 @@ python viz/record_presses.py
 
 from pathlib import Path
 
+from light import light  # type: ignore[import-not-found]  # beside this script
+
 import pinpress as pp
 
 HERE = Path(__file__).parent
@@ -24,7 +26,7 @@ def main() -> None:
         page = pp.record(press, result.motion, out / f"{name}.html", reactions=result, traces=TRACES.get(name, ()))
         print(page, pp.report(press, result.motion, out / f"{name}_report.html", reactions=result, traces=TRACES.get(name, ())))
         if name in PICTURES:
-            print(pp.video.image(page, HERE / f"{name}.png", time=PICTURES[name], size=SIZE))
+            print(light(pp.video.image(page, HERE / f"{name}.png", time=PICTURES[name], size=SIZE)))
 
 
 if __name__ == "__main__":

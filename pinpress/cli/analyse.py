@@ -9,6 +9,7 @@ from ..common import tables
 from ..common.errors import PinpressError, SimulationError
 from ..common.files import make_folder
 from ..common.quantities import RPM
+from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.driving_energy import driving_energy
@@ -17,6 +18,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
 from ..kinematics.motion import cycle
 from ..ratings.permissible_force import capacities_in_words
+from ..simulation.run import Run
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
 from . import part_specs
@@ -89,6 +91,11 @@ def run(options: argparse.Namespace) -> int:
     motor = None if options.motor is None else part_specs.motor(options.motor, press.driver_coordinates[0])
     if flywheel is not None and flywheel.speed is not None:
         raise PinpressError("--flywheel: at constant speed it turns with the crank: leave speed= out, or simulate the press with a clutch")
+    turning = any(given is not None for given in (flywheel, options.speed_drop, motor))
+    if turning:
+        press.refuse_sliding_driver(
+            "--flywheel, --speed-drop and --motor are of a crank that keeps turning; pinpress simulate takes --motor"
+        )
     walk = time.perf_counter()
     _ = press.branch  # followed here, so that the times below are those of any further motion
     start = time.perf_counter()
@@ -99,32 +106,27 @@ def run(options: argparse.Namespace) -> int:
     end = time.perf_counter()
     ratings = permissible(press, options)
     more: list[str] = []
-    if any(given is not None for given in (flywheel, options.speed_drop, motor)):
+    if turning:
         more += _of_flywheel(reactions, flywheel, options.speed_drop)
+    results: list[Tabular] = [] if ratings is None else [ratings]
     if motor is not None:
-        more += _of_motor(reactions, motor, flywheel)
+        steady, words = _of_motor(reactions, motor, flywheel)
+        more += words
+        results += [] if steady is None else [steady]
     print(summary(press, motion, reactions, None if ratings is None else ratings.utilisation(reactions)))
     took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
     further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
     print(tables.entry("time taken", f"{took[0]:.1f}", further))
     print("\n".join(more), end="\n" if more else "")
-    driving = [
-        (name, described(part, press.driver_coordinates[0]))
-        for name, part in (("flywheel", flywheel), ("motor", motor))
-        if part is not None
-    ]
-    print_inputs(
-        [
-            *inputs(reactions),
-            *driving,
-            *([] if ratings is None else capacities_in_words(ratings.capacities, ratings.driver_coordinate)),
-        ]
-    )
+    driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]
+    capacities = [] if ratings is None else capacities_in_words(ratings.capacities, ratings.driver_coordinate)
+    *stated, computed = inputs(reactions)
+    print_inputs([*stated, *driving, *capacities, computed])
     if options.out is not None:
         before = None if options.before is None else press_before(options)
         make_folder(options.out)
         reactions.to_csv(options.out / "cycle.csv")
-        write_pages(press, reactions, options, ["cycle.csv"], before, [] if ratings is None else [ratings])
+        write_pages(press, reactions, options, ["cycle.csv"], before, results)
     return 0
 
 
@@ -144,20 +146,22 @@ def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: fl
     ]
     if flywheel is not None:
         inertia = float(np.ravel(flywheel.inertia)[0])
-        lines.append(tables.entry("speed drop", f"{100 * energy.speed_drop(inertia):.4f}", "%", f"with {inertia:g} kg m2"))
+        own = 0.5 * inertia * energy.speed**2
+        short = f": it holds only {works.shown(own)} {works.unit} at this speed, and the press stops" if energy.stored >= own else ""
+        lines.append(tables.entry("speed drop", f"{100 * energy.speed_drop(inertia):.4f}", "%", f"with {inertia:g} kg m2{short}"))
     if speed_drop is not None:
         inertia = energy.inertia(speed_drop)
         lines.append(tables.entry("inertia it takes", f"{inertia:.5g}", "kg m2", f"with the drive's, for a drop of {100 * speed_drop:g} %"))
     return lines
 
 
-def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Flywheel | None) -> list[str]:
-    """Speeds and the motor's duty in the steady state under a motor, or why there is none."""
+def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Flywheel | None) -> tuple[Run | None, list[str]]:
+    """The steady state under a motor with its speeds and the motor's duty in words; None, and why there is none."""
     speed = float(reactions.motion.crank_speed[0])
     rubbing = ", without the friction in bearings" if reactions.friction else ""
     lines = ["", f"Steady state under the motor near {speed / RPM:g} r/min{rubbing}; all else here is at constant speed"]
     try:
         run = steady_state(reactions._press, speed, drive=motor, flywheel=flywheel, loads=reactions.loads)  # type: ignore[arg-type]
     except SimulationError as error:
-        return [*lines, f"  none: {error}"]
-    return [*lines, *duty_summary(run)]
+        return None, [*lines, f"  none: {error}"]
+    return run, [*lines, *duty_summary(run)]

@@ -74,27 +74,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="RPM",
         help=f"{SPEED}; may be given several times: each criterion then counts at its worst speed",
     )
-    option(
-        "--region",
-        action="append",
-        required=True,
-        metavar="LINK:KEYS",
-        help="region for a counterweight, see below; may be given several times",
-    )
-    option(
-        "--minimise",
-        action="append",
-        required=True,
-        metavar="CRITERION[=WEIGHT]",
-        help="criterion to minimise, see below; may be given several times: each counts relative to before, times its weight (default: 1)",
-    )
-    option(
-        "--limit",
-        action="append",
-        default=[],
-        metavar="CRITERION=MOST",
-        help="most of a criterion, in its SI unit; may be given several times",
-    )
+    add_balance_options(parser, required=True)
     add_force_options(parser, friction=False, stiffness=False)
     add_refused_option(
         parser, "--friction", "balancing needs forces that are linear in the masses, and with friction they are not: leave it out"
@@ -116,14 +96,12 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.out is None and options.report:
         raise PinpressError("--report needs a folder to write into: give --out DIR too")
-    regions = [_region(words) for words in options.region]
-    minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
     acting = loads(options)
     as_drawn = load_as_drawn(options)
     press = with_zero(as_drawn, options.zero)
     speeds = [speed.of(press.driver_coordinates[0]) for speed in options.speed]
     conditions = [OperatingCondition(cycle(press, speed, points=options.points), acting) for speed in speeds]
-    balanced = balance(press, conditions, regions=regions, minimise=minimise, limits=limits)
+    balanced = balanced_by(press, conditions, options)
     if options.out is not None:
         make_folder(options.out)
     print(balanced)
@@ -131,6 +109,41 @@ def run(options: argparse.Namespace) -> int:
     if options.out is not None:
         _write(balanced, as_drawn, options.out, options.report)
     return 0
+
+
+def add_balance_options(parser: argparse.ArgumentParser, *, required: bool) -> None:
+    """Options of `balanced_by`; ``required``: whether a press is always balanced."""
+    option = parser.add_argument
+    option(
+        "--region",
+        action="append",
+        required=required,
+        default=None if required else [],
+        metavar="LINK:KEYS",
+        help="region for a counterweight, see below; may be given several times",
+    )
+    option(
+        "--minimise",
+        action="append",
+        required=required,
+        default=None if required else [],
+        metavar="CRITERION[=WEIGHT]",
+        help="criterion to minimise, see below; may be given several times: each counts relative to before, times its weight (default: 1)",
+    )
+    option(
+        "--limit",
+        action="append",
+        default=[],
+        metavar="CRITERION=MOST",
+        help="most of a criterion, in its SI unit; may be given several times",
+    )
+
+
+def balanced_by(press: Linkage, conditions: Sequence[OperatingCondition], options: argparse.Namespace) -> BalancedPress:
+    """The press with the best counterweights by `add_balance_options`; raises `PinpressError` where words name no region or criterion."""
+    regions = [_region(words) for words in options.region]
+    minimise, limits = _objective(options.minimise), _by_target("--limit", options.limit, "")
+    return balance(press, conditions, regions=regions, minimise=minimise, limits=limits)
 
 
 def _inputs(balanced: BalancedPress, options: argparse.Namespace) -> Inputs:
@@ -157,7 +170,7 @@ def _write(balanced: BalancedPress, as_drawn: Linkage, folder: Path, with_report
         loads = balanced.conditions[0].loads
         before = inverse_dynamics(balanced.original, balanced.reactions_before[0].motion, loads)
         after = inverse_dynamics(balanced.press, balanced.reactions_after[0].motion, loads)
-        report(balanced.press, after.motion, folder / "report.html", reactions=after, before=before)
+        report(balanced.press, after.motion, folder / "report.html", reactions=after, before=before, results=[balanced])
         written.append("report.html")
     say_written(folder, written)
 

@@ -5,9 +5,9 @@ import io
 import sys
 
 from ..common.command_end import ended
-from . import accuracy, analyse, balance, build, check, new, ratings, record, report, simulate
+from . import accuracy, analyse, balance, build, check, new, ratings, record, report, simulate, view
 
-COMMANDS = (new, build, report, analyse, simulate, balance, ratings, record, accuracy, check)  # as the help lists them
+COMMANDS = (new, build, view, report, analyse, simulate, balance, ratings, record, accuracy, check)  # as the help lists them
 
 
 def main(arguments: list[str] | None = None) -> int:

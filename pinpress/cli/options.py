@@ -114,6 +114,7 @@ def with_zero(press: Linkage, zero: str) -> Linkage:
     """The press with crank angles counted from where `ZEROS` says."""
     if zero == "drawn":
         return press
+    press.refuse_sliding_driver(f"its positions are 0 where the press is drawn; leave out --zero {zero}")
     ends = dead_centres(press)
     return press.drawn_at(ends.top_angle if zero == "tdc" else ends.bottom_angle, ZEROS[zero])
 

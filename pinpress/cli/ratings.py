@@ -2,6 +2,7 @@
 
 import argparse
 import importlib.util
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..common import tables
@@ -13,7 +14,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import process_summary
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from ..loads.link import PointForce, SpringDamper
+from ..loads.link import Friction, Load, PointForce, SpringDamper
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
 from . import part_specs
@@ -49,6 +50,7 @@ NUMBERS = {
     "dwell-tolerance": ("H", "m", "distance from bottom dead centre that counts as dwell; default: a hundredth of the stroke"),
 }
 POINTS = 720  # of a turn, over which the process is looked at
+POINTS_OF_STROKE = 181  # crank angles of the working stroke
 NOT_CAPACITIES = ("contact_height", "dwell_tolerance")
 
 
@@ -64,7 +66,58 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     )
     option = parser.add_argument
     option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
-    option("--nominal-force", type=quantity("N"), required=True, metavar="N", help="largest process force at any height")
+    add_capacity_options(parser, required=True)
+    add_flywheel_option(parser, "goes with --speed-drop")
+    add_force_options(parser, stiffness=False)
+    add_refused_option(parser, "--motor", "ratings take the power of the motor: give --motor-power")
+    option(
+        "--points",
+        type=int,
+        default=POINTS_OF_STROKE,
+        metavar="N",
+        help="number of crank angles in the working stroke (default: %(default)s)",
+    )
+    add_press_options(parser)
+    add_out_option(parser, "the files")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the ratings, and write the files.
+
+    Raises:
+        PinpressError: the capacity of a bearing is no positive number, one of flywheel and speed drop is missing, or computing or
+            writing fails.
+    """
+    if (options.flywheel is None) != (options.speed_drop is None):
+        raise PinpressError("--flywheel and --speed-drop go together, as an energy: give both, e.g. --speed-drop 0.2, or neither")
+    acting = loads(options)
+    beside, process_loads = ([load for load in acting if isinstance(load, PointForce | SpringDamper) == so] for so in (True, False))
+    press = load_press(options)
+    friction = part_specs.frictions(options.friction, press)
+    coordinate = press.driver_coordinates[0]
+    speed = options.speed.of(coordinate)
+    found = rated(press, options, beside, friction, points=options.points)
+    turns = press.period_turns if coordinate.turns else 1
+    process = inverse_dynamics(press, cycle(press, speed, points=POINTS * turns), process_loads, bearings=()) if process_loads else None
+    lines = [] if process is None else _process(press, process, found)
+    if options.out is not None:
+        make_folder(options.out)
+    print("\n".join([str(found), *lines]))
+    pace = f"{speed / RPM:g} r/min" if coordinate.turns else f"up to {1e3 * abs(speed):g} mm/s"
+    at = f"{pace}, {'with' if options.at_speed else 'without'} weights and inertia forces"
+    limits = capacities_in_words(found.capacities, coordinate)
+    under = [*(of_loads(acting) if acting else []), *(of_friction(friction) if friction else [])]
+    print_inputs([*of_press(press), ("speed", at), *limits, *under, stated()])
+    if options.out is not None:
+        _write(found, process, options.out)
+    return 0
+
+
+def add_capacity_options(parser: argparse.ArgumentParser, *, required: bool) -> None:
+    """Options of `rated`; ``required``: whether a press is always rated."""
+    option = parser.add_argument
+    option("--nominal-force", type=quantity("N"), required=required, metavar="N", help="largest process force at any height")
     for name, (value, unit, words) in NUMBERS.items():
         option(f"--{name}", type=quantity(unit), metavar=value, help=words)
     option(
@@ -81,51 +134,39 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         action="store_true",
         help="take weights and inertia forces at this speed into account (default: the process force alone)",
     )
-    add_flywheel_option(parser, "goes with --speed-drop")
-    add_force_options(parser, stiffness=False)
-    add_refused_option(parser, "--motor", "ratings take the power of the motor: give --motor-power")
-    option("--points", type=int, default=181, metavar="N", help="number of crank angles in the working stroke (default: %(default)s)")
-    add_press_options(parser)
-    add_out_option(parser, "the files")
-    parser.set_defaults(run=run)
 
 
-def run(options: argparse.Namespace) -> int:
-    """Print the ratings, and write the files.
+def capacities_given(options: argparse.Namespace) -> list[str]:
+    """The options of `add_capacity_options` that are given beside the nominal force."""
+    names = [*NUMBERS, "torque", "bearing", "at-speed"]
+    return [f"--{name}" for name in names if getattr(options, name.replace("-", "_")) not in (None, [], False)]
+
+
+def rated(
+    press: Linkage, options: argparse.Namespace, loads: Sequence[Load], friction: Mapping[str, Friction], points: int = POINTS_OF_STROKE
+) -> PressRatings:
+    """The ratings of a press by `add_capacity_options`.
+
+    Args:
+        press: the press.
+        options: those of `add_capacity_options`, with --speed and --flywheel, which counts as an energy where --speed-drop is given.
+        loads: springs and forces at points that act beside the process.
+        friction: of bearings and guides.
+        points: number of crank angles in the working stroke.
 
     Raises:
-        PinpressError: the capacity of a bearing is no positive number, one of flywheel and speed drop is missing, or computing or
-            writing fails.
+        PinpressError: a capacity is none, or the press cannot be rated.
     """
     given = {name.replace("-", "_"): getattr(options, name.replace("-", "_")) for name in NUMBERS}
     extra = {name: given.pop(name) for name in NOT_CAPACITIES}
-    if (options.flywheel is None) != (options.speed_drop is None):
-        raise PinpressError("--flywheel and --speed-drop go together, as an energy: give both, e.g. --speed-drop 0.2, or neither")
-    if options.flywheel is not None:
+    if options.flywheel is not None and options.speed_drop is not None:
         given["flywheel_inertia"] = part_specs.flywheel(options.flywheel).inertia
-    bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
-    acting = loads(options)
-    beside, process_loads = ([load for load in acting if isinstance(load, PointForce | SpringDamper) == so] for so in (True, False))
-    press = load_press(options)
-    friction = part_specs.frictions(options.friction, press)
     coordinate = press.driver_coordinates[0]
-    speed, torque = options.speed.of(coordinate), None if options.torque is None else options.torque.of(coordinate)
+    torque = None if options.torque is None else options.torque.of(coordinate)
+    bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
     capacities = Capacities(options.nominal_force, bearings=bearings, torque=torque, **given)
-    found = rate(press, speed, capacities, at_speed=options.at_speed, loads=beside, friction=friction, points=options.points, **extra)
-    turns = press.period_turns if coordinate.turns else 1
-    process = inverse_dynamics(press, cycle(press, speed, points=POINTS * turns), process_loads, bearings=()) if process_loads else None
-    lines = [] if process is None else _process(press, process, found)
-    if options.out is not None:
-        make_folder(options.out)
-    print("\n".join([str(found), *lines]))
-    pace = f"{speed / RPM:g} r/min" if coordinate.turns else f"up to {1e3 * abs(speed):g} mm/s"
-    at = f"{pace}, {'with' if options.at_speed else 'without'} weights and inertia forces"
-    limits = capacities_in_words(capacities, coordinate)
-    under = [*(of_loads(acting) if acting else []), *(of_friction(friction) if friction else [])]
-    print_inputs([*of_press(press), ("speed", at), *limits, *under, stated()])
-    if options.out is not None:
-        _write(found, process, options.out)
-    return 0
+    speed = options.speed.of(coordinate)
+    return rate(press, speed, capacities, at_speed=options.at_speed, loads=loads, friction=friction, points=points, **extra)
 
 
 def _process(press: Linkage, process: Reactions, found: PressRatings) -> list[str]:

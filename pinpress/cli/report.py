@@ -1,20 +1,51 @@
 """`pinpress report`: all that a press does, on one page."""
 
 import argparse
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
+from ..balancing.counterweights import OperatingCondition
 from ..common.errors import PinpressError
+from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..elasticity.slide_under_load import slide_deflection
+from ..elasticity.springs import Stiffness
+from ..elasticity.unit_load import compliance
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
+from ..loads.link import PointForce, SpringDamper
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
+from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
-from . import part_specs
-from .options import SIGNS, SPEED, add_force_options, add_press_options, add_trace_option, forces, load_other, load_press
+from . import balance, part_specs, ratings
+from .options import (
+    SIGNS,
+    SPEED,
+    Forces,
+    add_flywheel_option,
+    add_force_options,
+    add_press_options,
+    add_trace_option,
+    forces,
+    load_other,
+    load_press,
+)
 from .units import driver_speed, quantity
 
 POINTS = 720  # of a turn
+EPILOG = f"""\
+Each of these adds its part to the page: --load (the process), --nominal-force and other capacities (ratings), --motor with --flywheel (the
+steady state under it), --stiffness (the elastic press), --region with --minimise (the best counterweights).
+regions: {balance.REGION}
+criteria: {balance.CRITERION}; see pinpress balance --help
+
+{part_specs.explained("load", "spring", "friction", "motor")}
+{SIGNS}e.g. pinpress report zxn2_3000b --speed 70 --load blanking:force=1000kN,start=6mm,end=2mm --out report.html
+     --nominal-force 3000kN --nominal-height 13mm --motor induction:rated_power=75kW,rated_speed=1485,inertia=1.2,ratio=20.7
+     --flywheel 6000
+"""
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -23,17 +54,19 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "report",
         help="one page with all that a press does: it moves beside the charts of its motion, forces and ratings",
         description="Turn a press through one period at constant speed and write a page to open by double click: the press turning with\n"
-        "its forces, and charts that follow it. Loads, friction and capacities add their charts and tables.",
-        epilog=f"{part_specs.explained('load', 'spring', 'friction')}\n{SIGNS}"
-        "e.g. pinpress report zxn2_3000b --speed 70 --load blanking:force=1000kN,start=6mm,end=2mm --nominal-force 3000kN\n"
-        "     --nominal-height 13mm --out report.html\n",
+        "its forces, charts that follow it, and all that it was computed from.",
+        epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
     option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
-    option("--out", type=Path, required=True, metavar="HTML", help="write this page")
+    option("--out", type=Path, metavar="HTML", help="write this page")
+    option("--pdf", type=Path, metavar="PDF", help="print it to this file (needs Chromium and pip install 'pinpress[video]')")
     add_force_options(parser)
-    add_nominal_options(parser)
+    ratings.add_capacity_options(parser, required=False)
+    option("--motor", metavar="KIND:KEYS", help="motor, see below: the page shows the steady state under it, with loads and flywheel, too")
+    add_flywheel_option(parser, "with --motor, and with --speed-drop as an energy of the ratings")
+    balance.add_balance_options(parser, required=False)
     add_before_option(parser)
     add_trace_option(parser)
     add_points_option(parser)
@@ -47,18 +80,60 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: Options do not go together, or computing or writing fails.
     """
+    if options.out is options.pdf is None:
+        raise PinpressError("nothing to write: give --out page.html or --pdf report.pdf")
+    from ..visual.film import pdf  # slow to import
     from ..visual.reports.report import report  # slow to import
 
+    _refuse_what_is_incomplete(options)
     press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
+    acting = forces(options, press)
     motion = cycle(press, speed=options.speed.of(press.driver_coordinates[0]), points=states(press, options))
-    reactions = inverse_dynamics(press, motion, **forces(options, press))
-    ratings = permissible(press, options)
+    reactions = inverse_dynamics(press, motion, **acting)
+    results = [*_results(press, reactions, acting, options)]
     before = None if options.before is None else press_before(options)
-    results = [] if ratings is None else [ratings]
-    report(press, motion, options.out, reactions=reactions, traces=options.trace, before=before, results=results)
-    print(f"wrote {options.out}")
+    with tempfile.TemporaryDirectory() as folder:
+        page = options.out or Path(folder, "report.html")
+        report(press, motion, page, reactions=reactions, traces=options.trace, before=before, results=results)
+        if options.pdf is not None:
+            pdf(page, options.pdf)
+    print(f"wrote {' and '.join(str(path) for path in (options.out, options.pdf) if path is not None)}")
     return 0
+
+
+def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
+    """Raise PinpressError where an option is given without the one that it belongs to."""
+    beside = ratings.capacities_given(options)
+    if options.nominal_force is None and beside:
+        raise PinpressError(f"{beside[0]} is for the ratings: give --nominal-force too, the largest process force at any height")
+    if options.flywheel is None and options.speed_drop is not None:
+        raise PinpressError("--speed-drop is that of a flywheel: give --flywheel too, its inertia")
+    if options.flywheel is not None and options.motor is None and options.speed_drop is None:
+        raise PinpressError("--flywheel shows at a motor or in the ratings: give --motor, or --nominal-force and --speed-drop")
+    if bool(options.region) != bool(options.minimise) or (options.limit and not options.region):
+        raise PinpressError("--region, --minimise and --limit go together, to balance the press: give --region and --minimise, or none")
+    if options.region and options.friction:
+        raise PinpressError("--region: balancing needs forces linear in the masses, and with friction they are not: leave out either")
+
+
+def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argparse.Namespace) -> Iterator[Tabular]:
+    """What the options ask for beside motion and forces."""
+    coordinate, loads = press.driver_coordinates[0], acting["loads"]
+    if options.nominal_force is not None:
+        beside = [load for load in loads if options.at_speed and isinstance(load, PointForce | SpringDamper)]
+        yield ratings.rated(press, options, beside, acting["friction"])
+    if options.motor is not None:
+        drive = part_specs.motor(options.motor, coordinate)
+        flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
+        parts = {"drive": drive, "flywheel": flywheel, "loads": loads, "points": POINTS * press.period_turns}
+        yield steady_state(press, options.speed.of(coordinate), **parts)  # type: ignore[arg-type]  # it refuses what has no motor
+    if options.stiffness:
+        stiffness = Stiffness(bearings=acting["stiffness"])
+        yield compliance(press, stiffness)
+        yield slide_deflection(press, reactions.motion, stiffness, loads=loads)
+    if options.region:
+        yield balance.balanced_by(press, [OperatingCondition(reactions.motion, loads)], options)
 
 
 def add_nominal_options(parser: argparse.ArgumentParser) -> None:

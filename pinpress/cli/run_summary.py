@@ -61,7 +61,8 @@ def _end(run: Run, steady: bool) -> list[str]:
     first, (unit, size) = run.driver_coordinates[0], run.driver_coordinates[0].shown_speed
     angle = first.scale * run.crank_angle
     way = float(angle[-1] - angle[0]) + 0.0
-    moved = f"{way / 360 + 0.0:.6g} turns from the start" if first.turns else f"{way:.6g} mm from the start"
+    turns = f"{way / 360 + 0.0:.6g}"
+    moved = f"{turns} {'turn' if turns == '1' else 'turns'} from the start" if first.turns else f"{way:.6g} mm from the start"
     return [
         "",
         "At the end, as at the start" if steady else "At the end",

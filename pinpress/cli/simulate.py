@@ -105,6 +105,8 @@ def run(options: argparse.Namespace) -> int:
     _ = traced(press, options.trace)  # a wrong one is found before the work
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
+    if options.steady:
+        press.refuse_sliding_driver("--steady finds the stroke that repeats itself over turns of a crank; give --duration in its place")
     if options.out is not None:
         make_folder(options.out)  # before a run that may be long
     points = STEADY_POINTS * press.period_turns if options.steady and options.points is None else options.points

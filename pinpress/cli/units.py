@@ -91,9 +91,9 @@ class OfDriver:
         try:
             number = read_quantity(self.text, unit)
         except ValueError:
-            does = "turns" if coordinate.turns else "slides"
+            wrong, does = f"{self.text!r} does not go with a driver that", "turns" if coordinate.turns else "slides"
             raise PinpressError(
-                f"{self.text!r} is of no driver that {does}: give a number in {unit}, or in {', '.join(UNITS[unit])}"
+                f"{wrong} {does}: give a number in one of {', '.join(UNITS[unit])}; without a unit it is in {unit}"
             ) from None
         return math.radians(number) if unit == "deg" else number * {"r/min": RPM, "N m": 1.0, "N": 1.0}.get(unit, 1e-3)
 

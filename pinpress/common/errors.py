@@ -5,11 +5,14 @@ from __future__ import annotations
 import pickle
 import sys
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 from .quantities import CRANK, DriverCoordinate
 
+_COLLECTED: ContextVar[list[str] | None] = ContextVar("collected", default=None)  # of one thread, unlike filters of warnings
 _LONGEST_SHOWN = 200  # most characters of a value in a message
 _LONGEST_WHOLE_NUMBER = 200  # most bits of a whole number in a message
 _LONGEST_NAME = 200  # most characters of a name that alternatives are suggested for: comparing longer ones takes long
@@ -143,8 +146,24 @@ class UnknownScenarioError(PinpressError, IndexError):
         super().__init__(f"there are {count} scenarios, 0 to {count - 1}, not {shown(number)}")
 
 
+@contextmanager
+def cautions_collected() -> Iterator[list[str]]:
+    """The messages of warnings that this thread would issue within the block, which are collected instead, each once."""
+    found: list[str] = []
+    token = _COLLECTED.set(found)
+    try:
+        yield found
+    finally:
+        _COLLECTED.reset(token)
+
+
 def caution(message: str) -> None:
     """Issue a PinpressWarning that points at the caller of the library, however deep in it this is called."""
+    collected = _COLLECTED.get()
+    if collected is not None:
+        if message not in collected:
+            collected.append(message)
+        return
     frame, level = sys._getframe(), 1
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "pinpress":
         frame, level = frame.f_back, level + 1

@@ -6,23 +6,39 @@ from collections.abc import Sequence
 import numpy as np
 
 from .errors import caution
-from .quantities import CRANK, RPM, Array, DriverCoordinate
+from .quantities import CRANK, GRAVITY, RPM, Array, DriverCoordinate
 
 FASTEST = 1000.0  # no crank or motor of a press turns faster [rad/s], 9549 r/min
+HARDEST = 3.0, 40 * GRAVITY  # no slide of a press is faster [m/s] and accelerated more [m/s2] at once; fast presses reach 20 to 30 g
 FASTEST_SLIDING = 10.0  # no cylinder or screw of a press slides faster [m/s]
 FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
-WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
+WEAK, FEEBLE = 1e4, 0.1  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
-def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRANK) -> None:
-    """Warn of speeds of a driver [rad/s or m/s], of any shape, that no press runs at: they may be in r/min or mm/s."""
+def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRANK, slide: tuple[float, float] = (0.0, 0.0)) -> None:
+    """Warn of speeds of a driver [rad/s or m/s], of any shape, that no press runs at: they may be in r/min or mm/s.
+
+    Args:
+        name: what they are, as messages call it.
+        values: the speeds.
+        coordinate: what the driver's coordinate is.
+        slide: largest speed [m/s] and acceleration [m/s2] of the slide at the highest of these speeds of a crank; 0 where not known.
+    """
     fastest = float(np.abs(values).max(initial=0.0))
     if not coordinate.turns:
         if fastest > FASTEST_SLIDING:
-            caution(f"{name} is {fastest:g} m/s: if mm/s are meant, write {fastest:g}e-3")
-    elif fastest > FASTEST:
-        caution(f"{name} is {fastest:g} rad/s, {fastest / RPM:g} r/min: if r/min are meant, write {fastest:g} * pinpress.RPM")
+            caution(f"{name} is {fastest:g} m/s: if {fastest:g} mm/s are meant, write {fastest:g}e-3")
+    elif fastest > FASTEST or too_hard(*slide):
+        said = f"{name} is {fastest:g} rad/s, {fastest / RPM:g} r/min"
+        said += f", at which the acceleration of the slide reaches {slide[1] / GRAVITY:.3g} g" if too_hard(*slide) else ""
+        caution(f"{said}: lower it; in Python {fastest:g} r/min are {fastest:g} * pinpress.RPM")
+
+
+def too_hard(speed: float, acceleration: float) -> bool:
+    """Whether no slide of a press moves like this [m/s, m/s2]. Beside a change point a slide jerks at the lowest speeds; very short strokes
+    may take hard accelerations."""
+    return speed > HARDEST[0] and acceleration > HARDEST[1]
 
 
 def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, high: float, size: float, contact: bool = False) -> None:

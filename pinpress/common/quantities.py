@@ -15,6 +15,9 @@ Values = float | Array
 RPM = 2 * np.pi / 60
 """One revolution per minute [rad/s]: `speed=70 * pp.RPM`."""
 
+GRAVITY = 9.81
+"""Acceleration by gravity, by which weights and accelerations are judged [m/s2]."""
+
 
 @dataclass(frozen=True)
 class DriverCoordinate:

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..common.arguments import is_number
 from ..common.errors import PinpressError, shown
-from ..common.parameters import Checked, parameter
+from ..common.parameters import Checked, in_declared_units, parameter
 from ..common.quantities import Values
 from .protocol import Corner, Drive, corners_of
 
@@ -147,10 +147,11 @@ class SwitchPoint:
         angle: unwrapped [rad]; None: at a time.
     """
 
-    time: float | None = None
-    angle: float | None = None
+    time: float | None = field(default=None, metadata=parameter("s"))
+    angle: float | None = field(default=None, metadata=parameter("rad"))
 
     def __post_init__(self) -> None:
+        in_declared_units(self)
         given = [value for value in (self.time, self.angle) if value is not None]
         if len(given) != 1 or not is_number(given[0]):
             raise PinpressError(

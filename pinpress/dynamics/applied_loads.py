@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common import plausibility
 from ..common.arguments import numbers, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
-from ..common.quantities import Array
+from ..common.quantities import GRAVITY, Array
 from ..engines.forces import REST, AppliedForce
 from ..kinematics.motion import point_motion
 from ..kinematics.slide_path import dead_centres
@@ -22,7 +22,6 @@ from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 from .harmonics import is_cycle
 
 JUMP = 0.01  # share of its largest force with which a process load begins suddenly
-GRAVITY = 9.81  # [m/s2]
 
 if TYPE_CHECKING:
     from ..kinematics.motion import Motion

@@ -18,7 +18,7 @@ import numpy as np
 from ..common import tables
 from ..common.errors import shown
 from ..common.parameters import declared
-from ..common.quantities import CRANK, RPM, DriverCoordinate
+from ..common.quantities import CRANK, GRAVITY, RPM, DriverCoordinate
 from ..kinematics.motion import Motion
 from ..linkage import loading
 from ..linkage.linkage import Linkage
@@ -30,7 +30,7 @@ from .inverse_dynamics import Reactions
 
 FEW = 4  # numbers that are written out; of more their count and range
 DIGITS = 9
-STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+STANDARD_GRAVITY = (0.0, 0.0, -GRAVITY)
 OTHER_UNITS = {"rad/s": ("r/min", 1 / RPM), "rad": ("deg", 180 / math.pi), "-": ("", 1.0)}
 
 Inputs = Sequence[tuple[str, str]]

@@ -22,7 +22,7 @@ from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Motion, doubt_speeds
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
@@ -181,6 +181,7 @@ def dead_centre_shift(
     press.refuse_sliding_driver("the dead centre moves with the speed of a crank; see slide_deflection of a motion")
     speeds = _speeds(speed)
     _refuse_dependent(loads)
+    doubt_speeds(press, speeds)
     centres = dead_centres(press)
     if press.period_turns != centres.turns:
         raise PinpressError(

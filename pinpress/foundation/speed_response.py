@@ -22,7 +22,7 @@ from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import cycle
+from ..kinematics.motion import doubt_speeds, period_at
 from ..linkage.linkage import Linkage
 from .mounted_press import MountedPress, mounted, undamped, with_mounts
 from .mounts import Frame, Mount, listed_mounts, rows_at
@@ -318,6 +318,7 @@ def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexAr
     The highest harmonics, which are rounding, are left out.
     """
     press, fast = system.press, float(speed[-1])
+    doubt_speeds(press, fast)
     one, two = (frame_wrench(system, _idle(press, some), None) for some in (fast, 2 * fast))
     growing = (two - one) / (3 * fast**2)
     size = max(np.abs(one).max(), np.abs(system.weight[:3]).max())
@@ -354,7 +355,7 @@ def rising_positive(name: str, given: ArrayLike) -> Array:
 
 
 def _idle(press: Linkage, speed: float) -> Reactions:
-    return inverse_dynamics(press, cycle(press, speed, points=STATES * press.period_turns), bearings=())
+    return inverse_dynamics(press, period_at(press, speed, STATES * press.period_turns), bearings=())
 
 
 def _states(system: MountedPress) -> int:

@@ -22,6 +22,7 @@ from ..engines.engine import ClosedStates, Closure
 from ..engines.joints import Slot, configuration
 from ..linkage.assembly import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage, SlideGuide
+from ..linkage.memo import per_linkage
 
 POINTS = 360  # states of a turn by default
 MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
@@ -184,25 +185,63 @@ def cycle(press: Linkage, speed: float | None = None, *, points: int | None = No
         AssemblyError: the loops do not close.
 
     Warns:
-        PinpressWarning: the speed is above 1000 rad/s, or 10 m/s, which is hardly meant.
+        PinpressWarning: the speed is hardly meant: the slide is faster than 3 m/s and accelerated by more than 40 g, or the speed is above
+            1000 rad/s, or 10 m/s.
     """
+    motion = period_at(press, speed, points, engine)
+    doubt_speeds(press, motion.crank_speed)
+    return motion
+
+
+def period_at(press: Linkage, speed: float | None, points: int | None = None, engine: str = "auto") -> Motion:
+    """`cycle` at a speed that the caller of the library has not chosen, of which nobody is warned; arguments and errors as there."""
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
     if speed is None:
         unit, such = ("rad/s", "7.0") if press.driver_coordinates[0].turns else ("m/s", "0.1")
         raise PinpressError(f"cycle needs the speed of the driver [{unit}]: give one number for a period, cycle(press, {such})")
     angles, speeds, accelerations, times = _period(press, press.branch, speed, points)
-    plausibility.speeds("speed", speeds, press.driver_coordinates[0])
     return moved(press, press.branch, angles, speeds, accelerations, times, engine)
 
 
 def motion_through_change_points(
-    press: Linkage, angle: Array, speed: Array | float, acceleration: Array | float = 0.0, time: Array | None = None
+    press: Linkage,
+    angle: Array,
+    speed: Array | float,
+    acceleration: Array | float = 0.0,
+    time: Array | None = None,
+    engine: str = "auto",
 ) -> Motion:
     """A motion of a linkage with one driver through states (n,), also through change points, where momentum carries the linkage on: see
-    `Linkage.branch_through_change_points`. Without ``time`` the states have none."""
+    `Linkage.branch_through_change_points`. Without ``time`` the states have none. Nobody is warned of the speed."""
     refuse_far("angle", angle, press.driver_coordinates)
     speeds, accelerations = (np.broadcast_to(values, angle.shape) for values in (speed, acceleration))
-    return moved(press, press.branch_through_change_points, angle, speeds, accelerations, time, "auto")
+    return moved(press, press.branch_through_change_points, angle, speeds, accelerations, time, engine)
+
+
+def doubt_speeds(press: Linkage, speeds: Array | float, motion: Motion | None = None) -> None:
+    """Warn of speeds of a press's drivers [rad/s or m/s] that are hardly meant.
+
+    Args:
+        press: the press.
+        speeds: the speeds, of any shape.
+        motion: the only states at which they are reached; by default a crank may have them at any angle.
+    """
+    fastest = float(np.abs(speeds).max())
+    first, second = _slide_rates(press)
+    slide = first * fastest, second * fastest * fastest  # infinite where ** 2 would raise OverflowError
+    if motion is not None and plausibility.too_hard(*slide):
+        slide = float(np.abs(motion.slide_velocity).max()), float(np.abs(motion.slide_acceleration).max())
+    plausibility.speeds("speed", speeds, press.driver_coordinates[0], slide)
+
+
+@per_linkage(of_geometry=True)
+def _slide_rates(press: Linkage) -> tuple[float, float]:
+    """Largest speed [m/s] and acceleration [m/s2] of the slide where the crank turns at 1 rad/s; 0 of a linkage without a slide, or without
+    a crank that turns fully."""
+    if press.slide is None or len(press.drivers) > 1 or not press.driver_coordinates[0].turns or press.branch.period is None:
+        return 0.0, 0.0
+    _, first, half_second, *_ = np.abs(press.branch.coefficients[:, :, press.slide_guide.joint]).max(axis=0)
+    return float(first), 2.0 * float(half_second)
 
 
 def of_states(

@@ -9,14 +9,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common import plausibility
 from ..common.arguments import in_unit, numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..linkage.linkage import Linkage
 from .driver_motion import Drivers, driver_motion
-from .motion import Motion, motion_through_change_points, moved
+from .motion import Motion, doubt_speeds, motion_through_change_points, moved
 from .slide_path import EQUAL, ROUNDING, DeadCentres, dead_centres
 
 Flank = Literal["down", "up"]
@@ -84,7 +83,7 @@ def servo_cycle(
 
     Warns:
         PinpressWarning: A derived acceleration is dominated by noise or uncertain, a varying speed in time has the acceleration 0, speeds
-            are above 1000 rad/s.
+            are hardly meant, as of `cycle`.
     """
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
     unit = press.driver_coordinates[0].unit
@@ -103,9 +102,10 @@ def servo_cycle(
     elif angle is None:
         raise PinpressError(f"give angle, (n,) [{unit}]; or one number, the angle at the start, with the speed; or height, (n,) [m]")
     found = driver_motion(Drivers(press.drivers, press.driver_coordinates), angle, speed, acceleration, time, period)
-    plausibility.speeds("speed", found.speed, press.driver_coordinates[0])
     branch = None if len(press.drivers) > 1 else press.branch
-    return moved(press, branch, found.angle, found.speed, found.acceleration, found.time, engine)
+    motion = moved(press, branch, found.angle, found.speed, found.acceleration, found.time, engine)
+    doubt_speeds(press, found.speed, motion)
+    return motion
 
 
 def _angles_at(

@@ -104,7 +104,9 @@ def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
         return _library() / f"{file}.urdf"
     if file.endswith((".urdf", ".xml", ".sdf", ".mjcf")) or "\0" in file:
         return path  # reading it says what is wrong with it
-    raise UrdfError(file, None, None, "no such file", f"name a URDF file or a shipped press ({', '.join(presses())})")
+    shipped = presses()
+    remedy = f"name a URDF file or a shipped press ({', '.join(shipped)})"
+    raise UrdfError(file, None, None, f"no such file{suggestion(file, shipped)}", remedy)
 
 
 def document_of(path: str | os.PathLike[str]) -> Document:

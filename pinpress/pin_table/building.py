@@ -167,7 +167,7 @@ class DrawnPress(Tabular):
         near = Entry(tuple(Entry(each, entry.file, entry.line, entry.path) for each in places[pin]), entry.file, entry.line, entry.path)
         kept = {key: each for key, each in entry.items("a pin").items() if key not in ("side", "near")}
         pins[pin] = replace(entry, value=kept | {"near": near})
-        drawn = _drawn(replace(self._table, value={**items, "pins": replace(items["pins"], value=pins)}))
+        drawn = drawn_from(replace(self._table, value={**items, "pins": replace(items["pins"], value=pins)}))
         return replace(drawn, _given=self._given)
 
     def _comment(self) -> str:
@@ -225,12 +225,12 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
         PinpressWarning: numbers that are hardly meant.
     """
     if table is None:
-        return _drawn(given_table(_without_units(values, _length_of(values.get("units")))))
-    return _with_parameters(read_table(table), values) if values else _drawn(read_table(table))
+        return drawn_from(given_table(_without_units(values, _length_of(values.get("units")))))
+    return _with_parameters(read_table(table), values) if values else drawn_from(read_table(table))
 
 
-def _drawn(entries: Entry) -> DrawnPress:
-    """The press that a table draws."""
+def drawn_from(entries: Entry) -> DrawnPress:
+    """The press that a table draws; raises PinTableError where it makes none."""
     items = entries.items("keys: units, frame, pins, links and drive")
     for key, entry in items.items():
         if key not in KEYS:
@@ -283,7 +283,7 @@ def _with_parameters(table: Entry, values: Mapping[str, Any]) -> DrawnPress:
             table.refuse(f"no parameter {name}{suggestion(name, known)}", where)
     numbers = _without_units(values, _length_of(items["units"].value if "units" in items else None))
     given = given_table({"parameters": numbers}).items("parameters")
-    drawn = _drawn(overlaid(table, Entry({"parameters": given["parameters"]}, table.file, table.line, ())))
+    drawn = drawn_from(overlaid(table, Entry({"parameters": given["parameters"]}, table.file, table.line, ())))
     words = (f"{name}={value:.9g}" if isinstance(value, float) else f"{name}={value}" for name, value in numbers.items())
     return replace(drawn, _given=f" with {', '.join(words)}")
 

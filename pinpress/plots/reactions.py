@@ -386,7 +386,7 @@ def _draw_loci(motion: Motion, loci: Sequence[Locus], ax: Axes | Iterable[Axes] 
             empty.set_axis_off()
         return places[: len(loci)]
 
-    with panels(ax, len(loci), 1.0 + rows * (side + 0.8), laid_out) as drawn:
+    with panels(ax, len(loci), 1.4 + rows * (side + 0.8), laid_out) as drawn:
         over, marked = Over(motion), _quarters(motion)
         first = max(0, (last_period(motion) or 0) - 1)  # earlier periods would only hide the last
         for axes, locus in zip(drawn.axes, loci, strict=True):

@@ -28,8 +28,7 @@ from ..common.numerics import bracketed_roots
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, moved
-from ..kinematics.servo_motion import servo_cycle
+from ..kinematics.motion import Motion, motion_through_change_points, moved
 from ..kinematics.slide_path import DeadCentres, dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce, SpringDamper, law
@@ -211,7 +210,7 @@ class RatedStroke:
 
     def motion(self, angle: Array) -> Motion:
         """The motion at crank angles (n,), at constant speed of the driver."""
-        return servo_cycle(self.press, speed=self.speed, angle=angle, engine=self.engine)
+        return motion_through_change_points(self.press, angle, self.speed, engine=self.engine)
 
     def in_operation(self, motion: Motion) -> Motion:
         """A motion at constant speed as the press makes it in operation: a driver that slides moves harmonically, as in `cycle`."""
@@ -292,7 +291,7 @@ def _refuse_turning_back(press: Linkage, ends: DeadCentres) -> None:
     """Raise PinpressError where the slide turns back within the travel of a driver that slides, so that it comes down on two ways."""
     low, high = (float(end) for end in press.branch_through_change_points.angles[[0, -1]])
     places = np.linspace(ends.top_angle, ends.bottom_angle, TURN + 1)
-    speeds = servo_cycle(press, places, speed=ends.bottom_angle - ends.top_angle).slide_velocity
+    speeds = motion_through_change_points(press, places, ends.bottom_angle - ends.top_angle).slide_velocity
     travelled = abs(ends.bottom_angle - ends.top_angle)
     if travelled < (1 - TIE) * (high - low) or np.any(speeds[1:-1] >= 0):
         first, last, bottom = (press.driver_coordinates[0].shown(place) for place in (low, high, ends.bottom_angle))

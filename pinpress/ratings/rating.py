@@ -127,9 +127,9 @@ class PressRatings(Tabular):
         else:
             pace = f"up to {1e3 * abs(self.speed):g} mm/s of the driver"
         ideal = "frictionless " if self.friction else ""
-        per_force = f"{ideal}{coordinate.effort} per force [{'mm' if coordinate.turns else '-'}]"
+        per_force = f"{ideal}{'torque per force [mm]' if coordinate.turns else 'driving force per force [-]'}"
         position = f"{coordinate.position} [{coordinate.shown_unit}]"
-        widths = [14, 20 if coordinate.turns else 24, 24 + len(ideal), 14, 13, 0]
+        widths = [14, 20 if coordinate.turns else 24, (24 if coordinate.turns else 31) + len(ideal), 14, 13, 0]
         heads = [f"{'height [mm]':>14}", position, per_force, "force [kN]", "work [kJ]", "  limited by"]
         return "\n".join(
             [

@@ -20,8 +20,7 @@ from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..common.results import Record
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import Motion
-from ..kinematics.servo_motion import servo_cycle
+from ..kinematics.motion import Motion, motion_through_change_points
 from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
@@ -184,7 +183,7 @@ class _TurningPress:
         if not self.loads:
             return None
         found = self.reactions(self.massless, motion, self.loads)
-        faster = servo_cycle(self.press, speed=2 * self.fast, angle=motion.crank_angle, engine=self.engine)
+        faster = motion_through_change_points(self.press, motion.crank_angle, 2 * self.fast, engine=self.engine)
         again = self.reactions(self.massless, faster, self.loads)
         if np.abs(again.driving_torque - found.driving_torque).max() > NOTHING * np.abs(found.driving_torque).max():
             raise PinpressError("a load depends on the slide's speed: a speed limit takes only loads that depend on height alone")
@@ -215,7 +214,7 @@ class _Loading(NamedTuple):
 
 def _squared_speeds(turning: _TurningPress, angle: Array) -> dict[str, Array]:
     """Squares of the speeds (n,) at which each limit is reached at crank angles (n,), infinite where it is not [rad2/s2]."""
-    fast = servo_cycle(turning.press, speed=turning.fast, angle=angle, engine=turning.engine)
+    fast = motion_through_change_points(turning.press, angle, turning.fast, engine=turning.engine)
     return {loading.name: _squared_speed(turning, fast, loading) for loading in _loadings(turning, fast)}
 
 

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common import plausibility
 from ..common.arguments import in_unit, is_whole_number, number, suitable_numbers, typed
 from ..common.errors import PinpressError, SimulationError, UnknownScenarioError
 from ..common.frozen import read_only
@@ -25,7 +24,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
-from ..kinematics.motion import motion_through_change_points
+from ..kinematics.motion import doubt_speeds, motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
@@ -166,7 +165,7 @@ def simulate_batch(
     if isinstance(drive, PrescribedSpeed):
         raise PinpressError("a drive that prescribes the speed leaves nothing to simulate in scenarios: use simulate")
     refuse_many_turns(speeds, until, start)
-    plausibility.speeds("speed", speeds, press.driver_coordinates[0])
+    doubt_speeds(press, speeds)
     scenarios = _Scenarios(press, until, start, speeds, (drive, flywheel, *loads), states, tolerance)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         return _solved(scenarios, began)

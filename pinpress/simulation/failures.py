@@ -39,8 +39,8 @@ REASONS = {
         " is not smooth in its corners, or give a smaller tolerance"
     ),
     "no steady state": (
-        "no steady state is found near {speed:g} rad/s: the drive is too weak for the loads, or gives as much or more at every speed there"
-        " (a constant torque has none); try another speed, or let the press run with simulate"
+        "no steady state is found near {speed:g} rad/s ({turns:g} r/min): the drive is too weak for the loads, or gives as much or more at"
+        " every speed there (a constant torque has none); try another speed, or let the press run with simulate"
     ),
     "no period": (
         "a shaft of {press_name} comes back only after more than {most} turns, so that there is no period to tabulate:"

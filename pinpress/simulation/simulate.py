@@ -26,13 +26,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import plausibility
 from ..common.arguments import in_unit, number, suitable_numbers, typed
 from ..common.errors import PinpressError, SimulationError, caution, shown
 from ..common.parameters import refuse_scenarios
 from ..common.quantities import Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
+from ..kinematics.motion import doubt_speeds
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
@@ -119,10 +119,10 @@ def simulate(
     drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
-    plausibility.speeds("speed", speeds, press.driver_coordinates[0])
     with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
         driven = _driven(press, method, drive, flywheel, loads, clutch, brake)
         problem = _problem(driven, method, angles, speeds, until, tolerance, fixed)
+        doubt_speeds(press, problem.speed)
         trajectory = march(problem, progress)
         run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))
     if (since := trajectory.standing) is not None:

@@ -12,13 +12,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..common import plausibility
 from ..common.arguments import LARGEST, number, typed
 from ..common.errors import PinpressError, SimulationError, shown
 from ..common.parameters import refuse_scenarios
-from ..common.quantities import Array
+from ..common.quantities import RPM, Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel
+from ..kinematics.motion import doubt_speeds
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
@@ -87,6 +87,7 @@ def steady_state(
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
     driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None)
     _refuse_without_steady_state(driven, drive)
+    doubt_speeds(press, near)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         period = None if driven.timed else _over_angle(driven, start, near, tolerance)
         if period is None:
@@ -99,7 +100,6 @@ def steady_state(
 def _speed(given: object) -> float:
     """The speed near which the steady state is searched [rad/s]."""
     speed = number("speed", given, "rad/s")
-    plausibility.speeds("speed", speed)
     if not abs(speed) <= LARGEST:
         raise PinpressError(f"speed is {speed:g}: give rad/s, {LARGEST:g} at most")
     if speed == 0.0:
@@ -168,7 +168,7 @@ def _speed_near(driven: DrivenPress, borders: Array, angle: float, speed: float)
         energies = 0.5 * (mesh.inertia_ends[0] + driven.inertia) * speeds**2
         solution = collocation.solve(driven, mesh, energies)
         if solution.speed_free:  # no speed is better than another
-            raise failure("no steady state", speed=speed)
+            raise _no_steady_state(speed)
         good = np.flatnonzero(~stopping_panels(solution).any(axis=0))
         gained = (solution.ends[-1] - energies)[good]
         found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
@@ -194,10 +194,14 @@ def _over_time(driven: DrivenPress, angle: float, speed: float, tolerance: float
     except LawError:  # an error of the caller's law is raised as it is
         raise
     except (SimulationError, np.linalg.LinAlgError) as error:
-        raise failure("no steady state", speed=speed) from error
+        raise _no_steady_state(speed) from error
     if found is None:
-        raise failure("no steady state", speed=speed)
+        raise _no_steady_state(speed)
     return found
+
+
+def _no_steady_state(speed: float) -> SimulationError:
+    return failure("no steady state", speed=speed, turns=speed / RPM)
 
 
 def _shooting(driven: DrivenPress, angle: float, start: Array, tolerance: float) -> Trajectory | None:

@@ -38,7 +38,7 @@ from ..common.quantities import RPM, Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import asked
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion, doubt_speeds, period_at
 from ..linkage.linkage import Linkage
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
@@ -159,6 +159,7 @@ def operating_points(
     if not units and force.any():
         raise PinpressError("forces are amplitudes of unit_load, and there is none: give e.g. pp.loads.DeepDrawing(force=1.0, start=0.010)")
 
+    doubt_speeds(press, speed)
     at = partial(_cycle, press, units, constant, bearings, points)
     fastest, most = float(speed[np.abs(speed).argmax()]), float(force[np.abs(force).argmax()])
     with np.errstate(all="ignore"):  # values that overflow are refused below
@@ -284,7 +285,7 @@ def _cycle(
     force: float | None,
 ) -> tuple[Motion, Quantities]:
     """One period at a speed and an amplitude (None: without the load), and its quantities."""
-    motion = cycle(press, speed, points=points)
+    motion = period_at(press, speed, points)
     acting = [*loads, *(_multiplied(load, force) for load in units)] if force is not None else list(loads)
     return motion, _quantities(inverse_dynamics(press, motion, acting, bearings=bearings))
 

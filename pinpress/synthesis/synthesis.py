@@ -33,7 +33,7 @@ from ..common.tables import Column
 from ..derivatives.motion import Pivots, nowhere, pivot_positions, planar
 from ..derivatives.reactions import refuse_unknown
 from ..derivatives.reshape import reshaped
-from ..kinematics.motion import cycle
+from ..kinematics.motion import cycle, period_at
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .design import Design, Start
@@ -248,7 +248,7 @@ def _scaled(requirement: Requirement, values: Array) -> Requirement:
 
 def _verify(found: Point, speed: float, points: int | None) -> None:
     """Raise PinpressError where the press that was found does not move as its trial did, because it locks between two points."""
-    motion, trial = cycle(found.design.press, speed, points=points), found.design.motion
+    motion, trial = period_at(found.design.press, speed, points), found.design.motion
     if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):
         raise PinpressError("the press that was found moves in another assembly than it was drawn in: narrow the variables' bounds")
 

@@ -1,4 +1,4 @@
-"""Pictures and films of a recording, taken in headless Chromium without a network.
+"""Pictures, films and paper of a page, made in headless Chromium without a network.
 
 A page is laid out in a window whose longer side is always `LONGER_SIDE` CSS pixels, however many pixels a picture of it has: a larger
 picture is a sharper one, not one with smaller writing.
@@ -18,6 +18,7 @@ from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,7 +35,7 @@ NO_FFMPEG = "films need imageio-ffmpeg, which is not installed; pip install 'pin
 SHORTEST_FILM = 4.0  # a shorter recording is slowed down [s]
 MOST_FRAMES = 36_000
 SMALLEST, LARGEST = 64, 4096  # sides of a picture [pixels]
-PNG = ".png"
+PNG, PDF = ".png", ".pdf"
 # The colours that players expect of a film. The file names them too, as some players go by that.
 BT709 = "scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,setparams=range=tv:colorspace=bt709:color_primaries=bt709:color_trc=bt709"
 ENCODING = {  # options of ffmpeg by the file's suffix
@@ -42,16 +43,17 @@ ENCODING = {  # options of ffmpeg by the file's suffix
     ".gif": ("-vf", "split[frames][same];[same]palettegen[palette];[frames][palette]paletteuse=dither=none:diff_mode=rectangle"),
 }
 
-NOT_INSTALLED = "pictures and films need Playwright, which is not installed; pip install 'pinpress[video]'"
+NOT_INSTALLED = "pictures, films and PDF files need Playwright, which is not installed; pip install 'pinpress[video]'"
 NO_CHROMIUM = (
-    "pictures and films need Chromium or Chrome, and none is on the PATH; install it (Debian, Ubuntu: apt-get install chromium; else"
-    " https://www.chromium.org/getting-involved/download-chromium), or set the environment variable CHROMIUM to its program"
+    "pictures, films and PDF files need Chromium or Chrome, and none is on the PATH; install it (Debian, Ubuntu: apt-get install chromium;"
+    " else https://www.chromium.org/getting-involved/download-chromium), or set the environment variable CHROMIUM to its program"
 )
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 DRAWN = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # drawn by the processor, the same everywhere
 # tiles that are drawn again in part differ a little from run to run
 FLAGS = (*DRAWN, "--disable-partial-raster", "--disable-dev-shm-usage", "--hide-scrollbars")
 LONGER_SIDE = 960.0
+SCREEN = (1280, 960)  # of a page that is printed, which is laid out anew for paper
 PATIENCE = 120_000  # time limit of each action in a page [ms]
 UNPACKED = "typeof unpacked === 'object' ? unpacked : null"
 PLAYER = "[typeof duration, typeof seek, typeof setPlaying, typeof viewer].join() === 'number,function,function,object'"
@@ -61,6 +63,7 @@ STILL = """() => {
     dispatchEvent(new Event("resize"));
     return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
 }"""
+PAPER = "time => { document.body.classList.remove('still'); seek(time); }"
 SHOW = "time => { seek(time); viewer.render(); }"
 LOST = "Boolean(viewer.renderer) && viewer.renderer.getContext().isContextLost()"
 
@@ -86,11 +89,32 @@ def image(
     """
     size, time = _size(size), number("time", time, "s")
     with files.written(path, _suffix(path, (PNG,))) as part, opened(page, size) as screen:
-        if not 0 <= time <= screen.duration:
-            raise PinpressError(f"time is {time:g} s, but the recording lasts from 0 to {screen.duration:.7g} s; give one within it")
-        picture = screen.picture(time)
+        picture = screen.picture(_within(time, screen.duration))
         with files.refused(path):
             part.write_bytes(picture)
+    return Path(path)
+
+
+def pdf(page: str | os.PathLike[str], path: str | os.PathLike[str], *, time: float = 0.0) -> Path:
+    """Print a recording or report to a PDF file on A4, and return its path.
+
+    An image of the press stands first; no chart is split over pages; the charts of all bearings are printed. Printing the page in a
+    browser gives the same.
+
+    Args:
+        page: HTML file written by `record` or `report`.
+        path: path of the file, ending in `.pdf`.
+        time: time of the recording at which the press is shown, from 0 to its duration [s].
+
+    Raises:
+        PinpressError: the page is no recording or fails in Chromium, the time is out of range, the file cannot be written, or Playwright
+            or Chromium is missing.
+    """
+    time = number("time", time, "s")
+    with files.written(path, _suffix(path, (PDF,))) as part, opened(page, SCREEN) as screen:
+        content = screen.printed(_within(time, screen.duration))
+        with files.refused(path):
+            part.write_bytes(content)
     return Path(path)
 
 
@@ -137,6 +161,12 @@ def film(
                 if progress is not None:
                     progress((k + 1) / count)
     return Path(path)
+
+
+def _within(time: float, duration: float) -> float:
+    if not 0 <= time <= duration:
+        raise PinpressError(f"time is {time:g} s, but the recording lasts from 0 to {duration:.7g} s; give one within it")
+    return time
 
 
 def slow_enough(duration: float) -> float:
@@ -223,10 +253,12 @@ class Screen:
     Attributes:
         duration: duration of the recording [s].
         picture: function that makes a PNG of the recording at a time [s].
+        printed: function that makes a PDF of the page at a time [s], after which it is no longer without its controls.
     """
 
     duration: float
     picture: Callable[[float], bytes]
+    printed: Callable[[float], bytes]
 
 
 @contextmanager
@@ -249,7 +281,11 @@ def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Scre
         opening = ExitStack()
         try:
             tab = thread.submit(_open, opening, page, content, program, size).result()
-            yield Screen(tab.duration, lambda time: thread.submit(tab.picture, time).result())
+            yield Screen(
+                tab.duration,
+                picture=lambda time: thread.submit(tab.picture, time).result(),
+                printed=lambda time: thread.submit(tab.printed, time).result(),
+            )
         finally:
             thread.submit(opening.close).result()
 
@@ -280,6 +316,13 @@ class _Tab:
         if self._do(self._page.evaluate, LOST):  # the page itself does not report it
             raise PinpressError(f"{self._name} was not drawn: Chromium has lost its WebGL context; try again, or a smaller size")
         return base64.b64decode(shot["data"])
+
+    def printed(self, time: float) -> bytes:
+        self._do(self._page.evaluate, PAPER, time)
+        content = self._do(partial(self._page.pdf, format="A4", print_background=True, tagged=True, outline=True))
+        if self._do(self._page.evaluate, LOST):
+            raise PinpressError(f"{self._name} was not drawn: Chromium has lost its WebGL context; try again")
+        return bytes(content)
 
     def _do(self, action: Callable[..., Any], *arguments: Any) -> Any:
         from playwright.sync_api import Error  # optional, and slow to import

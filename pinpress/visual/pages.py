@@ -99,9 +99,14 @@ def meshcat() -> Library:
     Raises:
         PinpressError: it is not installed.
     """
-    root = _package("meshcat", NO_MESHCAT) / "viewer"
-    licence = "\n".join((root / name).read_text("utf-8") for name in ("LICENSE", "dist/main.min.js.LICENSE.txt"))
-    return _library(root / "dist/main.min.js", licence)
+    script = meshcat_script()
+    licences = (script.parents[1] / "LICENSE", script.with_name("main.min.js.LICENSE.txt"))
+    return _library(script, "\n".join(licence.read_text("utf-8") for licence in licences))
+
+
+def meshcat_script() -> Path:
+    """The file of Meshcat's viewer; raises PinpressError where it is not installed."""
+    return _package("meshcat", NO_MESHCAT) / "viewer/dist/main.min.js"
 
 
 def plotly() -> Library:

@@ -28,12 +28,10 @@ from ..engines.branch import predict
 from ..engines.joints import configuration
 from ..kinematics.motion import Motion, Poses, bearing_points, poses
 from ..linkage.linkage import Linkage
-from ..simulation.run import Run
 from .pages import meshcat, packed, page
 from .shapes import meshcat_commands
 from .shapes.appearance import ShownLink, bodies
 from .shapes.bearing_layout import TOWARDS
-from .shapes.stand_ins import ShaftFlywheel
 
 PER_TURN = 360  # key frames a turn; between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
 FEWEST_PER_TURN = 36  # key frames a turn of a long motion; the pin leaves its circle by 0.4 %
@@ -96,15 +94,8 @@ def scene(
     if reactions is not None:
         _refuse_other_reactions(press, motion, reactions)
     at = poses(press, motion.joint_position[frames.states])
-    drawn = bodies(press, motion.joint_position[frames.states], _flywheel(press, motion))
+    drawn = bodies(press, motion.joint_position[frames.states])
     return moving(press, motion, frames, at, reactions, traces) | shapes(press, frames, at, drawn)
-
-
-def _flywheel(press: Linkage, motion: Motion) -> ShaftFlywheel | None:
-    """The flywheel of a run with one driver."""
-    if not isinstance(motion, Run) or (given := motion.problem.driven.flywheel) is None or not np.all(np.asarray(given.inertia) > 0):
-        return None
-    return ShaftFlywheel(press.driver, float(np.max(given.inertia)), coupled=motion.problem.driven.clutch is None)
 
 
 def moving(
@@ -124,13 +115,14 @@ def moving(
     }
 
 
-def shapes(press: Linkage, frames: KeyFrames, at: Poses, drawn: Sequence[ShownLink]) -> dict[str, Any]:
-    """The part of `scene` that is the links themselves, with their motion; ``drawn``: the links that are shown."""
+def shapes(press: Linkage, frames: KeyFrames, at: Poses, drawn: Sequence[ShownLink], *, animated: bool = True) -> dict[str, Any]:
+    """The part of `scene` that is the links themselves; ``drawn``: those that are shown; ``animated``: whether their motion is too."""
     of_body = {body.name: meshcat_commands.body_poses(press, at, body.frame) for body in drawn}
+    commands = meshcat_commands.commands(drawn, of_body, frames.time)
     return {
         "legend": _legend(drawn, of_body),
         "front": _front(press, at, drawn),
-        "scene": meshcat_commands.pack(meshcat_commands.commands(drawn, of_body, frames.time)),
+        "scene": meshcat_commands.pack(each for each in commands if animated or each["type"] != "set_animation"),
     }
 
 
@@ -323,7 +315,7 @@ def _front(press: Linkage, at: Poses, drawn: Sequence[ShownLink]) -> list[float]
         return []
     normal = turning[0] * (1.0 if turning[0] @ TOWARDS > 0 else -1.0)
     heights: dict[bool, list[float]] = {True: [], False: []}  # of parts of the frame, of moving links, along the normal
-    for body in (each for each in drawn if each.name in press.links):  # a flywheel stands behind all
+    for body in drawn:
         frame = press.model.frames[body.frame]
         places = [at.points(frame.parentJoint, frame.placement.act(part.placement[:3, 3]))[0] for part in body.parts]
         heights[frame.parentJoint == 0] += [float(place @ normal) for place in places]

@@ -1,4 +1,5 @@
-"""From a description to forces: lines and seconds for five presses as pin tables, and the other formats that are read.
+"""From a description to forces: lines and seconds for five presses as pin tables, the other formats that are read, and what is said to
+everyday mistakes.
 
 Run `python tests/benchmarks/benchmark_descriptions.py`; pytest does not collect this file. Lines are those of the table without
 comments. Forces are the driving torque and every bearing force at 360 crank angles, at 60 r/min, with the walk through the turn that
@@ -19,6 +20,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from support import mistakes
 from support.generators.other_formats import FORMATS, Press
 
 import pinpress as pp
@@ -71,6 +73,11 @@ def main() -> None:
                 differences.append(float(np.abs(all_forces(loaded(theirs)) - expected).max() / np.abs(expected).max()))
                 ratios.append(median(lambda theirs=theirs: loaded(theirs)) / median(lambda ours=ours: pp.load(ours)))
             print(f"| {name} | {len(differences)} of {len(pp.presses())} | {max(differences):.0e} | {statistics.median(ratios):.1f} |")
+
+    files = [file for right in (mistakes.TABLE, mistakes.URDF) for file in mistakes.files(right)]
+    said = {file: " ".join(mistakes.said(file)).replace(str(file), f"press{file.suffix}") for file in files}
+    print(f"\n| file of tests/mistakes | what is said: to {sum(map(bool, said.values()))} of {len(files)} |\n|---|---|")
+    print("\n".join(f"| {file.name} | {words} |" for file, words in said.items()))
 
 
 def lines(table: Path) -> int:

@@ -118,6 +118,11 @@ def test_ratings_beside_a_process(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert (tmp_path / "ratings.png").stat().st_size > 10_000
 
 
+def test_a_flywheel_that_is_too_small_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*ANALYSE, "--points", "90", "--load", BLANKING, "--flywheel", "20"]) == 0
+    assert "with 20 kg m2: it holds only 0.537 kJ at this speed, and the press stops" in capsys.readouterr().out
+
+
 def test_flywheel_and_motor(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["--load", BLANKING, "--flywheel", "20000", "--speed-drop", "10%", "--motor", MOTOR]
     assert main([*ANALYSE, *words]) == 0
@@ -167,7 +172,7 @@ def test_a_motor_that_is_too_weak_and_friction(capsys: pytest.CaptureFixture[str
     assert main([*ANALYSE, *words]) == 0
     text = capsys.readouterr().out
     assert "near 70 r/min, without the friction in bearings" in text
-    assert "  none: no steady state is found near 7.33038 rad/s: the drive is too weak" in text
+    assert "  none: no steady state is found near 7.33038 rad/s (70 r/min): the drive is too weak" in text
 
 
 def test_the_press_before_is_under_the_same(tmp_path: Path) -> None:

@@ -120,9 +120,9 @@ def test_a_driver_that_slides_takes_speeds_in_mm_per_second(tmp_path, capsys):
         assert main(["analyse", str(path), "--speed", speed, "--points", "12"]) == 0
         assert "screw slides there and back, harmonically, at up to 100 mm/s" in capsys.readouterr().out
     assert main(["analyse", str(path), "--speed", "70rpm"]) != 0
-    assert "'70rpm' is of no driver that slides" in capsys.readouterr().err
+    assert "'70rpm' does not go with a driver that slides" in capsys.readouterr().err
     assert main(["analyse", "crank_slide", "--speed", "70mm/s"]) != 0
-    assert "'70mm/s' is of no driver that turns" in capsys.readouterr().err
+    assert "'70mm/s' does not go with a driver that turns" in capsys.readouterr().err
     assert main(["simulate", str(path), "--duration", "0.05", "--angle=-0.1m", "--motor", "constant:value=20"]) == 0
     said = capsys.readouterr().out
     assert "simulated from driver position -100 mm at 0 mm/s" in said
@@ -156,3 +156,18 @@ def test_motors_take_forces_on_a_driver_that_slides(tmp_path):
 def test_motors_refuse_units_of_the_other_drivers(words, coordinate, said):
     with pytest.raises(pp.PinpressError, match=re.escape(said)):
         part_specs.motor(words, coordinate)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("analyse", "--speed", "100", "--zero", "tdc"), "its positions are 0 where the press is drawn; leave out --zero tdc"),
+        (("analyse", "--speed", "100", "--motor", "constant:value=20kN"), "of a crank that keeps turning; pinpress simulate takes --motor"),
+        (("simulate", "--speed", "100", "--motor", "constant:value=20kN", "--steady"), "give --duration in its place"),
+    ],
+)
+def test_what_is_of_cranks_alone_says_what_to_give(tmp_path, capsys, words, said):
+    path = tmp_path / "toggle.urdf"
+    path.write_text(sliding_presses.TOGGLE)
+    assert main([words[0], str(path), *words[1:]]) == 2
+    assert said in capsys.readouterr().err

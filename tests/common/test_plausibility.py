@@ -12,6 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import texts
 from support.exploring import examples
+from support.generators import frames
+from support.generators.random_linkages import four_bar
 
 import pinpress as pp
 from pinpress.cli.main import main
@@ -184,12 +186,14 @@ def test_a_command_says_warnings_in_one_plain_line_each(tmp_path):
 @given(
     stroke=st.floats(0.002, 0.6),
     ratio=st.floats(3.0, 20.0),
-    strokes=st.floats(5.0, 4000.0),
+    hard=st.floats(1e-4, 35.0),
     slide=st.floats(1.0, 2e4),
     slender=st.floats(1.0, 30.0),
 )
-def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, strokes, slide, slender):
-    """Crank-slides from small and fast to large and slow, their links bars of steel, the slide a cube that its rod reaches out of."""
+def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, hard, slide, slender):
+    """Crank-slides from small and fast to large and slow, their links bars of steel, the slide a cube that its rod reaches out of and that
+    is accelerated by so many g."""
+    speed = np.sqrt(hard * 9.81 / (0.5 * stroke * (1 + 1 / ratio)))
     edge = (slide / 7850) ** (1 / 3)
     crank, rod = 0.5 * stroke, max(0.5 * stroke * ratio, edge)
 
@@ -220,10 +224,10 @@ def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, strokes, 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         press = load(tmp_path, *bodies, *lengths)
-        turn = pp.cycle(press, speed=strokes * pp.RPM, points=24)
+        turn = pp.cycle(press, speed=speed, points=24)
         again = pp.servo_cycle(press, speed=turn.crank_speed, angle=turn.crank_angle, acceleration=0.0, time=turn.time)
         pp.inverse_dynamics(press, again)
-        pp.simulate(press, 1e-3, speed=strokes * pp.RPM, points=3)
+        pp.simulate(press, 1e-3, speed=speed, points=3)
 
 
 # Process loads
@@ -317,27 +321,59 @@ def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
         pp.simulate(press, 1e-3, speed=7.0, flywheel=pp.drives.Flywheel(1e4), loads=given, points=3)
 
 
+def steady(press, speed):
+    motor = pp.drives.InductionMotor(1e5, 0.98 * speed, frequency=speed / TURN, poles=2)
+    return pp.steady_state(press, speed, drive=motor, flywheel=pp.drives.Flywheel(100.0))
+
+
 SPEEDS = {
     "cycle": lambda press, speed: pp.cycle(press, speed),
     "servo motion": lambda press, speed: pp.servo_cycle(press, speed=[speed, speed], angle=[0.0, 1.0]),
     "simulate": lambda press, speed: pp.simulate(press, 1e-3, speed=speed, points=2),
+    "prescribed": lambda press, speed: pp.simulate(press, 1e-3, drive=pp.drives.PrescribedSpeed(speed), points=2),
     "scenarios": lambda press, speed: pp.simulate_batch(press, 1e-3, speed=[speed, 5.0], points=2),
+    "steady state": steady,
     "operating points": lambda press, speed: pp.sweeps.operating_points(press, [speed]),
-    "drive": lambda press, speed: pp.drives.PrescribedSpeed(speed),
-    "flywheel": lambda press, speed: pp.drives.Flywheel(1.0, speed),
+    "ratings": lambda press, speed: pp.ratings.rate(press, speed, pp.ratings.Capacities(1e6, nominal_height=6e-3, shaking_force=1e5)),
+    "dead centre": lambda press, speed: pp.elasticity.dead_centre_shift(press, pp.elasticity.Stiffness({"W": 1e9}), speed=speed),
+    "foundation": lambda press, speed: pp.foundation.over_speeds(pp.foundation.mounted(press, *frames.uneven()), [5.0, speed], points={}),
+}
+PARTS = {
+    "drive": lambda speed: pp.drives.PrescribedSpeed(speed),
+    "flywheel": lambda speed: pp.drives.Flywheel(1.0, speed),
 }
 
 
 @pytest.mark.parametrize("name", SPEEDS)
 def test_speeds_of_no_press_are_warned_of(press, name):
-    with pytest.warns(
-        pp.PinpressWarning, match=r"speed.* is 1450 rad/s, 13846.5 r/min: if r/min are meant, write 1450 \* pinpress.RPM"
-    ) as caught:
-        SPEEDS[name](press, 1450.0)
-    assert {warning.filename for warning in caught} == {__file__}
+    """Those at which the slide is accelerated as that of no press; none beside it, where a function tries twice the speed."""
+    said = "speed.* is 60 rad/s, 572.958 r/min, at which the acceleration of the slide reaches 45.9 g: lower it; in Python 60 r/min are 60 "
+    with pytest.warns(pp.PinpressWarning, match=said) as caught:
+        SPEEDS[name](press, 60.0)
+    assert {(warning.filename, str(warning.message)) for warning in caught} == {(__file__, str(caught[0].message))}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        SPEEDS[name](press, 152.0)
+        SPEEDS[name](press, 55.0)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_speeds_of_no_shaft_are_warned_of(name):
+    said = r"speed is 1450 rad/s, 13846.5 r/min: lower it; in Python 1450 r/min are 1450 \* pinpress.RPM"
+    with pytest.warns(pp.PinpressWarning, match=said):
+        PARTS[name](1450.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        PARTS[name](152.0)
+
+
+def test_a_crank_that_moves_no_slide_may_turn_fast(tmp_path):
+    """A linkage without slide, one whose slide hardly moves, and a servo motion that is fast where the slide is not accelerated."""
+    small = [('<origin xyz="0.100 0 0"/>', '<origin xyz="0.0004 0 0"/>'), ('<origin xyz="0 0 -0.500"/>', '<origin xyz="0 0 -0.4004"/>')]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        pp.cycle(texts.load(four_bar(1.0, 0.3, 0.9, 0.7, 0.5).urdf("O")), 999.0)
+        pp.cycle(load(tmp_path, *small), 999.0)
+        pp.servo_cycle(texts.shipped("crank_slide"), angle=[1.34, 1.341], speed=100.0)
 
 
 def test_a_free_length_in_mm(press):

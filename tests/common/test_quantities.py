@@ -54,6 +54,7 @@ MADE = {
         pp.loads.SpringDamper("frame", "slide", 1e4, point1=(0.0, 0.0, 0.005)),
     ),
     "friction": (lambda: pp.loads.Friction(0.1, 30 * u.mm), pp.loads.Friction(0.1, 0.03)),
+    "switch point": (lambda: pp.drives.SwitchPoint(angle=90 * u.deg), pp.drives.SwitchPoint(angle=np.pi / 2)),
     "motor": (lambda: pp.drives.Flywheel(1200 * u.kg * u.m**2, 150 * u.rpm), pp.drives.Flywheel(1200.0, 150 * RPM)),
     "capacities": (
         lambda: pp.ratings.Capacities(4000 * u.kN, 12 * u.mm, bearings={"A": 2 * u.MN}),

@@ -561,7 +561,7 @@ def test_numbers_that_make_no_sense(kind, field, sign):
             kind(**GOOD[kind] | {field: bad})
 
 
-@pytest.mark.filterwarnings("ignore:.*if r/min are meant:pinpress.PinpressWarning")
+@pytest.mark.filterwarnings("ignore:.*rad/s, .* r/min:pinpress.PinpressWarning")
 @pytest.mark.parametrize(
     ("kind", "changed", "message"),
     [

@@ -48,8 +48,9 @@ class OfCallers:
         ),
         (
             pp.drives.Brake(4e4, closes=pp.drives.SwitchPoint(time=0.1)),
-            "Brake(torque=40 kN m, closes=SwitchPoint(time=0.1), rise=0 s)",
+            "Brake(torque=40 kN m, closes=SwitchPoint(time=0.1 s), rise=0 s)",
         ),
+        (pp.drives.SwitchPoint(angle=np.pi), "SwitchPoint(angle=180 deg)"),
         (OfCallers(), "my press tool"),
         ("what was sent in words", "what was sent in words"),
     ],

@@ -293,7 +293,7 @@ def test_loads_that_are_none_are_refused(loads):
         pp.inverse_dynamics(press, pp.cycle(press, speed=5.0, points=3), loads)
 
 
-@pytest.mark.filterwarnings("ignore:.*if r/min are meant:pinpress.PinpressWarning")
+@pytest.mark.filterwarnings("ignore:.*rad/s, .* r/min:pinpress.PinpressWarning")
 @pytest.mark.parametrize("values", [{"stiffness": 1e300, "free_length": 0.1}, {"damping": 1e308}])
 def test_a_spring_too_strong_for_floating_point_is_refused(values, engine):
     press = shipped("crank_slide")

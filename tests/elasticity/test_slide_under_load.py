@@ -131,6 +131,6 @@ def test_refusals():
         with pytest.raises(pp.PinpressError, match="may depend on the speed"):
             dead_centre_shift(press, stiffness, speed=1.0, loads=[load])
     with pytest.raises(pp.PinpressError, match="too soft"):
-        dead_centre_shift(press, Stiffness(shaft=1e-3, bearings={"W": 1e9}), speed=300.0)
+        dead_centre_shift(press, Stiffness(shaft=1e-3, bearings={"W": 1e9}), speed=50.0)
     with pytest.raises(pp.PinpressError, match="motion is a Linkage"):
         slide_deflection(press, press, stiffness)

@@ -479,7 +479,7 @@ def test_speeds_of_ramps_at_random(press):
         states = int(random.integers(60, 800))
         time = even(states) + (k % 2) * random.uniform(-0.3, 0.3, states) / states
         corners = np.concatenate([[-0.1], 0.17 * np.arange(1, 6) + random.uniform(-0.05, 0.05, 5), [1.1]])
-        slopes = 30 * random.normal(size=6)
+        slopes = 15 * random.normal(size=6)
         speeds = random.normal() + np.concatenate([[0.0], np.cumsum(slopes * np.diff(corners))])
         angles = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(corners) * (speeds[1:] + speeds[:-1]))])
         piece = np.searchsorted(corners, time, side="left" if k % 3 else "right") - 1

@@ -118,7 +118,7 @@ def test_what_a_driver_that_slides_cannot_do_is_refused_by_name(bell):
         pp.cycle(bell)
     with pytest.raises(pp.PinpressError, match="the travel never ends"):
         pp.cycle(bell, 0.0)
-    with pytest.warns(pp.PinpressWarning, match="speed is 200 m/s: if mm/s are meant, write 200e-3"):
+    with pytest.warns(pp.PinpressWarning, match="speed is 200 m/s: if 200 mm/s are meant, write 200e-3"):
         pp.cycle(bell, 200.0, points=4)
 
 

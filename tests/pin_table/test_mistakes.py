@@ -1,44 +1,19 @@
-"""Everyday mistakes in pin tables: what is said to each, with the line, and what to write instead."""
+"""Mistakes in pin tables that are not files of tests/mistakes: odd YAML, bad parameters, and what is drawn of a mistake."""
 
 import re
 
 import pytest
-from support.mistakes import IN_TABLES, TABLE, table_with
+from support.mistakes import FOLDER, TABLE
 
 import pinpress as pp
 from pinpress.pin_table.building import draft
 from pinpress.pin_table.templates import template
 
 
-@pytest.mark.parametrize("mistake", IN_TABLES)
-def test_what_is_said(mistake, tmp_path):
-    expected = IN_TABLES[mistake]
-    path = tmp_path / "press.yaml"
-    path.write_text(table_with(expected), encoding="utf-8")
-    with pytest.raises(pp.PinpressError, match=re.escape(expected.words)) as caught:
-        pp.build(path)
-    assert str(caught.value).startswith(str(path) + (f":{expected.line}: " if expected.line else ""))
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("com: [56.7, 0]", "com: [13000, 0]", "a place in the drawing is the name of a point in pins"),
-        ("drive: A", "drive: B", "pin B is not in the frame: angle, speed and torque are those of crank and coupler against each other"),
-        ("inertia: 31.5", "inertia: 31500000", "write moments of inertia in kg m2"),
-        ("mass: 290.57", "mass: 290.57, com: [700, -400]", "com is in the link's own axes, x from B to C: name a point"),
-    ],
-)
-def test_what_is_legal_but_hardly_meant(old, new, words, tmp_path):
-    path = tmp_path / "press.yaml"
-    path.write_text(TABLE.replace(old, new), encoding="utf-8")
-    with pytest.warns(pp.PinpressWarning, match=re.escape(words)):
-        pp.build(path)
-
-
 def test_a_centre_of_mass_that_is_not_given_is_listed(tmp_path):
     path = tmp_path / "press.yaml"
-    path.write_text(TABLE.replace(", com: [56.7, 0]", "").replace(", com: [-8.6, -3.8]", ""), encoding="utf-8")
+    text = TABLE.read_text(encoding="utf-8")
+    path.write_text(text.replace(", com: [56.7, 0]", "").replace(", com: [-8.6, -3.8]", ""), encoding="utf-8")
     found = dict(draft(path).estimates())
     assert found["crank"] == "centre of mass half-way from A to B"
     assert found["rocker"] == "centre of mass of a flat plate with its corners at the pins"
@@ -55,15 +30,13 @@ def test_metres_taken_for_mm(tmp_path):
         pp.build(path)
 
 
-@pytest.mark.parametrize("mistake", ["lengths too short", "line not reached"])
-def test_lengths_that_do_not_meet_are_drawn(mistake, tmp_path):
-    path = tmp_path / "press.yaml"
-    path.write_text(table_with(IN_TABLES[mistake]), encoding="utf-8")
+@pytest.mark.parametrize("mistake", ["lengths-too-short-to-meet", "length-that-does-not-reach-the-line"])
+def test_lengths_that_do_not_meet_are_drawn(mistake):
     with pytest.raises(pp.PinTableError) as caught:
-        pp.build(path)
+        pp.build(FOLDER / f"{mistake}.yaml")
     assert caught.value.sketch is not None
     assert caught.value.sketch.count("<circle") > len(caught.value.element.split())
-    assert ("<line" in caught.value.sketch) == (mistake == "line not reached")
+    assert ("<line" in caught.value.sketch) == mistake.endswith("line")
 
 
 def test_scalars_are_what_they_look_like(tmp_path):

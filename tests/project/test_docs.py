@@ -8,14 +8,17 @@ import re
 import runpy
 import subprocess
 import sys
+import threading
+from functools import partial
 from html import unescape
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from support import page_blocks
+from support import mistakes, page_blocks
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
@@ -24,8 +27,10 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 TABLES = ("accuracy", "balancing", "elasticity", "ratings", "synthesis")  # scripts in viz, of the pages of the same names
 RUN = ["balancing", "commands", "elasticity", "foundation", "motion_and_forces", "ratings", "recording", "simulation", "sweep", "synthesis"]
-RUN += ["pin_table", "pinocchio", "units_and_signs"]
+RUN += ["live", "mistakes", "pin_table", "pinocchio", "units_and_signs"]
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
+PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
+PICTURED += ["ratings", "recording", "simulation", "sweep", "synthesis", "tour", "units_and_signs"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
 
@@ -143,7 +148,34 @@ def test_reference_has_every_public_name() -> None:
 
 def test_the_page_of_mistakes_has_what_is_said_today() -> None:
     script = runpy.run_path(str(DOCS / "mistakes_page.py"))
-    assert (DOCS / "mistakes.md").read_text(encoding="utf-8") == script["page"](), "python docs/mistakes_page.py"
+    page = script["page"]()
+    assert (DOCS / "mistakes.md").read_text(encoding="utf-8") == page, "python docs/mistakes_page.py"
+    assert "|  |" not in page, "nothing is said to a mistake"
+
+
+@pytest.mark.parametrize("right", [mistakes.TABLE, mistakes.URDF], ids=lambda file: file.name)
+def test_mistakes_are_named_in_their_files_and_nothing_is_said_to_what_is_right(right: Path) -> None:
+    assert mistakes.said(right) == []
+    for file in mistakes.files(right):
+        named = re.search(r"Mistake: (?:an? |the )?(.*?)(?: -->)?\n", file.read_text(encoding="utf-8"))
+        assert named is not None, file
+        assert re.sub(r"\W+", "-", named[1].replace("'s", "")).lower() == file.stem
+
+
+def test_pages_of_features_have_light_pictures() -> None:
+    """With words for those who do not see them, and a command of the page that makes them."""
+    for page in PICTURED:
+        shown = re.findall(r"!\[([^\]]*)\]\(([^)]+)\)", text(page))
+        assert shown, page
+        assert all(len(words) > 10 and (DOCS / path).stat().st_size <= 150_000 for words, path in shown), page
+        assert re.search(r"(python (docs|viz)/\w+\.py|pinpress build)", text(page)), page
+
+
+def test_every_picture_of_the_guide_is_made_and_shown() -> None:
+    made = {picture.__name__ for picture in runpy.run_path(str(DOCS / "pictures.py"))["PICTURES"]}
+    assert {path.stem for path in (DOCS / "pictures").iterdir()} == made
+    pages = "".join(path.read_text(encoding="utf-8") for path in DOCS.glob("*.md"))
+    assert {name for name in made if f"(pictures/{name}.svg)" not in pages} == set()
 
 
 @pytest.fixture(scope="module")
@@ -187,3 +219,41 @@ def test_site_asks_for_nothing_from_the_network(site: Path) -> None:
         fetched = re.findall(r'<(?:script|img|iframe|source)\b[^>]*\bsrc="(https?:[^"]*)"', page)
         fetched += re.findall(r'<link\b[^>]*rel="(?:stylesheet|preload|preconnect|icon)"[^>]*href="(https?:[^"]*)"', page)
         assert fetched == [], path.name
+
+
+NO_OVERFLOW = """() => {
+    const width = document.documentElement.clientWidth;
+    const scrolls = element => element && (
+        ["auto", "scroll", "hidden"].includes(getComputedStyle(element).overflowX) && element.getBoundingClientRect().right <= width + 1
+        || scrolls(element.parentElement));
+    return [...document.querySelectorAll(".md-content *")]
+        .filter(element => element.getBoundingClientRect().width && element.getBoundingClientRect().right > width + 1)
+        .filter(element => !scrolls(element.parentElement)).map(element => element.outerHTML.slice(0, 100));
+}"""
+
+
+@pytest.mark.exhaustive
+def test_site_fits_a_phone(site: Path, browser: Any) -> None:
+    """Tables and code scroll by themselves; no page is wider than the screen."""
+    page = browser.new_page(viewport={"width": 390, "height": 844})
+    for path in sorted(site.rglob("*.html")):
+        page.goto(path.as_uri())
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390, path.name
+        assert page.evaluate(NO_OVERFLOW) == [], path.name
+    page.close()
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("asked", ["loop joint", "loop_joint"])
+def test_search_finds_loop_joints_on_their_page(site: Path, browser: Any, asked: str) -> None:
+    handler = partial(SimpleHTTPRequestHandler, directory=str(site))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        page = browser.new_page()
+        page.goto(f"http://127.0.0.1:{server.server_port}/index.html")
+        page.click("input.md-search__input")
+        page.keyboard.type(asked)
+        first = page.wait_for_selector("a.md-search-result__link", timeout=60_000)
+        assert "/describe.html" in first.get_attribute("href")
+        page.close()
+        server.shutdown()

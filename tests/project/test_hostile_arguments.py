@@ -57,7 +57,7 @@ MADE |= {
     "SpeedResponse",
     "ForceInterval",
 }
-MADE |= {"RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
+MADE |= {"LiveView", "RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
 
 
 def wrong(some):

@@ -188,7 +188,7 @@ def test_the_command_prints_forces_and_millimetres(toggle, tmp_path, capsys):
     assert columns[1:3] == ["driver_position [m]", "travel_per_driver_travel [m/m]"]
     assert (tmp_path / "ratings.png").exists()
     assert main([*words, "--torque", "100kNm"]) == 2
-    assert "'100kNm' is of no driver that slides: give a number in N" in capsys.readouterr().err
+    assert "'100kNm' does not go with a driver that slides: give a number in one of N, kN" in capsys.readouterr().err
 
 
 def test_friction_counts_up_to_the_ends_of_the_travel(toggle):

@@ -135,7 +135,7 @@ def depends_on_speed(motion):
     return np.outer(motion.slide_velocity, (0.0, 0.0, -1.0))
 
 
-@pytest.mark.filterwarnings("ignore:.*if r/min are meant:pinpress.PinpressWarning")
+@pytest.mark.filterwarnings("ignore:.*rad/s, .* r/min:pinpress.PinpressWarning")
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -78,7 +78,7 @@ def fake_screen(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
             Image.new("L", (64, 64), round(GREY * time / duration) if duration else 0).save(out, "PNG")
             return out.getvalue()
 
-        monkeypatch.setattr("pinpress.visual.film.opened", lambda *_: contextlib.nullcontext(Screen(duration, picture)))
+        monkeypatch.setattr("pinpress.visual.film.opened", lambda *_: contextlib.nullcontext(Screen(duration, picture, picture)))
 
     return fake
 

@@ -141,8 +141,8 @@ def test_keys_and_names(report: Path, view: Callable[..., Any]) -> None:
     page.keyboard.press("Space")
     assert page.evaluate("!playing && element('play').ariaLabel") == "Play"
     unnamed = page.evaluate(
-        """[...document.querySelectorAll('button, input, select, figure, [role]')].filter(each => each.checkVisibility() &&
-            !(each.ariaLabel || each.title || each.textContent.trim())).length"""
+        """[...document.querySelectorAll('button, input, select, figure, [role]')].filter(each =>
+            each.checkVisibility() && !each.closest('.modebar') && !(each.ariaLabel || each.title || each.textContent.trim())).length"""
     )
     assert unnamed == 0
 

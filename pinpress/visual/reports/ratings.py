@@ -75,9 +75,18 @@ def _use(use: Array, shown: Shown) -> list[Block]:
 def _work(ratings: PressRatings) -> list[Block]:
     """Work of the permissible force from a height down, beside the energies that limit it."""
     scale, height = tables.scale("J", [float(ratings.work.max()), *ratings.energies.values()]), 1e3 * ratings.height
-    lines = [Line("work of the permissible force down to bottom dead centre", scale.factor * ratings.work, height)]
+    lines = [Line("work", scale.factor * ratings.work, height)]
     lines += [Line(name, np.full(2, scale.factor * energy), height[[0, -1]]) for name, energy in ratings.energies.items()]
-    return [LineChart("Work", scale.unit, lines, across=ACROSS, follows="height", reach=(0.0, 1e3 * ratings.stroke))]
+    return [
+        LineChart(
+            "Work of the permissible force down to bottom dead centre",
+            scale.unit,
+            lines,
+            across=ACROSS,
+            follows="height",
+            reach=(0.0, 1e3 * ratings.stroke),
+        )
+    ]
 
 
 def _table(ratings: PressRatings) -> Table:

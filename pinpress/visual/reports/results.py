@@ -9,9 +9,15 @@ from ...balancing.optimum import TradeOffCurve
 from ...balancing.result import BalancedPress
 from ...common.errors import PinpressError, shown
 from ...common.results import Tabular
+from ...elasticity.breakthrough import SnapThroughResponse
+from ...elasticity.slide_under_load import DeflectedSlide, ElasticDeadCentre
+from ...elasticity.unit_load import SlideCompliance
+from ...foundation.mounted_press import MountedPress, VibrationModes
+from ...foundation.response import FrameMotion
+from ...foundation.speed_response import Isolation, SpeedResponse
 from ...ratings.rating import PressRatings
 from ...simulation.run import Run
-from . import balancing, driving, ratings
+from . import balancing, driving, elasticity, foundation, ratings
 from .blocks import Section
 from .shown import Shown
 
@@ -20,6 +26,15 @@ MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     Run: driving.section,
     BalancedPress: balancing.section,
     TradeOffCurve: balancing.trade_off,
+    SlideCompliance: elasticity.compliance,
+    DeflectedSlide: elasticity.deflection,
+    ElasticDeadCentre: elasticity.dead_centre,
+    SnapThroughResponse: elasticity.breakthrough,
+    MountedPress: foundation.standing,
+    VibrationModes: foundation.modes,
+    FrameMotion: foundation.vibration,
+    SpeedResponse: foundation.over_speeds,
+    Isolation: foundation.isolation,
 }
 
 

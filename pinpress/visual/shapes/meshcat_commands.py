@@ -13,7 +13,7 @@ from ...kinematics.motion import Poses
 from ...linkage.linkage import Linkage
 from ..pages import NO_MESHCAT
 from .appearance import ShownLink
-from .solids import Box, Cylinder, Plate, Shape, TriangleMesh
+from .solids import Box, Cylinder, Shape, TriangleMesh
 
 LARGEST = float(np.finfo(np.float32).max)
 FLOATS, WHOLE_NUMBERS = 0x17, 0x16  # Meshcat's extension types of MessagePack for arrays of float32 and of uint32
@@ -26,12 +26,28 @@ def body_poses(press: Linkage, at: Poses, frame: int) -> Array:
     joint, placement = press.model.frames[frame].parentJoint, press.model.frames[frame].placement
     poses = np.empty((at.position.shape[1], 7))
     poses[:, :3] = at.points(joint, placement.translation)
-    for pose, rotation in zip(poses, at.rotation[joint] @ placement.rotation, strict=True):
-        pose[3:] = pin.Quaternion(rotation).coeffs()
+    poses[:, 3:] = _quaternions(at.rotation[joint] @ placement.rotation)
     # q and -q are one rotation, but interpolating between them would turn the link the long way round
     flips = np.where(np.sum(poses[1:, 3:] * poses[:-1, 3:], axis=1) < 0, -1.0, 1.0)
     poses[1:, 3:] *= np.cumprod(flips)[:, None]
     return poses
+
+
+def _quaternions(rotations: Array) -> Array:
+    """(k, 4) quaternions x, y, z, w of rotations (k, 3, 3), by the largest of their components, which is divided by."""
+    r = rotations.reshape(-1, 9).T
+    squares = np.array([1 + r[0] - r[4] - r[8], 1 - r[0] + r[4] - r[8], 1 - r[0] - r[4] + r[8], 1 + r[0] + r[4] + r[8]])
+    products = np.empty((4, 4, len(rotations)))  # four times the products of two components
+    for (i, j), value in zip(
+        ((0, 1), (0, 2), (1, 2), (0, 3), (1, 3), (2, 3)),
+        (r[1] + r[3], r[2] + r[6], r[5] + r[7], r[7] - r[5], r[2] - r[6], r[3] - r[1]),
+        strict=True,
+    ):
+        products[i, j] = products[j, i] = value
+    products[range(4), range(4)] = squares
+    largest = squares.argmax(axis=0)
+    column = products[largest, :, range(len(rotations))]
+    return np.asarray(column / np.linalg.norm(column, axis=1, keepdims=True))
 
 
 def moves(poses: Array) -> bool:
@@ -130,8 +146,6 @@ def _geometry(shape: Shape) -> tuple[dict[str, Any], Array]:
     """A shape for three.js, and the rotation from three.js's axes to ours."""
     if isinstance(shape, Box):
         return dict(zip(("type", "width", "height", "depth"), ("BoxGeometry", *shape.size), strict=True)), np.eye(4)
-    if isinstance(shape, Plate):
-        shape = shape.mesh()
     if isinstance(shape, TriangleMesh):
         attributes = {"position": {"itemSize": 3, "type": "Float32Array", "array": shape.vertices.ravel(), "normalized": False}}
         index = {"itemSize": 1, "type": "Uint32Array", "array": shape.faces.ravel(), "normalized": False}

@@ -82,6 +82,7 @@ function toggle(id, apply) {
 
 function start() {
   element("slider").max = duration;
+  document.documentElement.style.setProperty("--title", JSON.stringify(document.title));
   element("rate").value = startingRate();
   element("slider").addEventListener("input", event => { setPlaying(false); seek(Number(event.target.value)); });
   element("slider").addEventListener("change", () => history.replaceState(null, "", "#t=" + now.toFixed(DIGITS)));

@@ -192,24 +192,29 @@ function polarChart(parent, title, axes, unit, path, before) {  // the tip of th
   return () => { listeners.splice(listeners.indexOf(follow), 1); Plotly.purge(plot); box.remove(); };
 }
 
-function bearingDetail(parent, { bearings }) {  // one at a time: a press has up to a dozen
-  const heading = make("h2", parent, { textContent: "Force in " }), choice = make("select", heading, { id: "bearing", ariaLabel: "Bearing or guide" });
+function bearingDetail(parent, { bearings }) {  // one at a time, as a press has up to a dozen; on paper all
+  const heading = make("h2", parent, { textContent: "Force in ", className: "choice" }), choice = make("select", heading, { id: "bearing", ariaLabel: "Bearing or guide" });
   bearings.forEach((bearing, i) => make("option", choice, { value: i, textContent: bearing.name }));
   const place = make("div", parent);
   let stop = [];
-  const draw = () => {
+  const draw = some => {
     stop.forEach(end => end());
-    const { link, axes, unit, frame, own, before, components, open } = bearings[choice.value];
-    const note = make("p", place, { className: "note", hidden: !open });
-    note.textContent = `Rigid mechanics leaves open: ${open}. It is shared with the least sum of squared bearing forces, or as the stiffnesses say.`;
-    const chart = lineChart(place, components), pair = make("div", place, { className: "pair" });
-    const frames = polarChart(pair, "Polar diagram, world axes", axes, unit, frame, before?.frame);
-    const links = polarChart(pair, `Polar diagram, axes of ${brief(link)}`, axes, unit, own, before?.own);
-    stop = [chart, frames, links, () => pair.remove(), () => note.remove()];
+    stop = some.flatMap(bearing => forceDetail(place, bearing));
     seek(now);
   };
-  choice.addEventListener("change", draw);
-  draw();
+  const chosen = () => draw([bearings[choice.value]]);
+  choice.addEventListener("change", chosen);
+  forPaper.push(() => { draw(bearings); return chosen; });
+  chosen();
+}
+
+function forceDetail(place, { link, axes, unit, frame, own, before, components, open }) {
+  const box = make("div", place, { className: "bearing" }), note = make("p", box, { className: "note", hidden: !open });
+  note.textContent = `Rigid mechanics leaves open: ${open}. It is shared with the least sum of squared bearing forces, or as the stiffnesses say.`;
+  const chart = lineChart(box, components), pair = make("div", box, { className: "pair" });
+  const frames = polarChart(pair, "Polar diagram, world axes", axes, unit, frame, before?.frame);
+  const links = polarChart(pair, `Polar diagram, axes of ${brief(link)}`, axes, unit, own, before?.own);
+  return [chart, frames, links, () => box.remove()];
 }
 
 function barChart(parent, { title, unit, places, bars, before, across, note }) {

@@ -3,7 +3,7 @@
 const { Viewer, THREE } = MeshCat;
 const element = id => document.getElementById(id);
 const data = JSON.parse(element("data").textContent);
-const duration = data.time[data.time.length - 1];  // s
+let duration = data.time[data.time.length - 1];  // s
 const floats = text => new Float32Array(Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer);
 const upright = (x, y, z) => new THREE.Vector3(x, z, -y);  // three.js has y up: the press's (x, y, z) stands there
 

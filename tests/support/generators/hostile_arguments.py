@@ -599,7 +599,13 @@ def calls() -> dict[str, Call]:
             pp.video.film,
             lambda: {"page": "none.html", "path": FOLDER / "film.gif", "size": (320, 200), "frames_per_second": 2, "slowdown": 1.0},
         ),
+        (
+            "view",
+            pp.view,
+            lambda: {"press": "none.urdf", "speed": 7.0, "loads": [], "friction": {}, "stiffness": {}, "watch": False, "browser": False},
+        ),
         ("video.image", pp.video.image, lambda: {"page": "none.html", "path": FOLDER / "image.png", "time": 0.0, "size": (320, 200)}),
+        ("video.pdf", pp.video.pdf, lambda: {"page": "none.html", "path": FOLDER / "page.pdf", "time": 0.0}),
         ("plots.save", pp.plots.save, lambda: {"figure": pp.plots.slide(motion()), "path": FOLDER / "plot.svg"}),
         (
             "accuracy.plot",

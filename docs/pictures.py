@@ -1,0 +1,185 @@
+"""The pictures of the guide, into docs/pictures: what each feature computes, drawn by pinpress.
+
+    python docs/pictures.py            # all, in half a minute
+    python docs/pictures.py slide run  # some
+
+Scripts of viz/ make the pictures of presses in three dimensions, of balancing, ratings, elasticity, foundation and accuracy,
+docs/tour_pictures.py those of the tour.
+"""
+
+import runpy
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from matplotlib.figure import Figure
+
+import pinpress as pp
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "docs" / "pictures"
+SPEED = 70 * pp.RPM
+BLUE, RED = "#0072B2", "#D55E00"
+SIZE = (6.3, 2.9)  # [inch]
+
+
+@cache
+def six_bar() -> pp.Linkage:
+    return pp.load("zxn2_3000b")
+
+
+@cache
+def turn() -> pp.Reactions:
+    return pp.inverse_dynamics(six_bar(), pp.cycle(six_bar(), speed=SPEED, points=360))
+
+
+def slide() -> Figure:
+    """docs/motion_and_forces.md: the slide over a turn."""
+    return pp.plots.slide(turn().motion)
+
+
+def polar() -> Figure:
+    """docs/motion_and_forces.md: forces of two bearings over a turn."""
+    return pp.plots.polar(turn(), "A", "D")
+
+
+def run() -> Figure:
+    """docs/simulation.md: the stroke that repeats under motor and load."""
+    motor = pp.drives.Geared(pp.drives.InductionMotor(rated_power=75e3, rated_speed=1485 * pp.RPM, inertia=1.2), ratio=20.7)
+    drawing = pp.loads.DeepDrawing(force=1e6, start=0.010)
+    figure = _figure((6.3, 4.2))
+    above, below = figure.subplots(2, 1, sharex=True)
+    for inertia, colour in ((6000, BLUE), (2000, RED)):
+        steady = pp.steady_state(six_bar(), SPEED, drive=motor, flywheel=pp.drives.Flywheel(inertia=inertia), loads=[drawing], points=720)
+        angle = np.degrees(steady.crank_angle - steady.crank_angle[0])
+        above.plot(angle, steady.crank_speed / pp.RPM, color=colour, label=f"flywheel of {inertia} kg m²")
+        below.plot(angle, steady.drive_torque / 1e3, color=colour)
+    above.set_ylabel("speed [strokes/min]")
+    below.set_ylabel("torque of the motor\nat the crank [kN m]")
+    below.set_xlabel("crank angle [deg]")
+    below.set_xticks(range(0, 361, 45))
+    above.legend(frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0.0, 0.98))
+    return figure
+
+
+def operating_map() -> Figure:
+    """docs/sweep.md: the largest torque over speed and force."""
+    drawing = pp.loads.DeepDrawing(force=1.0, start=0.020)
+    speeds, forces = np.linspace(10, 100, 46) * pp.RPM, np.linspace(0, 3e6, 61)
+    points = pp.sweeps.operating_points(six_bar(), speeds, forces=forces, unit_load=drawing)
+    figure = _figure(SIZE)
+    axes = figure.subplots()
+    shown = axes.contourf(forces / 1e3, speeds / pp.RPM, points.grid("largest_driving_torque") / 1e3, 12, cmap="cividis")
+    axes.set_xlabel("process force [kN]")
+    axes.set_ylabel("strokes/min")
+    figure.colorbar(shown, label="largest driving torque [kN m]")
+    return figure
+
+
+def synthesis() -> Figure:
+    """docs/synthesis.md: the torque of the empty six-bar before and after its synthesis."""
+    found = runpy.run_path(str(ROOT / "viz" / "synthesis.py"))["less_torque"]()
+    figure = _figure(SIZE)
+    axes = figure.subplots()
+    for press, colour, words in ((six_bar(), RED, "as shipped"), (found.press, BLUE, "with the lengths found")):
+        motion = pp.cycle(press, speed=SPEED, points=361)
+        torque = pp.inverse_dynamics(press, motion, bearings=()).driving_torque
+        axes.plot(np.degrees(motion.crank_angle), torque / 1e3, color=colour, label=words)
+    axes.set_xlabel("crank angle [deg]")
+    axes.set_ylabel("driving torque [kN m]")
+    axes.set_xticks(range(0, 361, 45))
+    axes.legend(frameon=False)
+    return figure
+
+
+def two_assemblies() -> Figure:
+    """docs/describe.md: at one crank angle the six-bar closes in two ways."""
+    press, angle = six_bar(), np.radians(200.0)
+    figure = _figure((6.3, 3.4))
+    axes = figure.subplots(1, 2, sharex=True, sharey=True)
+    places = _pins(press, angle)
+    centre, radius = places["E"], float(np.hypot(*(places["F"] - places["E"])))
+    other = places | {"F": np.array([0.0, centre[1] + np.sqrt(radius**2 - centre[0] ** 2)])}
+    for panel, shown, words in ((axes[0], places, "the assembly as drawn"), (axes[1], other, "the other one, never entered")):
+        for link, colour in (("AB", "#D55E00"), ("BC", "#0072B2"), ("DCE", "#009E73"), ("EF", "#CC79A7")):
+            corners = np.array([shown[name] for name in (link + link[0] if len(link) > 2 else link)])
+            panel.plot(*corners.T, color=colour, linewidth=3)
+        for name, place in shown.items():
+            panel.plot(*place, "o", color="white", markeredgecolor="black", markersize=5)
+            panel.annotate(name, tuple(place), (5, 4), textcoords="offset points")
+        panel.axvline(0.0, color="#7a7a7a", linewidth=0.6, linestyle="--")
+        panel.set_aspect("equal")
+        panel.set_title(words)
+        panel.set_axis_off()
+    return figure
+
+
+def _pins(press: pp.Linkage, angle: float) -> dict[str, Any]:
+    """Places of the pins of a planar press in its plane [m]."""
+    data = press.model.createData()
+    pin.forwardKinematics(press.model, data, press.configuration(angle))
+    found = {name: data.oMi[press.model.getJointId(name)].translation[[0, 2]] for name in press.joints if "guide" not in name}
+    return found | {loop.name: data.oMi[loop.joint1].act(loop.point1)[[0, 2]] for loop in press.loops}
+
+
+def change_point() -> Figure:
+    """docs/limits.md: the forces of a crank-slider whose crank is nearly as long as its rod."""
+    crank, rods = 0.1, 0.1 * (1 + np.geomspace(1e-3, 3.0, 40))
+    largest = []
+    for rod in rods:
+        pins = {"O": [0, 0], "P": {"from": "O", "length": 1e3 * crank, "angle": -90}, "W": {"P": 1e3 * rod, "x": 0, "side": "down"}}
+        links = {
+            "crank": {"pins": "O P", "mass": 20},
+            "rod": {"pins": "P W", "mass": 10},
+            "slide": {"pins": "W", "guide": "up", "mass": 100},
+        }
+        press = pp.build(units="mm", frame="O", pins=pins, links=links, drive="O")
+        reactions = pp.inverse_dynamics(press, pp.cycle(press, speed=60 * pp.RPM, points=1440))
+        largest.append(np.linalg.norm(reactions.bearing_force["W"], axis=1).max())
+    figure = _figure(SIZE)
+    axes = figure.subplots()
+    axes.loglog(rods / crank - 1, np.array(largest) / 1e3, color=BLUE)
+    axes.set_xlabel("rod / crank - 1")
+    axes.set_ylabel("largest force\nbetween rod and slide [kN]")
+    return figure
+
+
+def sketch() -> str:
+    """docs/pin_table.md: the drawn pose of its table."""
+    return pp.pin_table.draft(ROOT / "urdf" / "zxn2_3000b.yaml").sketch
+
+
+def notebook() -> str:
+    """docs/pinocchio.md: joints of the tree and loops, as a notebook shows a press."""
+    shown = six_bar()._repr_html_()
+    picture = shown[shown.index("<svg") : shown.index("</svg>") + len("</svg>")]
+    return picture.replace("<svg ", '<svg style="background:#fff" ', 1)
+
+
+def _figure(size: tuple[float, float]) -> Figure:
+    return Figure(figsize=size, layout="constrained")
+
+
+PICTURES: tuple[Callable[[], Figure | str], ...] = (
+    slide, polar, run, operating_map, synthesis, two_assemblies, change_point, sketch, notebook,
+)  # fmt: skip
+
+
+def main(names: list[str]) -> None:
+    FOLDER.mkdir(exist_ok=True)
+    for picture in PICTURES:
+        if not names or picture.__name__ in names:
+            path, made = FOLDER / f"{picture.__name__}.svg", picture()
+            if isinstance(made, str):
+                path.write_text(made, encoding="utf-8")
+            else:
+                pp.plots.save(made, path)
+            print(path, path.stat().st_size)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

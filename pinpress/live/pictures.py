@@ -1,0 +1,149 @@
+"""One picture of the window: where all links are over a period, the forces, and the curves beside them, as data of the page.
+
+A picture is made anew for each change of a slider; the shapes of the links, which take longest, only where they are asked for.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..common.quantities import Array
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..engines.planar.engine import PlanarEngine
+from ..kinematics.motion import Motion, Poses, cycle, poses
+from ..linkage.linkage import Linkage
+from ..loads.link import Friction, Load
+from ..visual import recording
+from ..visual.pages import packed
+from ..visual.shapes import meshcat_commands
+from ..visual.shapes.appearance import ShownLink, bodies
+
+POINTS = 180  # states of a period
+FEWEST = 36  # states of a period of a linkage that takes long
+QUICK = 0.04  # time of a picture above which fewer states are shown [s]
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """How a press runs in the window.
+
+    Attributes:
+        speed: of the driver [rad/s or m/s].
+        loads: forces on links from outside, see `inverse_dynamics`.
+        friction: by the names of bearings, see `inverse_dynamics`.
+        stiffness: by the names of bearings, see `inverse_dynamics`.
+        points: states of a period.
+    """
+
+    speed: float
+    loads: Sequence[Load]
+    friction: Mapping[str, Friction]
+    stiffness: Mapping[str, float]
+    points: int = POINTS
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A press in motion, as the page shows it.
+
+    Attributes:
+        press: the press.
+        data: what the page's scripts take.
+        links: the links as they are shown.
+        took: how long it took without shapes [s].
+    """
+
+    press: Linkage
+    data: dict[str, Any]
+    links: tuple[ShownLink, ...]
+    took: float
+
+
+def picture(
+    press: Linkage, operation: Operation, shown: tuple[ShownLink, ...] | None, made_up: Collection[str] = (), *, first: bool = False
+) -> Picture:
+    """Move a press through a period, and find forces, curves and poses.
+
+    Args:
+        press: the press.
+        operation: how it runs.
+        shown: the links as they are shown, whose shapes are kept; None to make them anew.
+        made_up: links that are shown from their bearings, because their own shapes no longer fit.
+        first: whether it is the first one of a page, which takes the size of the press from its motion.
+
+    Raises:
+        PinpressError: what `cycle` and `inverse_dynamics` raise.
+    """
+    began = time.perf_counter()
+    motion = cycle(press, operation.speed, points=operation.points)
+    reactions = inverse_dynamics(press, motion, operation.loads, operation.friction, operation.stiffness)
+    frames = _frames(motion)
+    at = poses(press, motion.joint_position[frames.states])
+    data = recording.moving(press, motion, frames, at, reactions, ()) | _curves(press, motion, reactions, frames)
+    took = time.perf_counter() - began
+    links = shown
+    if links is None:
+        links = bodies(press, motion.joint_position[frames.states], made_up=made_up)
+        data |= recording.shapes(press, frames, at, links, animated=first)
+    data["poses"] = _poses(press, at, links)
+    return Picture(press, data, links, took)
+
+
+def _frames(motion: Motion) -> recording.KeyFrames:
+    """All states of one period at constant speed, and the first once more; without the exact dead centres, which take longer than all
+    else."""
+    count, time = len(motion.time), motion.time
+    order = np.append(np.arange(count), 0)
+    crank, first = motion.crank_angle, motion.driver_coordinates[0]
+    end = 2 * np.pi * motion.period_turns * np.sign(motion.crank_speed[0]) if motion.period_turns is not None else crank[0]
+    crank = np.append(crank, end)
+    height = None if motion._guide is None else _height(motion)[order]
+    return recording.KeyFrames(order, np.append(time, time[-1] * count / (count - 1)), crank, first.scale * crank, height, True, count + 1)
+
+
+def _height(motion: Motion) -> Array:
+    """(n,) heights of the slide above its bottom [m]: that of the parabola through the lowest state."""
+    at = int(motion.slide_position.argmin())
+    velocity, acceleration = motion.slide_velocity[at], motion.slide_acceleration[at]
+    below = 0.5 * velocity**2 / acceleration if acceleration > 0 else 0.0
+    return np.asarray(motion.slide_position - (motion.slide_position[at] - below))
+
+
+def suitable(press: Linkage, operation: Operation) -> Operation:
+    """The operation with as many states as are computed fast enough. In the plane that is known to be so; in space one picture shows it."""
+    if isinstance(press.engine(), PlanarEngine):
+        return operation
+    took = picture(press, replace(operation, points=FEWEST), None).took
+    return replace(operation, points=int(np.clip(FEWEST * QUICK / took, FEWEST, POINTS)))
+
+
+def _poses(press: Linkage, at: Poses, links: Sequence[ShownLink]) -> list[str]:
+    """Poses (k, 7) of the links, as `body_poses` gives them; of one that rests (1, 7)."""
+    found = []
+    for link in links:
+        path = meshcat_commands.body_poses(press, at, link.frame)
+        found.append(packed(path if meshcat_commands.moves(path) else path[:1], f"the pose of {link.name}"))
+    return found
+
+
+def _curves(press: Linkage, motion: Motion, reactions: Reactions, frames: recording.KeyFrames) -> dict[str, Any]:
+    """Slide, torque and largest bearing force over the driver's position."""
+    turns = motion.driver_coordinates[0].turns
+    curves = []
+    if press.slide is not None:
+        curves.append(_curve("slide above bottom", "m", _height(motion), frames))
+    curves.append(_curve("driving torque" if turns else "driving force", "N m" if turns else "N", reactions.driving_torque, frames))
+    names = list(reactions.bearing_force)
+    forces = np.array([np.linalg.norm(force, axis=1) for force in reactions.bearing_force.values()])
+    largest = forces.argmax(axis=0)
+    curves.append(_curve("largest bearing force", "N", forces.max(axis=0), frames) | {"at": [names[k] for k in largest[frames.states]]})
+    return {"curves": curves}
+
+
+def _curve(name: str, unit: str, values: Array, frames: recording.KeyFrames) -> dict[str, Any]:
+    return {"name": name, "unit": unit, "values": packed(values[frames.states], name)}

@@ -1,0 +1,275 @@
+"""The server of a window: on this machine alone, on a free port, and for those alone who know its address.
+
+The address has a token in it, which is compared in constant time. A request without it, for another host (as after a rebinding of names),
+or from a page of another origin is refused with 403. There are three files and a socket, and nothing else: no path is ever looked up on the
+disk. The socket takes the messages of `live.session`; one that is none of these closes it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import html
+import importlib.resources
+import json
+import re
+import secrets
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from tornado.httpserver import HTTPServer
+from tornado.netutil import bind_sockets
+from tornado.web import Application, HTTPError, RequestHandler
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
+
+from .. import visual
+from ..common.errors import PinpressError
+from ..visual.pages import meshcat_script
+from .session import LONGEST, Message, RefusedMessageError, Session
+from .sources import state_of_files
+
+HOST = "127.0.0.1"
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src data: blob:; connect-src 'self'; base-uri 'none';"
+    " form-action 'none'; frame-ancestors 'self' http://localhost:* http://127.0.0.1:* https://localhost:* vscode-webview:"
+)
+SCRIPTS = ("scene.js", "overlays.js", "camera.js", "playback.js")  # those of recordings, which go before ours
+STYLES = ("player.css",)
+LOOK = 0.1  # how often is looked whether a file was saved [s]
+MISSED = 10  # looks after which a file that is not there is missed: an editor may be replacing it
+
+
+class Server:
+    """A session's server, in a thread with a loop of its own.
+
+    Attributes:
+        url: the address of the window.
+    """
+
+    def __init__(self, session: Session, watch: bool) -> None:
+        self._session, self._watch = session, watch
+        self._windows: set[_Socket] = set()
+        self._loop = asyncio.new_event_loop()
+        (self._listening,) = bind_sockets(0, HOST)
+        port, token = self._listening.getsockname()[1], secrets.token_urlsafe(24)
+        self.url = f"http://{HOST}:{port}/{token}/"
+        self._hosts = {f"{HOST}:{port}", f"localhost:{port}"}
+        self._token = token
+        self._stopped: asyncio.Event
+        started = threading.Event()
+        self._thread = threading.Thread(target=self._run, args=(started,), name="pinpress view", daemon=True)
+        self._thread.start()
+        started.wait()
+
+    def close(self) -> None:
+        """End it; windows say that it has ended."""
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._stopped.set)
+            self._thread.join()
+
+    def join(self, timeout: float) -> bool:
+        """Wait, and return whether it has ended."""
+        self._thread.join(timeout)
+        return not self._thread.is_alive()
+
+    def _run(self, started: threading.Event) -> None:
+        asyncio.set_event_loop(self._loop)
+        try:
+            self._loop.run_until_complete(self._serve(started))
+        finally:
+            self._loop.close()
+
+    async def _serve(self, started: threading.Event) -> None:
+        self._stopped = asyncio.Event()
+        shared = {"server": self}
+        routes = [(r"/([^/]+)/", _Page, shared), (r"/([^/]+)/socket", _Socket, shared), (r"/([^/]+)/([a-z]+\.(?:js|css))", _File, shared)]
+        application = Application(
+            routes,
+            default_handler_class=_Nothing,
+            default_handler_args=shared,
+            websocket_max_message_size=LONGEST,
+            log_function=lambda handler: None,
+        )
+        http = HTTPServer(application)
+        http.add_sockets([self._listening])
+        watching = asyncio.create_task(self._look()) if self._watch else None
+        started.set()
+        await self._stopped.wait()
+        if watching is not None:
+            watching.cancel()
+            await asyncio.wait([watching])
+        http.stop()
+        for window in list(self._windows):
+            window.close(1001, "ended")
+        await http.close_all_connections()
+
+    def refused(self, request: Any, token: str) -> bool:
+        """Whether a request is none of our windows'."""
+        known = hmac.compare_digest(token.encode(), self._token.encode())
+        origin = request.headers.get("Origin")
+        foreign = origin is not None and origin not in {f"http://{host}" for host in self._hosts}
+        return not known or foreign or request.host not in self._hosts
+
+    def join_in(self, window: _Socket) -> None:
+        """A window has opened its socket."""
+        self._windows.add(window)
+
+    def leave(self, window: _Socket) -> None:
+        """A window has been closed."""
+        self._windows.discard(window)
+
+    def whole(self) -> Message:
+        """Everything that a window needs."""
+        return self._session.whole()
+
+    @property
+    def version(self) -> int:
+        """Of the picture that is shown now."""
+        return self._session.version
+
+    def take(self, window: _Socket, text: str | bytes) -> int | None:
+        """Answer a message of a window, and return the version that it has drawn, where it says so; raises RefusedMessageError where it is
+        none."""
+        answer = self._session.answer(text)
+        if answer.sender is not None:
+            window.send(answer.sender)
+        if answer.everyone is not None:
+            self._tell(answer.everyone)
+        return answer.drawn
+
+    def _tell(self, message: Message) -> None:
+        for window in self._windows:
+            window.send(message)
+
+    async def _look(self) -> None:
+        """Open the press anew whenever its files were saved."""
+        seen, missed = state_of_files(self._session.files), 0
+        while True:
+            await asyncio.sleep(LOOK)
+            now = state_of_files(self._session.files)
+            missed = missed + 1 if now is None else 0
+            if now == seen or (now is None and missed < MISSED):
+                continue
+            seen = now
+            try:
+                self._session.open()
+                self._tell(self._session.whole())
+            except PinpressError as error:
+                self._tell({"type": "broken", "text": str(error), "version": self.version})
+
+
+class _Ours(RequestHandler):
+    """What is common to all that is served: who may ask, and what browsers are told."""
+
+    def initialize(self, server: Server) -> None:
+        self.served_by = server
+
+    def prepare(self) -> None:
+        path = self.request.path.split("/")
+        if self.served_by.refused(self.request, path[1] if len(path) > 1 else ""):
+            raise HTTPError(403)
+
+    def set_default_headers(self) -> None:
+        self.set_header("Content-Security-Policy", POLICY)
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Referrer-Policy", "no-referrer")
+        self.set_header("Cache-Control", "no-store")
+        self.clear_header("Server")
+
+    def write_error(self, status_code: int, **_: Any) -> None:
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish({403: "not for you", 404: "nothing here"}.get(status_code, "no"))
+
+
+class _Nothing(_Ours):
+    def get(self) -> None:
+        raise HTTPError(404)
+
+
+class _Page(_Ours):
+    def get(self, token: str) -> None:
+        whole = self.served_by.whole()
+        text = _template("live.html" if whole["type"] == "opened" else "broken.html")
+        data = json.dumps(whole, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+        title = html.escape(whole.get("name", "pinpress"))
+        player = _of_recordings("player.html")
+        fields = {"title": title, "data": data, "player": player.replace("{{title}}", title)}
+        self.finish(re.sub(r"\{\{(\w+)\}\}", lambda match: fields[match[1]], text))  # in one pass: what is filled in is not searched
+
+
+class _File(_Ours):
+    def get(self, token: str, name: str) -> None:
+        if name not in _FILES:
+            raise HTTPError(404)
+        self.set_header("Content-Type", ("text/javascript" if name.endswith("js") else "text/css") + "; charset=utf-8")
+        self.finish(_FILES[name]())
+
+
+class _Socket(WebSocketHandler):
+    """A window. It is sent the newest picture once it has drawn the one before."""
+
+    def initialize(self, server: Server) -> None:
+        self.served_by = server
+        self._drawing = False
+        self._newest: Message | None = None
+
+    def prepare(self) -> None:
+        if self.served_by.refused(self.request, self.request.path.split("/")[1]):
+            raise HTTPError(403)
+
+    def check_origin(self, origin: str) -> bool:
+        return True  # `prepare` has looked at it
+
+    def open(self, token: str) -> None:
+        self.set_nodelay(True)
+        self.served_by.join_in(self)
+
+    def on_close(self) -> None:
+        self.served_by.leave(self)
+
+    def on_message(self, message: str | bytes) -> None:
+        try:
+            shown = self.served_by.take(self, message)
+        except RefusedMessageError as error:
+            self.close(1008, str(error))
+            return
+        if shown is not None:
+            self._drawn(shown)
+
+    def _drawn(self, version: int) -> None:
+        """The window has drawn a picture, or a page that was loaded."""
+        newest, first, self._newest, self._drawing = self._newest, not self._drawing, None, False
+        if newest is not None:
+            self.send(newest)
+        elif first and version != self.served_by.version:
+            self.send(self.served_by.whole())
+
+    def send(self, message: Message) -> None:
+        """Send a message; a picture only if the window is not behind, else it takes the place of those that wait."""
+        if message["type"] in ("picture", "opened"):
+            if self._drawing:
+                waiting = self._newest or {}
+                self._newest = waiting | message | ({"type": "opened"} if waiting.get("type") == "opened" else {})
+                return
+            self._drawing = True
+        try:
+            self.write_message(json.dumps(message, separators=(",", ":"), allow_nan=False))
+        except WebSocketClosedError:
+            self.served_by.leave(self)
+
+
+def _template(name: str) -> str:
+    return (importlib.resources.files(__package__) / "templates" / name).read_text("utf-8")
+
+
+def _of_recordings(name: str) -> str:
+    return (importlib.resources.files(visual) / "templates" / name).read_text("utf-8")
+
+
+_FILES: Mapping[str, Callable[[], str]] = {
+    "viewer.js": lambda: meshcat_script().read_text("utf-8"),
+    "live.js": lambda: "\n".join([*map(_of_recordings, SCRIPTS), _template("live.js")]),
+    "broken.js": lambda: _template("broken.js"),
+    "live.css": lambda: "\n".join([*map(_of_recordings, STYLES), _template("live.css")]),
+}

@@ -1,0 +1,218 @@
+"""What the window shows and changes: a press in Python, a URDF (or SDF, MJCF) file, or a pin table; each with the numbers by which it can
+be changed, and with a file to write the changed press to.
+
+Of a pin table these are its own plain numbers, so that the file that is written is the table's text with others in it. Of every other press
+they are lengths and pivots (`live.dimensions`), and a URDF is written.
+"""
+
+from __future__ import annotations
+
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..common import files
+from ..common.errors import PinpressError
+from ..derivatives.reshape import reshaped
+from ..linkage.linkage import Linkage
+from ..linkage.loading import presses
+from ..linkage.writing import write_urdf
+from ..pin_table.building import draft, drawn_from
+from ..pin_table.formulas import parameters_of
+from ..pin_table.numbers import TableNumber, numbers_of, rewritten, with_numbers
+from ..pin_table.placement import UNITS
+from ..pin_table.reading import LARGEST_FILE, Entry
+from .dimensions import REACH, TURN, Dimension, LinkageDimensions, dimension
+
+TABLES = (".yaml", ".yml")  # ends of the names of pin tables
+NOUGHT = 10.0  # by which a parameter that is zero may be changed with its slider
+
+
+@dataclass(frozen=True, eq=False)
+class Source(ABC):
+    """A press that is shown, and the numbers by which it can be changed.
+
+    Attributes:
+        press: the press as it was given.
+        dimensions: the numbers, with their values in the press as it was given.
+        files: the files that it was read from.
+        folder: where changed presses are written.
+        suggested: name of the file to write a changed press to.
+        suffixes: ends of the names of files that it can be written to.
+    """
+
+    press: Linkage
+    dimensions: tuple[Dimension, ...]
+    files: tuple[str, ...]
+    folder: Path
+    suggested: str
+    suffixes: tuple[str, ...]
+
+    @abstractmethod
+    def changed(self, values: Sequence[float]) -> Linkage:
+        """The press with other values of its dimensions; raises PinpressError where they make none."""
+
+    @abstractmethod
+    def made_up(self, values: Sequence[float]) -> Collection[str]:
+        """The links whose own shapes no longer fit."""
+
+    @abstractmethod
+    def write(self, values: Sequence[float], path: Path) -> None:
+        """Write the changed press; raises PinpressError where that fails."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinkageSource(Source):
+    """A press by its lengths and pivots."""
+
+    _of_linkage: LinkageDimensions
+
+    @staticmethod
+    def of(press: Linkage, path: str | None = None) -> LinkageSource:
+        """A press that is there, and the file that it was read from; None of one that is in no file, or that comes with pinpress."""
+        found = LinkageDimensions.of(press)
+        own = Path(press.file if path is None else path)
+        folder = own.resolve().parent if path is not None else Path.cwd()
+        suggested = f"{own.stem or press.name}_changed.urdf"
+        return LinkageSource(press, found.shown, () if path is None else (path,), folder, suggested, (".urdf",), found)
+
+    def changed(self, values: Sequence[float]) -> Linkage:
+        moved = self._of_linkage.pivots(values)
+        return reshaped(self.press, moved) if moved else self.press
+
+    def made_up(self, values: Sequence[float]) -> Collection[str]:
+        moved = self._of_linkage.pivots(values)
+        return {link for _, link in moved}
+
+    def write(self, values: Sequence[float], path: Path) -> None:
+        write_urdf(self.changed(values), path)
+
+
+@dataclass(frozen=True, eq=False)
+class TableSource(Source):
+    """A pin table by its own numbers."""
+
+    _text: str
+    _table: Entry
+    _numbers: tuple[TableNumber, ...]
+    _given: Mapping[tuple[str, ...], float]
+    _finished: Callable[[Linkage], Linkage]
+
+    @staticmethod
+    def of(path: str, parameters: Mapping[str, str], finished: Callable[[Linkage], Linkage]) -> TableSource:
+        """A table with these values of its parameters; ``finished``: what is done to each press that is made of it."""
+        found = draft(path, **parameters)
+        table = found._table
+        text = files.read(path, LARGEST_FILE).decode("utf-8-sig")
+        press = finished(found.press())
+        given = parameters_of({"parameters": table.items("a table")["parameters"]}) if parameters else {}
+        numbers = numbers_of(text)
+        values = {each.path: given[each.path[1]] if each.path[0] == "parameters" and given else each.value for each in numbers}
+        unit = UNITS[found.unit]
+        shown = tuple(_shown(each, values[each.path], found.unit, press.size / unit) for each in numbers)
+        own = Path(path)
+        read = tuple(dict.fromkeys([path, *filter(os.path.exists, _files_of(table))]))  # parameters that are given are in none
+        suggested = f"{own.stem}_changed{own.suffix}"
+        return TableSource(press, shown, read, own.resolve().parent, suggested, TABLES, text, table, numbers, values, finished)
+
+    def changed(self, values: Sequence[float]) -> Linkage:
+        others = {path: value for path, value in self._by_path(values).items() if value != self._given[path]}
+        return self._finished(drawn_from(with_numbers(self._table, others)).press()) if others else self.press
+
+    def made_up(self, values: Sequence[float]) -> Collection[str]:
+        return ()
+
+    def write(self, values: Sequence[float], path: Path) -> None:
+        self.changed(values)  # raises where they make no press
+        files.write(path, rewritten(self._text, self._numbers, self._by_path(values)).encode())
+
+    def _by_path(self, values: Sequence[float]) -> dict[tuple[str, ...], float]:
+        return {each.path: value for each, value in zip(self._numbers, values, strict=True)}
+
+
+def _shown(number: TableNumber, value: float, unit: str, size: float) -> Dimension:
+    """A number of a table as a slider; ``size`` of the press in the table's unit."""
+    if number.kind == "parameter":
+        return dimension("parameters", number.path[1], "", value, None if value else NOUGHT, number.comment)
+    pin, keys = number.path[1], number.path[2:]
+    if number.kind == "angle":
+        return dimension("pins", f"{pin} angle", "deg", value, TURN)
+    if number.kind == "length":
+        return dimension("pins", f"{pin} {keys[0] if keys[0] == 'length' else f'from {keys[0]}'}", unit, value, None if value else size / 2)
+    last = keys[-1]
+    axis = {"1": "x", "2": "z"}.get(last, last) if "at" not in keys else {"1": "dx", "2": "dz"}[last]
+    return dimension("pins", f"{pin} {axis}", unit, value, REACH * size)
+
+
+def _files_of(entry: Entry) -> set[str]:
+    """The files in which the entries of a table stand."""
+    inner = entry.value.values() if isinstance(entry.value, Mapping) else entry.value if isinstance(entry.value, tuple) else ()
+    return {entry.file}.union(*map(_files_of, inner)) if inner else {entry.file}
+
+
+def opened(
+    path: str,
+    load: Callable[[str], Linkage],
+    parameters: Mapping[str, str],
+    finished: Callable[[Linkage], Linkage] = lambda press: press,
+) -> Source:
+    """The press of a file, or a shipped one.
+
+    Args:
+        path: of the file, or the name of a shipped press.
+        load: what loads a file that is no pin table.
+        parameters: values of parameters of a pin table.
+        finished: what is done to each press that is made of a pin table.
+
+    Raises:
+        PinpressError: what `load` raises, or `build` of a table.
+    """
+    if path.lower().endswith(TABLES):
+        return TableSource.of(path, parameters, finished)
+    press = load(path)
+    shipped = path in presses() and not os.path.exists(path)
+    return LinkageSource.of(press, None if shipped else path)
+
+
+def state_of_files(paths: Sequence[str]) -> tuple[tuple[int, int, int], ...] | None:
+    """What changes when files are saved: time, size and number of each; None while one is not there, as when an editor replaces it."""
+    found = []
+    for path in paths:
+        with suppress(OSError, ValueError):
+            status = os.stat(path)
+            found.append((status.st_mtime_ns, status.st_size, status.st_ino))
+    return tuple(found) if len(found) == len(paths) else None
+
+
+def checked_name(name: object, source: Source) -> Path:
+    """Where a file of this name is written: in the folder of the source, and nowhere else.
+
+    Raises:
+        PinpressError: it is no plain name, or does not end as it must.
+    """
+    wanted = " or ".join(source.suffixes)
+    if not (isinstance(name, str) and name.lower().endswith(source.suffixes) and len(name) <= 200):
+        raise PinpressError(f"the name must end in {wanted}")
+    plain = not name.startswith(".") and not set(name) & set('/\\:*?"<>|') and name.isprintable() and Path(name).name == name
+    if not plain:
+        raise PinpressError("give a plain name, without a folder: the file is written beside the one that is shown")
+    return source.folder / name
+
+
+def finite(values: object, count: int) -> list[float]:
+    """Values of dimensions as they came from a window.
+
+    Raises:
+        PinpressError: they are not as many finite numbers.
+    """
+    if not (isinstance(values, list) and len(values) == count and all(type(value) in (int, float) for value in values)):
+        raise PinpressError(f"these are not {count} numbers")
+    found = np.array(values, dtype=float)
+    if not (np.abs(found) < 1e9).all():
+        raise PinpressError("a value is not finite, or too large")
+    return [float(value) for value in values]

@@ -1,0 +1,11 @@
+"use strict";
+// What is shown of a file that makes no press: why. The page is loaded anew as soon as the file is mended.
+const text = document.getElementById("broken");
+text.textContent = JSON.parse(document.getElementById("data").textContent).text;
+const socket = new WebSocket(new URL("socket", location.href).href.replace(/^http/, "ws"));
+socket.addEventListener("message", event => {
+  const message = JSON.parse(event.data);
+  if (message.type === "broken") text.textContent = message.text;
+  if (message.type === "opened") location.reload();
+});
+socket.addEventListener("close", () => { text.textContent += " (pinpress has ended.)"; });

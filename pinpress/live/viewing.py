@@ -1,0 +1,153 @@
+"""A press in a window of the browser, to move and to change."""
+
+from __future__ import annotations
+
+import html
+import os
+import sys
+import webbrowser
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+
+from ..common.arguments import number, typed
+from ..common.errors import PinpressError
+from ..common.files import path_of
+from ..common.quantities import RPM
+from ..dynamics.inverse_dynamics import NONE_GIVEN
+from ..linkage.linkage import Linkage
+from ..linkage.loading import load
+from ..loads.link import Friction, Load
+from .pictures import Operation
+from .session import Opened, Session
+from .sources import LinkageSource, opened
+
+NO_TORNADO = "the window needs Tornado and Meshcat, which are not installed; pip install 'pinpress[view]'"
+TURNING, SLIDING = 60 * RPM, 0.1  # speed of a driver where none is given [rad/s, m/s]
+HEIGHT = 720  # of a window in a notebook [pixels]
+
+
+class LiveView:
+    """A window that `view` has opened, or several of them at one address. It ends with `close`, at the end of a ``with`` block, or with the
+    program.
+
+    Attributes:
+        url: address of the window, for this machine alone. Whoever knows it can change the press in the window, and write files beside its
+            own; so it has a secret in it.
+    """
+
+    def __init__(self, session: Session, watch: bool) -> None:
+        try:
+            from .server import Server  # it takes Tornado, which is optional
+        except ImportError as error:
+            raise PinpressError(NO_TORNADO) from error
+        self._session, self._server = session, Server(session, watch)
+
+    @property
+    def url(self) -> str:
+        return self._server.url
+
+    @property
+    def broken(self) -> str | None:
+        """Why the file cannot be read as it is now; None where it can."""
+        return self._session.broken
+
+    def close(self) -> None:
+        """End the window's server. Windows that are open stay as they are, and say so."""
+        self._server.close()
+
+    def wait(self, seconds: float) -> bool:
+        """Wait, and return whether the server has ended.
+
+        Args:
+            seconds: how long at most [s].
+        """
+        return self._server.join(seconds)
+
+    def __enter__(self) -> LiveView:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<LiveView at {self.url}>"
+
+    def _repr_html_(self) -> str:
+        """The window itself, in a notebook that runs on this machine."""
+        return f'<iframe src="{html.escape(self.url)}" width="100%" height="{HEIGHT}" style="border: 0"></iframe>'
+
+
+@typed
+def view(
+    press: Linkage | str | os.PathLike[str],
+    speed: float | None = None,
+    *,
+    loads: Sequence[Load] = (),
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+    stiffness: Mapping[str, float] = NONE_GIVEN,
+    watch: bool = False,
+    browser: bool | None = None,
+) -> LiveView:
+    """Open a window in the browser in which a press moves with its forces, and can be changed.
+
+    Sliders change link lengths and pivots, of a pin table its own numbers, and the speed; slide, driving torque and largest bearing force
+    follow. A changed press can be written to a file beside its own. In a notebook the window stands in the cell whose last line is
+    ``pp.view(press)``.
+
+    The window is served on 127.0.0.1, to whoever knows its address.
+
+    Args:
+        press: a press, or the path of a pin table, URDF, SDF or MJCF file, or the name of a shipped press.
+        speed: of the driver [rad/s or m/s]; by default 60 r/min, or 0.1 m/s of a driver that slides. The window can change it.
+        loads: see `inverse_dynamics`.
+        friction: see `inverse_dynamics`.
+        stiffness: see `inverse_dynamics`.
+        watch: whether the file is read again whenever it is saved.
+        browser: whether a window is opened at once; by default outside of notebooks.
+
+    Returns:
+        The window, with its address.
+
+    Raises:
+        PinpressError: the press cannot be opened, what `cycle` and `inverse_dynamics` raise of it, `watch` without a file, or Tornado or
+            Meshcat is not installed.
+    """
+    path = None if isinstance(press, Linkage) else path_of("press", press)
+    if watch and path is None:
+        raise PinpressError("watch is True, but a press has no file that could be saved: give the path of one")
+
+    def opening() -> Opened:
+        source = LinkageSource.of(press) if isinstance(press, Linkage) else opened(os.fspath(press), load, {})
+        unit = f"{source.press.driver_coordinates[0].unit}/s"
+        given = default_speed(source.press) if speed is None else number("speed", speed, unit=unit)
+        return Opened(source, Operation(given, loads, friction, stiffness))
+
+    return window(opening, path if watch else None, "ipykernel" not in sys.modules if browser is None else browser)
+
+
+def window(opening: Callable[[], Opened], watched: str | None, browser: bool) -> LiveView:
+    """A window of what is opened.
+
+    Args:
+        opening: what opens the press, at once and whenever its file is saved.
+        watched: the file, where it is opened anew when that is saved; it may then be wrong at first. None where it is not.
+        browser: whether the browser is opened.
+
+    Raises:
+        PinpressError: the press cannot be opened.
+    """
+    session = Session(opening, watched)
+    try:
+        session.open()
+    except PinpressError:
+        if watched is None or not os.path.exists(watched):
+            raise
+    shown = LiveView(session, watched is not None)
+    if browser:
+        webbrowser.open(shown.url)
+    return shown
+
+
+def default_speed(press: Linkage) -> float:
+    """The speed of a driver where none is given [rad/s or m/s]."""
+    return TURNING if press.driver_coordinates[0].turns else SLIDING

@@ -1,0 +1,139 @@
+"""A press on its mounts in reports: loads at rest, modes, vibration, and what reaches the floor."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...common import tables
+from ...common.errors import PinpressError
+from ...common.quantities import RPM, Array
+from ...dynamics.extremes import AXES
+from ...foundation.mounted_press import MountedPress, VibrationModes
+from ...foundation.response import FrameMotion
+from ...foundation.speed_response import Isolation, SpeedResponse
+from .blocks import Block, Figure, Figures, Line, LineChart, Section, Table, with_prefix
+from .shown import Shown
+
+NOTHING = 1e-9  # a direction in which nothing vibrates more than this share of the largest acceleration is left out
+DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linear
+
+
+def standing(system: MountedPress, shown: Shown) -> Section:
+    """The section of a press at rest on its mounts; raises `PinpressError` where it is of another press."""
+    _refuse_others("mounts", system.press.name, shown)
+    load, length = tables.scale("N", system.mount_load[:, 2].tolist()), tables.scale("m", [0.0])
+    pressed = any(pressure is not None for pressure in system.pressure)
+    heads = ["mount", "x [m]", "y [m]", "z [m]", f"load [{load.unit}]", "share [%]", "sag [mm]", *(["pressure [MPa]"] if pressed else [])]
+    rows = []
+    for k, mount in enumerate(system.mounts):
+        pressure = system.pressure[k]
+        cells = [
+            *(f"{value:.4g}" for value in mount.point),
+            load.shown(float(system.mount_load[k, 2])),
+            f"{100 * system.load_share[k]:.2f}",
+        ]
+        cells.append(length.shown(-float(system.sag[k, 2])))
+        rows.append([f"{k + 1}", *cells, *(["" if pressure is None else f"{1e-6 * pressure:.4g}"] if pressed else [])])
+    centre = ", ".join(f"{round(value, 4) + 0.0:g}" for value in system.centre)
+    places = [f"({', '.join(f'{x:.4g}' for x in mount.point)}) m" for mount in system.mounts]
+    words = "; ".join(f"{_stiffness(mount.stiffness)} at {place}" for mount, place in zip(system.mounts, places, strict=True))
+    note = f"{system.total_mass:.6g} kg of frame and press, mean centre of mass at ({centre}) m."
+    return Section("On its mounts at rest", [Table("", heads, rows)], [("mounts", words)], note)
+
+
+def _stiffness(values: tuple[float, ...]) -> str:
+    return " / ".join(f"{1e-6 * float(value):.4g}" for value in np.ravel(values)) + " kN/mm"
+
+
+def modes(found: VibrationModes, shown: Shown) -> Section:
+    """The section of the modes; raises `PinpressError` where they are of another press."""
+    _refuse_others("modes", found.press_name, shown)
+    frequencies = found.natural_frequency / (2 * np.pi)
+    rows = [
+        [motion, f"{frequency:.3f}", f"{60 * frequency:.1f}", f"{ratio:.4f}"]
+        for motion, frequency, ratio in zip(found.motion, frequencies, found.damping_ratio, strict=True)
+    ]
+    return Section("Modes on the mounts", [Table("", ["motion", "frequency [Hz]", "resonance at [r/min]", "damping ratio"], rows)])
+
+
+def vibration(found: FrameMotion, shown: Shown) -> Section:
+    """The section of a vibration over time; raises `PinpressError` where it is of another press."""
+    _refuse_others("vibration", found.system.press.name, shown)
+    time = found.time if found.period is None else np.append(found.time, found.period)  # closed, as the recording is
+    follows = len(shown.frames.time) > 1 and abs(time[-1] - shown.frames.time[-1]) <= 1e-6 * time[-1]
+
+    def closed(values: Array) -> Array:
+        return values if found.period is None else np.append(values, values[0])
+
+    charts: list[Block] = []
+    largest = max((float(np.abs(values).max()) for values in found.acceleration.values()), default=0.0)
+    for i, axis in enumerate(AXES):
+        lines = [Line(point, closed(values[:, i]), time) for point, values in found.acceleration.items()]
+        if any(np.abs(line.y).max() > NOTHING * largest for line in lines):
+            title = f"Acceleration along {axis}"
+            charts.append(LineChart(title, "m/s²", lines, across="time [s]", follows="time" if follows else "nothing"))
+    scale = tables.scale("N", [float(np.abs(force).max()) for force in (found.floor_force, found.shaking_force)])
+    forces = {"floor": found.floor_force, "shaking": found.shaking_force}
+    lines = [
+        Line(f"{name}, {axis}", closed(scale.factor * force[:, i]), time)
+        for i, axis in enumerate(AXES)
+        for name, force in forces.items()
+        if np.abs(forces["shaking"][:, i]).max() > NOTHING * np.abs(forces["shaking"]).max()
+    ]
+    if lines:
+        title = "Force on the floor beside the shaking force, without the weight"
+        charts.append(LineChart(title, scale.unit, lines, across="time [s]", follows="time" if follows else "nothing"))
+    rows = [[point, *(f"{value:.4g}" for value in (*found.rms(point), *found.peak(point)))] for point in found.acceleration]
+    heads = ["acceleration [m/s²]", *(f"{what} {axis}" for what in ("rms", "peak") for axis in AXES)]
+    least = found.least_load
+    number = int(least.argmin())
+    lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
+    figures = [
+        Figure("shaking force, rms", with_prefix(_rms(found.shaking_force), "N")),
+        Figure("force on the floor, rms", with_prefix(_rms(found.floor_force), "N")),
+        Figure("least load on a mount", with_prefix(float(least[number]), "N"), f"mount {number + 1}{lifts}"),
+    ]
+    over = "over one period" if found.period is not None else f"over {found.time[-1]:.6g} s from rest"
+    table = Table("", heads, rows)
+    return Section("Vibration on the mounts", [Figures(figures), *charts, table], note=f"About the static position, {over}.")
+
+
+def _rms(vectors: Array) -> float:
+    return float(np.sqrt(np.mean(np.sum((vectors - vectors.mean(axis=0)) ** 2, axis=1))))
+
+
+def over_speeds(found: SpeedResponse, shown: Shown) -> Section:
+    """The section of a vibration over the speed; raises `PinpressError` where it is of another press."""
+    _refuse_others("vibration over the speed", found.press_name, shown)
+    speed = found.speed / RPM
+    points = [Line(point, np.linalg.norm(values, axis=1), speed) for point, values in found.rms.items()]
+    scale = tables.scale("N", [float(max(found.shaking_force.max(), found.floor_force.max()))])
+    forces = [Line(name, scale.factor * force, speed) for name, force in (("floor", found.floor_force), ("shaking", found.shaking_force))]
+    blocks = [_over(f"{what}, rms", unit, lines) for what, unit, lines in (("Acceleration", "m/s²", points), ("Force", scale.unit, forces))]
+    return Section("Vibration over the speed", blocks, note="Of the idle press, all directions together.")
+
+
+def _over(title: str, unit: str, lines: list[Line]) -> LineChart:
+    """A chart over the speed, with a logarithmic axis where the values differ much."""
+    low, high = min(float(line.y.min()) for line in lines), max(float(line.y.max()) for line in lines)
+    wide = low > 0 and high > DECADE * low
+    return LineChart(title, unit, lines, across="crank speed [r/min]", follows="nothing", logarithmic="y" if wide else "")
+
+
+def isolation(found: Isolation, shown: Shown) -> Section:
+    """The section of mounts that isolate; raises `PinpressError` where they are of another press."""
+    _refuse_others("isolation", found.system.press.name, shown)
+    worst = int(found.transmitted.argmax())
+    figures = [
+        Figure("stiffness of the mounts", f"{found.factor:.4g}", "times those given"),
+        Figure("sag at rest", f"{1e3 * found.sag:.4g} mm"),
+        Figure("transmitted", f"{100 * found.transmitted[worst]:.4g} %", f"at most, at {found.speed[worst] / RPM:.4g} r/min"),
+    ]
+    chart = _over("Force on the floor by shaking force", "%", [Line("transmitted", 100 * found.transmitted, found.speed / RPM)])
+    rest = standing(found.system, shown)
+    return Section("The stiffest mounts that isolate", [Figures(figures), chart, *rest.blocks], rest.inputs, rest.note)
+
+
+def _refuse_others(what: str, name: str, shown: Shown) -> None:
+    if name != shown.press.name:
+        raise PinpressError(f"results: the {what} is of {name}, the page of {shown.press.name}: give one of the same press")

@@ -1,0 +1,331 @@
+"""Results beside the motion in a report: their numbers on the page against the results, and every kind in a real browser."""
+
+import base64
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support import texts
+from support.generators.hostile import NAMES, load_hostile
+from support.in_browser import data_in
+
+import pinpress as pp
+from pinpress.cli.main import main
+from pinpress.visual.reports.blocks import Line, covered
+
+SPEED = 70 * pp.RPM
+LOAD = pp.loads.Blanking(1e6, 0.006, 0.002)
+MOTOR = pp.drives.Geared(pp.drives.InductionMotor(75e3, 1485 * pp.RPM, inertia=1.2), 20.7, efficiency=0.95)
+UNITS = {"N": 1.0, "kN": 1e3, "MN": 1e6, "N m": 1.0, "kN m": 1e3, "J": 1.0, "kJ": 1e3}
+
+
+def numbers(packed: str) -> Any:
+    return np.frombuffer(base64.b64decode(packed), "<f4").astype(float)
+
+
+def sections(path: Path) -> dict[str, Any]:
+    return {section["title"]: section for section in data_in(path)["report"]["sections"]}
+
+
+def chart(section: Any, title: str) -> Any:
+    (found,) = [block for block in section["blocks"] if block.get("title", "").startswith(title)]
+    return found
+
+
+def curves(chart: Any) -> dict[str, tuple[Any, Any]]:
+    return {curve["name"]: (curve["x"] and numbers(curve["x"]), numbers(curve["y"])) for curve in chart["curves"]}
+
+
+def figures(section: Any) -> dict[str, str]:
+    return {figure["name"]: figure["value"] for block in section["blocks"] for figure in block.get("figures", ())}
+
+
+@pytest.fixture(scope="module")
+def press() -> Any:
+    return texts.shipped("zxn2_3000b")
+
+
+@pytest.fixture(scope="module")
+def loaded(press: Any) -> Any:
+    friction = {"A": pp.loads.Friction(0.05, 0.06), "D": pp.loads.Friction(0.05, 0.06)}
+    return pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=180), [LOAD], friction)
+
+
+@pytest.fixture(scope="module")
+def ratings(press: Any) -> Any:
+    return pp.ratings.rate(
+        press, SPEED, pp.ratings.Capacities(3e6, nominal_height=0.013, flywheel_inertia=2000.0, speed_drop=0.2), points=31
+    )
+
+
+@pytest.fixture(scope="module")
+def steady(press: Any) -> Any:
+    return pp.steady_state(press, SPEED, drive=MOTOR, flywheel=pp.drives.Flywheel(6000.0), loads=[LOAD])
+
+
+@pytest.fixture(scope="module")
+def written(press: Any, loaded: Any, ratings: Any, steady: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("results") / "out.html"
+    return pp.report(press, loaded.motion, path, reactions=loaded, results=[ratings, steady])
+
+
+def test_what_was_computed_stands_at_the_top(written: Path) -> None:
+    rows = dict(data_in(written)["report"]["inputs"][0]["rows"])
+    assert rows["motion"] == "one period at 70 r/min, 180 states"
+    assert rows["load"].startswith("Blanking(force=1000 kN")
+    assert "SHA-256" in rows["file"]
+    assert rows["nominal force"] == "3000 kN"
+    assert rows["motor"].startswith("Geared(drive=InductionMotor(rated_power=75 kW")
+    assert rows["flywheel"] == "Flywheel(inertia=6000 kg m2)"
+    assert "0.05" in rows["friction"]
+
+
+def test_energy_of_a_stroke(written: Path, loaded: Any) -> None:
+    """What the drive gives is what process and friction take."""
+    bars = chart(sections(written)["Drive"], "Energy of a stroke")
+    work = dict(zip(bars["places"], UNITS[bars["unit"]] * np.array(bars["bars"]["work"]), strict=True))
+    assert work["process"] == pytest.approx(loaded.process_work)
+    lost = sum(float(power.mean()) for power in loaded.friction_power.values()) * 60 / 70
+    assert work["friction"] == pytest.approx(lost)
+    assert work["drive"] == pytest.approx(work["process"] + work["friction"], rel=1e-2)  # at 180 states
+
+
+def test_permissible_force_and_its_limits(written: Path, loaded: Any, ratings: Any) -> None:
+    section = sections(written)["Ratings"]
+    found = chart(section, "Permissible force near")
+    drawn = curves(found)
+    for name, force in {"permissible force": ratings.force, **ratings.limits}.items():
+        assert_allclose(drawn[name][0], 1e3 * ratings.height, rtol=1e-6, atol=1e-6)
+        assert_allclose(UNITS[found["unit"]] * drawn[name][1], force, rtol=1e-6)
+    assert_allclose(UNITS[found["unit"]] * drawn["process force"][1][:-1], loaded.process_force, rtol=1e-6)
+    most = float(ratings.utilisation(loaded).max())
+    assert figures(section)["of the permissible force"] == f"{100 * most:.4g} %"
+    share = loaded.process_work / ratings.energies["flywheel energy"]
+    assert figures(section)["of the flywheel energy"] == f"{100 * share:.4g} %"
+
+
+def test_motor_beside_its_curve(written: Path, steady: Any) -> None:
+    section = sections(written)["Steady state under the motor"]
+    found = curves(chart(section, "Motor torque over its speed"))
+    speed, torque = found["run"]
+    assert_allclose(speed, 20.7 * steady.drive_speed / pp.RPM, rtol=1e-6)
+    assert_allclose(torque, MOTOR.motor_torque(steady.drive_speed), rtol=1e-5, atol=1e-3)
+    along, curve = found["motor's curve"]
+    assert_allclose(curve, MOTOR.drive.torque(along * pp.RPM), rtol=1e-4, atol=0.1)
+    assert_allclose(found["rated torque"][1], MOTOR.rated_torque, rtol=1e-6)
+    duty = pp.measures.duty_cycle(steady)
+    assert figures(section)["motor, use"] == f"{100 * duty.utilisation:.4g} %"
+    x, y = curves(chart(section, "Crank speed"))["crank speed"]
+    assert_allclose(y, steady.crank_speed / pp.RPM, rtol=1e-6)
+    assert 0 <= x.min() < 1
+    assert x.max() <= 361
+
+
+def test_extremes_in_the_units_of_the_charts(written: Path, press: Any, loaded: Any) -> None:
+    (table,) = sections(written)["Extremes"]["blocks"]
+    rows = {row[0]: row[1:] for row in table["rows"]}
+    height = 1e3 * (loaded.motion.slide_position - pp.dead_centres(press).bottom_position)
+    assert_allclose([float(rows["slide height [mm]"][k]) for k in (0, 2)], [height.min(), height.max()], atol=0.005)
+    torque = loaded.driving_torque / 1e3
+    assert_allclose([float(rows["driving torque [kN m]"][k]) for k in (0, 2)], [torque.min(), torque.max()], atol=5e-4)
+    assert not any("[N]" in name for name in rows)
+
+
+def test_curves_that_lie_on_each_other_are_told_apart() -> None:
+    x = np.linspace(0, 1, 50)
+    lines = [Line("a", np.sin(6 * x)), Line("b", np.cos(6 * x)), Line("c", np.sin(6 * x) + 1e-3), Line("d", np.sin(6 * x)), Line("e", x, x)]
+    assert covered(lines) == {2: 0, 3: 0}
+
+
+@pytest.fixture(scope="module")
+def elastic(press: Any) -> Any:
+    return pp.elasticity.Stiffness(bearings={"A": 3e9, "E": 6e9, "F": 6e9}, frame=4e9)
+
+
+def test_elastic_press(press: Any, loaded: Any, elastic: Any, tmp_path: Path) -> None:
+    compliance = pp.elasticity.compliance(press, elastic, angle=np.linspace(0, 6, 24))
+    shift = pp.elasticity.dead_centre_shift(press, elastic, speed=np.array([40.0, 60.0]) * pp.RPM)
+    snap = pp.elasticity.snap_through(1e6, compliance.bottom_stiffness, 5e3, damping_ratio=0.04)
+    deflected = pp.elasticity.slide_deflection(press, loaded.motion, elastic, loads=[LOAD])
+    path = pp.report(press, loaded.motion, tmp_path / "out.html", reactions=loaded, results=[compliance, deflected, shift, snap])
+    found = sections(path)
+    parts = curves(chart(found["Elastic press"], "Compliance"))
+    assert_allclose(sum(part for _, part in parts.values()), 1e9 * compliance.compliance, rtol=1e-5)
+    bars = chart(found["Elastic press"], "Shares")
+    assert dict(zip(bars["places"], bars["bars"]["share"], strict=True)) == pytest.approx(
+        {name: 100 * share for name, share in compliance.bottom_shares.items()}
+    )
+    deflection = curves(chart(found["Deflection under load, weight and inertia"], "Deflection"))["all"][1]
+    assert_allclose(deflection[:-1], 1e3 * deflected.deflection, rtol=1e-5, atol=1e-7)
+    assert_allclose(curves(chart(found["Bottom dead centre over the speed"], "Shift"))["shift"][1], 1e6 * shift.shift, rtol=1e-5)
+    force = chart(found["Break-through"], "Force on the linkage")
+    assert_allclose(UNITS[force["unit"]] * curves(force)["force of the spring"][1], snap.spring_force, rtol=1e-5, atol=1)
+    assert "A 3e+09 N/m" in dict(data_in(path)["report"]["inputs"][0]["rows"])["elastic parts"]
+
+
+def mounted(press: Any) -> Any:
+    mounts = [pp.foundation.Mount((x, y, -1.5), (5e7, 5e7, 2e8), loss_factor=0.1) for x in (-0.8, 0.8) for y in (-0.5, 0.5)]
+    return pp.foundation.mounted(press, pp.foundation.Frame(3e4, (0, 0, 0), (3e4, 3e4, 1e4)), mounts)
+
+
+def test_press_on_its_mounts(press: Any, tmp_path: Path) -> None:
+    idle = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=180))
+    system, crown = mounted(press), {"crown": (0, 0, 1.5)}
+    steady, modes = pp.foundation.steady_response(system, idle, points=crown), pp.foundation.modes(system)
+    over = pp.foundation.over_speeds(system, np.linspace(30, 90, 7) * pp.RPM, points=crown)
+    results = [system, modes, steady, over]
+    found = sections(pp.report(press, idle.motion, tmp_path / "out.html", reactions=idle, results=results))
+    (table,) = found["On its mounts at rest"]["blocks"]
+    assert_allclose([float(row[5]) for row in table["rows"]], 100 * system.load_share, atol=0.005)
+    (table,) = found["Modes on the mounts"]["blocks"]
+    assert_allclose([float(row[1]) for row in table["rows"]], modes.natural_frequency / (2 * np.pi), atol=5e-4)
+    acceleration = chart(found["Vibration on the mounts"], "Acceleration along z")
+    assert acceleration["follows"] == "time"
+    assert_allclose(curves(acceleration)["crown"][1][:-1], steady.acceleration["crown"][:, 2], rtol=1e-5, atol=1e-6)
+    rms = curves(chart(found["Vibration over the speed"], "Acceleration"))["crown"][1]
+    assert_allclose(rms, np.linalg.norm(over.rms["crown"], axis=1), rtol=1e-5)
+
+
+@pytest.fixture(scope="module")
+def balanced(press: Any) -> Any:
+    motion = pp.cycle(press, SPEED, points=60)
+    regions = [pp.balancing.CounterweightRegion("crank", radius=0.3)]
+    limits = {pp.balancing.Range("shaking_force", "x"): 1000.0}
+    return pp.balancing.balance(press, motion, regions=regions, minimise=pp.balancing.Range("shaking_force", "z"), limits=limits)
+
+
+def test_balance(press: Any, balanced: Any, tmp_path: Path) -> None:
+    motion = balanced.conditions[0].motion
+    section = sections(pp.report(press, motion, tmp_path / "out.html", results=[balanced]))["Balancing"]
+    (weight,) = balanced.counterweights
+    (row,) = chart(section, "Counterweights")["rows"]
+    assert row[0] == "crank"
+    assert float(row[1]) == pytest.approx(weight.mass, rel=1e-5)
+    assert_allclose([float(cell) for cell in row[2:5]], 1e3 * np.array(weight.position), atol=1e-3)
+    shaking = chart(section, "Shaking force before and after")
+    for words, reactions in (("before", balanced.reactions_before[0]), ("after", balanced.reactions_after[0])):
+        drawn = UNITS[shaking["unit"]] * curves(shaking)[f"z, {words}"][1]
+        assert_allclose(drawn, reactions.shaking_force[:, 2], rtol=1e-5)
+    (change,) = [row for row in chart(section, "Criteria")["rows"] if "force, z" in row[0]]
+    assert change[3] == f"{round(100 * balanced.changes[0].change, 2):+.2f} %"
+
+
+@pytest.mark.parametrize("name", ["PressRatings", "Run", "SlideCompliance"])
+def test_results_of_another_press_are_refused(name: str, ratings: Any, steady: Any, press: Any, elastic: Any, tmp_path: Path) -> None:
+    result = {"PressRatings": ratings, "Run": steady}.get(name)
+    if result is None:
+        result = pp.elasticity.compliance(press, elastic, angle=[0.0, 1.0])
+    other = texts.shipped("crank_slide")
+    with pytest.raises(pp.PinpressError, match=r"zxn2_3000b.*crank_slide|crank_slide.*zxn2_3000b"):
+        pp.report(other, pp.cycle(other, SPEED, points=24), tmp_path / "out.html", results=[result])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_has_no_section_is_refused_by_name(press: Any, loaded: Any, tmp_path: Path) -> None:
+    harmonics = pp.measures.harmonics(loaded.motion, loaded.shaking_force)
+    with pytest.raises(pp.PinpressError, match=r"a report has no section for .*; give any of PressRatings, Run"):
+        pp.report(press, loaded.motion, tmp_path / "out.html", reactions=loaded, results=[harmonics])
+
+
+def test_the_command_makes_all_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["report", "zxn2_3000b", "--speed", "70", "--points", "90", "--out", str(tmp_path / "page.html"), "--zero", "bdc"]
+    words += ["--load", "blanking:force=1000kN,start=6mm,end=2mm", "--nominal-force", "3000kN", "--nominal-height", "13mm"]
+    words += ["--motor", "induction:rated_power=75kW,rated_speed=1485,inertia=1.2,ratio=20.7", "--flywheel", "6000", "--speed-drop", "20%"]
+    words += ["--stiffness", "A=3e9", "--stiffness", "E=6GN/m"]
+    words += ["--region", "crank:radius=0.3", "--minimise", "range:shaking_force:z"]
+    assert main(words) == 0
+    assert capsys.readouterr().out == f"wrote {tmp_path / 'page.html'}\n"
+    data = data_in(tmp_path / "page.html")["report"]
+    titles = [section["title"] for section in data["sections"]]
+    assert titles[5:-1] == [
+        "Ratings",
+        "Steady state under the motor",
+        "Elastic press",
+        "Deflection under load, weight and inertia",
+        "Balancing",
+    ]
+    assert data["over"]["quantity"] == "crank angle from bottom dead centre"
+    assert numbers(data["heights"])[0] == pytest.approx(0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--torque", "5e4"], "--torque is for the ratings: give --nominal-force too"),
+        (["--flywheel", "2000"], "give --motor, or --nominal-force and --speed-drop"),
+        (["--speed-drop", "0.1", "--nominal-force", "5e4"], "give --flywheel too"),
+        (["--region", "crank:radius=0.3"], "--region, --minimise and --limit go together"),
+    ],
+)
+def test_options_that_are_incomplete(words: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["report", "crank_slide", "--speed", "70", "--out", str(tmp_path / "page.html"), *words]) == 2
+    assert message in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+CURSORS = """() => [...document.querySelectorAll('.chart')].filter(box => box.querySelector('.cursor:not([hidden])')).map(box => {
+    const plot = box.querySelector('.plot'), { xaxis } = plot._fullLayout, left = parseFloat(plot.querySelector('.cursor').style.left);
+    return [box.querySelector('h3').textContent, xaxis.p2l(left - xaxis._offset)];
+})"""
+
+
+@pytest.mark.exhaustive
+def test_every_kind_in_a_browser(
+    press: Any, loaded: Any, ratings: Any, steady: Any, elastic: Any, balanced: Any, view: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Charts over the height, over the crank angle and over time have the cursor where the press is; nothing goes wrong in the page."""
+    system, crown = mounted(press), {"crown": (0, 0, 1.5)}
+    snap = pp.elasticity.snap_through(1e6, 1e9, 5e3, damping_ratio=0.04)
+    results = [
+        ratings,
+        steady,
+        pp.elasticity.compliance(press, elastic),
+        pp.elasticity.slide_deflection(press, loaded.motion, elastic),
+        pp.elasticity.dead_centre_shift(press, elastic, speed=[4.0, 6.0]),
+        snap,
+        system,
+        pp.foundation.modes(system),
+        pp.foundation.steady_response(system, loaded, points=crown),
+        pp.foundation.over_speeds(system, [4.0, 6.0], points=crown),
+        balanced,
+    ]
+    page = view(pp.report(press, loaded.motion, tmp_path / "out.html", reactions=loaded, results=results), "#t=0", (1000, 500))
+    state = 40
+    page.evaluate("t => { setPlaying(false); seek(t); }", float(loaded.motion.time[state]))
+    cursors = {title.split(" [")[0]: place for title, place in page.evaluate(CURSORS)}
+    height = 1e3 * (loaded.motion.slide_position[state] - pp.dead_centres(press).bottom_position)
+    assert cursors["Permissible force"] == pytest.approx(height, abs=0.5)
+    assert cursors["Crank speed"] == pytest.approx(80, abs=0.5)
+    assert cursors["Compliance at the slide, by parts"] == pytest.approx(80, abs=0.5)
+    assert cursors["Acceleration along z"] == pytest.approx(loaded.motion.time[state], abs=2e-3)
+    assert page.locator("h2").count() > 12
+    rows = page.evaluate("[...document.querySelectorAll('.table')].map(box => box.scrollWidth - box.clientWidth)")
+    assert max(rows) <= 0  # no column is clipped
+
+
+@pytest.mark.exhaustive
+def test_hostile_names_stay_text_in_every_kind(view: Callable[..., Any], tmp_path: Path) -> None:
+    press = load_hostile(tmp_path)
+    motion = pp.cycle(press, SPEED, points=36)
+    reactions = pp.inverse_dynamics(press, motion, [pp.loads.ConstantForce(1e3, 0.02)])
+    stiffness = pp.elasticity.Stiffness(bearings=dict.fromkeys(press.bearings, 1e9))
+    capacities = pp.ratings.Capacities(1e5, bearings=dict.fromkeys(press.bearings, 1e6))
+    region = pp.balancing.CounterweightRegion(NAMES["rod"], radius=0.1)
+    results = [
+        pp.ratings.rate(press, SPEED, capacities, points=31),
+        pp.elasticity.compliance(press, stiffness),
+        pp.balancing.balance(press, motion, regions=[region], minimise=pp.balancing.Range("shaking_force", "z")),
+    ]
+    page = view(pp.report(press, motion, tmp_path / "out.html", reactions=reactions, results=results), "#t=0.1", (1000, 500))
+    assert page.locator("article script, article img, article b b, main script, main img").count() == 0
+    for name in ("P", "W"):
+        assert NAMES[name] in page.inner_text("#charts")
+
+
+def test_same_results_same_bytes(press: Any, loaded: Any, ratings: Any, steady: Any, written: Path, tmp_path: Path) -> None:
+    again = pp.report(press, replace(loaded).motion, tmp_path / "out.html", reactions=loaded, results=[ratings, steady])
+    assert again.read_bytes() == written.read_bytes()
