@@ -11,8 +11,8 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.quantities import Array
-from ..visual.shapes.appearance import ShownLink
-from ..visual.shapes.solids import Box, Cylinder, Part, Sphere
+from ..visual.shapes.appearance import STAND_IN, ShownLink
+from ..visual.shapes.solids import Box, Cylinder, Part, Plate, Shape, Sphere
 from .copies import Parts
 from .links import FRAME, Link, turned
 from .placement import Pin
@@ -20,6 +20,7 @@ from .tree import Joint, Tree
 
 REACH = 2.0  # limits of guides, beside the size of the press: those whose travel is not said end nowhere
 EFFORT, VELOCITY = 1e9, 1e3  # which URDF asks of guides; they limit nothing here
+REMARK = f"  <!-- Shapes named {STAND_IN} are for other programs; pinpress draws its own. Rename those that you change. -->"
 CROSS = "_cross"  # added to the name of a ball joint that a link hangs by
 
 
@@ -49,7 +50,7 @@ def urdf_text(name: str, comment: str, parts: Parts, tree: Tree, bodies: Sequenc
         tree: their bearings.
         bodies: what the links look like; none: the URDF has no shapes.
     """
-    shapes = {body.name: [_visual(each, body.name) for each in body.parts] for body in bodies}
+    shapes = {body.name: [visual for each in body.parts for visual in _visuals(each, body.name)] for body in bodies}
     return _Writer(name, comment, parts, tree, shapes).text().encode()
 
 
@@ -68,7 +69,7 @@ class _Writer:
     def text(self) -> str:
         """The whole file."""
         lines = ['<?xml version="1.0"?>', "<!--", *(f"  {line}".rstrip() for line in self.comment.replace("--", "- -").splitlines()), "-->"]
-        lines += [f"<robot name={quoteattr(self.name)}>", *self._frame()]
+        lines += [f"<robot name={quoteattr(self.name)}>", *([REMARK] if self.shapes else []), *self._frame()]
         for link in self.links.values():
             lines += ["", *self._link(link)]
         lines.append("")
@@ -182,19 +183,28 @@ def _origin(point: Array, rotation: Array, size: float) -> str:
     return f'<origin xyz="{xyz}"/>' if rpy == "0 0 0" else f'<origin xyz="{xyz}" rpy="{rpy}"/>'
 
 
-def _visual(part: Part, link: str) -> str:
-    """A solid in its colour, to a tenth of a millimetre."""
-    shape = part.shape
+def _visuals(part: Part, link: str) -> Iterator[str]:
+    """A solid in its colour, to a hundredth of a millimetre; a plate, which URDF does not know, as boxes side by side."""
+    if isinstance(part.shape, Plate):
+        for strip, (x, y) in part.shape.strips():
+            moved = part.placement @ np.array([x, y, 0.0, 1.0])
+            yield _visual(strip, moved[:3], part, link)
+    else:
+        yield _visual(part.shape, part.placement[:3, 3], part, link)
+
+
+def _visual(shape: Shape, centre: Array, part: Part, link: str) -> str:
     if isinstance(shape, Box):
-        solid = f'<box size="{_vector(np.round(shape.size, 4))}"/>'
+        solid = f'<box size="{_vector(np.round(shape.size, 5))}"/>'
     elif isinstance(shape, Cylinder):
-        solid = f'<cylinder radius="{_number(round(shape.radius, 4))}" length="{_number(round(shape.length, 4))}"/>'
+        solid = f'<cylinder radius="{_number(round(shape.radius, 5))}" length="{_number(round(shape.length, 5))}"/>'
     else:
         assert isinstance(shape, Sphere)
-        solid = f'<sphere radius="{_number(round(shape.radius, 4))}"/>'
-    place = _origin(np.round(part.placement[:3, 3], 4) + 0.0, part.placement[:3, :3], 1.0)
+        solid = f'<sphere radius="{_number(round(shape.radius, 5))}"/>'
+    place = _origin(np.round(centre, 5) + 0.0, part.placement[:3, :3], 1.0)
     colour = _vector(np.round(part.rgba, 3))
-    return f'<visual>{place}<geometry>{solid}</geometry><material name="{link} {colour}"><color rgba="{colour}"/></material></visual>'
+    paint = f'<material name="{link} {colour}"><color rgba="{colour}"/></material>'
+    return f'<visual name="{STAND_IN}">{place}<geometry>{solid}</geometry>{paint}</visual>'
 
 
 def _light(name: str, mass: float, moment: float) -> str:

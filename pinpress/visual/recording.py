@@ -28,10 +28,12 @@ from ..engines.branch import predict
 from ..engines.joints import configuration
 from ..kinematics.motion import Motion, Poses, bearing_points, poses
 from ..linkage.linkage import Linkage
+from ..simulation.run import Run
 from .pages import meshcat, packed, page
 from .shapes import meshcat_commands
 from .shapes.appearance import ShownLink, bodies
 from .shapes.bearing_layout import TOWARDS
+from .shapes.stand_ins import ShaftFlywheel
 
 PER_TURN = 360  # key frames a turn; between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
 FEWEST_PER_TURN = 36  # key frames a turn of a long motion; the pin leaves its circle by 0.4 %
@@ -94,8 +96,15 @@ def scene(
     if reactions is not None:
         _refuse_other_reactions(press, motion, reactions)
     at = poses(press, motion.joint_position[frames.states])
-    drawn = bodies(press, motion.joint_position[frames.states])
+    drawn = bodies(press, motion.joint_position[frames.states], flywheel=_flywheel(press, motion))
     return moving(press, motion, frames, at, reactions, traces) | shapes(press, frames, at, drawn)
+
+
+def _flywheel(press: Linkage, motion: Motion) -> ShaftFlywheel | None:
+    """The flywheel of a run with one driver."""
+    if not isinstance(motion, Run) or (given := motion.problem.driven.flywheel) is None or not np.all(np.asarray(given.inertia) > 0):
+        return None
+    return ShaftFlywheel(press.driver, float(np.max(given.inertia)), coupled=motion.problem.driven.clutch is None)
 
 
 def moving(
@@ -315,7 +324,7 @@ def _front(press: Linkage, at: Poses, drawn: Sequence[ShownLink]) -> list[float]
         return []
     normal = turning[0] * (1.0 if turning[0] @ TOWARDS > 0 else -1.0)
     heights: dict[bool, list[float]] = {True: [], False: []}  # of parts of the frame, of moving links, along the normal
-    for body in drawn:
+    for body in (each for each in drawn if each.name in press.links):  # a flywheel stands behind all
         frame = press.model.frames[body.frame]
         places = [at.points(frame.parentJoint, frame.placement.act(part.placement[:3, 3]))[0] for part in body.parts]
         heights[frame.parentJoint == 0] += [float(place @ normal) for place in places]

@@ -15,6 +15,7 @@ from support.exploring import examples
 import pinpress as pp
 from pinpress.pin_table import draft
 from pinpress.pin_table.templates import TEMPLATES, template
+from pinpress.visual.shapes.appearance import bodies
 
 URDF = Path(__file__).resolve().parents[2] / "urdf"
 TURN = 60 * pp.RPM
@@ -273,7 +274,11 @@ def test_what_is_written_is_a_urdf_for_others(tmp_path):
     assert sum(inertia.mass for inertia in pin.buildModelFromUrdf(str(path)).inertias) == pytest.approx(
         sum(float(link["mass"]) for link in SIX_BAR["links"].values()), rel=1e-12
     )
-    torque = reactions(pp.load(path)).driving_torque
+    loaded = pp.load(path)
+    assert not any(body.drawn for body in bodies(loaded, loaded.closed[None]))  # its shapes are made up anew
+    path.write_bytes(drawn.urdf.replace(b'<visual name="stand_in">', b"<visual>", 1))  # one that somebody has changed stays
+    assert [body.name for body in bodies(pp.load(path), loaded.closed[None]) if body.drawn] == ["frame"]
+    torque = reactions(loaded).driving_torque
     assert torque == pytest.approx(reactions(drawn.press()).driving_torque, rel=1e-14)
     assert b"A: frame on crank" in drawn.urdf
 

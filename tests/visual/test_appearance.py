@@ -19,13 +19,16 @@ from support import texts
 from support.exploring import examples
 from support.generators.random_linkages import drawn, linkages
 from support.generators.spatial_linkages import bennett, bricard, four_bar
+from support.in_browser import data_in
 from support.oracles import cassie
 
 import pinpress as pp
+from pinpress.balancing import Counterweight, with_counterweights
 from pinpress.linkage.urdf.document import Document
 from pinpress.visual.shapes import appearance
 from pinpress.visual.shapes.appearance import bodies
-from pinpress.visual.shapes.solids import Box, Cylinder, Sphere, TriangleMesh
+from pinpress.visual.shapes.solids import Box, Cylinder, Plate, Sphere, TriangleMesh, corners, half_disc, rounded_plate, volume_and_centre
+from pinpress.visual.shapes.stand_ins import ShaftFlywheel
 
 STATES = 24
 STEEL = (0.90, 0.91, 0.92, 1.0)
@@ -63,6 +66,11 @@ def within(shape: Any, points: Any) -> Any:
         return np.all(np.abs(points) <= np.array(shape.size) / 2 + slack, axis=1)
     if isinstance(shape, Sphere):
         return np.linalg.norm(points, axis=1) <= shape.radius + slack
+    if isinstance(shape, Plate):
+        along = np.roll(shape.outline, -1, axis=0) - shape.outline
+        left = np.column_stack([-along[:, 1], along[:, 0]]) / np.maximum(np.linalg.norm(along, axis=1), 1e-12)[:, None]
+        inside = np.all(points[:, :2] @ left.T >= np.sum(left * shape.outline, axis=1) - slack, axis=1)
+        return inside & (np.abs(points[:, 2]) <= shape.thickness / 2 + slack)
     return (np.hypot(points[:, 0], points[:, 1]) <= shape.radius + slack) & (np.abs(points[:, 2]) <= shape.length / 2 + slack)
 
 
@@ -400,10 +408,11 @@ def test_links_pass_each_other_in_layers(name: str) -> None:
     for body in bodies(press, positions(press)):
         placed = press.model.frames[body.frame].placement  # its turning about the normal changes nothing
         low, high = np.inf, -np.inf
-        for part in body.parts:
+        guided = not press.axes[press.model.frames[body.frame].parentJoint - 1].turns
+        for part in body.parts[:1] if guided else body.parts:  # the block of a slide's mass is where nothing passes
             if tuple(part.rgba) != STEEL and body.name != "frame":
                 middle = (placed.homogeneous @ part.placement)[1, 3]
-                thickness = part.shape.size[2] if isinstance(part.shape, Box) else part.shape.length
+                thickness = part.shape.size[2] if isinstance(part.shape, Box) else getattr(part.shape, "length", 0) or part.shape.thickness
                 assert_allclose(np.abs(part.placement[:3, :3].T[2] @ placed.rotation.T), [0, 1, 0], atol=1e-9)
                 low, high = min(low, middle - thickness / 2), max(high, middle + thickness / 2)
         layers += [(low, high)] if body.name != "frame" else []
@@ -422,19 +431,122 @@ def test_slides_stay_between_their_rails(name: str) -> None:
         if axis.turns or press.model.parents[j] != 0:
             continue
         slide = next(body for body in shown if press.model.frames[body.frame].parentJoint == j)
-        block = slide.parts[0]
-        assert isinstance(block.shape, Box)
+        blocks = [part for part in slide.parts if isinstance(part.shape, Box)]  # one for its pins, one of its mass
         direction = press.model.jointPlacements[j].rotation @ axis.direction
-        along = press.model.jointPlacements[j].homogeneous @ block.placement
-        middle = along[:3, 3] @ direction + position[:, j - 1]
-        low, high = middle.min() - block.shape.size[0] / 2, middle.max() + block.shape.size[0] / 2
-        mine = [p for p in rails if abs(abs(p.placement[:3, 0] @ direction) - 1) < 1e-9 and abs(p.placement[1, 3] - along[1, 3]) < 1e-9]
+        places = [press.model.jointPlacements[j].homogeneous @ block.placement for block in blocks]
+        middles = [place[:3, 3] @ direction for place in places]
+        halves = [block.shape.size[0] / 2 for block in blocks]
+        low = min(middle - half for middle, half in zip(middles, halves, strict=True)) + position[:, j - 1].min()
+        high = max(middle + half for middle, half in zip(middles, halves, strict=True)) + position[:, j - 1].max()
+        mine = [p for p in rails if abs(abs(p.placement[:3, 0] @ direction) - 1) < 1e-9 and abs(p.placement[1, 3] - places[0][1, 3]) < 1e-9]
+        ends = np.array([-1, 1]) / 2
+        mine = [p for p in mine if np.allclose(p.placement[:3, 3] @ direction + ends * p.shape.size[0], [low, high], rtol=0, atol=1e-9)]
         assert len(mine) == 2
         for rail in mine:
-            ends = rail.placement[:3, 3] @ direction + np.array([-1, 1]) * rail.shape.size[0] / 2
-            assert_allclose(ends, [low, high], atol=1e-9)
-            apart = abs((rail.placement[:3, 3] - along[:3, 3]) @ along[:3, 1])
-            assert apart > (block.shape.size[1] + rail.shape.size[1]) / 2
+            for block, place in zip(blocks, places, strict=True):
+                apart = abs((rail.placement[:3, 3] - place[:3, 3]) @ place[:3, 1])
+                assert apart > (block.shape.size[1] + rail.shape.size[1]) / 2
+
+
+STEEL_DENSITY = 7850.0
+
+
+def steel(solids: Any, placement: Any) -> tuple[float, Any]:
+    """Mass and centre of mass of solids of steel."""
+    found = [volume_and_centre(part.shape) for part in solids]
+    masses = STEEL_DENSITY * np.array([volume for volume, _ in found])
+    centres = [(placement @ part.placement @ [*centre, 1])[:3] for part, (_, centre) in zip(solids, found, strict=True)]
+    return float(masses.sum()), masses @ np.array(centres) / masses.sum()
+
+
+def test_volumes_and_centres() -> None:
+    """Against closed forms, and a plate against its own triangles and strips."""
+    plate = rounded_plate(np.array([[0.0, 0.0], [0.4, 0.0], [0.1, 0.3]]), np.array([0.05, 0.02, 0.03]), 0.02)
+    mesh = plate.mesh()
+    volume, centre = volume_and_centre(plate)
+    assert_allclose(volume_and_centre(mesh)[0], volume)
+    assert_allclose(volume_and_centre(mesh)[1], centre, atol=1e-12)
+    strips = plate.strips()
+    assert_allclose(sum(np.prod(box.size) for box, _ in strips), volume, rtol=0.02)
+    for (x, y), radius in zip([(0, 0), (0.4, 0), (0.1, 0.3)], (0.05, 0.02, 0.03), strict=True):
+        around = [(x, y, 0.0)] + [(x + 0.98 * radius * np.cos(a), y + 0.98 * radius * np.sin(a), 0.0) for a in range(7)]
+        assert within(plate, np.array(around)).all()  # it holds its circles
+    assert corners(plate)[:, 0].min() == pytest.approx(-0.05, rel=1e-3)
+    volume, centre = volume_and_centre(half_disc(0.3, 0.1))
+    assert volume == pytest.approx(np.pi * 0.3**2 / 2 * 0.1, rel=5e-3)
+    assert_allclose(centre, [4 * 0.3 / (3 * np.pi), 0, 0], atol=1e-3)
+
+
+def test_counterweights_of_a_balanced_press_have_their_mass_where_it_is() -> None:
+    """The 3 tonnes that balancing finds are seen, on links with visuals and without; bodies are as before."""
+    press = texts.shipped("zxn2_3000b")
+    weights = [Counterweight("crank", 3000.0, (-0.1, 0.0, 0.05)), Counterweight("rod", 40.0, (0.3, 0.0, 0.0))]
+    balanced = with_counterweights(press, weights)
+    for one, other in ((press, balanced), (bare(press), bare(balanced))):
+        position = positions(press)
+        before, after = ({body.name: body for body in bodies(each, position)} for each in (one, other))
+        for weight in weights:
+            body = after[weight.link]
+            shades = [0.66 * part.rgba[:3] for part in body.parts]  # of the link's colours
+            more = [part for part in body.parts if any(np.allclose(part.rgba[:3], shade) for shade in shades)]
+            assert len(more) == 1
+            mass, centre = steel(more, np.eye(4))
+            assert mass == pytest.approx(weight.mass, rel=5e-3)
+            assert_allclose(centre[[0, 2]], np.array(weight.position)[[0, 2]], atol=2e-3)
+            assert len(body.parts) >= len(before[weight.link].parts) + 1
+        assert [len(after[name].parts) for name in ("coupler", "slide")] == [len(before[name].parts) for name in ("coupler", "slide")]
+
+
+@pytest.mark.parametrize("mass", [30.0, 4000.0])
+def test_slides_are_of_their_mass(mass: float) -> None:
+    press = bare(texts.shipped("crank_slide"))
+    model = press.model.copy()
+    joint = model.frames[model.getFrameId("slide")].parentJoint
+    model.inertias[joint] = pin.Inertia(mass, model.inertias[joint].lever, np.eye(3))
+    text = re.sub(r'(<link name="slide">.*?<mass value=")[^"]*', rf"\g<1>{mass}", press.text.decode(), count=1, flags=re.DOTALL)
+    shown = bodies(dataclasses.replace(with_text(press, text.encode()), model=model), positions(press))
+    lug, *block = [part for part in next(body for body in shown if body.name == "slide").parts if isinstance(part.shape, Box)]
+    if mass < 100:
+        assert steel([lug, *block], np.eye(4))[0] == pytest.approx(mass, rel=1e-9)
+    else:  # no slide is larger than its press
+        assert np.all(np.array(block[0].shape.size) < 0.43 * press.size)
+
+
+def test_frame_of_a_press() -> None:
+    """It stands behind all that moves, holds every pivot, and its bolster is below the slide wherever that goes."""
+    press = bare(texts.shipped("zxn2_3000b"))
+    frame, *moving = bodies(press, positions(press))
+    placed = [(part, part.placement[:3, 3] + corners(part.shape) @ part.placement[:3, :3].T) for part in frame.parts]
+    slide = next(body for body in moving if body.name == "slide")
+    guide = press.model.jointPlacements[press.model.frames[slide.frame].parentJoint].homogeneous
+    travel = positions(press)[:, press.joints.index("slide_guide")]
+    block = [(guide @ np.vstack([(part.placement @ [*corner, 1.0]) for corner in corners(part.shape)]).T)[:3].T for part in slide.parts]
+    lowest = min(points[:, 2].min() for points in block) + travel.min()
+    highest = max(points[:, 2].max() for part, points in placed if points[:, 2].max() < lowest)  # the bolster, under the slide
+    assert 0.02 < lowest - highest < 0.2
+    width = max(points[:, 0].max() for points in block) - min(points[:, 0].min() for points in block)
+    bolster = next(points for _, points in placed if points[:, 2].max() == highest)
+    assert np.ptp(bolster[:, 0]) > 0.9 * width
+    everything = np.concatenate([points for _, points in placed])
+    assert np.ptp(everything, axis=0).max() < 2.5 * press.size
+
+
+@pytest.mark.parametrize("name", ["crank_slide", "zxn2_3000b"])
+def test_flywheel_of_its_inertia_turns_with_the_crank(name: str, tmp_path: Path) -> None:
+    press = texts.shipped(name)
+    run = pp.simulate(press, 0.5, speed=7.0, flywheel=pp.drives.Flywheel(inertia=25.0))
+    *links, wheel = bodies(press, run.joint_position, flywheel=ShaftFlywheel(press.driver, 25.0))
+    assert wheel.name == "flywheel"
+    disc, axis = wheel.parts[0], press.axes[press.joints.index(press.driver)].direction
+    mass = STEEL_DENSITY * np.pi * disc.shape.radius**2 * disc.shape.length
+    assert mass * disc.shape.radius**2 / 2 == pytest.approx(25.0)
+    assert_allclose(np.abs(disc.placement[:3, 2] @ axis), 1)
+    assert_allclose(disc.placement[[0, 2], 3], 0, atol=1e-12)  # on the crank's shaft, behind all else
+    low = min((p.placement[:3, 3] + corners(p.shape) @ p.placement[:3, :3].T)[:, 1].max() for p in wheel.parts[:1])
+    assert low > 0
+    assert [body.name for body in links] == list(press.links)
+    legend = [row["name"] for row in data_in(pp.record(press, run, tmp_path / "out.html"))["legend"]]
+    assert legend == [*press.links[1:], "flywheel"]
 
 
 def test_same_press_same_parts() -> None:
@@ -443,7 +555,7 @@ def test_same_press_same_parts() -> None:
     for a, b in zip(one, other, strict=True):
         assert (a.name, a.frame, a.drawn) == (b.name, b.frame, b.drawn)
         for p, r in zip(a.parts, b.parts, strict=True):
-            assert p.shape == r.shape
+            assert_array_equal(corners(p.shape), corners(r.shape))
             assert_array_equal(p.placement, r.placement)
             assert_array_equal(p.rgba, r.rgba)
 

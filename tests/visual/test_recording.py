@@ -292,7 +292,7 @@ def test_arrows_take_colour_with_load(traced: tuple[Path, Any, Any], shared_view
     peak = max(np.linalg.norm(f, axis=1).max() for f in (*result.bearing_force.values(), result.shaking_force))
     assert page.inner_text("#peak") == f"{peak / 1e3:.0f} kN"
     assert page.evaluate("[0, 1e-3, 0.9, 12.345, 999.6, 41234, 3.4156e6, 2e9].map(newtons)") == [
-        *("0 N", "0 N", "0.900 N", "12.3 N", "1.00 kN", "41.2 kN", "3.42 MN", "2000 MN")  # rounding beside the peak is no force
+        *("0 N", "0 N", "900 mN", "12.3 N", "1.00 kN", "41.2 kN", "3.42 MN", "2000 MN")  # rounding beside the peak is no force
     ]
 
 

@@ -18,11 +18,13 @@ from ...engines.branch import predict
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.document import Element
-from .solids import Box, Cylinder, Part, Shape, Sphere, TriangleMesh, part, read_mesh
-from .stand_ins import plain_parts
+from .solids import Box, Cylinder, Part, Plate, Shape, Sphere, TriangleMesh, part, read_mesh
+from .stand_ins import ShaftFlywheel, made_up_parts
 
 UNPAINTED = (0.62, 0.65, 0.69, 1.0)  # colour of a visual that has none
 MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # in all links together; a page with more hardly opens in a browser
+STAND_IN = "stand_in"  # name of visuals that pinpress wrote for other programs; here shapes are made up anew, as lengths may have changed
+FLYWHEEL = "flywheel"  # its name where no link has it
 SHAPES = "<mesh>, <box>, <cylinder> and <sphere>"
 
 
@@ -43,16 +45,20 @@ class ShownLink:
     drawn: bool
 
 
-def bodies(press: Linkage, joint_position: Array, *, made_up: Collection[str] = ()) -> tuple[ShownLink, ...]:
-    """The links of a press as solids, in document order.
+def bodies(
+    press: Linkage, joint_position: Array, *, made_up: Collection[str] = (), flywheel: ShaftFlywheel | None = None
+) -> tuple[ShownLink, ...]:
+    """The links of a press as solids, in document order, and a flywheel behind them.
 
-    A link without `<visual>` is shown as bars between its bearings, a slide as a block, the frame as pedestals and rails. Links that
-    are fixed to others and have no bearing of their own are left out.
+    A link without `<visual>` is shown as a bar, plate, web or disc between its bearings, a slide as a block of its mass, the frame of a
+    press as columns, beams, gibs and a bed. Counterweights are of steel of their mass, those of `balance` on links with visuals too.
+    Links that are fixed to others and have no bearing of their own are left out.
 
     Args:
         press: the linkage.
-        joint_position: (n, nv) joint positions of a motion, whose travels are the lengths of rails [rad or m].
+        joint_position: (n, nv) joint positions of a motion, whose travels are the lengths of gibs [rad or m].
         made_up: names of links that are shown from their bearings in any case, because their `<visual>` no longer fits.
+        flywheel: on the shaft of a driver.
 
     Raises:
         PinpressError: joint positions have a wrong shape or are not finite; a visual is not finite or has no size, or its mesh cannot be
@@ -62,12 +68,17 @@ def bodies(press: Linkage, joint_position: Array, *, made_up: Collection[str] = 
     robot = press.document.robot
     colours = _materials(robot)
     drawn = {name: parts for name, parts in _drawn(press.file, robot, colours).items() if name not in made_up}
-    made = plain_parts(press, travel, drawn.keys())
-    return tuple(
-        ShownLink(name, press.model.getFrameId(name, pin.BODY), drawn.get(name) or made[name], name in drawn)
+    made, wheel = made_up_parts(press, travel, drawn, flywheel)
+    shown = [
+        ShownLink(name, press.model.getFrameId(name, pin.BODY), (*drawn.get(name, ()), *made.get(name, ())), name in drawn)
         for name in press.links
         if name in drawn or made.get(name)
-    )
+    ]
+    if flywheel is not None:
+        frame = next(f for f in press.model.frames if f.type == pin.BODY and f.parentJoint == press.model.getJointId(flywheel.driver))
+        name = FLYWHEEL if FLYWHEEL not in press.links else f"{FLYWHEEL} of {flywheel.driver}"
+        shown.append(ShownLink(name, press.model.getFrameId(frame.name, pin.BODY), wheel, False))
+    return tuple(shown)
 
 
 @typed
@@ -151,6 +162,8 @@ def _colour(material: Element) -> Array | None:
 
 def _visuals(file: str, link: Element, colours: Mapping[str, Array]) -> Iterator[Part]:
     for visual in link.all("visual"):
+        if visual.get("name") == STAND_IN:
+            continue
         rgba = next((colours.get(m.get("name"), _colour(m)) for m in visual.all("material")), None)
         placement = _placement(link.get("name"), visual)
         for geometry in visual.all("geometry"):
@@ -212,6 +225,8 @@ def _coal_shape(shape: Shape) -> Any:
         return coal.Cylinder(shape.radius, shape.length)
     if isinstance(shape, Sphere):
         return coal.Sphere(shape.radius)
+    if isinstance(shape, Plate):
+        shape = shape.mesh()
     mesh = coal.BVHModelOBBRSS()
     mesh.beginModel(len(shape.faces), len(shape.vertices))
     mesh.addVertices(shape.vertices)

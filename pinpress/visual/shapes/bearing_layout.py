@@ -20,6 +20,7 @@ TOWARDS = np.array([0.1, -1.0, 0.5])  # direction towards the viewer
 WIDTH, LEAST_WIDTH = 0.042, 0.03  # width of a bar, as a share of the size
 SLIDE = 0.15  # largest reach of a slide for its centre of mass, as a share of the size
 LARGEST_DISC = 0.1  # largest radius of the disc of a compact link, as a share of the size
+FULLY = 0.98 * 2 * math.pi  # a link that turns this far turns fully [rad]
 SHORTEST = 0.5  # width of a bar, as a share of the shortest link, if that is between the two widths
 
 
@@ -45,17 +46,50 @@ class PlacedBearing:
 
 
 @dataclass(frozen=True, eq=False)
+class BodyMass:
+    """The mass of a link, with what is welded to it, in the drawn pose, world axes.
+
+    Attributes:
+        mass: mass [kg].
+        centre: (3,) centre of mass [m].
+        gyration: (3, 3) squared radii of gyration about the centre, as a tensor [m2].
+    """
+
+    mass: float
+    centre: Array
+    gyration: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Ballast:
+    """A counterweight.
+
+    Attributes:
+        mass: mass [kg].
+        centre: (3,) centre of mass, in world axes in the drawn pose unless said otherwise [m].
+    """
+
+    mass: float
+    centre: Array
+
+
+@dataclass(frozen=True, eq=False)
 class BearingLayout:
     """Bearings in the drawn pose, world axes.
 
     Attributes:
         links: the links that need plain shapes, in document order.
         on_frame: those of them that are the frame, or fixed to it.
-        placements: link -> (4, 4) placement of its frame.
+        placements: link -> (4, 4) placement of its frame, of all links.
         bearings: joints, then cut loops.
         normal: (3,) normal of a planar linkage, towards the viewer; None for a linkage in space.
         welded: link -> origin (3,) at which it is welded to others, for links whose body has visuals of other links [m].
-        masses: link -> centre of mass (3,) [m] and squared radii of gyration as a tensor (3, 3) [m2], for links with a mass.
+        masses: link -> its mass, for links that have one; without what was added to it since the linkage was read.
+        added: link -> what was added to its mass since.
+        cranks: links that turn fully on the frame, or are driven there.
+        turning: joints of all these links, also of those with visuals.
+        slide: the slide, if it needs plain shapes; else None.
+        upwards: (3,) unit vector along which the slide's position grows; None without a slide.
         size: size of the linkage [m].
     """
 
@@ -65,7 +99,12 @@ class BearingLayout:
     bearings: tuple[PlacedBearing, ...]
     normal: Array | None
     welded: Mapping[str, Array]
-    masses: Mapping[str, tuple[Array, Array]]
+    masses: Mapping[str, BodyMass]
+    added: Mapping[str, Ballast]
+    cranks: frozenset[str]
+    turning: frozenset[int]
+    slide: str | None
+    upwards: Array | None
     size: float
 
     def ends(self, link: str) -> list[tuple[PlacedBearing, int]]:
@@ -80,7 +119,7 @@ class BearingLayout:
         points = [bearing.points[side] for bearing, side in self.ends(link)] + ([self.welded[link]] if link in self.welded else [])
         nodes = self._distinct(points)
         if len(nodes) == 1 and link in self.masses:
-            away = self.flat(self.masses[link][0] - nodes[0])
+            away = self.flat(self.masses[link].centre - nodes[0])
             distance = float(np.linalg.norm(away))
             slides = any(bearing.kind == "guide" and side == 1 for bearing, side in self.ends(link))
             if 0.02 * self.size < distance < 2 * self.size:
@@ -95,7 +134,7 @@ class BearingLayout:
         """Radius of the disc about an axis (3,) that has the inertia of a link, within limits; the least without a mass [m]."""
         if link not in self.masses:
             return least
-        gyration = float(axis @ self.masses[link][1] @ axis)
+        gyration = float(axis @ self.masses[link].gyration @ axis)
         return float(np.clip(math.sqrt(2 * max(gyration, 0.0)), least, LARGEST_DISC * self.size))
 
     def _distinct(self, points: list[Array]) -> Array:
@@ -123,7 +162,9 @@ def tree(nodes: Array) -> list[tuple[Array, Array]]:
     return found
 
 
-def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str]) -> BearingLayout:
+def lay_out_bearings(
+    press: Linkage, travel: Array, drawn: Collection[str], added: Mapping[int, tuple[pin.Inertia, Ballast]]
+) -> BearingLayout:
     """Lay out the bearings of a press in the drawn pose.
 
     Links that are welded together are drawn as one, the first of them, unless one of them has visuals.
@@ -132,6 +173,7 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str]) -> B
         press: the linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
         drawn: links that have visuals.
+        added: what was added to masses since the linkage was read, by the joint: the inertia before, and what was added.
 
     Raises:
         PinpressError: the drawn pose is not finite.
@@ -158,18 +200,29 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str]) -> B
             b if b.kind in ("pin", "guide") else replace(b, kind="pin" if b.kind == "ball" else b.kind, axis=normal) for b in bearings
         ]
     links = tuple(link for link in press.links if owner(link) == link)
-    placements = {link: np.array(data.oMf[frames[link]].homogeneous) for link in links}
+    placements = {link: np.array(data.oMf[frames[link]].homogeneous) for link in press.links}
     welded = {link: placements[link][:3, 3] for link in links if joint[link] in mixed and link != press.root}
-    found = _masses(press, data, {link: joint[link] for link in links if joint[link] not in mixed | {0}})
+    own = {link: joint[link] for link in links if joint[link] not in mixed | {0}}
+    found = _masses(data, {link: added[j][0] if j in added else press.model.inertias[j] for link, j in own.items()}, own)
+    since = {link: Ballast(added[j][1].mass, data.oMi[j].act(added[j][1].centre)) for link, j in own.items() if j in added}
+    turning = frozenset(
+        j + 1
+        for j, name in enumerate(press.joints)
+        if press.axes[j].turns and press.model.parents[j + 1] == 0 and (name in press.drivers or np.ptp(travel[:, j]) > FULLY)
+    )
+    cranks = frozenset(link for j in turning if (link := bearings[j - 1].links[1]) is not None)
+    slide, upwards = (None, None) if press.slide is None else (owner(press.slide), press.slide_direction)
     points = np.concatenate([b.points for b in bearings])
     if not np.isfinite(points).all():
         raise PinpressError(f"the drawn pose of {press.name} is not finite: its model's joints have no place; load it again")
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     if size == 0:
-        reaches = (float(np.linalg.norm(centre - points[0]) + np.sqrt(np.trace(gyration) / 2)) for centre, gyration in found.values())
+        reaches = (float(np.linalg.norm(body.centre - points[0]) + np.sqrt(np.trace(body.gyration) / 2)) for body in found.values())
         size = 4 * max(reaches, default=0.0) or 1.0
     on_frame = frozenset(link for link in links if joint[link] == 0)
-    return _without_stubs(BearingLayout(links, on_frame, placements, tuple(bearings), normal, welded, found, size))
+    return _without_stubs(
+        BearingLayout(links, on_frame, placements, tuple(bearings), normal, welded, found, since, cranks, turning, slide, upwards, size)
+    )
 
 
 def _without_stubs(layout: BearingLayout) -> BearingLayout:
@@ -219,14 +272,13 @@ def _normal(bearings: list[PlacedBearing]) -> Array | None:
     return -normal if normal @ TOWARDS < 0 else normal
 
 
-def _masses(press: Linkage, data: pin.Data, joint: Mapping[str, int]) -> dict[str, tuple[Array, Array]]:
+def _masses(data: pin.Data, bodies: Mapping[str, pin.Inertia], joint: Mapping[str, int]) -> dict[str, BodyMass]:
     found = {}
-    for link, j in joint.items():
-        body = press.model.inertias[j]
+    for link, body in bodies.items():
         if body.mass > 0:
-            turned = data.oMi[j].rotation
+            turned = data.oMi[joint[link]].rotation
             with np.errstate(all="ignore"):
                 gyration = turned @ body.inertia @ turned.T / body.mass
             if np.isfinite(gyration).all():  # not of a mass next to nothing
-                found[link] = (data.oMi[j].act(body.lever), gyration)
+                found[link] = BodyMass(body.mass, data.oMi[joint[link]].act(body.lever), gyration)
     return found

@@ -13,7 +13,7 @@ from ...kinematics.motion import Poses
 from ...linkage.linkage import Linkage
 from ..pages import NO_MESHCAT
 from .appearance import ShownLink
-from .solids import Box, Cylinder, Shape, TriangleMesh
+from .solids import Box, Cylinder, Plate, Shape, TriangleMesh
 
 LARGEST = float(np.finfo(np.float32).max)
 FLOATS, WHOLE_NUMBERS = 0x17, 0x16  # Meshcat's extension types of MessagePack for arrays of float32 and of uint32
@@ -146,6 +146,8 @@ def _geometry(shape: Shape) -> tuple[dict[str, Any], Array]:
     """A shape for three.js, and the rotation from three.js's axes to ours."""
     if isinstance(shape, Box):
         return dict(zip(("type", "width", "height", "depth"), ("BoxGeometry", *shape.size), strict=True)), np.eye(4)
+    if isinstance(shape, Plate):
+        shape = shape.mesh()
     if isinstance(shape, TriangleMesh):
         attributes = {"position": {"itemSize": 3, "type": "Float32Array", "array": shape.vertices.ravel(), "normalized": False}}
         index = {"itemSize": 1, "type": "Uint32Array", "array": shape.faces.ravel(), "normalized": False}

@@ -1,4 +1,4 @@
-"""The solids that links are drawn with: boxes, cylinders, spheres, and triangles read from the mesh files that a URDF names.
+"""The solids that links are drawn with: boxes, cylinders, spheres, plates, and triangles read from the mesh files that a URDF names.
 
 The library that reads mesh files, Assimp within Coal, is not safe with what a file may say: it follows references between files and
 between the parts of a file without end, ends the process where they go too deep, makes room for as many vertices as the largest index says,
@@ -6,11 +6,14 @@ and takes quadratic time over many groups or the corners of one polygon. So a fi
 sound. Materials, controllers and animations are not shown, so that Assimp need not see them.
 """
 
+import itertools
+import math
 import os
 import re
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +33,9 @@ MOST_TRIANGLES = 500_000
 MOST_CORNERS = 1000  # corners of one polygon
 MOST_NODES = 10_000  # nodes of a COLLADA scene, every instance counted
 DEEPEST_NODES = 200
+
+CORNERS = 48  # of the outline of a rounded plate
+STRIPS = 12  # boxes for a plate where there are no plates
 
 _LINE = re.compile(rb"^[ \t]*(v|vt|vn|f)[ \t]([^\r\n]*)", re.MULTILINE)  # lines of a Wavefront file that make triangles
 _INDICES = re.compile(rb"<(?:p|v|vcount)\b[^>]*>([^<]*)<|(?:count|offset|stride)\s*=\s*[\"']([^\"']*)")
@@ -88,7 +94,111 @@ class TriangleMesh:
         return f"<TriangleMesh: {len(self.vertices)} vertices, {len(self.faces)} faces>"
 
 
-Shape = Box | Cylinder | Sphere | TriangleMesh
+@dataclass(frozen=True, eq=False, repr=False)
+class Plate:
+    """A plate with a convex outline about its own origin, across z. Arrays are read-only.
+
+    Attributes:
+        outline: (n, 2) corners in x and y, anticlockwise [m].
+        thickness: from -thickness / 2 to thickness / 2 along z [m].
+    """
+
+    outline: Array
+    thickness: float
+
+    def __repr__(self) -> str:
+        return f"<Plate: {len(self.outline)} corners, {self.thickness:g} m thick>"
+
+    @cached_property
+    def area(self) -> tuple[float, Array]:
+        """Area [m2] and its centre (2,) [m]."""
+        corners, following = self.outline, np.roll(self.outline, -1, axis=0)
+        twice = corners[:, 0] * following[:, 1] - corners[:, 1] * following[:, 0]  # of the triangles with the origin
+        return float(twice.sum() / 2), np.asarray(twice @ (corners + following) / (3 * twice.sum()))
+
+    def mesh(self) -> TriangleMesh:
+        """Its triangles: those of both faces are fans."""
+        n = len(self.outline)
+        vertices = np.vstack([np.column_stack([self.outline, np.full(n, z * self.thickness)]) for z in (-0.5, 0.5)])
+        k = np.arange(n)
+        after = (k + 1) % n
+        sides = np.vstack([np.column_stack([k, after, after + n]), np.column_stack([k, after + n, k + n])])
+        fan = np.column_stack([np.zeros(n - 2, dtype=int), k[1:-1], k[2:]])
+        return TriangleMesh(read_only(vertices), read_only(np.vstack([sides, fan[:, ::-1], fan + n]).astype(np.int64)))
+
+    def strips(self) -> list[tuple[Box, Array]]:
+        """Boxes along x that fill the outline, `STRIPS` side by side, each with its centre (2,) [m]: for formats without plates."""
+        edges = np.linspace(self.outline[:, 1].min(), self.outline[:, 1].max(), STRIPS + 1)
+        found = []
+        for at in (edges[1:] + edges[:-1]) / 2:
+            low, high = self._chord(at)
+            found.append((Box((high - low, float(edges[1] - edges[0]), self.thickness)), np.array([(low + high) / 2, at])))
+        return found
+
+    def _chord(self, at: float) -> tuple[float, float]:
+        """Where a line of constant y cuts the outline."""
+        (x1, y1), (x2, y2) = self.outline.T, np.roll(self.outline, -1, axis=0).T
+        cut = (y1 < at) != (y2 < at)
+        crossings = x1[cut] + (at - y1[cut]) / (y2[cut] - y1[cut]) * (x2[cut] - x1[cut])
+        return float(crossings.min()), float(crossings.max())
+
+
+def rounded_plate(centres: Array, radii: Array, thickness: float) -> Plate:
+    """The convex plate about circles.
+
+    Args:
+        centres: (k, 2) [m].
+        radii: (k,) [m].
+        thickness: of the plate [m].
+    """
+    angle = 2 * np.pi * np.arange(CORNERS) / CORNERS
+    outwards = np.column_stack([np.cos(angle), np.sin(angle)])
+    outermost = np.argmax(outwards @ centres.T + radii, axis=1)
+    return Plate(read_only(centres[outermost] + radii[outermost, None] * outwards), thickness)
+
+
+def half_disc(radius: float, thickness: float) -> Plate:
+    """Half a disc about its own origin, on the side of positive x."""
+    angle = np.pi * (np.arange(CORNERS // 2 + 1) / (CORNERS // 2) - 0.5)
+    return Plate(read_only(radius * np.column_stack([np.cos(angle), np.sin(angle)])), thickness)
+
+
+Shape = Box | Cylinder | Sphere | Plate | TriangleMesh
+
+
+def corners(shape: Shape) -> Array:
+    """(8, 3) corners of the box about a solid along its own axes [m]."""
+    if isinstance(shape, Plate | TriangleMesh):
+        vertices = (shape.mesh() if isinstance(shape, Plate) else shape).vertices
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+    else:
+        if isinstance(shape, Box):
+            size = np.array(shape.size)
+        elif isinstance(shape, Cylinder):
+            size = np.array([2 * shape.radius, 2 * shape.radius, shape.length])
+        else:
+            size = np.full(3, 2 * shape.radius)
+        low, high = -size / 2, size / 2
+    return np.array(list(itertools.product(*zip(low, high, strict=True))))
+
+
+def volume_and_centre(shape: Shape) -> tuple[float, Array]:
+    """Volume [m3] of a solid, and its centre (3,) about its own origin [m]."""
+    if isinstance(shape, Box):
+        return math.prod(shape.size), np.zeros(3)
+    if isinstance(shape, Cylinder):
+        return math.pi * shape.radius**2 * shape.length, np.zeros(3)
+    if isinstance(shape, Sphere):
+        return 4 / 3 * math.pi * shape.radius**3, np.zeros(3)
+    if isinstance(shape, Plate):
+        area, centre = shape.area
+        return area * shape.thickness, np.array([*centre, 0.0])
+    a, b, c = shape.vertices[shape.faces].transpose(1, 0, 2)
+    six = np.sum(a * np.cross(b, c), axis=1)  # volumes of the tetrahedra with the origin, six times
+    total = float(six.sum())
+    if not total > 0:  # not closed
+        return 0.0, shape.vertices.mean(axis=0)
+    return total / 6, six @ (a + b + c) / (4 * total)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,11 +229,25 @@ class MadeUpSolid:
         shape: shape of the solid.
         placement: (4, 4) placement of the solid [m].
         steel: whether it is a pin, which has the colour of steel instead of the link's.
+        darker: whether it is a counterweight, which has a darker shade of the link's colour.
     """
 
     shape: Shape
     placement: Array
     steel: bool = False
+    darker: bool = False
+
+
+def standing(shape: Shape, centre: Array, along: Array | None = None, *, steel: bool = False, darker: bool = False) -> MadeUpSolid:
+    """A solid with its z axis along a direction."""
+    placement = np.eye(4)
+    placement[:3, 3] = centre
+    if along is not None:
+        z = along / np.linalg.norm(along)
+        x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
+        x /= np.linalg.norm(x)
+        placement[:3, 0], placement[:3, 1], placement[:3, 2] = x, np.cross(z, x), z
+    return MadeUpSolid(shape, placement, steel, darker)
 
 
 def read_mesh(file: str, link: str, name: str, scale: tuple[float, ...]) -> TriangleMesh:

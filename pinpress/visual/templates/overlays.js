@@ -81,11 +81,11 @@ function addForces() {
 
 const foot = () => [centre.x, -centre.z, low.y];  // of the press, in its own axes
 
-const UNITS = [[1e6, "MN"], [1e3, "kN"], [1, "N"]];
+const UNITS = [[1e6, "MN"], [1e3, "kN"], [1, "N"], [1e-3, "mN"]];
 
 function newtons(force) {  // three digits, in the unit of this force; rounding beside the largest of all forces is no force
   if (force < 1e-7 * data.peak) return "0 N";
-  const [per, unit] = UNITS.find(([per]) => force >= 0.9995 * per) || UNITS[2];
+  const [per, unit] = UNITS.find(([per]) => force >= 0.9995 * per) || UNITS[3];
   const digits = (force / per).toPrecision(3);
   return `${digits.includes("e+") ? Number(digits) : digits} ${unit}`;
 }

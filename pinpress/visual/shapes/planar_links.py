@@ -1,0 +1,352 @@
+"""Plain shapes of the links of a planar linkage, made up from their bearings and masses.
+
+Links are bars, plates, webs, discs and blocks, each in a layer of its own along the normal, so that they pass each other. The frame stands
+behind, then come the links that it carries on pins, then the others, and in front the slides in their gibs. Lengths are true, except for
+the offsets of the layers along the normal; these are about the true heights of the links.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+
+from ...common.quantities import Array
+from .ballast import DENSITY, besides, outside, plane_counterweight, slide_block
+from .bearing_layout import Ballast, BearingLayout, PlacedBearing, tree
+from .solids import Box, Cylinder, MadeUpSolid, Plate, rounded_plate
+
+# In widths of a bar.
+THICKNESS = 0.5
+LAYER = 0.85
+EYE, EYE_LENGTH = 0.72, 0.62  # radius and length
+PIN, STUB = 0.34, 0.42  # radius, and how far it stands out of the middle of the outermost link
+DISC = 1.25  # least radius
+COMPACT = 1.5  # a link shorter than this is a disc
+WEB, WEB_END = 1.2, 0.85  # radius of a crank's web about its shaft, and about its crank pin
+LARGEST_WEB = 2.5  # how far a crank's disc may stand out beyond its crank pin
+BLOCK, BLOCK_WIDTH = 1.15, 1.45  # distance of its outermost place from its ends along the guide, and across
+BLOCK_SHAPE = 0.3  # half the least width of a long block, as a share of its length
+OVERLAP = 0.3  # of a slide's block and what it hangs on
+SEEN_BLOCK = 0.2  # a slide of this much more mass than what holds its pins has a block of its own, as a share
+COLLAR, COLLAR_WIDTH, COLLAR_THICKNESS = 2.4, 1.9, 0.92
+RECESS = 0.06  # of a counterweight's front behind that of its link
+BEHIND = 0.68  # from the hindmost of the moving links to the middle of the frame
+OUTSIDE = 1.0  # a centre of mass farther than this outside of a link's pins is one of a counterweight
+
+
+class PlanarLinks:
+    """A planar linkage with its links in layers.
+
+    Attributes:
+        layout: bearings and masses in the drawn pose.
+        normal: (3,) normal of the linkage, towards the viewer.
+        width: width of a bar [m].
+        down: (3,) unit vector in the plane that points down, as far as it can.
+    """
+
+    def __init__(self, layout: BearingLayout, normal: Array) -> None:
+        self.layout, self.normal, self.width = layout, normal, layout.width
+        down = np.array([0.0, 0.0, -1.0]) if abs(normal[2]) < 0.9 else np.array([0.0, -1.0, 0.0])
+        self.down = down - (down @ normal) * normal
+        self.down /= np.linalg.norm(self.down)
+        self.moving = [link for link in layout.links if link not in layout.on_frame]
+        self._nodes = {link: layout.nodes(link) for link in layout.links}
+        self._collars = {link: bearing for link in self.moving for bearing, side in layout.ends(link) if self._is_collar(bearing, side)}
+        own = sorted((link for link in self.moving if not self._rides(link)), key=self._rank)
+        middle = (len(own) - 1) / 2
+        offsets = {link: (k - middle) * LAYER * self.width for k, link in enumerate(own)}
+        self._offsets = {link: offsets[self._carrier(link)] for link in self.moving}
+
+    def link(self, link: str) -> list[MadeUpSolid]:
+        """Solids of a moving link, in world axes in the drawn pose: its body, counterweight and pins."""
+        return [*self._bodies[link], *self.pins(link)]
+
+    @cached_property
+    def _bodies(self) -> dict[str, list[MadeUpSolid]]:
+        """Solids of moving links but their pins."""
+        found = {}
+        for link in self.moving:
+            body = list(self._body(link))
+            found[link] = body + list(self._counterweights(link, body))
+        return found
+
+    # Layers
+
+    def _is_collar(self, bearing: PlacedBearing, side: int) -> bool:
+        return bearing.kind == "guide" and side == 1 and not bearing.on_frame[0]
+
+    def _rides(self, link: str) -> bool:
+        """Whether a link is only a collar on another link, whose layer it shares."""
+        return link in self._collars and len(self._nodes[link]) == 1 and self._collars[link].links[0] is not None
+
+    def _carrier(self, link: str) -> str:
+        while self._rides(link):
+            link = str(self._collars[link].links[0])
+        return link
+
+    def _rank(self, link: str) -> int:
+        held = {bearing.kind for bearing, side in self.layout.ends(link) if bearing.on_frame[1 - side]}
+        return 2 if "guide" in held else 0 if "pin" in held else 1
+
+    def guide(self, link: str) -> PlacedBearing | None:
+        """The guide of a link on the frame."""
+        return next((b for b, side in self.layout.ends(link) if b.kind == "guide" and side == 1 and b.on_frame[0]), None)
+
+    @cached_property
+    def back(self) -> float:
+        """Height of the middle of the frame along the normal, behind all moving links [m]."""
+        depths = [self.depth(solid)[0] for solids in self._bodies.values() for solid in solids]
+        true = [float(point @ self.normal) for bearing in self.layout.bearings for point in bearing.points]
+        return min([*depths, *true]) - BEHIND * self.width
+
+    def depth(self, solid: MadeUpSolid) -> tuple[float, float]:
+        """Lowest and highest place of a solid that stands along the normal [m]."""
+        shape, middle = solid.shape, float(solid.placement[:3, 3] @ self.normal)
+        half = shape.size[2] / 2 if isinstance(shape, Box) else shape.thickness / 2 if isinstance(shape, Plate) else 0.0
+        half = shape.length / 2 if isinstance(shape, Cylinder) else half
+        return middle - half, middle + half
+
+    def height(self, bearing: PlacedBearing, side: int) -> float:
+        """Height at which a link meets its bearing; where the link has visuals, the true one."""
+        link, height = bearing.links[side], float(bearing.points[side] @ self.normal)
+        if link is None:
+            return height
+        if bearing.on_frame[side]:
+            return self.back
+        if self.guide(link):
+            return height + self._offsets[link]
+        return self._middle(link)
+
+    def _middle(self, link: str) -> float:
+        carrier = self._carrier(link)
+        heights = [bearing.points[side] @ self.normal for bearing, side in self.layout.ends(carrier)]
+        return float(np.mean(heights)) + self._offsets[carrier]
+
+    # Bodies of links
+
+    def _body(self, link: str) -> Iterator[MadeUpSolid]:
+        """A bar with eyes, a plate, web or disc, or a slide; collars and the bars of guides."""
+        w, nodes, guide = self.width, self._nodes[link], self.guide(link)
+        if guide is not None:
+            yield from self._slide(link, guide)
+        elif link in self._collars:
+            yield from self._collar(link, self._collars[link])
+        if guide is None and not self._rides(link) and len(nodes):
+            yield from self._bars(link, nodes)
+        for bearing, side in self.layout.ends(link):
+            if bearing.kind == "guide" and side == 0 and guide is None:
+                (low, high), more = self.travelled(bearing), 0.5 * COLLAR * w * bearing.axis
+                yield self._bar(low - more, high + more, self.height(bearing, 0), 0.9 * w)
+
+    def travelled(self, bearing: PlacedBearing) -> list[Array]:
+        """Ends of the travel of a guide; for other bearings the same place twice."""
+        return [self.layout.flat(bearing.points[0]) + at * bearing.axis for at in bearing.travel]
+
+    def _bars(self, link: str, nodes: Array) -> Iterator[MadeUpSolid]:
+        w, height, pivot = self.width, self._middle(link), self._pivot(link)
+        guides = [self.layout.flat(b.points[0]) for b, side in self.layout.ends(link) if b.kind == "guide" and side == 0]
+        others = [self.layout.flat(b.points[side]) for b, side in self.layout.ends(link) if b.kind != "guide" or side == 1]
+        reach = max(float(np.linalg.norm(node - pivot)) for node in nodes)
+        if self._hangs(link):
+            nodes = nodes[:1]  # the rest is its counterweight
+        elif reach < COMPACT * w and link not in self._collars:
+            radius = max(reach + 0.9 * w, self._disc(link, nodes))
+            yield self.cylinder(pivot, height, radius, THICKNESS * w)
+            if len(nodes) == 1:  # so that its turning is seen
+                yield self.cylinder(pivot + 0.7 * radius * self.down, height, 0.14 * radius, EYE_LENGTH * w, steel=True)
+        elif link in self.layout.cranks and not guides and len(nodes) == 2:
+            yield self._web(link, pivot, reach, nodes)
+        elif len(nodes) > 2 and not guides and link not in self._collars:
+            yield self._plate(nodes, np.full(len(nodes), EYE * w), height)
+        else:
+            for a, b in tree(nodes):
+                yield self._bar(a, b, height, w)
+        for node in nodes:
+            if self._near(node, guides) and not self._near(node, others):
+                continue  # the bar goes on there, nothing turns
+            yield self.cylinder(node, height, EYE * w, EYE_LENGTH * w)
+
+    def _near(self, node: Array, points: list[Array]) -> bool:
+        return any(np.linalg.norm(node - point) < 1e-3 * self.width for point in points)
+
+    def _pivot(self, link: str) -> Array:
+        """The place about which a link turns on its parent, else its first place."""
+        ends = self.layout.ends(link)
+        at = next((b.points[1] for b, side in ends if side == 1 and b.kind == "pin"), None)
+        return self._nodes[link][0] if at is None else self.layout.flat(at)
+
+    def _disc(self, link: str, nodes: Array) -> float:
+        """Radius of the disc that stands for a compact link, by its inertia, within limits [m]."""
+        if len(nodes) > 1:
+            return DISC * self.width
+        return self.layout.disc_radius(link, self.normal, DISC * self.width)
+
+    def _web(self, link: str, pivot: Array, reach: float, nodes: Array) -> MadeUpSolid:
+        """A crank: a disc about its shaft if its inertia is that of a disc which holds the crank pin, else a web."""
+        w, height, body = self.width, self._middle(link), self.layout.masses.get(link)
+        if body is not None:
+            away = self.layout.flat(body.centre) - pivot
+            radius = math.sqrt(2 * max(float(self.normal @ body.gyration @ self.normal + away @ away), 0.0))
+            if radius > reach + WEB_END * w:
+                return self.cylinder(pivot, height, min(radius, reach + LARGEST_WEB * w), THICKNESS * w)
+        near = np.linalg.norm(nodes - pivot, axis=1) < 1e-3 * w
+        return self._plate(nodes, np.where(near, WEB, WEB_END) * w, height)
+
+    def _plate(self, nodes: Array, radii: Array, height: float) -> MadeUpSolid:
+        """The plate about circles in the plane."""
+        middle = nodes.mean(axis=0)
+        along = nodes[np.argmax(np.linalg.norm(nodes - nodes[0], axis=1))] - nodes[0]
+        along /= np.linalg.norm(along)
+        inside = (nodes - middle) @ np.array([along, np.cross(self.normal, along)]).T
+        return MadeUpSolid(rounded_plate(inside, radii, THICKNESS * self.width), self._placed(middle, along, height))
+
+    # Slides and collars
+
+    def _slide(self, link: str, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
+        """A block that holds all that the link joins, and a block of its mass on the side away from the linkage."""
+        (low, high), across = self._holding(link, guide)
+        sideways = (across[0] + across[1]) / 2 * self.across(guide)
+        heights = [self.height(bearing, side) for bearing, side in self.layout.ends(link)]
+        middle, thick = (max(heights) + min(heights)) / 2, np.ptp(heights) + THICKNESS * self.width
+        yield self.box(guide.points[1] + (low + high) / 2 * guide.axis + sideways, guide.axis, middle, (high - low, np.ptp(across), thick))
+        if (block := self._block(link, guide)) is not None:
+            size, at = block
+            yield self.box(guide.points[1] + at * guide.axis + sideways, guide.axis, middle, size)
+
+    def _block(self, link: str, guide: PlacedBearing) -> tuple[tuple[float, float, float], float] | None:
+        """Size of the block of a slide's mass along the guide, across it and along the normal, and its place along the guide [m]; None for
+        one without much more mass than what it hangs on."""
+        (low, high), across = self._holding(link, guide)
+        heights = [self.height(bearing, side) for bearing, side in self.layout.ends(link)]
+        wide, thick = float(np.ptp(across)), float(np.ptp(heights)) + THICKNESS * self.width
+        own = (high - low) * wide * thick
+        body = self.layout.masses.get(link)
+        if body is None or not (mass := body.mass - DENSITY * own) > SEEN_BLOCK * DENSITY * own:
+            return None
+        size = slide_block(mass, wide, thick, self.layout.size)
+        side = self.away(link, guide)
+        end = high if side > 0 else low
+        return size, float(end + side * (size[0] / 2 - OVERLAP * self.width))
+
+    def away(self, link: str, guide: PlacedBearing) -> float:
+        """1 where a guided link has the rest of the linkage behind it along its guide's axis, -1 where it has it ahead."""
+        joined = [b.points[side] for b, side in self.layout.ends(link) if b is not guide]
+        pivots = [b.points[0] for b in self.layout.bearings if b.kind != "guide" and any(b.on_frame)]
+        if pivots:
+            ahead = float((np.mean([guide.points[1], *joined], axis=0) - np.mean(pivots, axis=0)) @ guide.axis)
+            if abs(ahead) > self.width:
+                return math.copysign(1.0, ahead)
+        upwards = -self.down if self.layout.upwards is None else self.layout.upwards
+        return -1.0 if guide.axis @ upwards >= 0 else 1.0
+
+    def across(self, guide: PlacedBearing) -> Array:
+        """(3,) unit vector across a guide in the plane."""
+        return np.cross(self.normal, guide.axis)
+
+    def extent(self, link: str | None, guide: PlacedBearing) -> tuple[Array, Array]:
+        """(2,) ends of all blocks of a guided link along its guide, and (2,) across it, from the guide's point [m]."""
+        along, across = self._holding(link, guide)
+        block = None if link is None else self._block(link, guide)
+        if block is None:
+            return along, across
+        (high, wide, _), at = block
+        middle = float(across.mean())
+        ends = min(along[0], at - high / 2), max(along[1], at + high / 2)
+        return np.array(ends), np.array([min(across[0], middle - wide / 2), max(across[1], middle + wide / 2)])
+
+    def _holding(self, link: str | None, guide: PlacedBearing) -> tuple[Array, Array]:
+        """(2,) ends along its guide of the block that holds all that a link joins, and (2,) across it, from the guide's point [m]."""
+        nodes = [self.layout.flat(guide.points[1])]
+        if link is not None:
+            nodes += [
+                *self._nodes[link],
+                *(end for carried, side in self.layout.ends(link) if side == 0 for end in self.travelled(carried)),
+            ]
+        w, places = self.width, (np.array(nodes) - guide.points[1]) @ np.array([guide.axis, self.across(guide)]).T
+        (low, left), (high, right) = places.min(axis=0), places.max(axis=0)
+        wider = max(BLOCK_WIDTH * w, BLOCK_SHAPE * (high - low))
+        return np.array([low - BLOCK * w, high + BLOCK * w]), np.array([left - wider, right + wider])
+
+    def _collar(self, link: str, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
+        """A block about the bar on which it slides, and a rod to the rest of the link in another layer."""
+        w, on = self.width, self.height(guide, 0)
+        yield self.box(guide.points[1], guide.axis, on, (COLLAR * w, COLLAR_WIDTH * w, COLLAR_THICKNESS * w))
+        if not self._rides(link):
+            yield self._between(guide.points[1], on, self._middle(link), EYE * w)
+
+    # Counterweights and pins
+
+    def _counterweights(self, link: str, body: list[MadeUpSolid]) -> Iterator[MadeUpSolid]:
+        """What was added to the link's mass; and where the centre of mass is outside of the pins, the steel that puts it there."""
+        weights = [self.layout.added[link]] if link in self.layout.added else []
+        mass = self.layout.masses.get(link)
+        if mass is not None and self.guide(link) is None and link not in self._collars:
+            if self._hangs(link):
+                weights.append(Ballast(mass.mass, mass.centre))
+            elif outside(self.layout.flat(mass.centre), self._places(link), self._directions) > OUTSIDE * self.width:
+                weights.append(besides(mass, body))
+        for weight in weights:
+            yield from self._counterweight(link, weight)
+
+    def _counterweight(self, link: str, weight: Ballast) -> Iterator[MadeUpSolid]:
+        pivot, centre = self._pivot(link), self.layout.flat(weight.centre)
+        arm = float(np.linalg.norm(centre - pivot))
+        shape, thickness = plane_counterweight(weight.mass, arm, self.width, link in self.layout.cranks)
+        height = self._middle(link) + ((THICKNESS - RECESS) * self.width - thickness) / 2  # nearly flush in front, as others pass there
+        along = (centre - pivot) / arm if arm > 0 else self.down
+        yield MadeUpSolid(shape, self._placed(pivot if isinstance(shape, Plate) else centre, along, height), darker=True)
+        nearest = min(self._nodes[link], key=lambda node: float(np.linalg.norm(node - centre)))
+        if isinstance(shape, Cylinder) and np.linalg.norm(centre - nearest) > shape.radius:
+            yield self._bar(nearest, centre, self._middle(link), self.width)
+
+    def _hangs(self, link: str) -> bool:
+        """Whether a link has all its bearings in one place, and its centre of mass elsewhere."""
+        return (
+            link not in self.layout.welded
+            and len(self._nodes[link]) > 1
+            and bool(np.ptp(self._places(link), axis=0).max() < 1e-3 * self.width)
+        )
+
+    def _places(self, link: str) -> Array:
+        """(k, 3) places of the bearings of a link in the plane."""
+        return np.array([self.layout.flat(bearing.points[side]) for bearing, side in self.layout.ends(link)])
+
+    @cached_property
+    def _directions(self) -> Array:
+        """(d, 3) directions in the plane."""
+        angle = np.linspace(0.0, 2 * math.pi, 72, endpoint=False)
+        return np.asarray(np.outer(np.cos(angle), self.down) + np.outer(np.sin(angle), np.cross(self.normal, self.down)))
+
+    def pins(self, link: str) -> Iterator[MadeUpSolid]:
+        """Pins that a link holds: those whose parent it is."""
+        for bearing, side in self.layout.ends(link):
+            if bearing.kind == "pin" and (side == 0 or bearing.links[0] is None):
+                heights = sorted((self.height(bearing, 0), self.height(bearing, 1)))
+                stub = STUB * self.width
+                yield self._between(bearing.points[side], heights[0] - stub, heights[1] + stub, PIN * self.width, steel=True)
+
+    # Solids
+
+    def _bar(self, a: Array, b: Array, height: float, width: float) -> MadeUpSolid:
+        length = float(np.linalg.norm(b - a))
+        return self.box((a + b) / 2, (b - a) / length, height, (length, width, THICKNESS * self.width))
+
+    def box(self, centre: Array, along: Array, height: float, size: tuple[float, float, float]) -> MadeUpSolid:
+        """A box with its sides along a direction in the plane, across it, and along the normal."""
+        return MadeUpSolid(Box((float(size[0]), float(size[1]), float(size[2]))), self._placed(centre, along, height))
+
+    def cylinder(self, centre: Array, height: float, radius: float, length: float, steel: bool = False) -> MadeUpSolid:
+        """A cylinder along the normal."""
+        return MadeUpSolid(Cylinder(radius, length), self._placed(centre, self.down, height), steel)
+
+    def _between(self, centre: Array, low: float, high: float, radius: float, steel: bool = False) -> MadeUpSolid:
+        return self.cylinder(centre, (low + high) / 2, radius, abs(high - low), steel)
+
+    def _placed(self, centre: Array, along: Array, height: float) -> Array:
+        placement = np.eye(4)
+        placement[:3, 0], placement[:3, 1], placement[:3, 2] = along, np.cross(self.normal, along), self.normal
+        placement[:3, 3] = self.layout.flat(centre) + height * self.normal
+        return placement

@@ -1,0 +1,158 @@
+"""Plain shapes of the links of a linkage in space: rods and plates between bushes and balls on the axes of their bearings.
+
+A guide is a rod with a sleeve on it. A slide has a block of its mass below its sleeve, and a bolster below the end of its travel.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from ...common.quantities import Array
+from .ballast import DENSITY, EVERYWHERE, ball, besides, outside, slide_block
+from .bearing_layout import BearingLayout, PlacedBearing, tree
+from .solids import Box, Cylinder, MadeUpSolid, Sphere, rounded_plate, standing
+
+# In widths of a bar. Where two links meet, the outer bush is the shorter one, so that both are seen, and the pin too.
+ROD = 0.30  # radius
+BUSHES = ((0.62, 1.7), (0.80, 1.1))  # radius and length: of the parent's or link1's, of the other's
+ROD_PIN, ROD_PIN_LENGTH = 0.36, 2.3
+BALLS = (0.95, 0.72)
+END = 0.5
+ROD_DISC = 1.4  # least radius
+SLEEVE, SLEEVE_LENGTH = 1.5, 2.4
+GUIDE = 0.38
+PLATE = 0.36  # thickness of the plate of a link with three places
+OUTSIDE = 2.0  # a centre of mass farther than this outside of a link's bearings is one of a counterweight
+LEAST_MASS = 1.5  # a slide of this many times the mass of its sleeve has a block
+OPEN, OPEN_STROKE = 0.5, 0.12  # from the slide's lowest place to the bolster, more by this share of the stroke
+BOLSTER, AROUND = 1.2, 0.8  # height, and how far it stands out beyond the slide
+
+
+def space_solids(layout: BearingLayout, link: str) -> list[MadeUpSolid]:
+    """Solids of a link of a linkage in space, in world axes in the drawn pose."""
+    return list(_solids(layout, link))
+
+
+def _solids(layout: BearingLayout, link: str) -> Iterator[MadeUpSolid]:
+    w, nodes, ends = layout.width, layout.nodes(link), layout.ends(link)
+    body = list(_body(layout, link, nodes))
+    yield from body
+    for bearing, side in ends:
+        yield from _end(bearing, side, w)
+    if len(nodes) == 1 and link not in layout.on_frame:
+        yield from _disc(layout, link, ends)
+    for bearing, side in ends:
+        if bearing.kind == "guide" and bearing.on_frame[0]:
+            yield from _block(layout, bearing) if side == 1 else _bolster(layout, bearing)
+    if len(nodes):
+        yield from _counterweights(layout, link, nodes, body)
+    for bearing, side in ends:
+        if bearing.kind == "pin" and (side == 0 or bearing.links[0] is None):
+            yield _cylinder(bearing.points[side], bearing.axis, ROD_PIN * w, ROD_PIN_LENGTH * w, steel=True)
+
+
+def _body(layout: BearingLayout, link: str, nodes: Array) -> Iterator[MadeUpSolid]:
+    """A plate between three places that are not in a line, else rods."""
+    w = layout.width
+    for a, b in tree(nodes):
+        yield _cylinder((a + b) / 2, b - a, ROD * w, float(np.linalg.norm(b - a)))
+    for node in nodes:
+        yield standing(Sphere(END * w), node)
+    if len(nodes) == 3 and link not in layout.on_frame:
+        normal = np.cross(nodes[1] - nodes[0], nodes[2] - nodes[0])
+        longest = max(float(np.linalg.norm(nodes[i] - nodes[j])) for i, j in ((0, 1), (0, 2), (1, 2)))
+        if np.linalg.norm(normal) > w * longest:
+            middle = nodes.mean(axis=0)
+            flat = standing(Sphere(w), middle, normal).placement
+            inside = (nodes - middle) @ flat[:3, :2]
+            yield MadeUpSolid(rounded_plate(inside, np.full(3, END * w), PLATE * w), flat)
+
+
+def _counterweights(layout: BearingLayout, link: str, nodes: Array, body: list[MadeUpSolid]) -> Iterator[MadeUpSolid]:
+    """Balls of steel: what was added to the link's mass; and where the centre of mass is outside of the bearings, what puts it there."""
+    w, mass = layout.width, layout.masses.get(link)
+    weights = [layout.added[link]] if link in layout.added else []
+    guided = any(bearing.kind == "guide" for bearing, _ in layout.ends(link))
+    if mass is not None and not guided and len(nodes) > 1 and outside(mass.centre, nodes, EVERYWHERE) > OUTSIDE * w:
+        weights.append(besides(mass, body))
+    for weight in weights:
+        nearest = min(nodes, key=lambda node: float(np.linalg.norm(node - weight.centre)))
+        way = weight.centre - nearest
+        yield MadeUpSolid(ball(weight.mass), standing(Sphere(w), weight.centre).placement, darker=True)
+        if np.linalg.norm(way) > 0:
+            yield _cylinder(nearest + way / 2, way, ROD * w, float(np.linalg.norm(way)))
+
+
+def _lowest(layout: BearingLayout, guide: PlacedBearing) -> tuple[Array, float]:
+    """The direction from the linkage along a guide, and how far the places that its link joins reach there, from its point [m]."""
+    pivots = [bearing.points[0] for bearing in layout.bearings if bearing.kind != "guide" and any(bearing.on_frame)]
+    ahead = float((guide.points[1] - np.mean(pivots, axis=0)) @ guide.axis) if pivots else 0.0
+    if abs(ahead) < layout.width and layout.upwards is not None:
+        ahead = -float(guide.axis @ layout.upwards)
+    away = math.copysign(1.0, ahead) * guide.axis
+    link = guide.links[1]
+    nodes = guide.points[1:] if link is None else layout.nodes(link)
+    return away, max(float(((nodes - guide.points[1]) @ away).max()), SLEEVE_LENGTH / 2 * layout.width)
+
+
+def _block_size(layout: BearingLayout, guide: PlacedBearing) -> tuple[float, float, float] | None:
+    """Height, width and depth of the block of a slide's mass; None for one not much heavier than its sleeve."""
+    w, body = layout.width, layout.masses.get(guide.links[1] or "")
+    sleeve = SLEEVE**2 * SLEEVE_LENGTH * w**3
+    if body is None or body.mass < LEAST_MASS * DENSITY * sleeve:
+        return None
+    return slide_block(body.mass - DENSITY * sleeve, SLEEVE * w, SLEEVE * w, layout.size)
+
+
+def _block(layout: BearingLayout, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
+    size = _block_size(layout, guide)
+    if size is not None:
+        high, wide, deep = size
+        away, reach = _lowest(layout, guide)
+        yield standing(Box((wide, deep, high)), guide.points[1] + (reach + high / 2) * away, guide.axis)
+
+
+def _bolster(layout: BearingLayout, guide: PlacedBearing) -> Iterator[MadeUpSolid]:
+    """The bolster below the slide, at the end of its guide."""
+    if guide.links[1] is None or guide.links[1] != layout.slide:
+        return
+    w, size = layout.width, _block_size(layout, guide)
+    high, wide, deep = (0.0, SLEEVE * w, SLEEVE * w) if size is None else size
+    away, reach = _lowest(layout, guide)
+    travel = max(float(at * guide.axis @ away) for at in guide.travel)
+    stroke = guide.travel[1] - guide.travel[0]
+    table = guide.points[0] + (reach + high + travel + OPEN * w + OPEN_STROKE * stroke) * away
+    end = guide.points[0] + travel * away
+    yield _cylinder((table + end) / 2, away, GUIDE * w, float(np.linalg.norm(table - end)))
+    yield standing(Box((wide + 2 * AROUND * w, deep + 2 * AROUND * w, BOLSTER * w)), table + BOLSTER * w / 2 * away, guide.axis)
+
+
+def _end(bearing: PlacedBearing, side: int, w: float) -> Iterator[MadeUpSolid]:
+    """The solid of a link at a bearing."""
+    point, axis = bearing.points[side], bearing.axis
+    if bearing.kind == "pin":
+        radius, length = BUSHES[side]
+        yield _cylinder(point, axis, radius * w, length * w)
+    elif bearing.kind == "ball":
+        yield standing(Sphere(BALLS[side] * w), point)
+    elif bearing.kind == "guide" and side == 1:
+        yield standing(Box((SLEEVE * w, SLEEVE * w, SLEEVE_LENGTH * w)), point, axis)
+    elif bearing.kind == "guide":
+        low, high = bearing.travel
+        yield _cylinder(point + (low + high) / 2 * axis, axis, GUIDE * w, high - low + 1.5 * SLEEVE_LENGTH * w)
+
+
+def _disc(layout: BearingLayout, link: str, ends: list[tuple[PlacedBearing, int]]) -> Iterator[MadeUpSolid]:
+    """The disc that stands for a link with one place, about its pin, by its inertia, within limits."""
+    w, pin = layout.width, next(((b, side) for b, side in ends if b.kind == "pin"), None)
+    if pin is None:
+        return
+    bearing, side = pin
+    yield _cylinder(bearing.points[side], bearing.axis, layout.disc_radius(link, bearing.axis, ROD_DISC * w), 0.5 * w)
+
+
+def _cylinder(centre: Array, along: Array, radius: float, length: float, steel: bool = False) -> MadeUpSolid:
+    return standing(Cylinder(radius, length), centre, along, steel=steel)
