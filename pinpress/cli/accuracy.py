@@ -29,7 +29,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         description="Measure a press: inverse dynamics by both engines, simulations by all methods over tolerances and\n"
         "steps (freely, with clutch and blank, on a stiff die, under a stiff drive), proximal settings of constraint dynamics, samples\n"
         "of the reduced table, and the same press in other programs. Prints\n"
-        "tables; with --out also writes accuracy.csv and accuracy.png.",
+        "tables; with --out also writes accuracy.csv, accuracy.html (a page) and accuracy.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -49,7 +49,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "--scene", action="append", choices=SCENES, metavar="SCENE", help=f"scene to simulate, one of: {', '.join(SCENES)} (default: all)"
     )
     add_press_options(parser)
-    add_out_option(parser, "accuracy.csv and accuracy.png")
+    add_out_option(parser, "accuracy.csv, accuracy.html and accuracy.png")
     parser.set_defaults(run=run)
 
 
@@ -86,11 +86,17 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _write(measured: WorkPrecision, folder: Path) -> None:
-    """Write the files and say so. The CSV file comes first, so that no measurement is lost where Matplotlib is missing."""
-    table, picture = folder / "accuracy.csv", folder / "accuracy.png"
+    """Write the files and say so. The CSV file comes first, so that no measurement is lost where Plotly or Matplotlib is missing."""
+    table, page, picture = folder / "accuracy.csv", folder / "accuracy.html", folder / "accuracy.png"
     measured.to_csv(table)
+    written = [table.name]
+    if importlib.util.find_spec("plotly") is not None:
+        from ..accuracy.page import report  # slow to import
+
+        report(measured, page)
+        written.append(page.name)
     if importlib.util.find_spec("matplotlib") is None:
-        print(f"\nwrote {table}; {picture} is left out: {style.NOT_INSTALLED}")
+        print(f"\nwrote {' and '.join(str(folder / name) for name in written)}; {picture} is left out: {style.NOT_INSTALLED}")
         return
     style.save(plot(measured), picture)
-    say_written(folder, [table.name, picture.name])
+    say_written(folder, [*written, picture.name])

@@ -9,9 +9,6 @@ from ..balancing.counterweights import OperatingCondition
 from ..common.errors import PinpressError
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
-from ..elasticity.slide_under_load import slide_deflection
-from ..elasticity.springs import Stiffness
-from ..elasticity.unit_load import compliance
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import PointForce, SpringDamper
@@ -129,6 +126,10 @@ def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argp
         parts = {"drive": drive, "flywheel": flywheel, "loads": loads, "points": POINTS * press.period_turns}
         yield steady_state(press, options.speed.of(coordinate), **parts)  # type: ignore[arg-type]  # it refuses what has no motor
     if options.stiffness:
+        from ..elasticity.slide_under_load import slide_deflection  # seldom needed
+        from ..elasticity.springs import Stiffness
+        from ..elasticity.unit_load import compliance
+
         stiffness = Stiffness(bearings=acting["stiffness"])
         yield compliance(press, stiffness)
         yield slide_deflection(press, reactions.motion, stiffness, loads=loads)

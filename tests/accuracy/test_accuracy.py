@@ -365,7 +365,7 @@ def test_command(alone, capsys, tmp_path):
     assert "crank_slide: -300 r/min; runs of 0.02 s with a flywheel of 2.5 kg m2" in said
     assert "some peer is skipped" in said
     assert "  flywheel      Flywheel(inertia=2.5 kg m2)\n  scenes        free run\n  computed by   pinpress " in said
-    assert f"wrote {out / 'accuracy.csv'} and {out / 'accuracy.png'}" in said
+    assert f"wrote {out / 'accuracy.csv'}, {out / 'accuracy.html'} and {out / 'accuracy.png'}" in said
     assert (out / "accuracy.png").stat().st_size > 50_000
     with open(out / "accuracy.csv", newline="", encoding="utf-8") as file:
         assert {row["group"] for row in csv.DictReader(file)} == set(GROUPS) - {CLUTCH, DIE, SPEED_LAW}
@@ -379,7 +379,7 @@ def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):
     words = ["crank_slide", "--speed", "300", "--points", "12", "--repeats", "1", "--duration", "0.02", "--out", str(tmp_path)]
     assert main(["accuracy", *words]) == 0
     assert "accuracy.png is left out: plots need Matplotlib" in capsys.readouterr().out
-    assert [path.name for path in tmp_path.iterdir()] == ["accuracy.csv"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["accuracy.csv", "accuracy.html"]
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from ...common import files
 from ...common.arguments import expect, typed
 from ...common.errors import PinpressError
 from ...common.results import Tabular
+from ...dynamics.inputs import Inputs
 from ...dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage
@@ -75,6 +76,25 @@ def report(
     data = player | {"report": _content(shown, None if before is None else before_shown(before, motion), results)}
     content = pages.page("report.html", press.name, data, {"viewer": pages.meshcat(), "plotly": pages.plotly()})
     return files.write(path, content)
+
+
+def article(title: str, subtitle: str, inputs: Inputs, parts: Sequence[Section], path: str | os.PathLike[str]) -> Path:
+    """Write a self-contained page of charts and tables without a press that moves, and return its path.
+
+    Args:
+        title: Title of the page.
+        subtitle: A line under it.
+        inputs: What it was computed from, in words.
+        parts: Its sections. Their charts follow nothing.
+        path: Path of the file.
+
+    Raises:
+        PinpressError: Plotly is not installed, a value is not finite, or the file cannot be written.
+    """
+    given = [{"title": "", "rows": [list(row) for row in inputs]}]
+    content = {"subtitle": subtitle, "inputs": given, "figures": [], "over": None, "before": None, "heights": None, "period": None}
+    data = {"report": content | {"sections": [part.as_json() for part in parts]}}
+    return files.write(path, pages.page("article.html", title, data, {"plotly": pages.plotly()}))
 
 
 def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> dict[str, Any]:

@@ -82,7 +82,7 @@ function lineChart(parent, chart) {
   const largest = Math.max(...unpacked.map(({ y }) => largestOf(y)));
   const curves = unpacked.map((curve, i) => {
     const colour = COLOURS[i % COLOURS.length], mine = [traces.length], name = asText(brief(curve.name));
-    const line = { mode: curve.points ? "markers" : MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
+    const line = { mode: curve.points ? "markers" : chart.logarithmic === "xy" ? "lines+markers" : MODE, hovertemplate: `%{y:.5g} ${chart.unit}` };
     if (chart.stacked) Object.assign(line, { stackgroup: "all", fillcolor: colour + "aa" });
     traces.push({ ...line, x: curve.x, y: curve.y, name, line: look(curve, colour, i), marker: { color: colour, size: 6 } });
     if (curve.before) {

@@ -614,6 +614,14 @@ def calls() -> dict[str, Call]:
                 "measured": pp.accuracy.WorkPrecision("press", "scene", "machine", {}, {}, {}, Records(pp.accuracy.Measurement, ()), ())
             },
         ),
+        (
+            "accuracy.report",
+            pp.accuracy.report,
+            lambda: {
+                "measured": pp.accuracy.WorkPrecision("press", "scene", "machine", {}, {}, {}, Records(pp.accuracy.Measurement, ()), ()),
+                "path": FOLDER / "accuracy.html",
+            },
+        ),
         ("plots.bearings", pp.plots.bearings, lambda: {"reactions": reactions()}),
         ("plots.comparison", pp.plots.comparison, lambda: {"before": reactions(), "after": reactions()}),
         ("plots.dead_centre_shift", pp.plots.dead_centre_shift, lambda: {"shifts": {"press": shift()}}),
