@@ -158,10 +158,10 @@ def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: fl
 def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Flywheel | None) -> tuple[Run | None, list[str]]:
     """The steady state under a motor with its speeds and the motor's duty in words; None, and why there is none."""
     speed = float(reactions.motion.crank_speed[0])
-    rubbing = ", without the friction in bearings" if reactions.friction else ""
-    lines = ["", f"Steady state under the motor near {speed / RPM:g} r/min{rubbing}; all else here is at constant speed"]
+    lines = ["", f"Steady state under the motor near {speed / RPM:g} r/min; all else here is at constant speed"]
+    acting = {"loads": reactions.loads, "friction": reactions.friction}
     try:
-        run = steady_state(reactions._press, speed, drive=motor, flywheel=flywheel, loads=reactions.loads)  # type: ignore[arg-type]
+        run = steady_state(reactions._press, speed, drive=motor, flywheel=flywheel, **acting)  # type: ignore[arg-type]
     except SimulationError as error:
         return None, [*lines, f"  none: {error}"]
     return run, [*lines, *duty_summary(run)]

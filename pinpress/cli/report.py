@@ -123,7 +123,13 @@ def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argp
     if options.motor is not None:
         drive = part_specs.motor(options.motor, coordinate)
         flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
-        parts = {"drive": drive, "flywheel": flywheel, "loads": loads, "points": POINTS * press.period_turns}
+        parts = {
+            "drive": drive,
+            "flywheel": flywheel,
+            "loads": loads,
+            "friction": acting["friction"],
+            "points": POINTS * press.period_turns,
+        }
         yield steady_state(press, options.speed.of(coordinate), **parts)  # type: ignore[arg-type]  # it refuses what has no motor
     if options.stiffness:
         from ..elasticity.slide_under_load import slide_deflection  # seldom needed

@@ -96,9 +96,9 @@ def _work(run: Run, whole: MotorDuty) -> list[str]:
         if not turns
         else [
             ("flywheel", whole.flywheel_work, "given off, with the drive's inertia, from highest to lowest speed"),
-            ("lost", whole.lost, "in clutch and brake"),
         ]
     )
+    works += [("lost", whole.lost, f"in {'clutch, brake and ' if turns else ''}bearings")] if turns or whole.lost else []
     scale = tables.scale("J", [work for _, work, _ in works])
     return ["", "Work", *(tables.entry(name, scale.shown(work), scale.unit, remark) for name, work, remark in works)]
 

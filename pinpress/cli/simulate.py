@@ -18,7 +18,6 @@ from .options import (
     add_force_options,
     add_out_option,
     add_press_options,
-    add_refused_option,
     add_report_option,
     add_trace_option,
     load_press,
@@ -44,7 +43,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "motor's torque, the strokes and the peak force of every bearing; with --out also writes simulation.csv (every quantity at every\n"
         "instant), strokes.csv (one line a stroke, SI units) and recording.html (the press turning with its forces, a page to open by\n"
         "double click).",
-        epilog=f"{part_specs.explained('load', 'spring', 'motor', 'clutch')}\n{SIGNS}",
+        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor', 'clutch')}\n{SIGNS}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
@@ -67,9 +66,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")
     option("--motor", metavar="KIND:KEYS", help="motor or other drive of the crank, see below (default: none)")
     add_flywheel_option(parser, "inertia=J,speed=RPM where it turns before a clutch closes")
-    add_force_options(parser, friction=False, stiffness=False)
-    why = "simulations know no friction in bearings: pinpress analyse has it at constant speed; losses in gears are efficiency= of --motor"
-    add_refused_option(parser, "--friction", why)
+    add_force_options(parser, stiffness=False)
     option("--clutch", metavar="KEYS", help="clutch between flywheel and crank, see below")
     option("--brake", metavar="KEYS", help="brake on the crank, see below")
     option("--method", choices=METHODS, default="auto", help="method of computation (default: %(default)s, the fastest that serves)")
@@ -101,6 +98,7 @@ def run(options: argparse.Namespace) -> int:
     clutch = None if options.clutch is None else part_specs.clutch(options.clutch)
     brake = None if options.brake is None else part_specs.brake(options.brake)
     press = load_press(options, gravity=(0.0, 0.0, -options.gravity))
+    friction = part_specs.frictions(options.friction, press)
     drive = None if options.motor is None else part_specs.motor(options.motor, press.driver_coordinates[0])
     _ = traced(press, options.trace)  # a wrong one is found before the work
     if len(press.drivers) > 1:
@@ -115,7 +113,7 @@ def run(options: argparse.Namespace) -> int:
     done: Run
     if options.steady:
         _refuse_beside_steady(options, speed)
-        parts = {"drive": drive, "flywheel": flywheel, "loads": acting}
+        parts = {"drive": drive, "flywheel": flywheel, "loads": acting, "friction": friction}
         done = steady_state(press, speed, angle=angle, **parts, **shared)  # type: ignore[arg-type]  # it refuses what has no motor
     else:
         with progress(options.duration, BAR) as told:
@@ -126,16 +124,17 @@ def run(options: argparse.Namespace) -> int:
                 angle=angle,
                 drive=drive,
                 flywheel=flywheel,
-                loads=acting,
                 method=options.method,
                 clutch=clutch,
                 brake=brake,
                 step=options.step,
                 progress=told,
+                loads=acting,
+                friction=friction,
                 **shared,
             )
     began = time.perf_counter()
-    reactions = inverse_dynamics(press, done, loads=acting)
+    reactions = inverse_dynamics(press, done, acting, friction)
     took = time.perf_counter() - began
     print(simulation_summary(press, done, reactions, options.steady))
     if acting and not options.steady:

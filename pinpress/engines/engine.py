@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..common.errors import AssemblyError
 from ..common.quantities import Array, ComplexArray, DriverCoordinate
-from .forces import AppliedConditions, AppliedForce, Wrenches
+from .forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 
 PIECE = 2048  # crank angles that are worked through at a time: their arrays stay in the cache
 MOST_NEWTON_STEPS = 12  # of one closure: from a good guess it takes one or two
@@ -189,6 +189,16 @@ class Engine(Protocol):
         Raises:
             AssemblyError: the states leave the loops open, because they belong to another linkage.
             PinpressError: friction locks the linkage.
+        """
+
+    def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+        """Speeds and radial forces of all bearings of a linkage with one driver.
+
+        Args:
+            states: closed states.
+            loads: forces on links.
+            efforts: (bearings, n) of friction, as of `FrictionLaw.efforts` [N m, of a guide N].
+            rates: (nv, n) joint rates to which the bearings' speeds belong; those of the states count for inertia forces alone.
         """
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

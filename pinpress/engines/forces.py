@@ -168,6 +168,18 @@ class FrictionLaw:
         )
 
 
+class BearingLoads(NamedTuple):
+    """What friction depends on in every bearing, joints in Pinocchio's order, then loops.
+
+    Attributes:
+        speed: (bearings, n) speeds of the bearings [rad/s, of a guide m/s].
+        radial: (bearings, n, 3) vectors whose lengths are the radial forces; they are affine in accelerations, loads and efforts [N].
+    """
+
+    speed: Array
+    radial: Array
+
+
 class Objective(NamedTuple):
     """A quantity |A y + b| to be minimised.
 

@@ -308,8 +308,8 @@ class AngleSegment:
         begin: the state at the start.
         times: (count + 1,) at the borders [s].
         elapsed: (q + 1, count) coefficients in x of the time since a panel's start.
-        summed: (3, q + 1, count) coefficients in x of the first three `INTEGRALS` since a panel's start.
-        integrals: (3, count + 1) the first three `INTEGRALS` since the segment's start, at the borders.
+        summed: (k, q + 1, count) coefficients in x of the first `INTEGRALS` since a panel's start: three, with friction all four.
+        integrals: (k, count + 1) the same since the segment's start, at the borders.
         final_speed: of the crank at the end, from its kinetic energy: the polynomial of the time is less exact [rad/s].
         evaluations: see `CollocationSolution`.
         slow: crank angles at which the crank is `nearly_at_rest` [rad].
@@ -353,7 +353,7 @@ class AngleSegment:
         _, slope = values_and_slopes(elapsed, x)
         travelled, measure = mesh.travelled(panel, x)
         integrals = np.zeros((len(INTEGRALS), len(times)))
-        integrals[:3] = self.integrals[:, panel] + polynomial_values(self.summed[:, :, panel], x)
+        integrals[: len(self.summed)] = self.integrals[:, panel] + polynomial_values(self.summed[:, :, panel], x)
         integrals += self.begin.integrals[:, None]
         angle, speed = mesh.start + mesh.direction * travelled, mesh.direction * measure / slope
         torque, acceleration = self._dynamics(panel, angle, speed)
@@ -368,21 +368,31 @@ class AngleSegment:
         if self.driven.drive is not None:
             torque = torque + self.driven.drive.torque(speed)
         total = torque - values[WEIGHT] - 0.5 * slopes[INERTIA] * speed**2
+        along: dict[int, Array] = {}
         for force in self.mesh.forces:
             mine = np.flatnonzero(np.isin(panel, force.panels))
             if len(mine):
                 lever = slopes[COORDINATES + force.row, mine]
                 size = force.interval.force(values[COORDINATES + force.row, mine] - force.datum, lever * speed[mine])
-                total[mine] += lever * (np.maximum(size, 0.0) if force.interval.one_sided else size)
+                size = np.maximum(size, 0.0) if force.interval.one_sided else size
+                total[mine] += lever * size
+                along.setdefault(force.row, np.zeros_like(speed))[mine] += size
+        inertia = values[INERTIA] + self.driven.inertia
+        if self.driven.bearing_model is not None:
+            way, held = self.mesh.direction, self.driven.prescribed is not None
+            columns = {row: force[:, None] for row, force in along.items()}
+            resisting = np.full_like(inertia, np.inf) if held else inertia
+            bearings = self.driven.bearing_model.at(angle)
+            total += way * bearings.torque(way, way * speed[:, None], way * total[:, None], resisting[:, None], columns)[0][:, 0]
         if self.driven.prescribed is not None:
             return -total, np.zeros_like(total)
-        return torque, total / (values[INERTIA] + self.driven.inertia)
+        return torque, total / inertia
 
     def last(self) -> State:
         """The state at the end."""
         angle = self.mesh.start + self.mesh.direction * float(self.mesh.borders[self.count])
         integrals = self.begin.integrals.copy()
-        integrals[:3] += self.integrals[:, -1]
+        integrals[: len(self.summed)] += self.integrals[:, -1]
         return State(self.end, angle, self.final_speed, integrals)
 
 
@@ -393,6 +403,7 @@ def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int
     elapsed = rule.integral(measure / speed)
     driving, motor = _drive_torques(driven, solution, count)
     rates = [driving, -solution.resisting[:, :count, 0], motor * motor / speed]
+    rates += [] if solution.rubbing is None else [-solution.rubbing[:, :count, 0]]
     summed = np.array([rule.integral(rate * measure) for rate in rates])
     final_inertia = float(mesh.inertia_ends[count]) + driven.inertia
     nearly = nearly_at_rest(solution.energy[:, :count, 0], solution.force[:, :count, 0], driven.model.potential_range)
@@ -404,7 +415,7 @@ def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int
         times=np.concatenate([[begin.time], begin.time + elapsed.sum(axis=0).cumsum()]),  # x = 1: the sum of the coefficients
         elapsed=elapsed,
         summed=summed,
-        integrals=np.concatenate([np.zeros((3, 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
+        integrals=np.concatenate([np.zeros((len(summed), 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
         final_speed=mesh.direction * math.sqrt(2 * max(0.0, float(solution.ends[count, 0])) / final_inertia),
         evaluations=solution.evaluations,
         slow=mesh.angle[:, :count][nearly],

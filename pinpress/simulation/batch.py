@@ -7,7 +7,7 @@ scenario is simulated on its own if it stops, depends on more than angle and spe
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -24,12 +24,13 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
+from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.motion import doubt_speeds, motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
-from ..loads.link import Load
+from ..loads.link import Friction, Load
 from . import collocation
 from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at
 from .collocation import CollocationSolution, Indices, build_mesh, cuts, interpolate_onto, mesh_borders, panel_integrals, stopping_panels
@@ -57,6 +58,7 @@ class RunBatch(Tabular):
         crank_speed: (n, S) [rad/s].
         drive_work: (S,) of the drive over the whole run [J].
         load_work: (S,) against the loads over the whole run [J].
+        lost: (S,) in the friction of the bearings over the whole run [J].
         energy_error: (S,) as in `Stats`, from the states at start and end.
         errors: (S,) errors of scenarios that stalled or could not go on; None for all others.
         wall_time: of the whole call [s].
@@ -67,6 +69,7 @@ class RunBatch(Tabular):
     crank_speed: Array
     drive_work: Array
     load_work: Array
+    lost: Array
     energy_error: Array
     errors: tuple[SimulationError | None, ...]
     wall_time: float
@@ -122,6 +125,7 @@ def simulate_batch(
     drive: Drive | None = None,
     flywheel: Flywheel | None = None,
     loads: Sequence[Load] = (),
+    friction: Mapping[str, Friction] = NONE_GIVEN,
     points: int | None = None,
     tolerance: float = 1e-11,
 ) -> RunBatch:
@@ -138,6 +142,7 @@ def simulate_batch(
         drive: what turns the crank, see `pinpress.drives`; None: nothing.
         flywheel: its inertia stands at the driver joint; None: none.
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
+        friction: as in `simulate`, the same in all scenarios.
         points: number of states returned; by default 121.
         tolerance: error accepted of a step, relative to 1 rad and to the speeds of the crank.
 
@@ -166,7 +171,7 @@ def simulate_batch(
         raise PinpressError("a drive that prescribes the speed leaves nothing to simulate in scenarios: use simulate")
     refuse_many_turns(speeds, until, start)
     doubt_speeds(press, speeds)
-    scenarios = _Scenarios(press, until, start, speeds, (drive, flywheel, *loads), states, tolerance)
+    scenarios = _Scenarios(press, until, start, speeds, (drive, flywheel, *loads), friction, states, tolerance)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         return _solved(scenarios, began)
 
@@ -198,6 +203,7 @@ class _Scenarios:
         angle: of the crank at the start [rad].
         speeds: (S,) of the crank at the start [rad/s].
         parts: drive, flywheel and loads, with the values of all scenarios.
+        friction: of the bearings, by their names.
         points: number of states.
         tolerance: as in `simulate`.
     """
@@ -207,13 +213,14 @@ class _Scenarios:
     angle: float
     speeds: Array
     parts: tuple[Any, ...]
+    friction: Mapping[str, Friction]
     points: int
     tolerance: float
 
     def together(self, some: Indices) -> DrivenPress:
         """The press of the scenarios with these indices, as one array."""
         drive, flywheel, *loads = (pick_scenarios(part, some) for part in self.parts)
-        return driven_press(self.press, drive, flywheel, loads, None, None)
+        return driven_press(self.press, drive, flywheel, loads, None, None, self.friction)
 
     def alone(self, k: int, end: float | None = None) -> Run:
         """Simulate scenario k to the end with all states, or with two states up to the time ``end``."""
@@ -227,6 +234,7 @@ class _Scenarios:
             drive=drive,
             flywheel=flywheel,
             loads=loads,
+            friction=self.friction,
             points=points,
             tolerance=self.tolerance,
         )
@@ -235,7 +243,7 @@ class _Scenarios:
 def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
     """Solve the scenarios, as many as possible together and the others one by one."""
     count, times = len(scenarios.speeds), np.linspace(0.0, scenarios.until, scenarios.points)
-    angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((2, count))
+    angles, speeds, works = np.empty((len(times), count)), np.empty((len(times), count)), np.zeros((3, count))
     errors: list[SimulationError | None] = [None] * count
     missing = np.zeros(count)
     left = list(np.flatnonzero(scenarios.speeds == 0))
@@ -249,7 +257,7 @@ def _solved(scenarios: _Scenarios, began: float) -> RunBatch:
     for k in map(int, left):
         angles[:, k], speeds[:, k], works[:, k], missing[k], errors[k] = _solved_alone(scenarios, k, times)
     took = clock.perf_counter() - began
-    return RunBatch(times, angles, speeds, works[0], works[1], missing, tuple(errors), took, scenarios)
+    return RunBatch(times, angles, speeds, works[0], works[1], works[2], missing, tuple(errors), took, scenarios)
 
 
 def _blocks(speeds: Array) -> Iterator[Indices]:
@@ -260,8 +268,8 @@ def _blocks(speeds: Array) -> Iterator[Indices]:
             yield ones[start : start + AT_ONCE]
 
 
-Alone = tuple[Array, Array, tuple[float, float], float, SimulationError | None]
-"""Angles and speeds (n,) of a scenario, the works of its drive and loads, its energy error, and why it stalled."""
+Alone = tuple[Array, Array, tuple[float, float, float], float, SimulationError | None]
+"""Angles and speeds (n,) of a scenario, the works of its drive, loads and friction, its energy error, and why it stalled."""
 
 
 def _solved_alone(scenarios: _Scenarios, k: int, times: Array) -> Alone:
@@ -270,7 +278,12 @@ def _solved_alone(scenarios: _Scenarios, k: int, times: Array) -> Alone:
         run = scenarios.alone(k)
     except SimulationError as error:
         return _up_to(error, scenarios, k, times)
-    return run.crank_angle, run.crank_speed, (float(run.drive_work[-1]), float(run.load_work[-1])), run.stats.energy_error, None
+    return run.crank_angle, run.crank_speed, _works(run), run.stats.energy_error, None
+
+
+def _works(run: Run) -> tuple[float, float, float]:
+    """Works of drive, loads and friction over a run [J]."""
+    return float(run.drive_work[-1]), float(run.load_work[-1]), float(run.lost[-1])
 
 
 def _up_to(error: SimulationError, scenarios: _Scenarios, k: int, times: Array) -> Alone:
@@ -280,14 +293,14 @@ def _up_to(error: SimulationError, scenarios: _Scenarios, k: int, times: Array) 
     angles, speeds = np.full(len(times), stopped), np.zeros(len(times))
     before = times < end
     if not before.any():
-        return angles, speeds, (0.0, 0.0), 0.0, error
+        return angles, speeds, (0.0, 0.0, 0.0), 0.0, error
     try:
         run = scenarios.alone(k, end)
     except SimulationError:  # it does not get that far again: at rest from the start
-        return np.full(len(times), scenarios.angle), speeds, (0.0, 0.0), 0.0, error
+        return np.full(len(times), scenarios.angle), speeds, (0.0, 0.0, 0.0), 0.0, error
     sample = run.trajectory.at(times[before])
     angles[before], speeds[before] = sample.position[0], sample.speed[0]
-    return angles, speeds, (float(run.drive_work[-1]), float(run.load_work[-1])), run.stats.energy_error, error
+    return angles, speeds, _works(run), run.stats.energy_error, error
 
 
 # ----------------------------------------------------------------------------------------------------------------------- solved together
@@ -299,7 +312,7 @@ class BatchSolver:
     Attributes:
         angle: (n, S) of the crank at the times [rad].
         speed: (n, S) of the crank at the times [rad/s].
-        works: (2, S) works of the drive, and works against the loads [J].
+        works: (3, S) works of the drive, works against the loads, and losses by friction [J].
         alone: (S,) whether a scenario has to be run on its own.
     """
 
@@ -309,7 +322,7 @@ class BatchSolver:
         self.direction = 1 if speed[0] > 0 else -1
         self.first, self.begin = angle, speed
         self.angle, self.speed = np.empty((len(times), len(speed))), np.empty((len(times), len(speed)))
-        self.works = np.zeros((2, len(speed)))
+        self.works = np.zeros((3, len(speed)))
         self.alone = np.zeros(len(speed), dtype=bool)
         self.before: CollocationSolution | None = None
         self.anchor = self.at = angle  # where periods begin: in the equation, and counted on
@@ -382,10 +395,11 @@ class BatchSolver:
         return np.asarray((slow & (passed[:-1] < until)).any(axis=(0, 1)))
 
     def drive_and_loads(self, solution: CollocationSolution) -> list[tuple[int, Array]]:
-        """Forces of the drive along the travel, and of the loads against it, if there are any, each with its row in ``works``."""
+        """Forces of the drive along the travel, and of loads and friction against it, if there are any, each with its row in ``works``."""
         driven = self.driven
         driving = [(0, drive_torque(driven.drive, solution))] if driven.drive is not None else []
-        return driving + ([(1, -solution.resisting)] if driven.forces else [])
+        resisting = [(1, -solution.resisting)] if driven.forces else []
+        return driving + resisting + ([] if solution.rubbing is None else [(2, -solution.rubbing)])
 
     def _fill(self, solution: CollocationSolution, passed: Array, going: Mask, until: float, forces: list[tuple[int, Array]]) -> None:
         """Fill in the states within a period, and for scenarios that end in it the work up to their end."""
@@ -421,6 +435,6 @@ class BatchSolver:
         at, speed = np.where(self.alone, self.first, at), np.where(self.alone, self.begin, speed)
         motion = motion_through_change_points(press, at.ravel(), speed.ravel())
         kinetic, potential = (energy.reshape(2, count) for energy in energies(press, motion))
-        driving, taken = np.concatenate([np.zeros((2, 1, count)), self.works[:, None]], axis=1)
-        found: Array = energy_error(kinetic + 0.5 * self.driven.inertia * speed**2, potential, driving, taken, np.zeros_like(taken))[-1]
+        works = np.concatenate([np.zeros((3, 1, count)), self.works[:, None]], axis=1)
+        found: Array = energy_error(kinetic + 0.5 * self.driven.inertia * speed**2, potential, *works)[-1]
         return found

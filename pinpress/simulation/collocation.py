@@ -26,7 +26,7 @@ from ..drives.transmission import PrescribedSpeed
 from ..loads.process import ForceInterval
 from .driven_press import DrivenPress
 from .failures import failure
-from .reduced_model import COORDINATES, INERTIA, POTENTIAL, WEIGHT, ReducedModel
+from .reduced_model import COORDINATES, INERTIA, POTENTIAL, WEIGHT, BearingStates, ReducedModel
 
 Indices = NDArray[np.intp]
 
@@ -88,6 +88,7 @@ class Mesh:
         position_ends: (coordinates, p + 1) c at the borders [m].
         lever_ends: (coordinates, p + 1) c' at the borders [m].
         forces: intervals of forces, each with the panels on which it acts.
+        bearings: the bearings with friction at the q p nodes, node by node; None for none.
     """
 
     start: float
@@ -107,6 +108,7 @@ class Mesh:
     position_ends: Array
     lever_ends: Array
     forces: tuple[PanelForce, ...]
+    bearings: BearingStates | None
 
     def travelled(self, panel: Indices, x: Array) -> tuple[Array, Array]:
         """Angle travelled at places x (n,), from -1 to 1 on panels (n,), and its derivative by x."""
@@ -173,6 +175,7 @@ def build_mesh(driven: DrivenPress, start: float, direction: int, borders: Array
         position_ends=at_ends[COORDINATES:],
         lever_ends=slopes_ends[COORDINATES:],
         forces=_panel_forces(driven, at_middle[COORDINATES:], slopes_middle[COORDINATES:] * direction > 0),
+        bearings=None if driven.bearing_model is None else driven.bearing_model.at(angle.ravel()),
     )
 
 
@@ -228,6 +231,7 @@ class CollocationSolution:
         force: (q, p, S) dW/du [N m].
         driving: (q, p, S) part of the force that comes from the drive [N m].
         resisting: (q, p, S) part of the force that comes from the loads [N m].
+        rubbing: (q, p, S) part of the force that comes from friction in the bearings [N m]; None for none.
         speed_free: whether no force depends on the speed, so that W is right beyond a stop too.
         stiffness: (p,) e-folds by which a disturbance of W dies away on half a panel; 0 where the drive is not stiff.
         settled: (S,) number of panels on which Newton's method has found W: all, or those before the crank nearly stops.
@@ -242,6 +246,7 @@ class CollocationSolution:
     force: Array
     driving: Array
     resisting: Array
+    rubbing: Array | None
     speed_free: bool
     stiffness: Array
     settled: Indices
@@ -293,8 +298,8 @@ class _Newton:
             periodic: whether the motion has to end with the energy with which it begins.
         """
         self.mesh, self.inertia, self.energy, self.periodic = mesh, inertia, energy, periodic
-        self.forces = Forces(driven.drive, mesh, work.shape)
-        self.constant = driven.drive is None and not mesh.forces
+        self.forces = Forces(driven.drive, mesh, inertia, work.shape)
+        self.constant = driven.drive is None and not mesh.forces and mesh.bearings is None
         self.added = float(np.ravel(driven.inertia)[0])
         # from the guess alone, because W may rise without bounds far from the solution
         self.floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
@@ -312,7 +317,8 @@ class _Newton:
             # K is found by a difference, because it only has to lead to the solution, and is kept close to it
             if rate is None or moved.max() > CLOSE:
                 change = self.forces.faster(speed, BESIDE)
-                if not change.any():  # no force depends on the speed here; is it so at the speeds that follow from these forces too?
+                # no force depends on the speed here; is it so at the speeds that follow from these forces too?
+                if self.mesh.bearings is None and not change.any():
                     found = self._solution(work, True, self.everywhere)
                     if np.array_equal(self.forces.at(found.speed), total):
                         return self._seen_at_rest(found, total)
@@ -359,10 +365,11 @@ class _Newton:
     ) -> CollocationSolution:
         forces, weight = self.forces, self.mesh.weight[:, :, None]
         if ends is None or force is None:
-            force = forces.driving + forces.resisting + weight
-            work, ends = _integral(self.mesh, forces.driving + forces.resisting, weight, self.energy)
+            force = forces.total + weight
+            work, ends = _integral(self.mesh, forces.total, weight, self.energy)
         else:  # the torque of a stiff drive follows from the solution: computed from the speed it would have the rounding of that
-            forces.driving = force - forces.resisting - weight
+            others = forces.resisting if forces.rubbing is None else forces.resisting + forces.rubbing
+            forces.driving = force - others - weight
         least = np.finfo(float).tiny if speed_free else self.floor  # before a stop W is small, and right
         return CollocationSolution(
             mesh=self.mesh,
@@ -372,6 +379,7 @@ class _Newton:
             force=force,
             driving=forces.driving,
             resisting=forces.resisting,
+            rubbing=forces.rubbing,
             speed_free=speed_free,
             stiffness=self.stiffness,
             settled=settled,
@@ -388,14 +396,19 @@ def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: Prescrib
     for force in mesh.forces:
         resisting[:, force.panels] += _along_travel(mesh, force, mesh.direction * speed)
     total = 0.5 * mesh.direction * mesh.slope[:, :, None] * speed**2
+    rubbing, driving = None, total - resisting - mesh.weight[:, :, None]
+    if mesh.bearings is not None:
+        rubbing = _rubbing(mesh, mesh.bearings, speed, np.zeros(speed.shape), np.full(speed.shape, np.inf))[0]
+        driving -= rubbing
     return CollocationSolution(
         mesh=mesh,
         energy=work,
         ends=np.full((len(mesh.borders), 1), work.max()),
         speed=speed,
         force=total,
-        driving=total - resisting - mesh.weight[:, :, None],
+        driving=driving,
         resisting=resisting,
+        rubbing=rubbing,
         speed_free=True,
         stiffness=np.zeros(len(mesh.kinds)),
         settled=np.full(1, len(mesh.kinds)),
@@ -408,36 +421,51 @@ def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: Prescrib
 
 
 class Forces:
-    """Forces of drive and loads on a mesh, along the travel, at changing speeds. Loads that do not depend on speed are computed once.
+    """Forces of drive, loads and friction on a mesh, along the travel, at changing speeds. Loads that do not depend on speed are computed
+    once.
 
     Attributes:
         driving: (q, p, S) of the drive, as last computed [N m].
         resisting: (q, p, S) of the loads, as last computed [N m].
+        rubbing: (q, p, S) of friction in the bearings, as last computed [N m]; None for none.
         asked: number of times that they were computed.
     """
 
-    def __init__(self, drive: Drive | None, mesh: Mesh, shape: tuple[int, ...]) -> None:
-        self.drive, self.mesh, self.asked = drive, mesh, 0
+    def __init__(self, drive: Drive | None, mesh: Mesh, inertia: Array, shape: tuple[int, ...]) -> None:
+        self.drive, self.mesh, self.inertia, self.asked = drive, mesh, inertia, 0
         self.driving, self.resisting = np.zeros(shape), np.zeros(shape)
+        self.rubbing: Array | None = None
+        self.efforts: Array | None = None  # of friction, from which the next ones are found
         self.steady = not mesh.forces
+
+    @property
+    def total(self) -> Array:
+        """(q, p, S) sum of the forces, as last computed."""
+        acting = self.driving + self.resisting
+        return np.asarray(acting if self.rubbing is None else acting + self.rubbing)
 
     def at(self, speed: Array) -> Array:
         """Sum of the forces at sizes of the crank's speed (q, p, S)."""
         self.driving = self._driving(speed)
         if not self.steady:
             self.resisting = self._resisting(speed)
+        if self.mesh.bearings is not None:
+            self.rubbing = self._friction(self.mesh.bearings, speed, self.driving + self.resisting)
         self.asked += 1
-        return np.asarray(self.driving + self.resisting)
+        return self.total
 
     def faster(self, speed: Array, share: float) -> Array:
         """Change of the sum where the crank is faster by a share than at the last `at`."""
         higher = speed * (1 + share)
-        change = self._driving(higher) - self.driving
+        driving, resisting = self._driving(higher), self.resisting
+        change = driving - self.driving
         if not self.steady:
             resisting = self._resisting(higher)
             self.steady = bool(np.array_equal(resisting, self.resisting))
             if not self.steady:
                 change += resisting - self.resisting
+        if self.mesh.bearings is not None and self.rubbing is not None:
+            change += self._friction(self.mesh.bearings, higher, driving + resisting) - self.rubbing
         self.asked += 1
         return np.asarray(change)
 
@@ -454,15 +482,40 @@ class Forces:
             result[:, force.panels] += _along_travel(self.mesh, force, self.mesh.direction * speed)
         return result
 
+    def _friction(self, bearings: BearingStates, speed: Array, acting: Array) -> Array:
+        """Torque of friction (q, p, S) under torques of drive and loads."""
+        mesh = self.mesh
+        net = acting + mesh.weight[:, :, None] - 0.5 * mesh.direction * mesh.slope[:, :, None] * speed**2
+        rubbing, self.efforts = _rubbing(mesh, bearings, speed, net, self.inertia, self.efforts)
+        return rubbing
+
+
+def _rubbing(
+    mesh: Mesh, bearings: BearingStates, speed: Array, net: Array, inertia: Array, start: Array | None = None
+) -> tuple[Array, Array]:
+    """Torque of friction (q, p, S) along the travel, and its efforts; arrays are those of `BearingStates.torque`, as (q, p, S)."""
+    q, p, count = speed.shape
+    along: dict[int, Array] = {}
+    for force in mesh.forces:
+        on_coordinate = along.setdefault(force.row, np.zeros(speed.shape))
+        on_coordinate[:, force.panels] += _size(mesh, force, mesh.direction * speed)
+    rate, acting, resisting = (values.reshape(q * p, -1) for values in (speed, net, inertia))
+    forces = {row: force.reshape(q * p, count) for row, force in along.items()}
+    torque, efforts = bearings.torque(mesh.direction, rate, acting, resisting, forces, start)
+    return torque.reshape(speed.shape), efforts
+
 
 def _along_travel(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
     """A force along the travel (q, its panels, S) [N m], at the crank's speeds (q, p, S)."""
+    return np.asarray(mesh.direction * mesh.lever[force.row][:, force.panels, None] * _size(mesh, force, speed))
+
+
+def _size(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
+    """A force along its coordinate (q, its panels, S) [N], at the crank's speeds (q, p, S)."""
     position = mesh.position[force.row][:, force.panels, None] - force.datum
     lever = mesh.lever[force.row][:, force.panels, None]
     size = force.interval.force(position, lever * speed[:, force.panels])
-    if force.interval.one_sided:
-        size = np.maximum(size, 0.0)
-    return np.asarray(mesh.direction * lever * size)
+    return np.asarray(np.maximum(size, 0.0) if force.interval.one_sided else size)
 
 
 # ---------------------------------------------------------------------------------------------------------------- integrals over panels

@@ -20,13 +20,15 @@ from ..drives.motors import InductionMotor, InverterMotor, SlipClutchMotor
 from ..drives.protocol import Drive, corners_of
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics import applied_loads
+from ..dynamics.inverse_dynamics import NONE_GIVEN
+from ..engines.forces import AppliedForce, FrictionLaw
 from ..kinematics.motion import Motion, point_motion
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
-from ..loads.link import Load, PointForce, SpringDamper
+from ..loads.link import Friction, Load, PointForce, SpringDamper, law
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 from .law_trials import check_drive, check_load
-from .reduced_model import COORDINATES, ReducedModel, build_reduced_model, reduced_model_of, roots
+from .reduced_model import COORDINATES, BearingModel, ReducedModel, build_bearing_model, build_reduced_model, reduced_model_of, roots
 
 if TYPE_CHECKING:
     from ..engines.spatial.forward_dynamics import ForwardDynamics
@@ -48,6 +50,9 @@ class Coordinate(Protocol):
 
     def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
         """Joint efforts (nv,) of a force along it."""
+
+    def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
+        """The forces on links over a motion for which a force of 1 along it stands."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,11 @@ class JointPosition:
         result[self.joint] = self.sign * force
         return result
 
+    def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
+        assert press.slide is not None  # with one driver it is the slide's
+        end = applied_loads.point_on_body(press, press.slide, (0.0, 0.0, 0.0), "the slide", "point")
+        return [AppliedForce(*end, np.tile(press.slide_direction, (len(motion.crank_angle), 1)))]
+
 
 @dataclass(frozen=True, eq=False)
 class Length:
@@ -100,6 +110,11 @@ class Length:
         between, _, length = self._between(dynamics, x, np.zeros(len(x)))
         along = force / length * between
         return dynamics.point_efforts(x, *self.second, along) - dynamics.point_efforts(x, *self.first, along)
+
+    def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
+        first, second = (point_motion(press, motion, *end)[0] for end in (self.first, self.second))
+        along = (second - first) / np.linalg.norm(second - first, axis=1)[:, None]
+        return [AppliedForce(*self.first, -along), AppliedForce(*self.second, along)]
 
     def _between(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[Array, Array, float]:
         (first, speed1), (second, speed2) = (dynamics.point(x, v, *end) for end in (self.first, self.second))
@@ -128,6 +143,9 @@ class WorkOfForce:
 
     def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
         return dynamics.point_efforts(x, *self.end, force * self.force)
+
+    def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
+        return [AppliedForce(*self.end, np.tile(self.force, (len(motion.crank_angle), 1)))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,6 +194,7 @@ class DrivenPress:
         flywheel: on the drive's side of the clutch.
         clutch: between drive and flywheel, and the crank; None: they turn together.
         brake: on the crank.
+        friction: of the bearings; None for none.
     """
 
     press: Linkage
@@ -188,6 +207,7 @@ class DrivenPress:
     flywheel: Flywheel | None = None
     clutch: Clutch | None = None
     brake: Brake | None = None
+    friction: FrictionLaw | None = None
 
     @property
     def timed(self) -> bool:
@@ -203,7 +223,7 @@ class DrivenPress:
     @property
     def heeds_speed(self) -> bool:
         """Whether a force depends on more than the crank angle. Where none does, a swing of the crank repeats itself."""
-        if self.timed or (self.drive is not None and getattr(self.drive, "heeds_speed", True)):
+        if self.friction is not None or self.timed or (self.drive is not None and getattr(self.drive, "heeds_speed", True)):
             return True
         return any(force.rising is not force.falling or any(each.heeds_velocity for each in force.rising) for force in self.forces)
 
@@ -216,10 +236,18 @@ class DrivenPress:
         return build_reduced_model(press, [partial(coordinate.over, press) for coordinate in coordinates])
 
     @cached_property
+    def bearing_model(self) -> BearingModel | None:
+        """The bearings with their friction; None where there is none. Raises as `build_bearing_model`."""
+        if self.friction is None:
+            return None
+        unit_forces = [partial(coordinate.unit_force, self.press) for coordinate in self.coordinates]
+        return build_bearing_model(self.press, self.friction, self.model, unit_forces)
+
+    @cached_property
     def switch_angles(self) -> tuple[Array, ...]:
-        """Crank angles in the model's range at which a force is not smooth: (k,) of each border of its intervals, and of the turns of its
-        coordinate [rad]."""
-        found = []
+        """Crank angles in the model's range at which a force is not smooth: (k,) of each border of its intervals, of the turns of its
+        coordinate, and of those of each bearing with friction [rad]."""
+        found = [] if self.bearing_model is None else [*self.bearing_model.reversals]
         for force in self.forces:
             row, borders = COORDINATES + force.row, force.borders()
             found += [roots(self.model, row, border) for border in borders]
@@ -243,7 +271,15 @@ class DrivenPress:
         return () if self.drive is None else tuple(float(np.ravel(speed)[0]) for speed, _ in corners_of(self.drive))
 
 
-def driven_press(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> DrivenPress:
+def driven_press(
+    press: Linkage,
+    drive: object,
+    flywheel: object,
+    loads: Sequence[Load],
+    clutch: object,
+    brake: object,
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+) -> DrivenPress:
     """A press with one driver, and all that acts on it.
 
     Raises:
@@ -279,6 +315,7 @@ def driven_press(press: Linkage, drive: object, flywheel: object, loads: Sequenc
         flywheel=flywheel,
         clutch=clutch,
         brake=brake,
+        friction=law(friction, press),
     )
 
 

@@ -51,6 +51,8 @@ def ending_events(system: HybridSystem, mode: Mode) -> tuple[Event, ...]:
     for k, place in enumerate(mode.forces):
         if place is not None:
             found += _force_events(system, k, place)
+    if mode.way and mode.brake.grip is not HOLDING:
+        found.append(CrankStops())
     found += [CornerPassed(k, corner, side) for k, (corner, side) in enumerate(zip(system.driven.corners, mode.sides, strict=True))]
     return (*found, *couplings)
 
@@ -145,19 +147,32 @@ class CoordinateTurns(Event):
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
         linkage = system.at(y).linkage
         if abs(linkage.speed) <= AT_REST * fastest and system.dynamics.alone:
-            return self._at_rest(system, mode, time, y)
+            return _at_rest(system, mode, time, y)
         force, place, (value, rate) = system.driven.forces[self.force], mode.forces[self.force], linkage.coordinates[self.row]
         assert place is not None
         inside = 0.5 * (max(place.low, value - 1.0) + min(place.high, value + 1.0))
         return mode.with_force(self.force, force_mode(force, inside, not place.rising, value, rate)), y
 
-    def _at_rest(self, system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
-        if mode.brake.grip is SLIPPING:  # at rest the brake decides what happens
-            return CouplingGrips("brake", mode.brake.sign).after(system, mode, time, y, 0.0)
-        n, rest = system.dynamics.size, y.copy()
-        rest[n : 2 * n] = 0.0
-        mode = system.placed(mode, time, rest)
-        return mode, rest if mode.standing else y
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CrankStops(Event):
+    """A crank whose bearings have friction comes to rest: it stands, or turns back."""
+
+    def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
+        return mode.way * float(at.linkage.speed)
+
+    def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:
+        return _at_rest(system, mode, time, y)
+
+
+def _at_rest(system: HybridSystem, mode: Mode, time: float, y: Array) -> tuple[Mode, Array]:
+    """Mode and vector of a crank that has come to rest."""
+    if mode.brake.grip is SLIPPING:  # at rest the brake decides what happens
+        return CouplingGrips("brake", mode.brake.sign).after(system, mode, time, y, 0.0)
+    n, rest = system.dynamics.size, y.copy()
+    rest[n : 2 * n] = 0.0
+    mode = system.placed(mode, time, rest)
+    return mode, rest if mode.standing or mode.way else y
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -19,6 +19,10 @@ REASONS = {
         " time, or give a drive that stops it before"
     ),
     "stops at a lock": "the crank stops where the linkage locks, and the links go on: a brake cannot hold it",
+    "friction locks": (
+        "friction locks the linkage, or nearly so: no consistent bearing forces and acceleration are found; lower the coefficients of"
+        " friction"
+    ),
     "loops open": "the loops do not close any more ({error}): the linkage locks, or the step is too long",
     "not finite": "a torque or force is not finite here, or the linkage locks: look at drive and loads",
     "cannot go on": "the integration cannot go on ({message}): the linkage locks ahead, or a force is too stiff",

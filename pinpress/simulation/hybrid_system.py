@@ -5,6 +5,7 @@ even where an integrator looks beyond the end of the mode. Modes end at `events`
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -108,7 +109,8 @@ class Mode(NamedTuple):
         brake: mode of the brake; a press without one has one that is open.
         forces: mode of every force; None of a force in time.
         sides: for each corner of the drive's torque +1 where its shaft is faster, -1 where it is slower.
-        standing: whether the press stands, held by loads that resist both directions.
+        standing: whether the press stands, held by loads or friction that resist both directions.
+        way: +1 or -1, direction in which the crank turns, or starts, against the friction of its bearings; 0 where they have none.
     """
 
     clutch: CouplingMode
@@ -116,6 +118,7 @@ class Mode(NamedTuple):
     forces: tuple[ForceMode | None, ...]
     sides: tuple[int, ...] = ()
     standing: bool = False
+    way: int = 0
 
     def with_coupling(self, side: Side, mode: CouplingMode) -> "Mode":
         return self._replace(clutch=mode) if side == "clutch" else self._replace(brake=mode)
@@ -266,7 +269,8 @@ class HybridSystem:
     def _free(self) -> bool:
         """Whether there are no forces but inertia and weight."""
         driven = self.driven
-        return driven.drive is None and driven.clutch is None and driven.brake is None and not driven.forces
+        parts = (driven.drive, driven.clutch, driven.brake, driven.friction)
+        return all(part is None for part in parts) and not driven.forces
 
     def _coasting(self, y: Array) -> Array:
         n = self.dynamics.size
@@ -282,24 +286,37 @@ class HybridSystem:
         torque = self.drive_torque(time, at)
         forces, taken, put_in, squared = self._forces(mode, time, linkage)
         through, braking = self._friction(mode, time) if self._coupled else (0.0, 0.0)
-        rigid, result, accelerated = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0
+        rigid, result, accelerated, rubbing = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0, 0.0
         if mode.brake.grip is not HOLDING and not mode.standing:
             on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
+            rubbing = self._rubbing(mode, linkage, on_crank + braking, forces, inertia)
             result[:n] = y[n : 2 * n]
-            result[n : 2 * n] = accelerations = self.dynamics.accelerations(linkage, on_crank + braking, forces, inertia)
+            result[n : 2 * n] = accelerations = self.dynamics.accelerations(linkage, on_crank + braking + rubbing, forces, inertia)
             accelerated = self.dynamics.of_crank(accelerations)
         if driven.drive is not None and states:
             result[2 * n : 2 * n + len(states)] = driven.drive.rates(shaft_speed, linkage.angle, time, states)
         if driven.clutch is not None:
             result[2 * n + len(states)] = accelerated if rigid else (torque - through) / driven.inertia
         motor = 0.0 if driven.drive is None else driven.drive.motor_torque(shaft_speed, linkage.angle, time, states)
-        lost = through * (shaft_speed - linkage.speed) - braking * linkage.speed
+        lost = through * (shaft_speed - linkage.speed) - (braking + rubbing) * linkage.speed
         result[-len(INTEGRALS) :] = (torque * shaft_speed + put_in, taken, motor * motor + squared, lost)
         return result
 
     def _friction(self, mode: Mode, time: float) -> tuple[float, float]:
         """Friction torques of clutch and brake on the crank, while they slip [N m]."""
         return mode.clutch.torque(self.driven.clutch, time), mode.brake.torque(self.driven.brake, time)
+
+    def _rubbing(self, mode: Mode, linkage: Any, torque: float, forces: Sequence[float], inertia: float) -> float:
+        """Torque of the bearings' friction on the crank; other arguments as of `Dynamics.accelerations`."""
+        bearings, way = self.driven.bearing_model, mode.way
+        if bearings is None or not way:
+            return 0.0
+        total = linkage.inertia + inertia
+        net = torque - linkage.weight - 0.5 * linkage.inertia_slope * linkage.speed * linkage.speed
+        net += sum(force * lever for force, lever in zip(forces, linkage.levers, strict=False))
+        if not math.isfinite(net) or not total > 0:  # makes an integrator that looks ahead try a shorter step
+            return math.nan
+        return bearings.torque_at(linkage.angle, way, linkage.speed, net, total, forces)
 
     @cached_property
     def _coupled(self) -> bool:
@@ -338,7 +355,9 @@ class HybridSystem:
         through, braking = self._friction(mode, time)
         rigid = mode.clutch.grip is HOLDING
         on_crank, inertia = (self.drive_torque(time, at), driven.inertia) if rigid else (through, 0.0)
-        return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, on_crank + braking + more, forces, inertia))
+        torque = on_crank + braking + more
+        torque = torque + self._rubbing(mode, at.linkage, torque, forces, inertia)
+        return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, torque, forces, inertia))
 
     # Standstill
 
@@ -346,17 +365,18 @@ class HybridSystem:
         """The mode with every force in its interval; at rest it is that of the direction in which the crank starts.
 
         Raises:
-            SimulationError: the loads hold the press in both directions, and nothing that depends on time can change that.
+            SimulationError: the loads, not friction, hold the press in both directions, and nothing that depends on time can change that.
         """
         mode = mode._replace(standing=False)
         n = self.dynamics.size
         position, speed = y[:n], y[n : 2 * n]
         linkage = self.dynamics.at(position, speed)
-        if not self.driven.forces or all(place is None for place in mode.forces):
+        if self.driven.friction is None and (not self.driven.forces or all(place is None for place in mode.forces)):
             return mode
         if not self.dynamics.alone:  # the first crank's rest is not the linkage's
             return self._placed_at(mode, position + AHEAD * speed, speed, moving=True)
         if linkage.speed:
+            mode = self._against(mode, linkage.speed)
             return self._placed_at(mode, position + LITTLE / abs(linkage.speed) * speed, speed, moving=True)
         still: Mode | None = None
         for way in (1.0, -1.0):
@@ -367,7 +387,7 @@ class HybridSystem:
             still = tried if acceleration == 0.0 else still
         if still is not None:
             return still
-        if self._may_start_later:
+        if self._may_start_later or self.driven.friction is not None:
             return mode._replace(standing=True)
         raise failure("stalls", time, linkage.angle)
 
@@ -380,7 +400,11 @@ class HybridSystem:
 
     def starting(self, mode: Mode, position: Array, way: float) -> Mode:
         """The mode in which every force is in its interval when the crank starts from rest; ``way``: +1 or -1, the direction."""
-        return self._placed_at(mode, *self.dynamics.moved(position, way * LITTLE), moving=False)
+        return self._placed_at(self._against(mode, way), *self.dynamics.moved(position, way * LITTLE), moving=False)
+
+    def _against(self, mode: Mode, speed: float) -> Mode:
+        """The mode with friction against a speed of the crank."""
+        return mode if self.driven.friction is None else mode._replace(way=1 if speed > 0 else -1)
 
     def _placed_at(self, mode: Mode, position: Array, speed: Array, moving: bool) -> Mode:
         """The mode in which every force is in its interval at a state a little ahead."""
@@ -397,7 +421,8 @@ class HybridSystem:
             free, torque = self.acceleration(mode, time, at), float(self.drive_torque(time, at))
             return torque if mode.brake.grip is HOLDING else torque - self.driven.inertia * free
         needed = []
-        ways = (1.0, -1.0) if any(force.rising is not force.falling for force in self.driven.forces) else (0.0,)
+        directed = self.driven.friction is not None or any(force.rising is not force.falling for force in self.driven.forces)
+        ways = (1.0, -1.0) if directed else (0.0,)
         for way in ways:
             tried = self.starting(mode, y[: self.dynamics.size], way) if way else mode
             here = self.at(y)  # computed again: `starting` has moved the linkage

@@ -80,7 +80,7 @@ class Run(Motion):
             where there are several drivers.
         drive_work: (n,) work of the drive since the start [J].
         load_work: (n,) work against the loads since the start [J].
-        lost: (n,) energy lost in clutch and brake since the start [J].
+        lost: (n,) energy lost in clutch and brake, and in the friction of bearings and guides, since the start [J].
         motor_squared: (n,) integral of the motor torque squared over time since the start [N2 m2 s].
         problem: what was simulated.
         trajectory: the whole solution; ``trajectory.at(times)`` gives the states at any times (m,).
@@ -105,7 +105,7 @@ class Run(Motion):
         return "time [s]", next(iter(self._of_drivers(1)))
 
     def columns(self) -> dict[str, Array]:
-        """The motion's columns, followed by torque, speed and work of the drive, work of the loads, and losses in clutch and brake."""
+        """The motion's columns, followed by torque, speed and work of the drive, work of the loads, and losses."""
         columns = super().columns()
         efforts = [(f"drive_{each.effort}", each.effort_unit) for each in self.driver_coordinates]
         speeds = [("drive_speed", each.heads[1][1]) for each in self.driver_coordinates]
@@ -313,7 +313,7 @@ class MotorDuty(Record, units=UNITS):
         speed_drop: highest less lowest speed, as a share of the mean.
         drive_work: work of the drive on the crank's shaft [J].
         load_work: work against the loads [J].
-        lost: energy lost in clutch and brake [J].
+        lost: energy lost in clutch, brake, and the friction of bearings and guides [J].
         flywheel_work: work that flywheel and drive give off from the highest to the lowest speed, J (w1^2 - w2^2) / 2 [J].
         recovery_time: time from the lowest speed to the highest, if the part were periodic [s].
         motor_rms: root mean square of the motor's torque at its own shaft [N m].

@@ -32,11 +32,13 @@ from ..common.parameters import refuse_scenarios
 from ..common.quantities import Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
+from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.motion import doubt_speeds
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
-from ..loads.link import Load
+from ..loads.link import Friction, Load
+from ..loads.link import law as friction_law
 from .angle_solver import MOST_PERIODS, NEAR, AngleSegment, nearly_at_rest
 from .driven_press import DrivenPress, driven_press, press_with_drives, refuse_unlisted_loads
 from .failures import failure, told_of
@@ -69,6 +71,7 @@ def simulate(
     clutch: Clutch | None = None,
     brake: Brake | None = None,
     loads: Sequence[Load] = (),
+    friction: Mapping[str, Friction] = NONE_GIVEN,
     method: str = "auto",
     points: int | None = None,
     tolerance: float = 1e-11,
@@ -88,6 +91,8 @@ def simulate(
         clutch: between flywheel and crank; None: they turn together.
         brake: on the crank.
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
+        friction: friction of bearings and guides, by their names, as in `inverse_dynamics`, of a press with one driver. A press that it
+            stops stands until the drive overcomes it.
         method: "auto", "reduced", "implicit" or "constraint", see the module. Where a linkage locks the first three end, "constraint" runs
             on through the lock.
         points: number of states returned; by default 120 a turn, and at least 120.
@@ -120,17 +125,25 @@ def simulate(
     refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
     with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
-        driven = _driven(press, method, drive, flywheel, loads, clutch, brake)
+        driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction)
         problem = _problem(driven, method, angles, speeds, until, tolerance, fixed)
         doubt_speeds(press, problem.speed)
         trajectory = march(problem, progress)
         run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))
     if (since := trajectory.standing) is not None:
-        caution(
-            f"the press stands from {since:.6g} s to the end, at {press.driver_coordinates[0].at(run.crank_angle[-1])}: the load holds it"
-            " there against the drive"
-        )
+        _tell_of_standstill(run, since)
     return run
+
+
+def _tell_of_standstill(run: Run, since: float) -> None:
+    """Warn of a press that stands from a time [s] to the end, unless it has run down by friction without a drive."""
+    driven = run.problem.driven
+    if driven.friction is not None and driven.drive is None:
+        return
+    what = "load" if driven.friction is None else "friction" if not driven.forces else "friction and load"
+    place = run.driver_coordinates[0].at(run.crank_angle[-1])
+    holds = "hold" if " and " in what else "holds"
+    caution(f"the press stands from {since:.6g} s to the end, at {place}: the {what} {holds} it there against the drive")
 
 
 def _method(press: Linkage, given: str) -> str:
@@ -155,11 +168,24 @@ def _fixed_step(given: float | None, until: float) -> float | None:
 
 
 def _driven(
-    press: Linkage, method: str, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object
+    press: Linkage,
+    method: str,
+    drive: object,
+    flywheel: object,
+    loads: Sequence[Load],
+    clutch: object,
+    brake: object,
+    friction: Mapping[str, Friction],
 ) -> DrivenPress:
-    """The press with its parts. Raises as `driven_press`, and where the method does not suit several drivers."""
+    """The press with its parts. Raises as `driven_press`, and where the method does not suit several drivers or friction."""
+    if friction_law(friction, press) is not None and (method == "constraint" or len(press.drivers) > 1):
+        why = "method='constraint'" if len(press.drivers) == 1 else f"{press.name} has {len(press.drivers)} drivers, whose equations"
+        raise PinpressError(
+            f"{why} knows no friction in bearings: it needs the forces of the bearings, which the reduced equation of one driver has;"
+            " leave friction out, or let one driver turn with method='auto'"
+        )
     if len(press.drivers) == 1:
-        return driven_press(press, drive, flywheel, loads, clutch, brake)
+        return driven_press(press, drive, flywheel, loads, clutch, brake, friction)
     if method != "constraint":
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
     return press_with_drives(press, drive, flywheel, loads, clutch, brake)

@@ -141,7 +141,7 @@ class OverAngle:
         stop = solver.run(self.progress)
         if stop is None:
             return Leg(solver.segments, None)
-        if stop.at_rest and not driven.forces and not before:  # in equilibrium, if an unstable one
+        if stop.at_rest and not driven.forces and not before and driven.friction is None:  # in equilibrium, if an unstable one
             return Leg([*solver.segments, StandstillSegment(stop.state, problem.until)], None)
         self.stopped = stop.state
         return Leg(solver.segments, stop.state)

@@ -8,7 +8,7 @@ press comes back.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -18,12 +18,13 @@ from ..common.parameters import refuse_scenarios
 from ..common.quantities import RPM, Array
 from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel
+from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.motion import doubt_speeds
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
-from ..loads.link import Load
+from ..loads.link import Friction, Load
 from . import collocation
 from .angle_solver import angle_segment
 from .collocation import CollocationSolution, build_mesh, cuts, interpolate_onto, mesh_borders, stopping_panels
@@ -56,6 +57,7 @@ def steady_state(
     drive: Drive,
     flywheel: Flywheel | None = None,
     loads: Sequence[Load] = (),
+    friction: Mapping[str, Friction] = NONE_GIVEN,
     points: int | None = None,
     tolerance: float = 1e-11,
 ) -> Run:
@@ -68,6 +70,7 @@ def steady_state(
         drive: what turns the crank; nothing in it may depend on time.
         flywheel: its inertia stands at the driver joint; None: none.
         loads: as in `simulate`; nothing in them may depend on time.
+        friction: as in `simulate`.
         points: number of states returned; by default 120 a turn.
         tolerance: as in `simulate`.
 
@@ -85,7 +88,7 @@ def steady_state(
     refuse_far("angle", np.array(start), press.driver_coordinates)
     refuse_unlisted_loads(loads)
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
-    driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None)
+    driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction)
     _refuse_without_steady_state(driven, drive)
     doubt_speeds(press, near)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises

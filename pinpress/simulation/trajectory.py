@@ -10,7 +10,7 @@ from ..common.quantities import Array
 
 INTEGRALS = ("drive_work", "load_work", "motor_squared", "lost")
 """Integrals over time that are solved with the motion: work of the drive on the crank [J], work against the loads [J], motor torque squared
-[N2 m2 s], energy lost in clutch and brake [J]."""
+[N2 m2 s], energy lost in clutch, brake, and the friction of bearings [J]."""
 DRIVE_WORK, LOAD_WORK, MOTOR_SQUARED, LOST = range(len(INTEGRALS))
 
 

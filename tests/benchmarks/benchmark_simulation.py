@@ -153,6 +153,29 @@ def long_runs(repeats: int) -> None:
     print(f"  ZXN2-3000(B) from 70 strokes/min, {_turns(six)} turns free, reduced: energy error {six.stats.energy_error:.1e}")
 
 
+def friction(repeats: int) -> None:
+    """What friction in all bearings adds to the time of a run and of a steady state."""
+    press = pp.load("zxn2_3000b")
+    rubbing = {name: pp.loads.Friction(0.05, None if name == "slide_guide" else 0.06) for name in press.bearings}
+    drive = pp.drives.Geared(pp.drives.InductionMotor(75e3, 1485 * pp.RPM, inertia=1.2), 20.7)
+    given: dict[str, Any] = {"drive": drive, "flywheel": pp.drives.Flywheel(6000.0), "loads": [pp.loads.DeepDrawing(1e6, 0.010)]}
+    print("\nZXN2-3000(B), motor and 1000 kN drawing, 70 strokes/min: without and with friction in all bearings")
+    for name, work in (
+        ("a run of 3 s", lambda acting: pp.simulate(press, 3.0, speed=70 * pp.RPM, friction=acting, **given)),
+        ("over time, 0.5 s", lambda acting: pp.simulate(press, 0.5, speed=70 * pp.RPM, friction=acting, method="implicit", **given)),
+        ("the steady state", lambda acting: pp.steady_state(press, 70 * pp.RPM, friction=acting, **given)),
+    ):
+        runs: dict[str, pp.Run] = {}
+
+        def run(which: str, acting: Any, work: Any = work, runs: dict[str, pp.Run] = runs) -> float:
+            runs[which] = work(acting)
+            return 0.0
+
+        (_, _, without), (_, _, taken) = least([("", lambda: run("bare", {})), ("", lambda: run("rubbing", rubbing))], repeats)
+        error = runs["rubbing"].stats.energy_error
+        print(f"  {name:20} {1e3 * without:8.1f} ms {1e3 * taken:8.1f} ms, ratio {taken / without:5.1f}, energy error {error:.0e}")
+
+
 def _turns(run: pp.Run) -> int:
     return round(float(run.crank_angle[-1]) / (2 * np.pi))
 
@@ -167,6 +190,7 @@ def main() -> None:
     print(f"both methods at tolerance 1e-13 differ by {abs(truths[0] - truths[1]):.1e} rad")
     work_precision(press, truths[0], repeats)
     scenarios(max(2, repeats // 3))
+    friction(max(2, repeats // 3))
     long_runs(max(2, repeats // 3))
 
 

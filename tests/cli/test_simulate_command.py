@@ -255,6 +255,7 @@ def test_every_option_reaches_the_simulation(capsys: pytest.CaptureFixture[str],
     assert [type(load) for load in call.pop("loads")] == [Idle, ElasticDie]
     assert call == {
         "duration": 0.2,
+        "friction": {},
         "speed": 120 * pp.RPM,
         "angle": np.radians(90),
         "drive": None,

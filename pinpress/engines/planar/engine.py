@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...common.frozen import read_only
 from ...common.quantities import Array, ComplexArray
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
-from ..forces import AppliedConditions, AppliedForce, Wrenches
+from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..joints import product
 from ..spatial.model import SpatialModel
 from . import kinematics
@@ -109,6 +109,11 @@ class PlanarEngine:
         from .inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
 
         return inverse_dynamics(self.bodies, self._closed(states), conditions, wanted)
+
+    def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+        from .inverse_dynamics import bearing_loads  # slow to import, and not needed to load
+
+        return bearing_loads(self.bodies, self._closed(states), loads, efforts, rates)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         # slow to import, and not needed to load

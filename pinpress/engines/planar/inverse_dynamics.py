@@ -21,7 +21,7 @@ import numpy as np
 
 from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, PIECE, ClosedStates, other_linkage
-from ..forces import AppliedConditions, AppliedForce, FrictionLaw, Wrenches
+from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
 from ..joints import product
 from . import out_of_plane, statics
 from .bodies import Bodies, OpenTree
@@ -42,7 +42,7 @@ def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedCo
     result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, len(wanted))
     some = len(wanted) < len(result.friction)
     by_virtual_work = some and law is None and _virtual_work_gives(plane, wanted, conditions.with_gear_torques)
-    speeds = None if law is None else law.moving(np.concatenate([states.v, plane.incidence.T @ (plane.sense[:, None] * states.v)]))
+    speeds = None if law is None else law.moving(_bearing_speeds(plane, states.v))
     for start in range(0, n, PIECE):
         s = slice(start, start + PIECE)
         piece, acting, filled = (states, conditions, result) if n <= PIECE else (states.part(s), conditions.part(s), result.part(s))
@@ -52,6 +52,27 @@ def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedCo
         else:
             _fill_by_recursion(bodies, piece, acting, friction, wanted, filled)
     return result
+
+
+def _bearing_speeds(plane: Plane, rates: Array) -> Array:
+    """Speeds (bearings, n) of all bearings at joint rates (nv, n), those of loops about the normal."""
+    return np.concatenate([rates, plane.incidence.T @ (plane.sense[:, None] * rates)])
+
+
+def bearing_loads(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+    """See `Engine.bearing_loads`; the states have their basis."""
+    plane, basis, n = bodies.plane, known_basis(states), states.v.shape[1]
+    open_tree = _solve_open_tree(bodies, states, loads)
+    system = statics.build(plane, open_tree.closure, open_tree.subtree_force, bodies.minus_incidence, basis, None)
+    forces, coupling_multipliers = np.empty((len(efforts), n), complex), np.zeros((len(plane.offsets), n))
+    statics.balance(system, open_tree.joint_efforts - _resisted(plane, efforts), coupling_multipliers, forces)
+    radial = np.stack([forces.real, forces.imag, np.zeros(forces.shape)], axis=2)
+    axial = out_of_plane.forces(bodies, loads, None, n) if _acts_out_of_plane(bodies, loads) else None
+    for joint, direction in zip(plane.prismatic, product(plane.directions, basis).conj(), strict=True):
+        radial[joint, :, 0], radial[joint, :, 1] = (direction * forces[joint]).imag, 0.0
+        if axial is not None:
+            radial[joint, :, 2] = axial[joint]
+    return BearingLoads(_bearing_speeds(plane, rates), radial)
 
 
 class FrictionState(NamedTuple):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
-from ..forces import AppliedConditions, AppliedForce, Wrenches
+from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import kinematics
 from .model import SpatialModel
 
@@ -79,6 +79,11 @@ class SpatialEngine:
         from . import inverse_dynamics  # slow to import, and not needed to load
 
         return inverse_dynamics.inverse_dynamics(self.spatial, states, conditions, wanted)
+
+    def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+        from . import inverse_dynamics  # slow to import, and not needed to load
+
+        return inverse_dynamics.bearing_loads(self.spatial, states, loads, efforts, rates)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         from . import inverse_dynamics  # slow to import, and not needed to load

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import LOOSEST, ClosedStates, other_linkage
-from ..forces import RANK, AppliedConditions, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
+from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
 from ..joints import configuration
 from .kinematics import PassiveJacobian
 from .model import Equations, Rows, SpatialModel
@@ -45,6 +45,21 @@ def inverse_dynamics(spatial: SpatialModel, states: ClosedStates, conditions: Ap
             result.friction[:, i] = lost
         state.fill(result, i, multipliers, efforts, couples, wanted)
     return result
+
+
+def bearing_loads(spatial: SpatialModel, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+    """See `Engine.bearing_loads`; the speeds of loops are magnitudes."""
+    n, count, equations = states.v.shape[1], spatial.model.nv, spatial.equations()
+    spins = _loop_spins(spatial, equations, states.position, rates)
+    speed = np.concatenate([rates, np.linalg.norm(spins, axis=2)])
+    radial = np.zeros((*efforts.shape, 3))
+    for i in range(n):
+        applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in loads]
+        state = _State(spatial, equations, states.position[:, i], states.v[:, i].copy(), states.a[:, i].copy(), applied)
+        directions = state.directions(spins[:, i], speed[count:, i])
+        multipliers = state.multipliers(efforts[:count, i], efforts[count:, i, None] * directions[count:], None)
+        radial[:, i] = state.radial(multipliers, directions)
+    return BearingLoads(speed, radial)
 
 
 def indeterminate(spatial: SpatialModel, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -107,21 +122,29 @@ class _State:
             PinpressError: friction locks the linkage.
         """
         count = len(self.effort)
-        sizes = speeds[count:]
-        axes = [self.rotations[j + 1] @ axis.direction for j, axis in enumerate(self.spatial.axes)]
-        directions = np.concatenate([np.array(axes), spins / np.where(sizes == 0, 1.0, sizes)[:, None]])
+        directions = self.directions(spins, speeds[count:])
 
         def multipliers(efforts: Array) -> Array:
             return self.multipliers(efforts[:count], efforts[count:, None] * directions[count:], compliance)
 
         def radial(efforts: Array) -> Array:
-            forces = self.spatial.share @ multipliers(efforts[:, 0])[: 3 * len(self.spatial.loops)]
-            forces[: 3 * count] += self._tree_forces()
-            return np.asarray(np.linalg.norm(np.cross(forces.reshape(-1, 3), directions), axis=1)[:, None])
+            return np.asarray(np.linalg.norm(self.radial(multipliers(efforts[:, 0]), directions), axis=1)[:, None])
 
         driver = self.x[self.spatial.drivers[0]][None]
         efforts = law.efforts(speeds[:, None], radial, driver, self.spatial.coordinates[0])[:, 0]
         return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * speeds
+
+    def directions(self, spins: Array, sizes: Array) -> Array:
+        """Axes (bearings, 3) about or along which the bearings move, world axes; those of loops are of ``spins`` (nl, 3) of these sizes
+        (nl,), and zero where one does not turn."""
+        axes = [self.rotations[j + 1] @ axis.direction for j, axis in enumerate(self.spatial.axes)]
+        return np.concatenate([np.array(axes), spins / np.where(sizes == 0, 1.0, sizes)[:, None]])
+
+    def radial(self, multipliers: Array, directions: Array) -> Array:
+        """Vectors (bearings, 3) across the axes of the bearings, whose lengths are the radial forces [N]."""
+        forces = self.spatial.share @ multipliers[: 3 * len(self.spatial.loops)]
+        forces[: 3 * len(self.effort)] += self._tree_forces()
+        return np.asarray(np.cross(forces.reshape(-1, 3), directions))
 
     def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array, wanted: Sequence[int]) -> None:
         """Write the wrenches of this configuration into the result, as its state i."""
