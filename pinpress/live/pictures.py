@@ -6,14 +6,15 @@ A picture is made anew for each change of a slider; the shapes of the links, whi
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..common.quantities import Array
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..engines.planar.engine import PlanarEngine
 from ..kinematics.motion import Motion, Poses, cycle, poses
 from ..linkage.linkage import Linkage
@@ -65,7 +66,12 @@ class Picture:
 
 
 def picture(
-    press: Linkage, operation: Operation, shown: tuple[ShownLink, ...] | None, made_up: Collection[str] = (), *, first: bool = False
+    press: Linkage,
+    operation: Operation,
+    shown: tuple[ShownLink, ...] | None,
+    made_up: Mapping[str, Array] = NONE_GIVEN,
+    *,
+    first: bool = False,
 ) -> Picture:
     """Move a press through a period, and find forces, curves and poses.
 
@@ -73,7 +79,7 @@ def picture(
         press: the press.
         operation: how it runs.
         shown: the links as they are shown, whose shapes are kept; None to make them anew.
-        made_up: links that are shown from their bearings, because their own shapes no longer fit.
+        made_up: links that are shown from their bearings, because their own shapes no longer fit, and their colours (4,).
         first: whether it is the first one of a page, which takes the size of the press from its motion.
 
     Raises:
@@ -89,9 +95,26 @@ def picture(
     links = shown
     if links is None:
         links = bodies(press, motion.joint_position[frames.states], made_up=made_up)
+        links = tuple(_painted(link, made_up[link.name]) if link.name in made_up else link for link in links)
         data |= recording.shapes(press, frames, at, links, animated=first)
     data["poses"] = _poses(press, at, links)
     return Picture(press, data, links, took)
+
+
+def colours(links: Sequence[ShownLink]) -> dict[str, Array]:
+    """The colour (4,) of most parts of each link, by its name."""
+    return {link.name: _main_colour(link) for link in links}
+
+
+def _main_colour(link: ShownLink) -> Array:
+    return np.array(Counter(tuple(part.rgba.tolist()) for part in link.parts).most_common(1)[0][0])
+
+
+def _painted(link: ShownLink, colour: Array) -> ShownLink:
+    """A link with another colour in place of the one that most of its parts have."""
+    old = _main_colour(link)
+    parts = (replace(part, rgba=colour) if np.array_equal(part.rgba, old) else part for part in link.parts)
+    return replace(link, parts=tuple(parts))
 
 
 def _frames(motion: Motion) -> recording.KeyFrames:
@@ -136,7 +159,7 @@ def _curves(press: Linkage, motion: Motion, reactions: Reactions, frames: record
     turns = motion.driver_coordinates[0].turns
     curves = []
     if press.slide is not None:
-        curves.append(_curve("slide above bottom", "m", _height(motion), frames))
+        curves.append(_curve("height of the slide", "m", _height(motion), frames))
     curves.append(_curve("driving torque" if turns else "driving force", "N m" if turns else "N", reactions.driving_torque, frames))
     names = list(reactions.bearing_force)
     forces = np.array([np.linalg.norm(force, axis=1) for force in reactions.bearing_force.values()])

@@ -35,7 +35,7 @@ POLICY = (
     " form-action 'none'; frame-ancestors 'self' http://localhost:* http://127.0.0.1:* https://localhost:* vscode-webview:"
 )
 SCRIPTS = ("scene.js", "overlays.js", "camera.js", "playback.js")  # those of recordings, which go before ours
-STYLES = ("player.css",)
+STYLES = ("theme.css", "player.css")
 LOOK = 0.1  # how often is looked whether a file was saved [s]
 MISSED = 10  # looks after which a file that is not there is missed: an editor may be replacing it
 

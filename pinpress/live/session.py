@@ -9,13 +9,13 @@ last). Whatever else comes is refused. A window is sent ``opened`` (everything),
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from ..common.errors import PinpressError, cautions_collected
-from ..common.quantities import RPM, DriverCoordinate
-from .pictures import Operation, Picture, picture, suitable
+from ..common.quantities import RPM, Array, DriverCoordinate
+from .pictures import Operation, Picture, colours, picture, suitable
 from .sources import Source, checked_name, finite
 
 Message = dict[str, Any]
@@ -73,6 +73,7 @@ class Session:
         self._hastened = 1.0  # speed that a window has chosen, as a share of the one that was given
         self._values: list[float] = []
         self._before: list[Message] = []  # curves of the press as it was opened
+        self._colours: dict[str, Array] = {}  # of the links as they were opened
         self._notes: list[str] = []
         self.version = 0
 
@@ -94,7 +95,7 @@ class Session:
             raise
         self._opened, self._operation, self._picture, self.broken, self._notes = opened, operation, first, None, notes
         self._values = [each.value for each in opened.source.dimensions]
-        self._before = first.data["curves"]
+        self._before, self._colours = first.data["curves"], colours(first.links)
         self.version += 1
 
     @property
@@ -115,7 +116,7 @@ class Session:
             return {"type": "broken", "text": self.broken, "version": self.version}
         source = self._opened.source
         with cautions_collected():
-            now = picture(self._picture.press, self._operation, None, source.made_up(self._values), first=True)
+            now = picture(self._picture.press, self._operation, None, self._made_up(self._values), first=True)
         self._picture = now
         turns = self.coordinate.turns
         return self._message("opened", now) | {
@@ -153,7 +154,7 @@ class Session:
                 if press is not self._picture.press and press is not source.press:
                     press.follow_beside(self._picture.press)
                 kept = None if message["shapes"] else self._picture.links
-                now = picture(press, operation, kept, source.made_up(values))
+                now = picture(press, operation, kept, self._made_up(values))
                 if operation.speed != self._operation.speed:
                     self._before = picture(source.press, operation, self._picture.links).data["curves"]
         except PinpressError as error:
@@ -162,6 +163,11 @@ class Session:
         self._hastened = operation.speed / self._opened.operation.speed
         self.version += 1
         return Answer(everyone=self._message("picture", now))
+
+    def _made_up(self, values: Sequence[float]) -> dict[str, Array]:
+        """The links whose own shapes no longer fit, with the colours that they had."""
+        assert self._opened is not None
+        return {link: self._colours[link] for link in self._opened.source.made_up(values) if link in self._colours}
 
     def _message(self, kind: str, now: Picture) -> Message:
         speed = self._operation.speed / (RPM if self.coordinate.turns else 1e-3)

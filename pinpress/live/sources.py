@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 
 from ..common import files
 from ..common.errors import PinpressError
@@ -86,8 +87,12 @@ class LinkageSource(Source):
         return reshaped(self.press, moved) if moved else self.press
 
     def made_up(self, values: Sequence[float]) -> Collection[str]:
-        moved = self._of_linkage.pivots(values)
-        return {link for _, link in moved}
+        moved = {link for _, link in self._of_linkage.pivots(values)}
+        return {link for link in moved if self._turns(link)}  # the shapes of frames and slides, which are large, stay
+
+    def _turns(self, link: str) -> bool:
+        joint = self.press.model.frames[self.press.model.getFrameId(link, pin.BODY)].parentJoint
+        return bool(joint and self.press.axes[joint - 1].turns)
 
     def write(self, values: Sequence[float], path: Path) -> None:
         write_urdf(self.changed(values), path)

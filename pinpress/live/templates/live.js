@@ -135,7 +135,7 @@ const inWords = value => Number(value.toPrecision(4)).toString();
 const EDGE = { left: 46, right: 8, top: 6, bottom: 18 };
 
 function paint(chart) {
-  const { canvas } = chart, ratio = devicePixelRatio, width = canvas.clientWidth, height = canvas.clientHeight, pen = canvas.getContext("2d");
+  const { canvas } = chart, ratio = devicePixelRatio, width = canvas.clientWidth, height = canvas.clientHeight, pen = canvas.getContext("2d", { willReadFrequently: true });  // so it is drawn by the processor, which is quicker for as little
   if (!width) return;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
   const colour = name => getComputedStyle(document.body).getPropertyValue(name), along = abscissa();
@@ -147,8 +147,8 @@ function paint(chart) {
   pen.clearRect(0, 0, width, height);
   pen.font = "11px system-ui, sans-serif";
   pen.lineWidth = 1;
-  for (const tick of ticks(chart.low, chart.high, 3)) line(pen, colour("--hairline"), [[EDGE.left, y(tick)], [width - EDGE.right, y(tick)]]), write(pen, colour("--faint"), digits(tick), EDGE.left - 5, y(tick) + 4, "right");
-  for (const tick of overTime ? ticks(first, last, 4) : quarters(first, last)) line(pen, colour("--hairline"), [[x(tick), EDGE.top], [x(tick), height - EDGE.bottom]]), write(pen, colour("--faint"), overTime ? `${inWords(tick)} s` : `${tick}°`, x(tick), height - 5, tick === first ? "left" : tick === last ? "right" : "center");
+  for (const tick of ticks(chart.low, chart.high, 4)) line(pen, colour("--hairline"), [[EDGE.left, y(tick)], [width - EDGE.right, y(tick)]]), write(pen, colour("--faint"), digits(tick), EDGE.left - 5, y(tick) + 4, "right");
+  for (const tick of overTime ? ticks(first, last, 4) : quarters(first, last, inner)) line(pen, colour("--hairline"), [[x(tick), EDGE.top], [x(tick), height - EDGE.bottom]]), write(pen, colour("--faint"), overTime ? `${inWords(tick)} s` : `${tick}°`, x(tick), height - 5, tick === first ? "left" : tick === last ? "right" : "center");
   pen.setLineDash([4, 3]);
   pen.lineWidth = 1.2;
   const points = series => Array.from(series, (value, k) => [x(along[Math.min(k, along.length - 1)]), y(value / chart.per)]);
@@ -172,14 +172,14 @@ function write(pen, colour, text, x, y, align) {
 }
 
 function ticks(low, high, about) {
-  const raw = (high - low) / about, decade = 10 ** Math.floor(Math.log10(raw)), step = [1, 2, 5, 10].find(step => step * decade >= raw) * decade;
+  const raw = (high - low) / about, decade = 10 ** Math.floor(Math.log10(raw)), step = [1, 2, 2.5, 5, 10].find(step => step * decade >= raw) * decade;
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(Number((k * step).toPrecision(6)));
   return found;
 }
 
-function quarters(first, last) {  // of turns, or of several
-  const step = 90 * Math.max(1, Math.ceil((last - first) / 720)), found = [];
+function quarters(first, last, width) {  // of turns, or fewer where there is little room or are many turns
+  const step = [90, 180, 360, 720, 1440].find(step => (last - first) / step * 36 < width) || 2880, found = [];
   for (let k = Math.ceil(first / step - 1e-9); k * step <= last + 1e-6; k++) found.push(k * step);
   return found;
 }
@@ -250,7 +250,7 @@ const onStep = (value, each) => Number((Math.round(value / each.step) * each.ste
 function change(row, value, final) {
   touched = row;
   values[row.index] = value;
-  row.field.value = Number(value.toPrecision(9));
+  row.field.value = Number(value.toPrecision(7));
   want(final);
 }
 
@@ -260,7 +260,7 @@ function showValues() {  // as they are in the press that is shown, unless more 
   for (const { box, range, field, error, index } of rows) {
     const value = values[index];
     if (range !== active || !waiting) range.value = value;
-    if (field !== active) field.value = Number(value.toPrecision(9));
+    if (field !== active) field.value = Number(value.toPrecision(7));
     box.classList.toggle("changed", data.values[index] !== data.dimensions[index].value);
     error.textContent = "";
   }
@@ -297,7 +297,7 @@ function refused(text) {
   (touched ? touched.error : element("saved")).textContent = text;
   if (final && !wanted) {  // let go: back to the last good one
     values = [...data.values];
-    for (const { range, field, index } of rows) range.value = field.value = values[index];
+    for (const { range, field, index } of rows) range.value = field.value = Number(values[index].toPrecision(7));
     element("speed").value = data.speed;
   }
   ask();
@@ -311,6 +311,7 @@ socket.addEventListener("message", event => {
     waiting = false;
     element("broken").hidden = true;
     if (message.type === "opened" && !(Math.abs(Math.log(message.size / data.size)) < 0.7)) { location.reload(); return; }
+    ask();  // before it is drawn, so that the next one is computed meanwhile
     adopt(message);
     socket.send(JSON.stringify({ type: "ready", version: message.version }));
     ask();

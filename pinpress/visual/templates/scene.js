@@ -4,7 +4,11 @@ const { Viewer, THREE } = MeshCat;
 const element = id => document.getElementById(id);
 const data = JSON.parse(element("data").textContent);
 let duration = data.time[data.time.length - 1];  // s
-const floats = text => new Float32Array(Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer);
+function floats(text) {
+  const packed = atob(text), bytes = new Uint8Array(packed.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = packed.charCodeAt(i);
+  return new Float32Array(bytes.buffer);
+}
 const upright = (x, y, z) => new THREE.Vector3(x, z, -y);  // three.js has y up: the press's (x, y, z) stands there
 
 // ---- scene ----
