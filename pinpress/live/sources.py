@@ -8,6 +8,7 @@ they are lengths and pivots (`live.dimensions`), and a URDF is written.
 from __future__ import annotations
 
 import os
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
@@ -74,13 +75,13 @@ class LinkageSource(Source):
     _of_linkage: LinkageDimensions
 
     @staticmethod
-    def of(press: Linkage, path: str | None = None) -> LinkageSource:
-        """A press that is there, and the file that it was read from; None of one that is in no file, or that comes with pinpress."""
+    def of(press: Linkage, *paths: str) -> LinkageSource:
+        """A press that is there, and the files that it was read from, its own first; none of one that is in no file, or comes with
+        pinpress."""
         found = LinkageDimensions.of(press)
-        own = Path(press.file if path is None else path)
-        folder = own.resolve().parent if path is not None else Path.cwd()
-        suggested = f"{own.stem or press.name}_changed.urdf"
-        return LinkageSource(press, found.shown, () if path is None else (path,), folder, suggested, (".urdf",), found)
+        folder = Path(paths[0]).resolve().parent if paths else Path.cwd()
+        called = Path(paths[0]).stem if paths else re.sub(r"\W", "_", press.name)
+        return LinkageSource(press, found.shown, paths, folder, f"{called}_changed.urdf", (".urdf",), found)
 
     def changed(self, values: Sequence[float]) -> Linkage:
         moved = self._of_linkage.pivots(values)
@@ -109,19 +110,22 @@ class TableSource(Source):
     _finished: Callable[[Linkage], Linkage]
 
     @staticmethod
-    def of(path: str, parameters: Mapping[str, str], finished: Callable[[Linkage], Linkage]) -> TableSource:
-        """A table with these values of its parameters; ``finished``: what is done to each press that is made of it."""
+    def of(path: str, parameters: Mapping[str, str], finished: Callable[[Linkage], Linkage]) -> Source:
+        """A table with these values of its parameters; ``finished``: what is done to each press that is made of it. One that is laid over
+        another one, where most numbers stand, is changed by its lengths and pivots."""
         found = draft(path, **parameters)
         table = found._table
         text = files.read(path, LARGEST_FILE).decode("utf-8-sig")
         press = finished(found.press())
+        read = tuple(dict.fromkeys([path, *filter(os.path.exists, _files_of(table))]))  # parameters that are given are in none
+        if len(read) > 1:
+            return LinkageSource.of(press, *read)
         given = parameters_of({"parameters": table.items("a table")["parameters"]}) if parameters else {}
         numbers = numbers_of(text)
         values = {each.path: given[each.path[1]] if each.path[0] == "parameters" and given else each.value for each in numbers}
         unit = UNITS[found.unit]
         shown = tuple(_shown(each, values[each.path], found.unit, press.size / unit) for each in numbers)
         own = Path(path)
-        read = tuple(dict.fromkeys([path, *filter(os.path.exists, _files_of(table))]))  # parameters that are given are in none
         suggested = f"{own.stem}_changed{own.suffix}"
         return TableSource(press, shown, read, own.resolve().parent, suggested, TABLES, text, table, numbers, values, finished)
 
@@ -181,7 +185,7 @@ def opened(
         return TableSource.of(path, parameters, finished)
     press = load(path)
     shipped = path in presses() and not os.path.exists(path)
-    return LinkageSource.of(press, None if shipped else path)
+    return LinkageSource.of(press) if shipped else LinkageSource.of(press, path)
 
 
 def state_of_files(paths: Sequence[str]) -> tuple[tuple[int, int, int], ...] | None:
