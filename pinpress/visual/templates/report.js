@@ -5,6 +5,9 @@ const FONT = { family: getComputedStyle(document.body).fontFamily, size: 11.5, c
 const CONFIG = {  // nothing that would send a chart anywhere
   responsive: true, displaylogo: false, modeBarButtons: [["toImage", "zoom2d", "pan2d", "resetScale2d"]],
 };
+const LAYOUT = {  // a finger on a chart scrolls the page
+  font: FONT, showlegend: false, paper_bgcolor: "#fff", plot_bgcolor: "#fff", dragmode: matchMedia("(hover: none)").matches ? false : "zoom",
+};
 const AXIS = { gridcolor: "#e9edf0", zerolinecolor: "#b9c3cc", linecolor: "#b9c3cc", ticks: "outside", ticklen: 4, tickcolor: "#b9c3cc", automargin: true };
 const over = !report.over ? null : report.over.unit === "s" ? data.time : data.crank;  // null: nothing moves on this page
 const overBefore = report.before && floats(report.before);
@@ -42,7 +45,7 @@ function make(tag, parent, properties = {}) {
 }
 
 function card(parent, title, unit) {
-  const box = make("section", parent, { className: "chart" }), heading = make("h3", box, { textContent: title + " " });
+  const box = make("section", parent, { className: "chart", role: "group", ariaLabel: unit ? `${title} in ${unit}` : title }), heading = make("h3", box, { textContent: title + " " });
   if (unit) make("small", heading, { textContent: `[${unit}]` });
   return box;
 }
@@ -93,12 +96,12 @@ function lineChart(parent, chart) {
   });
   const yaxis = { ...AXIS, rangemode: chart.follows === "height" || chart.stacked ? "tozero" : "normal" };
   if (chart.logarithmic) Object.assign(yaxis, { type: "log", dtick: 1, exponentformat: "power" });
-  const layout = { margin: { l: 58, r: 12, t: 8, b: 38 }, font: FONT, hovermode: chart.follows === "height" ? "closest" : "x unified", showlegend: false, xaxis: xAxis(chart), yaxis, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
+  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, hovermode: chart.follows === "height" ? "closest" : "x unified", xaxis: xAxis(chart), yaxis };
   const plot = document.createElement("div"), values = legend(box, plot, curves);
   plot.className = "plot";
   box.append(plot);
   if (chart.note) make("p", box, { className: "remark", textContent: chart.note });
-  Plotly.newPlot(plot, traces, layout, CONFIG);
+  plotted(plot, traces, layout);
   if (place) seekOnClick(plot, ({ x, y, curveNumber }) => nearestMoment(place, unpacked.find(({ atFrames }, i) => atFrames && curves[i].traces.includes(curveNumber)), x, y));
   const follow = () => {
     const { xaxis, yaxis } = plot._fullLayout, at = place && place.now(), away = x => !(x >= 0 && x <= xaxis._length);
@@ -144,6 +147,11 @@ function nearestMoment({ moments }, curve, x, y) {  // the moment at a place alo
   return data.time[best];
 }
 
+function plotted(plot, traces, layout) {
+  Plotly.newPlot(plot, traces, layout, CONFIG);
+  for (const image of plot.querySelectorAll("svg.main-svg")) image.ariaHidden = "true";  // a reader of the screen has heading, values and tables
+}
+
 function seekOnClick(plot, time) {  // but not on a double click, which takes the zoom back
   let waiting = 0;
   plot.on("plotly_click", ({ points, event }) => {
@@ -167,8 +175,8 @@ function polarChart(parent, title, axes, unit, path, before) {  // the tip of th
   const texts = values => Array.from(values, value => `${report.over.quantity} ${value.toFixed(report.over.unit === "s" ? 4 : 1)} ${report.over.unit}`);
   const traces = [{ ...hover, x: column(points, 0), y: column(points, 1), text: texts(over), line: { color: COLOURS[0], width: 1.8, simplify: false } }];
   if (before) traces.unshift({ ...hover, x: column(others, 0), y: column(others, 1), text: texts(overBefore), line: { color: "#8a949e", width: 1.4, dash: "dash", simplify: false } });
-  const layout = { margin: { l: 46, r: 10, t: 8, b: 40 }, font: FONT, hovermode: "closest", showlegend: false, shapes: circles, xaxis: { ...axis, title: { text: axes[0], standoff: 4 }, constrain: "domain" }, yaxis: { ...axis, title: { text: axes[1], standoff: 2 }, scaleanchor: "x", constrain: "domain" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
-  Plotly.newPlot(plot, traces, layout, CONFIG);
+  const layout = { ...LAYOUT, margin: { l: 46, r: 10, t: 8, b: 40 }, hovermode: "closest", shapes: circles, xaxis: { ...axis, title: { text: axes[0], standoff: 4 }, constrain: "domain" }, yaxis: { ...axis, title: { text: axes[1], standoff: 2 }, scaleanchor: "x", constrain: "domain" } };
+  plotted(plot, traces, layout);
   seekOnClick(plot, ({ x, y }) => nearest(x, y));
   const nearest = (x, y) => {
     let best = 0;
@@ -231,13 +239,13 @@ function barChart(parent, { title, unit, places, bars, before, across, note }) {
     return { name, colour: COLOURS[i % COLOURS.length], traces: mine };
   });
   const xaxis = { ...AXIS, title: { text: asText(across), standoff: 6 }, ...(words ? {} : { dtick: 1 }) };
-  const layout = { margin: { l: 58, r: 12, t: 12, b: 38 }, font: FONT, showlegend: false, bargap: words ? 0.5 : 0.25, xaxis, yaxis: { ...AXIS, rangemode: "tozero" }, paper_bgcolor: "#fff", plot_bgcolor: "#fff" };
+  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 12, b: 38 }, bargap: words ? 0.5 : 0.25, xaxis, yaxis: { ...AXIS, rangemode: "tozero" } };
   const plot = document.createElement("div");
   if (curves.length > 1) legend(box, plot, curves).forEach(value => value.remove());
   plot.className = "plot";
   box.append(plot);
   if (note) make("p", box, { className: "remark", textContent: note });
-  Plotly.newPlot(plot, traces, layout, CONFIG);
+  plotted(plot, traces, layout);
 }
 
 function table(parent, { title, heads, rows, words, note }) {
