@@ -93,8 +93,9 @@ function start() {
   toggle("front-view", on => { fromFront = on; fitted = true; resize(); });
   addEventListener("hashchange", seekFromAddress);
   addEventListener("keydown", event => {
-    const act = event.ctrlKey || event.altKey || event.metaKey || event.target.tagName === "SELECT" ? null : KEYS[event.key];
-    if (!act || (event.key === " " && event.target.tagName === "BUTTON")) return;  // what uses these keys itself
+    const act = KEYS[event.key], { tagName, id } = event.target;
+    if (!act || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (tagName === "SELECT" || (tagName === "INPUT" && id !== "slider") || (tagName === "BUTTON" && event.key === " ")) return;  // they use it themselves
     event.preventDefault();
     act(event.shiftKey ? 10 : 1);
   });
