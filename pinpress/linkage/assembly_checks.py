@@ -39,6 +39,7 @@ CLOSED = 1e-3  # a loop is closed if it is drawn less open than this [lengths of
 ALONG = 0.999  # cosine of the angle between axes that are taken for one
 TOO_FAR_OPEN = 0.1  # a loop drawn further open than this is closed only where it is asked for [lengths of the linkage, rad]
 LONGEST_STROKE = 5.0  # that a slide has [m]
+LIGHTEST_SLIDE = 0.01  # mass of a slide by that of the heaviest other link: those of presses are the heaviest links themselves
 OUTSIDE = 1e-9  # a joint further beyond its limit than this has left it [rad or m]
 HARDLY = math.radians(1.0)  # a driver that moves by less hardly moves the linkage [rad, lengths of the linkage]
 SAMPLES = 720  # crank angles of a turn at which limits are looked at
@@ -310,25 +311,30 @@ def remarks(press: Linkage, robot: "Element", allow_open: bool) -> Iterator[Find
             yield Finding("warning", *where, f"the drawn assembly cannot be followed through {way}: {error}", "change the link lengths")
         else:
             poses = np.hstack([poses, predict(branch, np.linspace(branch.angles[0], branch.angles[-1], POSES))])
-            coordinate = branch.coordinate
-            if not coordinate.turns and not any(branch.locks):
-                pass  # as a driver that slides should
-            elif branch.period is None and not any(branch.locks):
-                problem = f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of it"
-                yield Finding("note", *where, problem, "it is followed through as many turns either way: keep motions inside")
-            elif branch.period is None and (points := press.branch_through_change_points.change_points):
-                places = ", ".join(f"{place * coordinate.scale:.6g}" for place in sorted(point.angle for point in points))
-                problem = f"two assemblies meet at {coordinate.position}s of {places} {coordinate.shown_unit}"
-                yield Finding("note", *where, problem, "a simulated run goes through, in the drawn one; a prescribed turn is refused there")
-            elif branch.period is None:
-                low, high = float(branch.angles[0]), float(branch.angles[-1])
-                severity = "note" if high - low > HARDLY * (1.0 if coordinate.turns else press.size) else "warning"
-                moves = f"it {'turns' if coordinate.turns else 'slides'} only from {low * coordinate.scale:.6g} to {coordinate.shown(high)}"
-                yield Finding(severity, *where, f"{moves}, where the linkage locks", "keep motions inside, or correct the lengths")
+            yield from _range_of_driver(press, branch, where)
             yield from _limits(press, branch, robot)
     yield from _held_spins(press)
     yield from _redundant(press, poses)
     yield from _engine(press)
+
+
+def _range_of_driver(press: Linkage, branch: Branch, where: tuple[str, int]) -> Iterator[Finding]:
+    """What is said of a driver that does not turn fully, or not slide from limit to limit; ``where``: its joint and the joint's line."""
+    coordinate = branch.coordinate
+    if branch.period is not None or not (coordinate.turns or any(branch.locks)):
+        return
+    if not any(branch.locks):
+        problem = f"the linkage is not back at its drawn pose after {MOST_TURNS} turns of it"
+        yield Finding("note", *where, problem, "it is followed through as many turns either way: keep motions inside")
+    elif points := press.branch_through_change_points.change_points:
+        places = ", ".join(f"{place * coordinate.scale:.6g}" for place in sorted(point.angle for point in points))
+        problem = f"two assemblies meet at {coordinate.position}s of {places} {coordinate.shown_unit}"
+        yield Finding("note", *where, problem, "a simulated run goes through, in the drawn one; a prescribed turn is refused there")
+    else:
+        low, high = float(branch.angles[0]), float(branch.angles[-1])
+        severity = "note" if high - low > HARDLY * (1.0 if coordinate.turns else press.size) else "warning"
+        moves = f"it {'turns' if coordinate.turns else 'slides'} only from {low * coordinate.scale:.6g} to {coordinate.shown(high)}"
+        yield Finding(severity, *where, f"{moves}, where the linkage locks", "keep motions inside, or correct the lengths")
 
 
 def _held_spins(press: Linkage) -> Iterator[Finding]:
@@ -356,7 +362,19 @@ def severe(press: Linkage, centres: bool = True) -> Iterator[Finding]:
 
 def units_remarks(press: Linkage, centres: bool = True) -> Iterator[Finding]:
     """Warnings of lengths, angles, masses or inertias that are hardly in SI units; ``centres``: whether centres of mass are looked at."""
-    yield from units.remarks(press.document.robot, press.size, sum(inertia.mass for inertia in list(press.model.inertias)[1:]), centres)
+    masses = [float(inertia.mass) for inertia in press.model.inertias][1:]
+    yield from units.remarks(press.document.robot, press.size, sum(masses), centres)
+    if press.slide is not None and press.slide_guide.joint not in press.driver_indices:
+        yield from _light_slide(press, masses)
+
+
+def _light_slide(press: Linkage, masses: list[float]) -> Iterator[Finding]:
+    """The warning of a slide, moved by other links, that is far lighter than one of them; ``masses``: of all bodies but the frame [kg]."""
+    heaviest, weight = int(np.argmax(masses)), masses[press.slide_guide.joint]
+    if 0.0 < weight < LIGHTEST_SLIDE * masses[heaviest]:
+        link = next(link for link in press.document.robot.all("link") if link.get("name") == press.slide)
+        problem = f"the slide weighs {weight:.4g} kg, link {press.link_of(heaviest + 1)!r} {masses[heaviest]:.4g} kg"
+        yield Finding("warning", str(link), link.line, problem, "write masses in kg, 1000 for a tonne")
 
 
 def _stroke(press: Linkage, robot: "Element") -> Iterator[Finding]:

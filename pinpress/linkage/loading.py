@@ -65,9 +65,9 @@ def load(
 
 
 def load_text(text: bytes, file: str, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Linkage:
-    """`load` of the text of a URDF that is in no file; ``file`` names it in messages. Its centres of mass are not looked at: who wrote the
-    text knows them."""
-    return _loaded(Document(file, text), None, slide, gravity, centres=False)
+    """`load` of the text of a URDF that is in no file; ``file`` names it in messages. Warnings name no line of it, and its centres of mass
+    are not looked at: who wrote the text knows them."""
+    return _loaded(Document(file, text), None, slide, gravity, in_file=False)
 
 
 def _loaded(
@@ -76,7 +76,7 @@ def _loaded(
     slide: str | None,
     gravity: Sequence[float],
     allow_open: bool = False,
-    centres: bool = True,
+    in_file: bool = True,
 ) -> Linkage:
     refuse_errors(reader.errors(document), check_command(document.file))
     press = with_spins_held(assembled(document, driver, slide, gravity))
@@ -85,8 +85,8 @@ def _loaded(
     if not allow_open:
         refuse_errors(assembly_checks.too_far_open(press), command)
     severe = (finding for finding in document.remarks if finding.severity == "warning")
-    for finding in (*severe, *assembly_checks.severe(press, centres)):
-        caution(finding.message(press.file))
+    for finding in (*severe, *assembly_checks.severe(press, centres=in_file)):
+        caution((finding if in_file else replace(finding, line=None)).message(press.file))
     return press
 
 
