@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..common.arguments import in_unit, is_quantity
-from ..common.errors import AssemblyError, PinpressError, PinTableError, SingularityError, UnknownNameError, caution, shown, suggestion
+from ..common.errors import AssemblyError, PinpressError, PinTableError, SingularityError, UnknownNameError, shown, suggestion
 from ..common.quantities import Array
 from ..common.results import Records, Tabular
 from ..common.tables import Columns
@@ -355,7 +355,7 @@ def _check_sizes(entry: Entry, pins: Mapping[str, Pin], unit: str) -> None:
     if size > MOST:
         entry.refuse(said, f"is it units: {'mm' if unit == 'm' else 'another'}?")
     if 0 < size < LEAST:
-        caution(f"{entry.file}: pins: {said}; is it units: {'m' if unit == 'mm' else 'another'}?")
+        entry.doubt(f"{said}; is it units: {'m' if unit == 'mm' else 'another'}?")
 
 
 def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) -> None:
@@ -367,8 +367,5 @@ def _check_links(links: tuple[Link, ...], pins: Mapping[str, Pin], unit: str) ->
         reach = max(float(np.linalg.norm(pins[name].point - link.origin)) for name in link.pins)
         away = float(np.linalg.norm(link.centre - link.origin))
         if away > 3 * max(reach, 0.2 * size):
-            where = f"{link.entry.file}: links: {link.name}"
-            say = "a place in the drawing is the name of a point in pins"
-            caution(
-                f"{where}: com is {away / UNITS[unit]:.4g} {unit} from {link.pins[0]}, the link reaches {reach / UNITS[unit]:.4g}; {say}"
-            )
+            said = f"com is {away / UNITS[unit]:.4g} {unit} from {link.pins[0]}, the link reaches {reach / UNITS[unit]:.4g}"
+            link.entry.doubt(f"{said}; a place in the drawing is the name of a point in pins")

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..common.errors import caution, suggestion
+from ..common.errors import suggestion
 from ..common.quantities import Array
 from .formulas import number
 from .placement import ALIKE, AXES, SIDES, Pin
@@ -93,7 +93,13 @@ class _Solid:
 
 @dataclass(frozen=True, eq=False)
 class _Body:
-    """Mass [kg], centre of mass (3,) and inertia (3, 3) about it, in world axes."""
+    """A mass, in world coordinates.
+
+    Attributes:
+        mass: [kg].
+        centre: (3,) centre of mass [m].
+        inertia: (3, 3) about the centre of mass, world axes [kg m2].
+    """
 
     mass: float
     centre: Array
@@ -235,7 +241,16 @@ class _Reader:
 
 @dataclass(frozen=True, eq=False)
 class _Space:
-    """What the masses of a link are placed by."""
+    """What the masses of a link are placed by.
+
+    Attributes:
+        reader: of all links.
+        name: of the link.
+        pins: names of its pins.
+        guide: None where it has none.
+        origin: (3,) its first pin [m].
+        rotation: (3, 3) its own axes in the world.
+    """
 
     reader: _Reader
     name: str
@@ -346,10 +361,9 @@ class _Masses:
         along = (end - start) / np.linalg.norm(end - start)
         away = centre - start
         if np.linalg.norm(away - (away @ along) * along) > FAR_BESIDE * np.linalg.norm(end - start):
-            entry, (a, b) = self.items["com"], self.space.pins
-            where = f"{entry.file}{'' if entry.line is None else f':{entry.line}'}: {': '.join(entry.path)}"
-            caution(
-                f"{where}: it is far beside the line {a} {b} of a link that is taken for a rod; com is in the link's own axes, "
+            a, b = self.space.pins
+            self.items["com"].doubt(
+                f"it is far beside the line {a} {b} of a link that is taken for a rod; com is in the link's own axes, "
                 f"x from {a} to {b}: name a point in pins for a place in the drawing, or give inertia too"
             )
 
@@ -358,8 +372,10 @@ class _Masses:
         points = self.space.points()
         own_given = "inertia" in self.items or "gyration" in self.items
         if self.space.guide is not None or len(points) == 1:
-            side = (mass / self.space.reader.density) ** (1 / 3)
-            return points[0], mass * side**2 / 6 * np.eye(3), f"a cube of steel, {side:.3g} m wide"
+            density = self.space.reader.density
+            side = (mass / density) ** (1 / 3)
+            of = "steel" if density == STEEL else f"{density:g} kg/m3"
+            return points[0], mass * side**2 / 6 * np.eye(3), f"a cube of {of}, {side:.3g} m wide"
         if len(points) == 2:
             way = points[1] - points[0]
             length = float(np.linalg.norm(way))

@@ -16,7 +16,7 @@ import numpy as np
 import yaml
 
 from ..common.arguments import is_number, number
-from ..common.errors import PinTableError, shown, suggestion
+from ..common.errors import PinTableError, caution, shown, suggestion
 from ..common.files import path_of, read, reason
 
 LARGEST_FILE = 1 << 20  # [bytes]
@@ -63,6 +63,11 @@ class Entry:
     def refuse(self, problem: str, remedy: str) -> NoReturn:
         """Raise PinTableError: what is wrong here, and what to write."""
         raise PinTableError(self.file, self.line, ": ".join(self.path), problem, remedy)
+
+    def doubt(self, said: str) -> None:
+        """Warn of what is hardly meant here."""
+        place = self.file if self.line is None else f"{self.file}:{self.line}"
+        caution(f"{place}: {': '.join(self.path)}: {said}")
 
     def text(self, what: str) -> str:
         """The value as one text."""

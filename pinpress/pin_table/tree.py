@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..common.errors import caution, suggestion
+from ..common.errors import suggestion
 from .copies import Parts
 from .links import FRAME, Link
 from .reading import Entry
@@ -42,7 +42,14 @@ class Joint:
 
 @dataclass(frozen=True)
 class Loop:
-    """A bearing that closes a loop: its name, its pin, and its links; its force is that of the first on the second."""
+    """A bearing that closes a loop.
+
+    Attributes:
+        name: of the bearing.
+        pin: that it is at.
+        link1: the link whose force it has.
+        link2: the link on which that acts.
+    """
 
     name: str
     pin: str
@@ -191,10 +198,9 @@ class _Growing:
         entry = self._where(name)
         if name in named:
             if name in self.parts.drivers and name in self.at and FRAME not in self.at[name]:
-                where = f"{entry.file}{'' if entry.line is None else f':{entry.line}'}: {': '.join(entry.path)}"
                 both = " and ".join(self.at[name])
-                caution(
-                    f"{where}: pin {name} is not in the frame: angle, speed and torque are those of {both} against each other; "
+                entry.doubt(
+                    f"pin {name} is not in the frame: angle, speed and torque are those of {both} against each other; "
                     f"a crank is driven by its pin in the frame: {', '.join(self.parts.frame)}"
                 )
             return named[name]
