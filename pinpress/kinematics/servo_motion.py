@@ -44,16 +44,16 @@ def servo_cycle(
     - ``speed`` (n,) and ``time`` with one number for ``angle``, that at the start. Or ``acceleration`` (n,) and ``time`` with one number
       for each of angle and speed at the start.
     - ``height`` of the slide and ``time``, with the ``flank``.
-    - ``angle`` and ``speed``: the acceleration is that of the motion in which the angles follow each other at these speeds,
+    - ``angle`` and ``speed``: the acceleration is that of the motion that passes the angles one after the other at these speeds,
       a = w dw/dangle. It is refused where they determine no time: at standstill over several states, or in any other order.
-    - ``angle``, ``speed`` and ``acceleration`` without time: states that stand each by itself. Nothing is compared, and `Motion.time` is
-      there only where they fit together.
+    - ``angle``, ``speed`` and ``acceleration`` without time: independent states. They are not compared, and have a `Motion.time` only
+      where they fit together.
 
-    Derivatives by time are those of the quintic spline through at least six states, with errors of the fifth power of the step of a first
-    derivative, of the fourth of an acceleration from angles. Over a ``period`` in equal steps they are those of the trigonometric
-    polynomial, exact to rounding for a smooth motion. Given columns contradict each other where they differ by more than the derivative
-    may be wrong by, which is found from the cubic spline, central differences and the noise of the columns. Fewer than six states are
-    warned of where they differ by more than 5 %.
+    Derivatives by time are those of the quintic spline through at least six states. Their errors go with the fifth power of the step, those
+    of an acceleration from angles with the fourth. Over a ``period`` in equal steps they are those of the trigonometric polynomial, exact
+    to rounding for a smooth motion. Columns contradict each other where they differ by more than the error of the derivative, which is
+    estimated from the cubic spline, central differences and the noise of the columns. Columns of fewer than six states that differ by more
+    than 5 % are warned of.
 
     A linkage with several drivers takes (n, drivers) of angle, speed and acceleration, in the order of `Linkage.drivers`. There the
     assembly is followed from the drawn pose to the first state and from state to state, on straight lines between the drivers' positions.
@@ -62,17 +62,17 @@ def servo_cycle(
         press: the press.
         angle: (n,) of the driver joint, any angles up to 1e7 rad in any order; or one number, the angle at the start [rad]. Of a driver
             that slides its position, within the limits of its joint [m].
-        speed: (n,) of the driver joint, or one number: a constant speed, with ``acceleration`` and the angle at the start that at the start
-            [rad/s or m/s].
+        speed: (n,) of the driver joint, or one number: a constant speed; where ``acceleration`` and one angle, that at the start, are
+            given, the speed at the start [rad/s or m/s].
         acceleration: (n,) of the driver joint, or one number. The number 0 leaves out what a change of speed takes [rad/s2 or m/s2].
         time: (n,), rising [s].
         period: time after which the motion begins again, a whole number of turns on [s]: it is closed. The last state may be at its end,
             where the first comes again, or one step before. By default the motion is not closed.
         height: (n,) of the slide above bottom dead centre [m].
-        flank: "down": the crank angles at which the slide goes down where the crank turns positively; "up": the
-            others. It is left out where the driver slides, and moves the slide all one way. One word is that of the first state off the
-            dead centres: at a state in a dead centre the crank goes on to the other flank, where the slide turns back elsewhere it turns
-            back itself. A sequence has a word for each state.
+        flank: "down": the crank angles at which the slide goes down where the crank turns positively; "up": the others. One word is that
+            of the first state off the dead centres: through a state in a dead centre the crank goes on to the other flank, and where the
+            slide turns back elsewhere the crank turns back too. A sequence has a word for each state. It is left out where the driver
+            slides, which must move the slide all one way.
         engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
 
     Raises:
@@ -82,8 +82,8 @@ def servo_cycle(
         AssemblyError: the loops do not close.
 
     Warns:
-        PinpressWarning: A derived acceleration is dominated by noise or uncertain, a varying speed in time has the acceleration 0, speeds
-            are hardly meant, as of `cycle`.
+        PinpressWarning: a derived acceleration is dominated by noise or uncertain; a speed that varies in time has the acceleration 0; a
+            speed is hardly meant, see `cycle`.
     """
     press.engine(engine)  # refuses an engine that does not suit before anything is computed
     unit = press.driver_coordinates[0].unit

@@ -319,7 +319,7 @@ def _closed_through_change_points(engine: Engine, spatial_model: SpatialModel, b
     gap = engine.gaps(position)
     if not gap.max() <= ACCEPTED * spatial_model.tolerance:
         worst = int(gap.argmax())
-        raise AssemblyError("the loops do not close", float(angles[worst]), float(gap[worst]), 0, spatial_model.coordinates[0])
+        raise AssemblyError(f"the loops of {name} do not close", float(angles[worst]), float(gap[worst]), 0, spatial_model.coordinates[0])
     position += branch.gain_per_period[:, None] * turns
     position[spatial_model.drivers[0]] = angles
     return Closure(position, first, second, gap, float(gap.max()), 0)

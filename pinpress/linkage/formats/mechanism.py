@@ -19,13 +19,14 @@ from ..urdf.text import MOMENTS, tag, written
 
 # What a URDF asks of every limited joint, where the other format has no such limit. Nothing here is computed with.
 UNLIMITED = 1000.0  # limit of position and velocity that is written where there is none [rad or m], [rad/s or m/s]
-NEARLY_ALONG = 0.1  # sine of the angle between a link and an axis that is too small for that axis to turn it
 STRONGEST = 1e9  # limit of effort that is written where there is none [N m or N]
+
+NEARLY_ALONG = 0.1  # sine of the angle between a link and an axis that is too small for that axis to turn it
 
 
 @dataclass(frozen=True, eq=False)
 class Inertia:
-    """Of a link.
+    """The mass and inertia of a link.
 
     Attributes:
         mass: [kg].
@@ -42,7 +43,7 @@ class Inertia:
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """Of a link, to be looked at.
+    """What is drawn of a link.
 
     Attributes:
         place: in the link's frame.
