@@ -48,10 +48,11 @@ docs/mistakes_page.py` writes this page.
 ```python
 {calls}```
 
-| call | what is said |
-| --- | --- |
+What is said to calls after these lines:
+
 {in_calls}
 """
+TAB = "\t"
 HEAD = "| file | written | what is said |\n| --- | --- | --- |"
 
 RIGHT_CALLS = """\
@@ -91,32 +92,35 @@ def page() -> str:
         in_tables="\n".join([HEAD, *map(_row, tables)]),
         in_urdfs="\n".join([HEAD, *map(_row, urdfs)]),
         calls=RIGHT_CALLS,
-        in_calls="\n".join(_rows_of_calls()),
+        in_calls="\n".join(_calls()),
     )
 
 
 def _row(file: Path) -> str:
     """A row of the table: the file, the first line that its mistake changes, and what is said."""
     _, put_in, taken_out = mistakes.changes(file)
-    written = _code(put_in[0]) + (" ..." if len(put_in) > 1 else "") if put_in else f"without {_code(taken_out[0])}"
+    if put_in:
+        written = _code(put_in[0]) + (" ..." if len(put_in) > 1 else "")
+    else:
+        written = f"without {_code(taken_out[0])}" if len(file.read_text(encoding="utf-8").splitlines()) > 1 else "nothing"
     said = (line.replace(str(file), f"press{file.suffix}") for line in mistakes.said(file))
     return f"| {file.name} | {written} | {'<br>'.join(map(_plain, said))} |"
 
 
-def _rows_of_calls() -> list[str]:
-    """A row for each of `CALLS`: the call, and what is said."""
+def _calls() -> list[str]:
+    """An item for each of `CALLS`: the call, and what is said."""
     names: dict[str, object] = {}
     exec(RIGHT_CALLS, names)
-    return [f"| {_code(call, 140)} | {'<br>'.join(map(_plain, mistakes.heard(lambda call=call: eval(call, names))))} |" for call in CALLS]
+    return ["<br>".join([f"- `{call}`", *map(_plain, mistakes.heard(lambda call=call: eval(call, names)))]) for call in CALLS]
 
 
-def _code(text: str, most: int = 90) -> str:
-    return f"`{text.strip()[:most].replace('|', '/')}`"
+def _code(text: str) -> str:
+    return f"`{text.strip(' ').replace(TAB, '⇥')[:90].replace('|', '/')}`"
 
 
 def _plain(text: str) -> str:
-    """A message in a cell of a Markdown table."""
-    return re.sub(r"([<>*_|\[\]])", r"\\\1", " ".join(text.split()))
+    """A message as Markdown. Braces at the end of a cell would be attributes of it."""
+    return re.sub(r"([*_|\[\]])", r"\\\1", re.sub("[<>{}]", lambda found: f"&#{ord(found[0])};", " ".join(text.split())))
 
 
 if __name__ == "__main__":
