@@ -217,7 +217,7 @@ def made():
         *(pp.drives.PrescribedSpeed(7.0), pp.drives.Geared(pp.drives.ConstantTorque(3.0), 4.0)),
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
         foundation.over_speeds(mounted(), [5.0, SPEED], points={"head": (0.0, 0.0, 1.0)}),
-        foundation.isolate(press(), FRAME, MOUNTS, speeds=[50.0, 60.0], transmitted=0.5),
+        foundation.isolate(press(), FRAME, MOUNTS, speeds=[40.0, 50.0], transmitted=0.5),
         *(DEEP, pp.loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), pp.loads.TimeForce(even, edges=[0.1]), *DEEP.intervals(True)),
         *(
             pp.loads.Idle(),
