@@ -68,7 +68,7 @@ CALLS = (
     "pp.cycle(press, speed=60)",
     'pp.cycle(press, speed="70 rpm")',
     "pp.inverse_dynamics(press, motion, loads=pp.loads.Blanking(force=4e6, start=0.008, end=0.003))",
-    "pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4000, start=0.008, end=0.003)])",
+    "pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=3000, start=0.008, end=0.003)])",
     "pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4e6, start=8, end=3)])",
     "pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4e6, start=0.003, end=0.008)])",
     "pp.inverse_dynamics(press, motion, loads=[pp.loads.DeepDrawing(force=4e6, start=0.4)])",

@@ -13,7 +13,7 @@ HARDEST = 3.0, 40 * GRAVITY  # no slide of a press is faster [m/s] and accelerat
 FASTEST_SLIDING = 10.0  # no cylinder or screw of a press slides faster [m/s]
 FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
-WEAK, FEEBLE = 1e4, 0.1  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
+WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
 def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRANK, slide: tuple[float, float] = (0.0, 0.0)) -> None:
