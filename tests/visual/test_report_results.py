@@ -11,6 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 from support import texts
 from support.generators.hostile import NAMES, load_hostile
+from support.generators.small_linkages import two_cranks
 from support.in_browser import data_in
 
 import pinpress as pp
@@ -119,10 +120,26 @@ def test_motor_beside_its_curve(written: Path, steady: Any) -> None:
     assert_allclose(found["rated torque"][1], MOTOR.rated_torque, rtol=1e-6)
     duty = pp.measures.duty_cycle(steady)
     assert figures(section)["motor, use"] == f"{100 * duty.utilisation:.4g} %"
+    assert chart(section, "Energy of the period")["places"] == ["drive", "loads"]  # nothing is stored in a period
     x, y = curves(chart(section, "Crank speed"))["crank speed"]
     assert_allclose(y, steady.crank_speed / pp.RPM, rtol=1e-6)
     assert 0 <= x.min() < 1
     assert x.max() <= 361
+
+
+def test_energy_of_a_run_that_speeds_up(press: Any, tmp_path: Path) -> None:
+    run = pp.simulate(press, 0.5, speed=SPEED, drive=pp.drives.ConstantTorque(2e3), flywheel=pp.drives.Flywheel(2000.0), points=40)
+    bars = chart(sections(pp.report(press, run, tmp_path / "out.html"))["Drive"], "Energy of the run")
+    work = dict(zip(bars["places"], UNITS[bars["unit"]] * np.array(bars["bars"]["work"]), strict=True))
+    assert work == pytest.approx({"drive": run.drive_work[-1], "stored in speed and height": run.drive_work[-1]})
+
+
+def test_several_drivers_run_beside_the_motion(tmp_path: Path) -> None:
+    press = two_cranks()
+    run = pp.simulate(press, 0.02, points=5, method="constraint", drive={press.drivers[0]: pp.drives.ConstantTorque(2.0)})
+    section = sections(pp.report(press, run, tmp_path / "out.html", results=[run]))["Run"]
+    assert [block["title"] for block in section["blocks"]] == ["Crank speed", "Energy of the run"]
+    assert list(curves(section["blocks"][0])) == list(press.drivers)
 
 
 def test_extremes_in_the_units_of_the_charts(written: Path, press: Any, loaded: Any) -> None:

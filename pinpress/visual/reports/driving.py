@@ -28,7 +28,7 @@ from .shown import Shown
 CURVE = 240  # points of a motor's curve
 BEYOND = 1.05  # largest speed of a motor's curve, divided by the largest that the run or the curve's corners have
 MOST_STROKES = 12  # most strokes in a table
-ROUNDING = 1e-9  # share of the largest work, or of that which a flywheel takes up, below which a work is rounding
+ROUNDING = 1e-8  # share of the largest work, or of that which a flywheel takes up, below which a work is rounding
 SAME = 1e-6  # relative difference of angle and speed up to which a run ends as it began
 
 
@@ -36,7 +36,7 @@ def energy(reactions: Reactions) -> list[Block]:
     """Where the energy of a stroke goes, of a run that of the whole run; nothing where it is not known."""
     motion = reactions.motion
     if isinstance(motion, Run):
-        return _energy_of_run(motion) if len(motion.drivers) == 1 else []
+        return _energy_of_run(motion)
     first = motion.driver_coordinates[0]
     if not first.turns or motion.crank_speed.ndim > 1 or not is_cycle(motion) or not is_constant(motion.crank_speed):
         return []
@@ -76,11 +76,14 @@ def _bars(title: str, work: dict[str, float]) -> list[Block]:
 
 def _energy_of_run(run: Run) -> list[Block]:
     over = "Energy of the period" if _is_steady(run) else "Energy of the run"
-    return _bars(over, {"drive": float(run.drive_work[-1]), "loads": float(run.load_work[-1]), "clutch and brake": float(run.lost[-1])})
+    drive, loads, lost = (float(work[-1]) for work in (run.drive_work, run.load_work, run.lost))
+    return _bars(over, {"drive": drive, "loads": loads, "clutch and brake": lost, "stored in speed and height": drive - loads - lost})
 
 
 def _is_steady(run: Run) -> bool:
-    """Whether the run is a period that repeats itself."""
+    """Whether the run is a period of one driver that repeats itself."""
+    if run.crank_angle.ndim > 1:
+        return False
     turned, speed = abs(float(run.crank_angle[-1] - run.crank_angle[0])), run.crank_speed
     period = 2 * np.pi * (run.period_turns or 0)
     back = abs(turned - period) <= SAME * turned and bool(np.all(np.abs(speed[-1] - speed[0]) <= SAME * np.abs(speed[0])))
@@ -201,10 +204,12 @@ def section(run: Run, shown: Shown) -> Section:
     turn = 360.0 * (run.period_turns or 1)
     if steady:  # counted as the cursor is
         x = x - turn * np.floor(min(x[0], x[-1]) / turn + SAME)
-    speed = Line(f"{first.part} speed", np.ravel(run.crank_speed.reshape(len(run.time), -1)[:, 0]) / size, x)
+    names = [f"{first.part} speed"] if run.crank_speed.ndim == 1 else run.drivers
+    speeds = zip(names, run.driver_coordinates, run.crank_speed.reshape(len(run.time), -1).T, strict=True)
+    lines = [Line(name, speed / size, x) for name, coordinate, speed in speeds if coordinate.turns == first.turns]
     title = f"{first.part.capitalize()} speed"
     follows: Follows = "position" if steady else "nothing"
-    blocks: list[Block] = [LineChart(title, unit, [speed], across=across, follows=follows)]
+    blocks: list[Block] = [LineChart(title, unit, lines, across=across, follows=follows)]
     parts = {"motor": driven.drive or driven.prescribed, "flywheel": driven.flywheel, "clutch": driven.clutch, "brake": driven.brake}
     inputs = [(name, described(as_given(part))) for name, part in parts.items() if part is not None]
     blocks += [*motor(run, None, (across, x), follows), *_energy_of_run(run), *strokes(run)]
