@@ -7,7 +7,9 @@ Scripts of viz/ make the pictures of presses in three dimensions, of balancing, 
 docs/tour_pictures.py those of the tour.
 """
 
+import os
 import runpy
+import shutil
 import sys
 from collections.abc import Callable
 from functools import cache
@@ -160,21 +162,44 @@ def notebook() -> str:
     return picture.replace("<svg ", '<svg style="background:#fff" ', 1)
 
 
+def live() -> bytes:
+    """docs/live.md: the live window in Chromium."""
+    from playwright.sync_api import sync_playwright
+
+    drawn = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # by the processor
+    program = os.environ.get("CHROMIUM") or shutil.which("chromium")
+    with pp.view(six_bar(), speed=SPEED, browser=False) as window, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=[*drawn, "--no-sandbox", "--hide-scrollbars"])
+        page = browser.new_page(viewport={"width": 1280, "height": 800})
+        page.goto(window.url)
+        page.wait_for_timeout(4000)
+        shot = page.screenshot()
+        browser.close()
+    return bytes(shot)
+
+
 def _figure(size: tuple[float, float]) -> Figure:
     return Figure(figsize=size, layout="constrained")
 
 
-PICTURES: tuple[Callable[[], Figure | str], ...] = (
-    slide, polar, run, operating_map, synthesis, two_assemblies, change_point, sketch, notebook,
+PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
+    slide, polar, run, operating_map, synthesis, two_assemblies, change_point, sketch, notebook, live,
 )  # fmt: skip
 
 
 def main(names: list[str]) -> None:
+    sys.path.append(str(ROOT / "viz"))
+    from light import light  # type: ignore[import-not-found]  # a script of viz
+
     FOLDER.mkdir(exist_ok=True)
     for picture in PICTURES:
         if not names or picture.__name__ in names:
-            path, made = FOLDER / f"{picture.__name__}.svg", picture()
-            if isinstance(made, str):
+            made = picture()
+            path = FOLDER / f"{picture.__name__}.{'png' if isinstance(made, bytes) else 'svg'}"
+            if isinstance(made, bytes):
+                path.write_bytes(made)
+                light(path)
+            elif isinstance(made, str):
                 path.write_text(made, encoding="utf-8")
             else:
                 pp.plots.save(made, path)
