@@ -308,9 +308,10 @@ def _short(values: Array) -> list[float]:
 
 
 def _legend(drawn: Sequence[ShownLink], of_body: dict[str, Array]) -> list[dict[str, str]]:
-    """The moving links, each with the colour of most of its parts."""
+    """The moving links, each with the colour of most of its parts; the first part of one that is made up has the link's colour."""
     moving = [body for body in drawn if meshcat_commands.moves(of_body[body.name])]
-    colours = (Counter(meshcat_commands.hexadecimal(part.rgba) for part in body.parts).most_common(1)[0][0] for body in moving)
+    parts = [body.parts if body.drawn else body.parts[:1] for body in moving]
+    colours = (Counter(meshcat_commands.hexadecimal(part.rgba) for part in its).most_common(1)[0][0] for its in parts)
     return [{"name": body.name, "colour": f"#{colour}"} for body, colour in zip(moving, colours, strict=True)]
 
 

@@ -298,7 +298,7 @@ class PlanarLinks:
         height = self._middle(link) + ((THICKNESS - RECESS) * self.width - thickness) / 2  # nearly flush in front, as others pass there
         along = (centre - pivot) / arm if arm > 0 else self.down
         yield MadeUpSolid(shape, self._placed(pivot if isinstance(shape, Plate) else centre, along, height), darker=True)
-        nearest = min(self._nodes[link], key=lambda node: float(np.linalg.norm(node - centre)))
+        nearest = min(self._places(link), key=lambda place: float(np.linalg.norm(place - centre)))
         if isinstance(shape, Cylinder) and np.linalg.norm(centre - nearest) > shape.radius:
             yield self._bar(nearest, centre, self._middle(link), self.width)
 
