@@ -642,7 +642,7 @@ def test_pendulum_reaches_to_its_centre_of_mass(tmp_path: Path) -> None:
     scene = Scene(press, shown, [0.0])
     line = np.array([0.3, 0.0, 0.52]) + np.outer(np.linspace(-1, 1, 2001), [0, 1, 0])
     assert scene.holds(1, line, {"frame": 0, "rotor": 1}).any()
-    assert scene.holds(1, line + [0, 0, 0.25], {"frame": 0, "rotor": 1}).any()  # half way to the pin
+    assert scene.holds(1, line + 0.25 * np.array([0, 0, 1]), {"frame": 0, "rotor": 1}).any()  # half way to the pin
     assert not scene.holds(1, line - 0.2 * np.array([0, 0, 1]), {"frame": 0, "rotor": 1}).any()
 
 
