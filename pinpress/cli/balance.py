@@ -41,7 +41,7 @@ CRITERION = f"{'|'.join(KINDS)}:QUANTITY[:BEARING][:AXIS] or {MASS}"
 EPILOG = f"""\
 regions: {REGION}
   a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
-  Lengths are in m, in the link's own frame. All take ,least=KG ,most=KG (default: 0 and no limit) and ,gyration=R, the radius of gyration
+  Lengths are in m, in the link's own frame, or with units (300mm). All take ,least=KG ,most=KG (default: 0 and no limit) and ,gyration=R, the radius of gyration
   of the counterweight's material. With ,replaces behind a place the counterweight replaces the link's own mass.
 criteria: {CRITERION}
   quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
@@ -135,7 +135,7 @@ def add_balance_options(parser: argparse.ArgumentParser, *, required: bool) -> N
         action="append",
         default=[],
         metavar="CRITERION=MOST",
-        help="most of a criterion, in its SI unit; may be given several times",
+        help="most of a criterion, in its SI unit or with one of its own, e.g. 12kN; may be given several times",
     )
 
 
@@ -211,7 +211,7 @@ def _objective(specs: Sequence[str]) -> Target | Mapping[Target, float]:
 
 
 def _by_target(option: str, specs: Sequence[str], default: str) -> Mapping[Target, float]:
-    """Criteria with their numbers; ``default``: number of a criterion without one; empty: every criterion needs one."""
+    """Criteria with their numbers; ``default``: weight of a criterion without one; empty: they are limits, and each needs one."""
     found: dict[Target, float] = {}
     for spec in specs:
         words, equals, text = spec.rpartition("=")
@@ -221,7 +221,7 @@ def _by_target(option: str, specs: Sequence[str], default: str) -> Mapping[Targe
         if not equals and not default:
             raise _wrong(option, spec, "it has no number")
         try:
-            found[target] = read_quantity(text if equals else default, "-")
+            found[target] = read_quantity(text, "-" if default else target.unit) if equals else float(default)
         except ValueError as error:
             raise _wrong(option, spec, f"{text!r} is {error}") from None
     return found

@@ -203,7 +203,7 @@ def test_objectives(monkeypatch: pytest.MonkeyPatch, words: list[str], minimise:
 
 
 def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
-    words = ["--limit", "range:shaking_force:x=1e3", "--limit", "peak:bearing_force:A:z=0", "--limit", "added_mass=661"]
+    words = ["--limit", "range:shaking_force:x=1kN", "--limit", "peak:bearing_force:A:z=0", "--limit", "added_mass=661"]
     expected = {X: 1000.0, pp.balancing.Peak("bearing_force", "z", "A"): 0.0, pp.balancing.AddedMass(): 661.0}
     assert asked(monkeypatch, "--region", "crank:radius=0.1", "--minimise", "added_mass", *words)["limits"] == expected
 
