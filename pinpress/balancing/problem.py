@@ -26,7 +26,8 @@ from .regions import CounterweightRegion, RegionVariables, points_of, region_var
 
 ROUNDING = 1e-11  # a criterion below this share of the largest change that the regions can cause is zero
 NOISE = 1e-12  # a criterion below this share of the vector of which it takes a component is rounding
-QUANTITIES = {"shaking_force": "N", "shaking_moment": "N m", "driving_torque": "N m", "bearing_force": "N", "bearing_moment": "N m"}
+DRIVING = {"driving_torque": "N m", "driving_force": "N"}  # the latter of drivers that slide
+QUANTITIES = {"shaking_force": "N", "shaking_moment": "N m", **DRIVING, "bearing_force": "N", "bearing_moment": "N m"}
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -50,9 +51,10 @@ class Criterion:
     """Base of `Range`, `Rms` and `Peak`: one number for a quantity of `Reactions` over a motion.
 
     Attributes:
-        quantity: "shaking_force", "shaking_moment", "driving_torque", "bearing_force" or "bearing_moment".
+        quantity: "shaking_force", "shaking_moment", "driving_torque", of a driver that slides "driving_force", "bearing_force" or
+            "bearing_moment".
         axis: "x", "y", "z" or a direction (3,) in world axes, whose component is measured; None for the length of the whole vector, and
-            for the driving torque.
+            for the driving torque or force.
         bearing: name of the bearing, for a bearing force or bearing moment.
         about: point (3,) in world axes that a shaking moment is taken about [m].
 
@@ -81,9 +83,9 @@ class Criterion:
         suitable_numbers(f"{type(self).__name__}: about", self.about, "a point, three numbers [m]", (3,))
         if any(self.about) and self.quantity != "shaking_moment":
             raise PinpressError(f"{self.words}: about goes with a shaking moment")
-        if self.quantity == "driving_torque" and self.axis is not None:
-            raise PinpressError(f"{self.words}: the driving torque has no axis: leave it out")
-        if isinstance(self, Range) and self.quantity != "driving_torque" and self.axis is None:
+        if self.quantity in DRIVING and self.axis is not None:
+            raise PinpressError(f"{self.words}: the {self.quantity.replace('_', ' ')} has no axis: leave it out")
+        if isinstance(self, Range) and self.quantity not in DRIVING and self.axis is None:
             raise PinpressError(f"{self.words}: a vector has no range: name an axis, or take Rms or Peak")
 
     @property
@@ -100,8 +102,8 @@ class Criterion:
         return f"{type(self).__name__.lower()} of the {what}{where}{point}"
 
     def vector(self, forces: ForceSeries) -> Array:
-        """The vector (n, 3) whose component is measured; (n, drivers) for the driving torque."""
-        values = getattr(forces, self.quantity)
+        """The vector (n, 3) whose component is measured; (n, drivers) for the driving torque or force."""
+        values = getattr(forces, "driving_torque" if self.quantity in DRIVING else self.quantity)
         if self.bearing is not None:
             values = values[self.bearing]
         if any(self.about):
@@ -289,12 +291,17 @@ def _refuse_unknown(criterion: Criterion, press: Linkage) -> None:
 
     Raises:
         UnknownNameError: the press has no such bearing.
-        PinpressError: the range of the driving torque is asked for, and the press has several drivers.
+        PinpressError: the driving torque of drivers that slide is asked for, or the force of others; or the range of that of several.
     """
     if criterion.bearing is not None and criterion.bearing not in press.bearings:
         raise UnknownNameError("bearing", criterion.bearing, press.bearings)
-    if isinstance(criterion, Range) and criterion.quantity == "driving_torque" and len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} driving torques, which have no range as a whole: take Rms or Peak")
+    if criterion.quantity in DRIVING and any(criterion.quantity != f"driving_{each.effort}" for each in press.driver_coordinates):
+        given = (f"driver {name!r} takes a {each.effort}" for name, each in zip(press.drivers, press.driver_coordinates, strict=True))
+        remedy = "driving_torque is that of drivers that turn, driving_force that of drivers that slide"
+        raise PinpressError(f"{criterion.words}: {', '.join(given)}; {remedy}")
+    if isinstance(criterion, Range) and criterion.quantity in DRIVING and len(press.drivers) > 1:
+        efforts = criterion.quantity.replace("_", " ")
+        raise PinpressError(f"{press.name} has {len(press.drivers)} {efforts}s, which have no range as a whole: take Rms or Peak")
 
 
 def _variables(

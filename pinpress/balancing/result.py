@@ -124,7 +124,7 @@ class BalancedPress(Tabular):
     def side_effects(self) -> Records[CriterionChange]:
         """Changes of the criteria that were neither minimised nor limited, condition by condition; computed when first asked for.
 
-        They are the range of the driving torque (of several torques their peak), the peak of every bearing force, and the range of every
+        They are the range of the driving torque or force (of several their peak), the peak of every bearing force, and the range of every
         component of shaking force and shaking moment, without the criteria in `changes`. A value that is rounding is 0, and a criterion
         that is 0 before and after in all operating conditions is left out.
         """
@@ -154,7 +154,9 @@ def _side_effects(balanced: BalancedPress) -> Records[CriterionChange]:
 
 
 def _criteria_of(press: Linkage) -> Iterator[Criterion]:
-    yield Range("driving_torque") if len(press.drivers) == 1 else Peak("driving_torque")
+    efforts = {f"driving_{each.effort}" for each in press.driver_coordinates}
+    if len(efforts) == 1:  # torques and forces have no common measure
+        yield (Range if len(press.drivers) == 1 else Peak)(*efforts)
     yield from (Peak("bearing_force", bearing=bearing) for bearing in press.bearings_as_drawn)
     yield from (Range(quantity, axis) for quantity in ("shaking_force", "shaking_moment") for axis in AXES)
 

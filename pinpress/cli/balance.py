@@ -41,8 +41,9 @@ CRITERION = f"{'|'.join(KINDS)}:QUANTITY[:BEARING][:AXIS] or {MASS}"
 EPILOG = f"""\
 regions: {REGION}
   a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
-  Lengths are in m, in the link's own frame, or with units (300mm). All take ,least=KG ,most=KG (default: 0 and no limit) and ,gyration=R, the radius of gyration
-  of the counterweight's material. With ,replaces behind a place the counterweight replaces the link's own mass.
+  Lengths are in m, or have units (300mm), in the link's own frame. All take ,least=KG ,most=KG (default: 0 and no limit) and
+  ,gyration=R, the radius of gyration of the counterweight's material. With ,replaces behind a place the counterweight replaces the link's
+  own mass.
 criteria: {CRITERION}
   quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
   Range and rms leave the constant part out, peaks count it.

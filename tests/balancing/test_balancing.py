@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import scipy.optimize
-from support import texts
+from support import sliding_presses, texts
 from support.generators.random_linkages import four_bar
 from support.generators.small_linkages import two_cranks
 from support.oracles import balance_by_hand as by_hand
@@ -392,3 +392,16 @@ def test_the_constant_part_counts_in_a_peak():
     assert sum(weight.mass for weight in result.counterweights) == pytest.approx(best.x, rel=1e-4)
     other = pp.balancing.balance(press, motion, regions=[region], minimise=pp.balancing.Rms("bearing_force", bearing=bearing))
     assert abs(sum(weight.mass for weight in other.counterweights) - best.x) > 1.0
+
+
+def test_the_force_of_a_driver_that_slides_is_in_newtons():
+    """Without counterweights the force before is that after."""
+    toggle = texts.load(sliding_presses.TOGGLE)
+    motion, force = pp.cycle(toggle, 0.1, points=24), pp.balancing.Range("driving_force")
+    regions = [pp.balancing.CounterweightRegion("slide", at=(0.0, 0.0, 0.0), mass=(0.0, 0.0))]
+    found = pp.balancing.balance(toggle, motion, regions=regions, minimise=force)
+    assert f"{np.ptp(pp.inverse_dynamics(toggle, motion).driving_torque):.5g} N " in str(found)
+    assert "driving force [N]" in str(found)
+    assert "torque" not in str(found)
+    with pytest.raises(pp.PinpressError, match="driver 'screw' takes a force; driving_torque is that of drivers that turn"):
+        pp.balancing.balance(toggle, motion, regions=regions, minimise=pp.balancing.Range("driving_torque"))
