@@ -156,7 +156,8 @@ def _side_effects(balanced: BalancedPress) -> Records[CriterionChange]:
 def _criteria_of(press: Linkage) -> Iterator[Criterion]:
     efforts = {f"driving_{each.effort}" for each in press.driver_coordinates}
     if len(efforts) == 1:  # torques and forces have no common measure
-        yield (Range if len(press.drivers) == 1 else Peak)(*efforts)
+        (effort,) = efforts
+        yield Range(effort) if len(press.drivers) == 1 else Peak(effort)
     yield from (Peak("bearing_force", bearing=bearing) for bearing in press.bearings_as_drawn)
     yield from (Range(quantity, axis) for quantity in ("shaking_force", "shaking_moment") for axis in AXES)
 
