@@ -60,9 +60,9 @@ def record(
     address stops it at 0.25 s.
 
     Args:
-        press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes from
-            their joints.
-        motion: motion of the linkage, with times.
+        press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes
+            from their bearings and masses, and the counterweights of `balance` are drawn on all.
+        motion: motion of the linkage, with times. The flywheel of a run with one driver is drawn on its shaft.
         path: path of the file, usually ending in `.html`. An old file is replaced only when the page is complete.
         reactions: reactions to this motion. Bearing and guide forces (on child and link2, at their points of action) and the shaking force
             (with its tip at the foot of the press) are drawn as arrows, with one scale of length and colour for all; so is the force of
