@@ -68,7 +68,16 @@ def _figures(balanced: BalancedPress) -> Figures:
     else:
         reached = {"reached": balanced.value, "proven bound": balanced.bound}
         found = [Figure(name, f"{value:.4g}", "of before, weighted") for name, value in reached.items()]
-    return Figures([Figure("added mass", f"{balanced.added_mass:.4g} kg", f"{len(balanced.counterweights)} counterweights"), *found])
+    return Figures(
+        [
+            Figure(
+                "added mass",
+                f"{balanced.added_mass:.4g} kg",
+                "in one counterweight" if len(balanced.counterweights) == 1 else f"in {len(balanced.counterweights)} counterweights",
+            ),
+            *found,
+        ]
+    )
 
 
 def _counterweights(balanced: BalancedPress) -> Table:

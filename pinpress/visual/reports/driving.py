@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -51,13 +50,10 @@ def energy(reactions: Reactions) -> list[Block]:
     if others:
         work["springs, dampers, other forces"] = work["drive"] - work["process"] - work["friction"]
     least = ROUNDING * max(asked.stored, abs(asked.work))
-    if abs(asked.work) <= least:
-        asked = replace(asked, mean_torque=0.0, mean_power=0.0)
-    figures = [
-        Figure("mean driving torque", with_prefix(asked.mean_torque, "N m")),
-        Figure("mean power", with_prefix(asked.mean_power, "W")),
-        Figure("taken up and given off", with_prefix(asked.stored / strokes, "J"), "by a flywheel at an even torque, in a stroke"),
-    ]
+    figures = [Figure("taken up and given off", with_prefix(asked.stored / strokes, "J"), "by a flywheel at an even torque, in a stroke")]
+    if abs(asked.work) > least:
+        mean = [("mean driving torque", asked.mean_torque, "N m"), ("mean power", asked.mean_power, "W")]
+        figures = [*(Figure(name, with_prefix(value, unit)) for name, value, unit in mean), *figures]
     return [*_bars("Energy of a stroke", {name: value / strokes for name, value in work.items() if abs(value) > least}), Figures(figures)]
 
 
