@@ -119,13 +119,7 @@ class PressRatings(Tabular):
 
     def __str__(self) -> str:
         """Main data, energies, and permissible force at some heights, with units."""
-        what = "with weights and inertia forces at this speed" if self.at_speed else "the process force alone, as catalogues print it"
-        what += "".join(f", with {words}" for words, given in (("springs", self.loads), ("friction", self.friction)) if given)
         coordinate = self.driver_coordinate
-        if coordinate.turns:
-            pace = f"{abs(self.speed) / RPM / self.turns:g} strokes/min{'' if self.speed > 0 else ', backwards'}"
-        else:
-            pace = f"up to {1e3 * abs(self.speed):g} mm/s of the driver"
         ideal = "frictionless " if self.friction else ""
         per_force = f"{ideal}{'torque per force [mm]' if coordinate.turns else 'driving force per force [-]'}"
         position = f"{coordinate.position} [{coordinate.shown_unit}]"
@@ -133,7 +127,7 @@ class PressRatings(Tabular):
         heads = [f"{'height [mm]':>14}", position, per_force, "force [kN]", "work [kJ]", "  limited by"]
         return "\n".join(
             [
-                f"{self.press_name}, ratings at {pace}; forces: {what}",
+                f"{self.press_name}, ratings at {conditions_in_words(self)}",
                 *tables.table(data_in_words(self), [38, 0]),
                 "",
                 "Permissible force",
@@ -343,6 +337,17 @@ def _speed(speed: float, turning: bool) -> float:
     unit, such = ("rad/s", "70 * pinpress.RPM") if turning else ("m/s", "0.1")
     wanted = f"one number that is not zero [{unit}], e.g. {such}"
     return float(suitable_numbers("speed", in_unit("speed", speed, unit), wanted, suits=lambda value: SLOWEST <= abs(value) <= FASTEST))
+
+
+def conditions_in_words(ratings: PressRatings) -> str:
+    """The speed, and what the forces take into account beside the process."""
+    what = "with weights and inertia forces at this speed" if ratings.at_speed else "the process force alone, as catalogues print it"
+    what += "".join(f", with {words}" for words, given in (("springs", ratings.loads), ("friction", ratings.friction)) if given)
+    if ratings.driver_coordinate.turns:
+        pace = f"{abs(ratings.speed) / RPM / ratings.turns:g} strokes/min{'' if ratings.speed > 0 else ', backwards'}"
+    else:
+        pace = f"up to {1e3 * abs(ratings.speed):g} mm/s of the driver"
+    return f"{pace}; forces: {what}"
 
 
 def data_in_words(ratings: PressRatings) -> list[tuple[str, str]]:

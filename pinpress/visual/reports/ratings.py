@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...common import tables
-from ...common.quantities import RPM, Array
+from ...common.quantities import Array
+from ...dynamics.harmonics import is_cycle
 from ...ratings.permissible_force import capacities_in_words
-from ...ratings.rating import PressRatings, data_in_words, listed_heights
+from ...ratings.rating import PressRatings, conditions_in_words, data_in_words, listed_heights
 from .. import charts
 from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table
 from .shown import Shown
@@ -21,13 +22,11 @@ NEAR = 2.0  # reach of the chart near bottom dead centre, divided by the largest
 def section(ratings: PressRatings, shown: Shown) -> Section:
     """The section of ratings; raises `PinpressError` where they are of another press."""
     use = ratings.utilisation(shown.reactions)  # refuses those of another press
-    what = "with weights and inertia forces at this speed" if ratings.at_speed else "the process force alone, as catalogues print it"
-    pace = f"up to {1e3 * abs(ratings.speed):g} mm/s of the driver"
-    if ratings.driver_coordinate.turns:
-        pace = f"{abs(ratings.speed) / RPM / ratings.turns:g} strokes/min"
     blocks: list[Block] = [*_figures(ratings, shown, use), *_forces(ratings, shown), *_use(use, shown), *_work(ratings)]
     blocks += [Facts("Main data", data_in_words(ratings)), _table(ratings)]
-    return Section("Ratings", blocks, [*capacities_in_words(ratings.capacities, ratings.driver_coordinate)], f"At {pace}; forces: {what}.")
+    return Section(
+        "Ratings", blocks, [*capacities_in_words(ratings.capacities, ratings.driver_coordinate)], f"At {conditions_in_words(ratings)}."
+    )
 
 
 def _figures(ratings: PressRatings, shown: Shown, use: Array) -> list[Block]:
@@ -37,8 +36,8 @@ def _figures(ratings: PressRatings, shown: Shown, use: Array) -> list[Block]:
     height = f"{1e3 * (shown.motion.slide_position[at] - (shown.bottom or 0.0)):.4g} mm above bottom dead centre"
     place = first.shown(float(np.ravel(shown.motion.crank_angle[at])[0]), ".4g")
     found = [Figure("of the permissible force", f"{100 * use[at]:.4g} %", f"at {place}, {height}")]
-    strokes = (shown.motion.period_turns or 1) / ratings.turns if first.turns else 1.0
-    for name, energy in ratings.energies.items():
+    strokes = (shown.motion.period_turns or 1) / ratings.turns
+    for name, energy in ratings.energies.items() if is_cycle(shown.motion) else ():
         share = shown.reactions.process_work / strokes / energy
         found.append(Figure(f"of the {name}", f"{100 * share:.4g} %", "by the work of a stroke"))
     return [Figures(found)]
