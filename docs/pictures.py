@@ -4,7 +4,7 @@
     python docs/pictures.py slide run  # some
 
 Scripts of viz/ make the pictures of presses in three dimensions, of balancing, ratings, elasticity, foundation and accuracy,
-docs/tour_pictures.py those of the tour.
+docs/tour_pictures.py those of the tour, and docs/gallery_films.py the gallery.
 """
 
 import os

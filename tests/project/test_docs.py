@@ -174,6 +174,14 @@ def test_mistakes_are_named_in_their_files_and_nothing_is_said_to_what_is_right(
         assert re.sub(r"\W+", "-", named[1].replace("'s", "")).lower() == file.stem
 
 
+def test_the_gallery_is_what_its_script_writes() -> None:
+    script = runpy.run_path(str(DOCS / "gallery_films.py"))
+    assert text("gallery") == script["page"](), "python docs/gallery_films.py page"
+    films = {path.stem: path.stat().st_size for path in (DOCS / "gallery").glob("*.webp")}
+    assert set(films) == {shown.table for shown in script["PRESSES"]}
+    assert max(films.values()) <= script["LIGHT"]
+
+
 def test_pages_of_features_have_light_pictures() -> None:
     """With words for those who do not see them, and a command of the page that makes them."""
     for page in PICTURED:

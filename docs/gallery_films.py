@@ -1,0 +1,149 @@
+"""Writes docs/gallery.md, and a film of each of its presses into docs/gallery: a stroke under load, over and over.
+
+    python docs/gallery_films.py                  # all: the page and ten films, in Chromium some 20 s each
+    python docs/gallery_films.py knuckle rssp     # the page and these films
+    python docs/gallery_films.py page             # the page alone
+
+Films are animated WebP, which browsers, GitHub and the site show as they show pictures. They need pip install 'pinpress[video]'.
+"""
+
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import pinpress as pp
+from pinpress.pin_table.templates import template
+
+ROOT = Path(__file__).resolve().parent.parent
+FILMS = ROOT / "docs" / "gallery"
+SIZE = (480, 400)  # pixels
+DURATION, RATE = 4.0, 12  # of a film [s], and its pictures a second
+QUALITY = 45  # of WebP, from 0 to 100
+LIGHT = 300_000  # most bytes of a film
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A press of the gallery.
+
+    Attributes:
+        table: name of the template, or of the shipped press.
+        title: what kind of press it is.
+        words: a sentence about it.
+        rate: strokes a minute; of a driver that slides its highest speed [mm/s].
+        load: force [kN] and height above bottom dead centre [mm] at which it begins, see `pp.loads.DeepDrawing`.
+    """
+
+    table: str
+    title: str
+    words: str
+    rate: float
+    load: tuple[float, float]
+
+    @property
+    def shipped(self) -> bool:
+        return self.table in pp.presses()
+
+    @property
+    def file(self) -> str:
+        """Name of the table for the commands."""
+        return f"urdf/{self.table}.yaml" if self.shipped else "press.yaml"
+
+
+PRESSES = (
+    Shown("crank-slide", "Crank press", "A crank, a rod and a slide: every other press is compared with it.", 60, (100, 40)),
+    Shown(
+        "eccentric-block",
+        "Eccentric press without a rod",
+        "A block on the eccentric slides across the slide. A geared shaft balances it.",
+        200,
+        (300, 10),
+    ),
+    Shown(
+        "knuckle", "Knuckle-joint press", "A crank straightens a knee above the slide. It makes great forces, as for coining.", 60, (800, 6)
+    ),
+    Shown("toggle", "Hydraulic toggle press", "A cylinder pushes the knee. The driver slides between its ends of travel.", 50, (400, 20)),
+    Shown("link-drive", "Link-drive press", "A plate between crank, rocker and rod slows the slide where it works.", 40, (2000, 15)),
+    Shown("zxn2_3000b", "Six-bar press", "The ZXN2-3000(B), 3000 kN (Kong 2025): slow down, and quick up.", 70, (2000, 20)),
+    Shown("drawing-8-bar", "Eight-bar drawing press", "Its speed is nearly constant over the whole draw.", 20, (3000, 120)),
+    Shown("guide-bar", "Guide-bar press", "A block swings a bar, for quick return and an even speed over the draw.", 72, (5, 120)),
+    Shown(
+        "jf75g_125_symmetric",
+        "Symmetric high-speed press",
+        "Two mirrored halves on geared shafts leave no lateral shaking force and no tilting moment.",
+        300,
+        (1250, 2),
+    ),
+    Shown("rssp", "Spatial press", "The crank turns about an axis across the press. Its rod has a ball at either end.", 60, (20, 30)),
+)
+
+HEAD = """\
+# Gallery
+
+Ten kinds of presses in a stroke under load, each made from a [table of pins](pin_table.md) of a few lines. Arrows are the forces of
+bearings and process, and the force on the floor. `python docs/gallery_films.py` makes all films.
+"""
+
+
+def page() -> str:
+    """The page, in Markdown."""
+    return HEAD + "".join(_entry(shown) for shown in PRESSES)
+
+
+def _entry(shown: Shown) -> str:
+    lines = sum(bool(line.partition("#")[0].strip()) for line in _table(shown).decode().splitlines())
+    speed = f"--speed {shown.rate:g}{'' if shown.table != 'toggle' else 'mm/s'}"
+    force, start = shown.load
+    commands = [] if shown.shipped else [f"pinpress new {shown.file} --template {shown.table}"]
+    commands.append(f"pinpress record {shown.file} {speed} --load drawing:force={force:g}kN,start={start:g}mm --out press.html")
+    base = " more than the press that it is based on" if b"\nbase:" in b"\n" + _table(shown) else ""
+    return (
+        f"\n## {shown.title}\n\n![{shown.title}, one stroke under load](gallery/{shown.table}.webp)\n\n"
+        f"{shown.words} {lines} lines{base}.\n\n```\n" + "\n".join(commands) + "\n```\n"
+    )
+
+
+def _table(shown: Shown) -> bytes:
+    return (ROOT / shown.file).read_bytes() if shown.shipped else template(shown.table)
+
+
+def film(shown: Shown, folder: Path) -> Path:
+    """Make the film of a press; ``folder``: for what is not kept."""
+    table = folder / f"{shown.table}.yaml"
+    table.write_bytes(_table(shown))
+    press = pp.load(shown.table) if shown.shipped else pp.build(table)
+    motion = pp.cycle(press, shown.rate * (pp.RPM if press.driver_coordinates[0].turns else 1e-3))
+    load = pp.loads.DeepDrawing(force=1e3 * shown.load[0], start=1e-3 * shown.load[1])
+    recording = pp.record(press, motion, folder / "press.html", reactions=pp.inverse_dynamics(press, motion, loads=[load]))
+    period = float(motion.time[-1]) * len(motion.time) / (len(motion.time) - 1)
+    played = folder / "press.mp4"
+    pp.video.film(recording, played, size=SIZE, frames_per_second=RATE, slowdown=DURATION / period)
+    return _webp(played, FILMS / f"{shown.table}.webp")
+
+
+def _webp(played: Path, path: Path) -> Path:
+    """The film as animated WebP that begins anew at its end, by the same ffmpeg that made it."""
+    import imageio_ffmpeg
+
+    options = ["-c:v", "libwebp_anim", "-quality", str(QUALITY), "-compression_level", "6", "-loop", "0", "-an", "-bitexact"]
+    program = imageio_ffmpeg.get_ffmpeg_exe()
+    subprocess.run([program, "-y", "-loglevel", "error", "-i", str(played), *options, str(path)], check=True)
+    if path.stat().st_size > LIGHT:
+        sys.exit(f"{path} has {path.stat().st_size} bytes, more than {LIGHT}: take fewer pictures a second")
+    return path
+
+
+def main(names: list[str]) -> None:
+    (ROOT / "docs" / "gallery.md").write_text(page(), encoding="utf-8")
+    FILMS.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for shown in PRESSES:
+            if not names or shown.table in names:
+                path = film(shown, Path(folder))
+                print(path, path.stat().st_size)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
