@@ -17,6 +17,7 @@ import numpy as np
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..derivatives.motion import motion_derivatives, pivot_positions
+from ..engines.planar.engine import PlanarEngine
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
 
@@ -201,8 +202,8 @@ def _parts(press: Linkage, places: Mapping[Pivot, Array]) -> Iterator[_Part]:
 
 def _normal(press: Linkage) -> Array | None:
     """(3,) normal of the plane of a planar linkage in the drawn pose; None of one in space."""
-    plane = getattr(press.engine(), "plane", None)
-    return None if plane is None else np.asarray(plane.normal)
+    engine = press.engine()
+    return np.asarray(engine.plane.normal) if isinstance(engine, PlanarEngine) else None
 
 
 def _rotation(press: Linkage, link: str) -> Array:
@@ -271,8 +272,8 @@ def _turned(at: Array, normal: Array, angle: float) -> Array:
 
 def _that_close(press: Linkage, places: Mapping[Pivot, Array], parts: Sequence[_Part]) -> Iterator[tuple[_Part, ...]]:
     """Parts that can change alone, and those that are equal and can only change together, two or all."""
-    plane = getattr(press.engine(), "plane", None)
-    if plane is None or not plane.redundant:
+    engine = press.engine()
+    if not (isinstance(engine, PlanarEngine) and engine.plane.redundant):
         yield from ((part,) for part in parts)
         return
     motion = cycle(press, 1.0, points=LOOKED)

@@ -121,6 +121,12 @@ def test_every_loop_is_closed_once(press):
         assert sorted(k for k, _ in order) == list(range(len(press.loops) + len(press.couplings)))
 
 
+def test_a_loop_without_lengths_moves():
+    """An eccentric press without an eccentricity: gear and slide guide are what is left."""
+    press = pp.build(Path(pp.__file__).parent / "pin_table" / "templates" / "eccentric-block.yaml", e=0)
+    assert np.ptp(pp.cycle(press, 1.0, points=8).slide_position) == 0
+
+
 def test_nobody_above_asks_whether_there_is_a_plane():
     asks = re.compile(r"plane is (not )?None|\bif (\w+\.)*plane\b(?!\.)|\.planar\(")
     package = Path(pp.__file__).parent

@@ -81,6 +81,15 @@ def test_a_slider_changes_the_press(open_window: Any) -> None:
         assert name >= 0
         pin = page.evaluate("places[data.bearings.find(each => each.name === 'W').place].slice(3 * 45, 3 * 46)")
         assert_allclose(list(pin.values()) if isinstance(pin, dict) else pin, [0, 0, motion.slide_position[1]], atol=1e-6)
+        # keys belong to fields and sliders where these have the focus
+        page.focus("#name")
+        page.keyboard.type(" x")
+        assert page.evaluate("[element('name').value, playing]") == ["crank_slide_changed.urdf x", False]
+        page.evaluate("rows[0].range.focus()")
+        page.keyboard.press("Shift+ArrowRight")
+        wait(page, "!waiting && !wanted")
+        assert page.evaluate("data.values[0]") == 121.0
+        window.change("O to P", 120.0)
         # what makes no press is said beside the slider, and the last good one comes back
         page.evaluate("(() => { rows[0].field.value = 500; rows[0].field.dispatchEvent(new Event('change')); })()")
         wait(page, "!waiting && rows[0].error.textContent !== ''")

@@ -42,7 +42,7 @@ RUN = [
 RUN += ["live", "mistakes", "pin_table", "pinocchio", "units_and_signs"]
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
-PICTURED += ["ratings", "recording", "simulation", "sweep", "synthesis", "tour", "units_and_signs"]
+PICTURED += ["live", "ratings", "recording", "simulation", "sweep", "synthesis", "tour", "units_and_signs"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
 

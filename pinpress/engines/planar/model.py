@@ -245,7 +245,7 @@ def build_plane(
     if blocks is None:
         return None
     revolute, prismatic = tree.revolute, tree.prismatic
-    size = max((_length({row: entry for row, entry in gap.items() if row <= len(revolute)}) for gap in gaps), default=1.0)
+    size = max((_length({row: entry for row, entry in gap.items() if row <= len(revolute)}) for gap in gaps), default=0.0) or 1.0
     units = [size if turning[coupling.follower] else 1.0 for coupling in couplings]
     coupling_rows = [_coupling_row(coupling, unit) for coupling, unit in zip(couplings, units, strict=True)]
     driven = {k: len(loops) + row for row, (k, joint) in enumerate(columns) if joint == driver}

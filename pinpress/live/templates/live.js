@@ -335,6 +335,7 @@ element("saving").addEventListener("submit", event => {
   const name = element("name").value;
   socket.send(JSON.stringify({ type: "save", name, replace: name !== "" && element("save").dataset.replace === name }));
 });
+element("panel").addEventListener("keydown", event => event.stopPropagation());  // blanks and arrows are for fields and sliders there
 element("name").addEventListener("input", () => { element("save").textContent = "Save"; });
 element("dimensions").addEventListener("submit", event => event.preventDefault());
 element("speed").addEventListener("change", () => { touched = null; want(true); });
