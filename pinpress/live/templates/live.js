@@ -79,22 +79,46 @@ function renewPaths() {
 }
 
 const kinds = () => JSON.stringify([data.bearings.map(({ name, place }) => [name, place]), !!data.process, data.traces.length, data.peak > 0]);
+let drawnKinds = kinds(), stale = false;  // of bearings as they are drawn; whether the links are behind the curves
 
 function adopt(message) {
-  const was = kinds(), share = duration > 0 ? now / duration : 0, turnedOver = message.type === "opened";
+  const share = duration > 0 ? now / duration : 0;
   Object.assign(data, message);
   duration = data.time.at(-1);
-  element("slider").max = duration;
-  linkPoses = data.poses.map(floats);
-  if (message.scene) replaceShapes();
-  if (turnedOver || was !== kinds()) renewAll(); else renewSeries();
-  if (message.scene && !turnedOver) renewPaths();
   now = share * duration;
-  if (turnedOver) showDimensions();
+  if (message.type === "opened") showDimensions();
   showValues();
   showNotes();
   showCurves();
+  if (message.scene || !hurried()) drawLinks(message); else stale = true;
+  if (stale) { moment = momentAt(now); showCursor(); viewer.set_dirty(); }
+}
+
+function drawLinks({ type, scene }) {
+  stale = false;
+  element("slider").max = duration;
+  linkPoses = data.poses.map(floats);
+  if (scene) replaceShapes();
+  if (type === "opened" || drawnKinds !== kinds()) renewAll(); else renewSeries();
+  if (scene && type !== "opened") renewPaths();
+  drawnKinds = kinds();
   seek(now);
+}
+
+// While a slider moves, the curves come first: a browser that takes long for the links, as one without a graphics card, draws them less often.
+let drawnAt = 0, drawingTook = 0;  // [ms]
+
+const hurried = () => (waiting || wanted) && drawingTook > 25 && performance.now() - drawnAt < 4 * drawingTook;
+
+function limitDrawing() {
+  const draw = viewer.render;
+  viewer.render = () => {
+    if (hurried()) return;
+    if (stale) drawLinks({ type: "picture" });
+    const began = performance.now();
+    draw();
+    requestAnimationFrame(() => { drawnAt = performance.now(); drawingTook = drawnAt - began; });
+  };
 }
 
 // ---- curves: slide, torque and largest bearing force, beside those of the press as it was opened ----
@@ -285,7 +309,7 @@ function want(final) {
 function ask() {
   if (waiting || !wanted || socket.readyState !== WebSocket.OPEN) return;
   const speed = Number(element("speed").value);
-  const shapes = wanted.final || performance.now() - shapesAt > 5 * shapesTook + 50;  // at most a sixth of the time goes into them
+  const shapes = wanted.final || (!hurried() && performance.now() - shapesAt > 5 * shapesTook + 50);  // at most a sixth of the time goes into them
   socket.send(JSON.stringify({ type: "set", values, speed: Number.isFinite(speed) ? speed : data.speed, shapes }));
   waiting = wanted.final ? "final" : "on the way";
   wanted = null;
@@ -340,19 +364,6 @@ element("name").addEventListener("input", () => { element("save").textContent = 
 element("dimensions").addEventListener("submit", event => event.preventDefault());
 element("speed").addEventListener("change", () => { touched = null; want(true); });
 element("reset").addEventListener("click", () => { values = data.dimensions.map(each => each.value); touched = null; want(true); });
-
-// While a slider moves, the curves come first: a browser that takes long for the links, as one without a graphics card, draws them less often.
-let drawnAt = 0, drawingTook = 0;  // [ms]
-
-function limitDrawing() {
-  const draw = viewer.render;
-  viewer.render = () => {
-    const began = performance.now();
-    if ((waiting || wanted) && drawingTook > 25 && began - drawnAt < 4 * drawingTook) return;
-    draw();
-    requestAnimationFrame(() => { drawnAt = performance.now(); drawingTook = drawnAt - began; });
-  };
-}
 
 start();
 limitDrawing();
