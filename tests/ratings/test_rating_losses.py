@@ -141,6 +141,7 @@ def test_no_friction_is_no_friction():
         ({"friction": {"A": Friction(0.1, 0.06, 5.0)}}, "friction of 'A': viscous friction goes with the speed"),
         ({"friction": {"A": Friction(0.1)}}, "its radius is missing"),
         ({"friction": 0.1}, "friction is a float: give a mapping"),
+        ({"friction": {"A": 0.1}}, "friction of 'A' is 0.1: give a Friction"),
         ({"friction": {"slide_guide": Friction(5.0)}}, "friction locks the linkage"),
     ],
 )
