@@ -1,9 +1,9 @@
 """What acts on a press from words of the command line, ``--motor induction:rated_power=75kW,rated_speed=1485,ratio=20.7``, one grammar for
 all commands: loads, springs, friction, motors, flywheels, clutches and brakes.
 
-Keys are the fields of the classes of `drives` and `loads`. Values are in SI units, except speeds, which are in r/min, or have a unit of
-their own. A clutch or brake is switched at a time, ``0.1s``, or at a crank angle, ``180deg``. Points and forces are ``x/y/z``. Tables of
-numbers come from CSV files of two columns.
+Keys are the fields of the classes of `drives` and `loads`. Values are in SI units, except speeds, which are in r/min (of a driver that
+slides in mm/s), or have a unit of their own. A clutch or brake is switched at a time, ``0.1s``, or at a crank angle, ``180deg``. Points
+and forces are ``x/y/z``. Tables of numbers come from CSV files of two columns.
 """
 
 import contextlib

@@ -27,8 +27,8 @@ class ConstantTorque(SpeedTorqueDrive):
     """The same torque at every speed: the M_d of Zhang 2007, section 4.2. It has no inertia: give a `Flywheel`.
 
     Attributes:
-        value: the torque [N m], on a driver that slides the force [N], or (S,) for S scenarios; negative: backwards. (``torque`` is the
-            method of all drives.)
+        value: the torque [N m], on a driver that slides the force, a plain number [N], or (S,) for S scenarios; negative: backwards.
+            (``torque`` is the method of all drives.)
     """
 
     value: Values = field(metadata=parameter("N m", scenarios=True))
