@@ -34,7 +34,7 @@ def missing(press, run, loads, friction, inertia):
 
 
 @pytest.mark.parametrize("method", ["reduced", "implicit"])
-@pytest.mark.parametrize("loads", [[], [DRAWING, CYLINDER]], ids=["idle", "loaded"])
+@pytest.mark.parametrize("loads", [pytest.param([], marks=pytest.mark.exhaustive), [DRAWING, CYLINDER]], ids=["idle", "loaded"])
 def test_inverse_dynamics_gives_the_motor_torque_back(method, loads):
     press = shipped("zxn2_3000b")
     friction = rubbing(press, viscous=20.0)
@@ -179,6 +179,7 @@ def test_a_drive_overcomes_friction_or_not(share):
         assert run.crank_speed[-1] > 0.0
 
 
+@pytest.mark.exhaustive
 def test_clutch_brake_and_a_die():
     """A single stroke with a contact that may be lost; the energy balance, which every run keeps, has all losses in it."""
     press = shipped("crank_slide")
