@@ -249,14 +249,15 @@ def test_a_report_beside_a_press_with_another_period(press, alone, tmp_path):
     mine, theirs = (pp.inverse_dynamics(each, pp.cycle(each, SPEED)) for each in (press, alone))
     for first, second in ((mine, theirs), (theirs, mine)):
         page = pp.report(first._press, first.motion, tmp_path / "report.html", reactions=first, before=second)
-        drawn = data_in(page)["report"]["harmonics"]
-        assert drawn["orders"] == pytest.approx(sorted({*pp.measures.harmonics(mine.motion, mine.shaking_force).orders[1:], *range(1, 13)}))
-        for shown, result in ((drawn["amplitude"], first), (drawn["before"], second)):
+        blocks = (block for section in data_in(page)["report"]["sections"] for block in section["blocks"])
+        (drawn,) = (block for block in blocks if block.get("title") == "Harmonics of the shaking force")
+        assert drawn["places"] == pytest.approx(sorted({*pp.measures.harmonics(mine.motion, mine.shaking_force).orders[1:], *range(1, 13)}))
+        for shown, result in ((drawn["bars"], first), (drawn["before"], second)):
             found = pp.measures.harmonics(result.motion, result.shaking_force)
             known = dict(zip(found.orders, found.amplitude[:, 2], strict=True))
             scale = max(shown["z"]) / found.amplitude[1:, 2].max()
             np.testing.assert_allclose(
-                shown["z"], [scale * known.get(order, 0.0) for order in drawn["orders"]], atol=1e-9 * max(shown["z"])
+                shown["z"], [scale * known.get(order, 0.0) for order in drawn["places"]], atol=1e-9 * max(shown["z"])
             )
 
 

@@ -593,6 +593,7 @@ def all_changed(press, seed=5):
     return changed(press, change, loops=tuple(loops))
 
 
+@pytest.mark.filterwarnings("ignore:.*the slide weighs")  # masses at random
 @pytest.mark.exhaustive
 def test_forces_of_the_file_are_those_of_the_changed_linkage(press, tmp_path):
     """Whatever a linkage has worked out is worked out anew for the changed one; gravity is not in the file."""
