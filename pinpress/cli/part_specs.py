@@ -1,9 +1,9 @@
 """What acts on a press from words of the command line, ``--motor induction:rated_power=75kW,rated_speed=1485,ratio=20.7``, one grammar for
-all commands: loads, springs, friction, motors, flywheels, clutches and brakes.
+all commands: loads, springs, friction, motors, flywheels, clutches, brakes, and the frame on its mounts.
 
-Keys are the fields of the classes of `drives` and `loads`. Values are in SI units, except speeds, which are in r/min (of a driver that
-slides in mm/s), or have a unit of their own. A clutch or brake is switched at a time, ``0.1s``, or at a crank angle, ``180deg``. Points
-and forces are ``x/y/z``. Tables of numbers come from CSV files of two columns.
+Keys are the fields of the classes of `drives`, `loads` and `foundation`. Values are in SI units, except speeds, which are in r/min (of a
+driver that slides in mm/s), or have a unit of their own. A clutch or brake is switched at a time, ``0.1s``, or at a crank angle,
+``180deg``. Points and forces are ``x/y/z``. Tables of numbers come from CSV files of two columns.
 """
 
 import contextlib
@@ -23,6 +23,7 @@ from ..common.quantities import CRANK, RAM, DriverCoordinate
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
+from ..foundation.mounts import Frame, Mount
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce, SpringDamper
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
@@ -117,6 +118,9 @@ FLYWHEEL, CLUTCH, BRAKE = (
     Kind(Clutch, "torque=6e4,rise=0.1,closes=0.2s"),
     Kind(Brake, "torque=4e4,closes=350deg"),
 )
+
+FRAME = Kind(Frame, "mass=15t,centre=0/0.1/-0.35,inertia=9000/8000/4000")
+MOUNT = Kind(Mount, "point=0.55/0.6/-1.3,stiffness=50MN/m/50MN/m/200MN/m,loss_factor=0.1")
 
 
 def motor(words: str, coordinate: DriverCoordinate) -> Drive | PrescribedSpeed:
@@ -226,13 +230,25 @@ def brake(words: str) -> Brake:
     return made
 
 
+def frame(words: str) -> Frame:
+    """The frame that words such as ``mass=15t,centre=0/0.1/-0.35,inertia=9000/8000/4000`` mean. Raises as `motor`."""
+    made: Frame = _made("--frame ", FRAME, words)
+    return made
+
+
+def mount(words: str) -> Mount:
+    """The mount that words such as ``point=0.55/0.6/-1.3,stiffness=5e7/5e7/2e8`` mean. Raises as `motor`."""
+    made: Mount = _made("--mount ", MOUNT, words)
+    return made
+
+
 def keys(kind: Kind) -> str:
     """The keys of a kind, with optional ones in brackets."""
     return " ".join(str(key) for key in _keys(kind).values()) or "(no keys)"
 
 
 def explained(*parts: str) -> str:
-    """What the options of these names take, for the help of all commands that have them: load, spring, friction, motor, clutch."""
+    """What the options of these names take, for the help of all commands that have them: load, spring, friction, motor, clutch, mount."""
     intro = "KIND:KEYS are e.g. blanking:force=1000kN,start=6mm,end=2mm; keys in brackets are optional. Numbers are in SI units, speeds in"
     lines = [intro, "r/min, or have units of their own. Files are CSV of two columns."]
     for part in parts:
@@ -278,6 +294,15 @@ def _of_clutches() -> list[str]:
     return ["--clutch and --brake, switched at a time or a crank angle:", f"  {keys(CLUTCH)}"]
 
 
+def _of_mounts() -> list[str]:
+    return [
+        "--frame, all that is fixed to it and not in the file, in world axes, and --mount, each of the springs that it stands on:",
+        f"  {keys(FRAME)}",
+        f"  {keys(MOUNT)}",
+        f"  e.g. --frame {FRAME.example} --mount {MOUNT.example}",
+    ]
+
+
 def _kinds(kinds: Mapping[str, Kind]) -> list[str]:
     files = [f"{name} {', '.join(kind.table.columns)}" for name, kind in kinds.items() if kind.table]
     return [*tables.table(([f"{name}:", keys(kind)] for name, kind in kinds.items()), [16, 0]), f"  columns of files: {'; '.join(files)}"]
@@ -289,6 +314,7 @@ _EXPLAINED: Mapping[str, Callable[[], list[str]]] = {
     "friction": _of_friction,
     "motor": _of_motors,
     "clutch": _of_clutches,
+    "mount": _of_mounts,
 }
 
 
@@ -430,7 +456,7 @@ def _at(text: str) -> SwitchPoint:
 
 
 def _vector(text: str, unit: str) -> tuple[float, ...]:
-    parts = text.split("/")
+    parts = re.split(r"/(?=\s*[-+.\d])", text)  # the slash of a unit, as in 50MN/m, is followed by no number
     if len(parts) != 3:
         raise ValueError("not x/y/z as 0/0/-0.2")
     return tuple(read_quantity(part, unit) for part in parts)

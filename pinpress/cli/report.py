@@ -34,11 +34,12 @@ from .units import driver_speed, quantity
 POINTS = 720  # of a turn
 EPILOG = f"""\
 Each of these adds its part to the page: --load (the process), --nominal-force and other capacities (ratings), --motor with --flywheel (the
-steady state under it), --stiffness (the elastic press), --region with --minimise (the best counterweights).
+steady state under it), --stiffness (the elastic press), --region with --minimise (the best counterweights), --frame with --mount (loads of
+the mounts, modes, vibration and force on the floor).
 regions: {balance.REGION}
 criteria: {balance.CRITERION}; see pinpress balance --help
 
-{part_specs.explained("load", "spring", "friction", "motor")}
+{part_specs.explained("load", "spring", "friction", "motor", "mount")}
 {SIGNS}e.g. pinpress report zxn2_3000b --speed 70 --load blanking:force=1000kN,start=6mm,end=2mm --out report.html
      --nominal-force 3000kN --nominal-height 13mm --motor induction:rated_power=75kW,rated_speed=1485,inertia=1.2,ratio=20.7
      --flywheel 6000
@@ -64,6 +65,9 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--motor", metavar="KIND:KEYS", help="motor, see below: the page shows the steady state under it, with loads and flywheel, too")
     add_flywheel_option(parser, "with --motor, and with --speed-drop as an energy of the ratings")
     balance.add_balance_options(parser, required=False)
+    help = "the frame, see below: the page shows it on its mounts, with its modes, and its vibration at this speed"
+    option("--frame", metavar="KEYS", help=help)
+    option("--mount", metavar="KEYS", action="append", default=[], help="a mount below it, see below; may be given several times")
     add_before_option(parser)
     add_trace_option(parser)
     add_points_option(parser)
@@ -110,6 +114,8 @@ def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
         raise PinpressError("--flywheel shows at a motor or in the ratings: give --motor, or --nominal-force and --speed-drop")
     if bool(options.region) != bool(options.minimise) or (options.limit and not options.region):
         raise PinpressError("--region, --minimise and --limit go together, to balance the press: give --region and --minimise, or none")
+    if (options.frame is None) != (not options.mount):
+        raise PinpressError("--frame and --mount go together, for the press on its mounts: give --frame and every --mount, or none")
     if options.region and options.friction:
         raise PinpressError("--region: balancing needs forces linear in the masses, and with friction they are not: leave out either")
 
@@ -141,6 +147,15 @@ def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argp
         yield slide_deflection(press, reactions.motion, stiffness, loads=loads)
     if options.region:
         yield balance.balanced_by(press, [OperatingCondition(reactions.motion, loads)], options)
+    if options.frame is not None:
+        from ..foundation.mounted_press import modes, mounted  # seldom needed
+        from ..foundation.response import steady_response
+
+        frame = part_specs.frame(options.frame)
+        system = mounted(press, frame, [part_specs.mount(words) for words in options.mount])
+        yield system
+        yield modes(system)
+        yield steady_response(system, reactions, points={"centre of the frame": frame.centre})
 
 
 def add_nominal_options(parser: argparse.ArgumentParser) -> None:

@@ -22,10 +22,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..common.arguments import in_unit, suitable_numbers, typed
+from ..common.arguments import suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import Frozen, read_only
-from ..common.parameters import Checked, parameter, set_field
+from ..common.parameters import Checked, in_declared_units, parameter, set_field
 from ..common.quantities import Array
 
 Vector = tuple[float, float, float]
@@ -50,13 +50,12 @@ class Frame(Frozen):
         PinpressError: the mass is negative, no body has this inertia, or a value has another shape or is not finite.
     """
 
-    mass: float
-    centre: ArrayLike
-    inertia: ArrayLike
+    mass: float = field(metadata=parameter("kg", "not negative"))
+    centre: ArrayLike = field(metadata=parameter("m", axes=1))
+    inertia: ArrayLike = field(metadata=parameter("kg m2", axes=1))
 
     def __post_init__(self) -> None:
-        for name, unit in (("mass", "kg"), ("centre", "m"), ("inertia", "kg m2")):
-            set_field(self, name, in_unit(f"Frame: {name}", getattr(self, name), unit))
+        in_declared_units(self)
         suitable_numbers("Frame: mass", self.mass, "one finite number that is not negative [kg]", suits=_not_negative)
         suitable_numbers("Frame: centre", self.centre, "x, y, z [m], finite", (3,))
         inertia = self.tensor
@@ -96,24 +95,24 @@ class Mount:
         PinpressError: a value has another shape, is not finite or is negative.
     """
 
-    point: Vector
-    stiffness: Vector
-    damping: Vector = (0.0, 0.0, 0.0)
-    loss_factor: float = 0.0
-    static_stiffness: Vector | None = None
-    area: float | None = None
+    point: Vector = field(metadata=parameter("m", axes=1))
+    stiffness: Vector = field(metadata=parameter("N/m", "not negative", axes=1))
+    damping: Vector = field(default=(0.0, 0.0, 0.0), metadata=parameter("N s/m", "not negative", axes=1))
+    loss_factor: float = field(default=0.0, metadata=parameter("-", "not negative"))
+    static_stiffness: Vector | None = field(default=None, metadata=parameter("N/m", "not negative", axes=1))
+    area: float | None = field(default=None, metadata=parameter("m2", "positive"))
 
     def __post_init__(self) -> None:
+        in_declared_units(self)
         for name, unit in (("point", "m"), ("stiffness", "N/m"), ("damping", "N s/m"), ("static_stiffness", "N/m")):
             if getattr(self, name) is None and name == "static_stiffness":
                 continue
             wanted = f"x, y, z [{unit}], finite" + ("" if name == "point" else " and not negative")
             suits = np.isfinite if name == "point" else _not_negative
-            values = suitable_numbers(f"Mount: {name}", in_unit(f"Mount: {name}", getattr(self, name), unit), wanted, (3,), suits)
+            values = suitable_numbers(f"Mount: {name}", getattr(self, name), wanted, (3,), suits)
             set_field(self, name, tuple(values.tolist()))
         suitable_numbers("Mount: loss_factor", self.loss_factor, "one number that is not negative", suits=_not_negative)
         if self.area is not None:
-            set_field(self, "area", in_unit("Mount: area", self.area, "m2"))
             suitable_numbers("Mount: area", self.area, "a positive number [m2]", suits=lambda area: area > 0)
 
     @property

@@ -15,6 +15,7 @@ from support.generators.small_linkages import two_cranks
 from support.in_browser import data_in
 
 import pinpress as pp
+from pinpress.cli import part_specs
 from pinpress.cli.main import main
 from pinpress.visual.reports.blocks import Line, covered
 
@@ -269,6 +270,30 @@ def test_the_command_makes_all_of_it(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert numbers(data["heights"])[0] == pytest.approx(0, abs=0.1)
 
 
+def test_the_command_with_mounts(press: Any, tmp_path: Path) -> None:
+    words = ["report", "zxn2_3000b", "--speed", "70", "--points", "180", "--out", str(tmp_path / "command.html")]
+    words += ["--frame", "mass=30t,centre=0/0/100mm,inertia=3e4/3e4/1e4"]
+    mounts = []
+    for x, y in ((-0.8, -0.5), (-0.8, 0.5), (0.8, -0.5), (0.8, 0.5)):
+        words += ["--mount", f"point={x}/{y}/-1.5,stiffness=50MN/m/50MN/m/2e8,damping=1e4/1e4/20kNs/m,loss_factor=10%,area=400cm2"]
+        mounts.append(pp.foundation.Mount((x, y, -1.5), (5e7, 5e7, 2e8), (1e4, 1e4, 2e4), loss_factor=0.1, area=0.04))
+    assert main(words) == 0
+    idle = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=180))
+    system = pp.foundation.mounted(press, pp.foundation.Frame(3e4, (0, 0, 0.1), (3e4, 3e4, 1e4)), mounts)
+    vibration = pp.foundation.steady_response(system, idle, points={"centre of the frame": (0, 0, 0.1)})
+    results = [system, pp.foundation.modes(system), vibration]
+    expected = sections(pp.report(press, idle.motion, tmp_path / "python.html", reactions=idle, results=results))
+    found = sections(tmp_path / "command.html")
+    assert list(found) == list(expected)
+    for title in ("On its mounts at rest", "Modes on the mounts", "Vibration on the mounts"):
+        assert found[title] == expected[title]
+
+
+def test_examples_of_frame_and_mount() -> None:
+    assert part_specs.frame(part_specs.FRAME.example) == pp.foundation.Frame(15e3, (0.0, 0.1, -0.35), (9e3, 8e3, 4e3))
+    assert part_specs.mount(part_specs.MOUNT.example) == pp.foundation.Mount((0.55, 0.6, -1.3), (5e7, 5e7, 2e8), loss_factor=0.1)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -276,6 +301,10 @@ def test_the_command_makes_all_of_it(tmp_path: Path, capsys: pytest.CaptureFixtu
         (["--flywheel", "2000"], "give --motor, or --nominal-force and --speed-drop"),
         (["--speed-drop", "0.1", "--nominal-force", "5e4"], "give --flywheel too"),
         (["--region", "crank:radius=0.3"], "--region, --minimise and --limit go together"),
+        (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1"], "--frame and --mount go together"),
+        (["--mount", "point=0/0/0,stiffness=1e6/1e6/1e6"], "--frame and --mount go together"),
+        (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/9", "--mount", "point=0/0/0,stiffness=1/1/1"], "no body has this inertia"),
+        (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1", "--mount", "point=0/0,stiffness=1/1/1"], "point is '0/0', not x/y/z"),
     ],
 )
 def test_options_that_are_incomplete(words: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
