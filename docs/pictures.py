@@ -25,6 +25,12 @@ import pinpress as pp
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "pictures"
 SPEED = 70 * pp.RPM
+DRAWING = pp.loads.DeepDrawing(force=1.5e6, start=0.040)
+LONGER_CRANK = """() => {
+    setPlaying(false);
+    seek(0.15 * duration);
+    change(rows[data.dimensions.findIndex(each => each.name === "A to B")], 165, true);
+}"""
 BLUE, RED = "#0072B2", "#D55E00"
 SIZE = (6.3, 2.9)  # [inch]
 
@@ -163,16 +169,19 @@ def notebook() -> str:
 
 
 def live() -> bytes:
-    """docs/live.md: the live window in Chromium."""
+    """docs/live.md: the live window in Chromium, in which a crank has been made longer."""
     from playwright.sync_api import sync_playwright
 
     drawn = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # by the processor
     program = os.environ.get("CHROMIUM") or shutil.which("chromium")
-    with pp.view(six_bar(), speed=SPEED, browser=False) as window, sync_playwright() as playwright:
+    with pp.view(six_bar(), speed=SPEED, loads=[DRAWING], browser=False) as window, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=program, args=[*drawn, "--no-sandbox", "--hide-scrollbars"])
         page = browser.new_page(viewport={"width": 1280, "height": 800})
         page.goto(window.url)
-        page.wait_for_timeout(4000)
+        page.wait_for_selector(".row")
+        page.wait_for_timeout(2000)
+        page.evaluate(LONGER_CRANK)
+        page.wait_for_timeout(2000)
         shot = page.screenshot()
         browser.close()
     return bytes(shot)
