@@ -403,7 +403,7 @@ def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int
     elapsed = rule.integral(measure / speed)
     driving, motor = _drive_torques(driven, solution, count)
     rates = [driving, -solution.resisting[:, :count, 0], motor * motor / speed]
-    rates += [] if solution.rubbing is None else [-solution.rubbing[:, :count, 0]]
+    rates += [] if solution.friction_torque is None else [-solution.friction_torque[:, :count, 0]]
     summed = np.array([rule.integral(rate * measure) for rate in rates])
     final_inertia = float(mesh.inertia_ends[count]) + driven.inertia
     nearly = nearly_at_rest(solution.energy[:, :count, 0], solution.force[:, :count, 0], driven.model.potential_range)

@@ -399,7 +399,7 @@ class BatchSolver:
         driven = self.driven
         driving = [(0, drive_torque(driven.drive, solution))] if driven.drive is not None else []
         resisting = [(1, -solution.resisting)] if driven.forces else []
-        return driving + resisting + ([] if solution.rubbing is None else [(2, -solution.rubbing)])
+        return driving + resisting + ([] if solution.friction_torque is None else [(2, -solution.friction_torque)])
 
     def _fill(self, solution: CollocationSolution, passed: Array, going: Mask, until: float, forces: list[tuple[int, Array]]) -> None:
         """Fill in the states within a period, and for scenarios that end in it the work up to their end."""

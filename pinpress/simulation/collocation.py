@@ -231,7 +231,7 @@ class CollocationSolution:
         force: (q, p, S) dW/du [N m].
         driving: (q, p, S) part of the force that comes from the drive [N m].
         resisting: (q, p, S) part of the force that comes from the loads [N m].
-        rubbing: (q, p, S) part of the force that comes from friction in the bearings [N m]; None for none.
+        friction_torque: (q, p, S) part of the force that comes from friction in the bearings [N m]; None for none.
         speed_free: whether no force depends on the speed, so that W is right beyond a stop too.
         stiffness: (p,) e-folds by which a disturbance of W dies away on half a panel; 0 where the drive is not stiff.
         settled: (S,) number of panels on which Newton's method has found W: all, or those before the crank nearly stops.
@@ -246,7 +246,7 @@ class CollocationSolution:
     force: Array
     driving: Array
     resisting: Array
-    rubbing: Array | None
+    friction_torque: Array | None
     speed_free: bool
     stiffness: Array
     settled: Indices
@@ -368,7 +368,7 @@ class _Newton:
             force = forces.total + weight
             work, ends = _integral(self.mesh, forces.total, weight, self.energy)
         else:  # the torque of a stiff drive follows from the solution: computed from the speed it would have the rounding of that
-            others = forces.resisting if forces.rubbing is None else forces.resisting + forces.rubbing
+            others = forces.resisting if forces.friction_torque is None else forces.resisting + forces.friction_torque
             forces.driving = force - others - weight
         least = np.finfo(float).tiny if speed_free else self.floor  # before a stop W is small, and right
         return CollocationSolution(
@@ -379,7 +379,7 @@ class _Newton:
             force=force,
             driving=forces.driving,
             resisting=forces.resisting,
-            rubbing=forces.rubbing,
+            friction_torque=forces.friction_torque,
             speed_free=speed_free,
             stiffness=self.stiffness,
             settled=settled,
@@ -396,10 +396,10 @@ def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: Prescrib
     for force in mesh.forces:
         resisting[:, force.panels] += _along_travel(mesh, force, mesh.direction * speed)
     total = 0.5 * mesh.direction * mesh.slope[:, :, None] * speed**2
-    rubbing, driving = None, total - resisting - mesh.weight[:, :, None]
+    friction_torque, driving = None, total - resisting - mesh.weight[:, :, None]
     if mesh.bearings is not None:
-        rubbing = _rubbing(mesh, mesh.bearings, speed, np.zeros(speed.shape), np.full(speed.shape, np.inf))[0]
-        driving -= rubbing
+        friction_torque = _friction_torque(mesh, mesh.bearings, speed, np.zeros(speed.shape), np.full(speed.shape, np.inf))[0]
+        driving -= friction_torque
     return CollocationSolution(
         mesh=mesh,
         energy=work,
@@ -408,7 +408,7 @@ def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: Prescrib
         force=total,
         driving=driving,
         resisting=resisting,
-        rubbing=rubbing,
+        friction_torque=friction_torque,
         speed_free=True,
         stiffness=np.zeros(len(mesh.kinds)),
         settled=np.full(1, len(mesh.kinds)),
@@ -427,14 +427,14 @@ class Forces:
     Attributes:
         driving: (q, p, S) of the drive, as last computed [N m].
         resisting: (q, p, S) of the loads, as last computed [N m].
-        rubbing: (q, p, S) of friction in the bearings, as last computed [N m]; None for none.
+        friction_torque: (q, p, S) of friction in the bearings, as last computed [N m]; None for none.
         asked: number of times that they were computed.
     """
 
     def __init__(self, drive: Drive | None, mesh: Mesh, inertia: Array, shape: tuple[int, ...]) -> None:
         self.drive, self.mesh, self.inertia, self.asked = drive, mesh, inertia, 0
         self.driving, self.resisting = np.zeros(shape), np.zeros(shape)
-        self.rubbing: Array | None = None
+        self.friction_torque: Array | None = None
         self.efforts: Array | None = None  # of friction, from which the next ones are found
         self.steady = not mesh.forces
 
@@ -442,7 +442,7 @@ class Forces:
     def total(self) -> Array:
         """(q, p, S) sum of the forces, as last computed."""
         acting = self.driving + self.resisting
-        return np.asarray(acting if self.rubbing is None else acting + self.rubbing)
+        return np.asarray(acting if self.friction_torque is None else acting + self.friction_torque)
 
     def at(self, speed: Array) -> Array:
         """Sum of the forces at sizes of the crank's speed (q, p, S)."""
@@ -450,7 +450,7 @@ class Forces:
         if not self.steady:
             self.resisting = self._resisting(speed)
         if self.mesh.bearings is not None:
-            self.rubbing = self._friction(self.mesh.bearings, speed, self.driving + self.resisting)
+            self.friction_torque = self._friction(self.mesh.bearings, speed, self.driving + self.resisting)
         self.asked += 1
         return self.total
 
@@ -464,8 +464,8 @@ class Forces:
             self.steady = bool(np.array_equal(resisting, self.resisting))
             if not self.steady:
                 change += resisting - self.resisting
-        if self.mesh.bearings is not None and self.rubbing is not None:
-            change += self._friction(self.mesh.bearings, higher, driving + resisting) - self.rubbing
+        if self.mesh.bearings is not None and self.friction_torque is not None:
+            change += self._friction(self.mesh.bearings, higher, driving + resisting) - self.friction_torque
         self.asked += 1
         return np.asarray(change)
 
@@ -486,11 +486,11 @@ class Forces:
         """Torque of friction (q, p, S) under torques of drive and loads."""
         mesh = self.mesh
         net = acting + mesh.weight[:, :, None] - 0.5 * mesh.direction * mesh.slope[:, :, None] * speed**2
-        rubbing, self.efforts = _rubbing(mesh, bearings, speed, net, self.inertia, self.efforts)
-        return rubbing
+        friction_torque, self.efforts = _friction_torque(mesh, bearings, speed, net, self.inertia, self.efforts)
+        return friction_torque
 
 
-def _rubbing(
+def _friction_torque(
     mesh: Mesh, bearings: BearingStates, speed: Array, net: Array, inertia: Array, start: Array | None = None
 ) -> tuple[Array, Array]:
     """Torque of friction (q, p, S) along the travel, and its efforts; arrays are those of `BearingStates.torque`, as (q, p, S)."""

@@ -286,19 +286,19 @@ class HybridSystem:
         torque = self.drive_torque(time, at)
         forces, taken, put_in, squared = self._forces(mode, time, linkage)
         through, braking = self._friction(mode, time) if self._coupled else (0.0, 0.0)
-        rigid, result, accelerated, rubbing = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0, 0.0
+        rigid, result, accelerated, friction_torque = mode.clutch.grip is HOLDING, np.zeros(len(y)), 0.0, 0.0
         if mode.brake.grip is not HOLDING and not mode.standing:
             on_crank, inertia = (torque, driven.inertia) if rigid else (through, 0.0)
-            rubbing = self._rubbing(mode, linkage, on_crank + braking, forces, inertia)
+            friction_torque = self._friction_torque(mode, linkage, on_crank + braking, forces, inertia)
             result[:n] = y[n : 2 * n]
-            result[n : 2 * n] = accelerations = self.dynamics.accelerations(linkage, on_crank + braking + rubbing, forces, inertia)
+            result[n : 2 * n] = accelerations = self.dynamics.accelerations(linkage, on_crank + braking + friction_torque, forces, inertia)
             accelerated = self.dynamics.of_crank(accelerations)
         if driven.drive is not None and states:
             result[2 * n : 2 * n + len(states)] = driven.drive.rates(shaft_speed, linkage.angle, time, states)
         if driven.clutch is not None:
             result[2 * n + len(states)] = accelerated if rigid else (torque - through) / driven.inertia
         motor = 0.0 if driven.drive is None else driven.drive.motor_torque(shaft_speed, linkage.angle, time, states)
-        lost = through * (shaft_speed - linkage.speed) - (braking + rubbing) * linkage.speed
+        lost = through * (shaft_speed - linkage.speed) - (braking + friction_torque) * linkage.speed
         result[-len(INTEGRALS) :] = (torque * shaft_speed + put_in, taken, motor * motor + squared, lost)
         return result
 
@@ -306,7 +306,7 @@ class HybridSystem:
         """Friction torques of clutch and brake on the crank, while they slip [N m]."""
         return mode.clutch.torque(self.driven.clutch, time), mode.brake.torque(self.driven.brake, time)
 
-    def _rubbing(self, mode: Mode, linkage: Any, torque: float, forces: Sequence[float], inertia: float) -> float:
+    def _friction_torque(self, mode: Mode, linkage: Any, torque: float, forces: Sequence[float], inertia: float) -> float:
         """Torque of the bearings' friction on the crank; other arguments as of `Dynamics.accelerations`."""
         bearings, way = self.driven.bearing_model, mode.way
         if bearings is None or not way:
@@ -356,7 +356,7 @@ class HybridSystem:
         rigid = mode.clutch.grip is HOLDING
         on_crank, inertia = (self.drive_torque(time, at), driven.inertia) if rigid else (through, 0.0)
         torque = on_crank + braking + more
-        torque = torque + self._rubbing(mode, at.linkage, torque, forces, inertia)
+        torque = torque + self._friction_torque(mode, at.linkage, torque, forces, inertia)
         return self.dynamics.of_crank(self.dynamics.accelerations(at.linkage, torque, forces, inertia))
 
     # Standstill

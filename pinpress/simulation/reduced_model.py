@@ -468,9 +468,9 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
         raise PinpressError(
             f"the bearing forces of {press.name} grow without bounds at its change point at {at}: simulate it without friction"
         )
-    rubbing = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
-    some = FrictionLaw(law.arm[rubbing], law.viscous[rubbing], law.turns[rubbing], law.size)
-    count, sampling = len(rubbing), _Sampling(press, rubbing, unit_forces)
+    with_friction = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
+    some = FrictionLaw(law.arm[with_friction], law.viscous[with_friction], law.turns[with_friction], law.size)
+    count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
     sampled = resolved_panels(sampling.rows, sampling.missed, reduced.borders)
     coefficients = sampled.coefficients
     still = np.abs(coefficients[:, :count]).max(axis=(0, 2)) <= NOTHING * np.where(some.turns, 1.0, press.size)
@@ -488,16 +488,16 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
 class _Sampling:
     """Samples of a linkage's bearings at crank angles."""
 
-    def __init__(self, press: Linkage, rubbing: NDArray[np.intp], unit_forces: Sequence[UnitForce]) -> None:
+    def __init__(self, press: Linkage, with_friction: NDArray[np.intp], unit_forces: Sequence[UnitForce]) -> None:
         """Begin with a linkage.
 
         Args:
             press: the linkage.
-            rubbing: (K,) indices of the bearings with friction.
+            with_friction: (K,) indices of the bearings with friction.
             unit_forces: of every coordinate of the loads.
         """
-        self.press, self.rubbing, self.unit_forces = press, rubbing, unit_forces
-        self.turns = np.array([*(axis.turns for axis in press.axes), *[True] * len(press.loops)])[rubbing]
+        self.press, self.with_friction, self.unit_forces = press, with_friction, unit_forces
+        self.turns = np.array([*(axis.turns for axis in press.axes), *[True] * len(press.loops)])[with_friction]
 
     def rows(self, angles: Array) -> Array:
         """Rows (K + 3 K parts, n) at crank angles (n,): speeds, then the components of all parts."""
@@ -511,7 +511,7 @@ class _Sampling:
 
         def radial(v: float = 0.0, a: Array | float = 0.0, loads: Sequence[AppliedForce] = (), efforts: Array = zero) -> Array:
             state = ClosedStates(states.position, v * states.v, a + 0.0 * states.a, states.basis)
-            return press.engine().bearing_loads(state, loads, efforts, states.v).radial[self.rubbing].transpose(0, 2, 1)
+            return press.engine().bearing_loads(state, loads, efforts, states.v).radial[self.with_friction].transpose(0, 2, 1)
 
         weight = radial()
         parts = [
@@ -524,16 +524,16 @@ class _Sampling:
             scale = force / (max((float(np.abs(each.force).max()) for each in units), default=0.0) or 1.0)
             loads = [AppliedForce(each.joint, each.point, scale * each.force) for each in units]
             parts.append((radial(loads=loads) - weight) / scale)
-        for bearing, turns in zip(self.rubbing.tolist(), self.turns.tolist(), strict=True):
+        for bearing, turns in zip(self.with_friction.tolist(), self.turns.tolist(), strict=True):
             efforts, effort = zero.copy(), force * (press.size if turns else 1.0)
             efforts[bearing] = effort
             parts.append((radial(efforts=efforts) - weight) / effort)
-        speed = press.engine().bearing_loads(states, (), zero, states.v).speed[self.rubbing]
+        speed = press.engine().bearing_loads(states, (), zero, states.v).speed[self.with_friction]
         return np.concatenate([speed, np.array(parts).reshape(-1, len(angles))])
 
     def missed(self, values: Array) -> Array:
         """(p,) what polynomials through values (rows, p, q) on p panels miss, as a share of the speeds and of each part."""
-        count, panels = len(self.rubbing), values.shape[1]
+        count, panels = len(self.with_friction), values.shape[1]
         tail = np.abs(values @ gauss_rule().legendre[-2:].T).max(axis=2)
         speeds = np.abs(values[:count]).max(axis=2)
         least = np.where(self.turns, 1.0, self.press.size) * (1.0 if self.press.driver_coordinates[0].turns else 1.0 / self.press.size)
