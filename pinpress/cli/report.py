@@ -83,6 +83,8 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.out is options.pdf is None:
         raise PinpressError("nothing to write: give --out page.html or --pdf report.pdf")
+    if options.out is not None and options.out.suffix.lower() == ".pdf":
+        raise PinpressError(f"--out writes a web page: give --pdf {options.out}, or --out {options.out.with_suffix('.html')}")
     from ..visual.film import pdf  # slow to import
     from ..visual.reports.report import report  # slow to import
 

@@ -297,6 +297,7 @@ def test_examples_of_frame_and_mount() -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
+        (["--out", "press.pdf"], "--out writes a web page: give --pdf press.pdf, or --out press.html"),
         (["--torque", "5e4"], "--torque is for the ratings: give --nominal-force too"),
         (["--flywheel", "2000"], "give --motor, or --nominal-force and --speed-drop"),
         (["--speed-drop", "0.1", "--nominal-force", "5e4"], "give --flywheel too"),
