@@ -160,6 +160,7 @@ def test_flywheel_and_motor(capsys: pytest.CaptureFixture[str]) -> None:
     assert "motor         Geared(drive=InductionMotor(" in text
 
 
+@pytest.mark.exhaustive
 def test_a_motor_that_is_too_weak_and_friction(capsys: pytest.CaptureFixture[str]) -> None:
     words = [
         "--load",

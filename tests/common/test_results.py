@@ -46,7 +46,7 @@ def same(one, other):
 
 def test_what_public_functions_return_is_a_table():
     assert len(KINDS) > 40
-    assert {kind.__name__ for kind in RETURNED} - {kind.__name__ for kind in KINDS} == set()
+    assert {kind.__name__ for kind in RETURNED} - {kind.__name__ for kind in KINDS} == {"LiveView"}  # a window
 
 
 def test_columns_have_one_length_and_names_of_their_own(result):

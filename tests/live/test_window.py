@@ -65,6 +65,7 @@ def open_window(browser: Any) -> Iterator[Any]:
         assert window.problems == []
 
 
+@pytest.mark.exhaustive
 def test_a_slider_changes_the_press(open_window: Any) -> None:
     with pp.view(texts.shipped("crank_slide"), 60 * pp.RPM, browser=False) as shown:
         window = open_window(shown)

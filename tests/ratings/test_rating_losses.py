@@ -122,6 +122,7 @@ def test_energy_pays_for_the_friction_of_the_process():
     assert work > 1.05 * found.height[k]
 
 
+@pytest.mark.exhaustive
 def test_no_friction_is_no_friction():
     """Coefficients of zero lead the other way to the same limits."""
     press, capacities = shipped("zxn2_3000b"), Capacities(3e6, 0.013, bearings={"A": 1.2e6})

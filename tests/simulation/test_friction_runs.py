@@ -150,6 +150,7 @@ def held(press, friction, angle):
     ]
 
 
+@pytest.mark.exhaustive
 def test_a_press_that_runs_down_stands_where_friction_holds_it():
     press = shipped("crank_slide")
     friction = rubbing(press, 0.1)
@@ -163,6 +164,7 @@ def test_a_press_that_runs_down_stands_where_friction_holds_it():
     assert run.stats.energy_error < 1e-8
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("share", [0.99, 1.01])
 def test_a_drive_overcomes_friction_or_not(share):
     press, angle = shipped("crank_slide"), 1.2

@@ -89,6 +89,7 @@ def even(degrees):
     )
 
 
+@pytest.mark.exhaustive
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize(("degrees", "drop"), [(40, 0.0339), (10, 0.0364)])
 def test_an_even_ram_speed_is_held_by_the_pressure_angle(degrees, drop):

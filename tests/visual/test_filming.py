@@ -152,6 +152,7 @@ def filmed(page: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, 
     ), told
 
 
+@pytest.mark.exhaustive
 @pytest.mark.usefixtures("running")
 def test_picture_is_what_the_page_shows(page: Path, turn: list[Any], tmp_path: Path) -> None:
     out = tmp_path / "out.png"

@@ -79,6 +79,7 @@ def test_the_force_acts_on_the_slide(press: Any, pressed: Any, tmp_path: Path) -
     assert data_in(pp.record(press, idle.motion, tmp_path / "idle.html", reactions=idle))["process"] is None
 
 
+@pytest.mark.exhaustive
 def test_the_arrow_pushes_the_slide_up(page: Any, pressed: Any) -> None:
     most = int(pressed.process_force.argmax())
     arrow = page.evaluate(ARROW, float(pressed.motion.time[most]))
@@ -89,6 +90,7 @@ def test_the_arrow_pushes_the_slide_up(page: Any, pressed: Any) -> None:
     assert "process force" in page.inner_text("#labels")
 
 
+@pytest.mark.exhaustive
 def test_force_over_height(page: Any, press: Any, pressed: Any, ratings: Any) -> None:
     charts = page.evaluate(CHARTS)
     (process, permissible) = charts["Force over the height [kN]"]

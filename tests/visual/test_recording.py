@@ -179,6 +179,7 @@ def see_arrows(page: Any, press: Any, motion: Any, forces: list[Any]) -> None:
     assert len(seen) >= wanted, seen
 
 
+@pytest.mark.exhaustive
 def test_poses_between_keys_and_over_the_seam(press: Any, motion: Any, recording: Path, shared_view: Callable[..., Any]) -> None:
     page = shared_view(recording, SMALL)
     data, frame = press.model.createData(), press.model.getFrameId("slide")
@@ -320,6 +321,7 @@ def test_toolbar_shows_and_hides(traced: tuple[Path, Any, Any], shared_view: Cal
     assert differing(seek(page, 0.1), pictures[0]) < 50
 
 
+@pytest.mark.exhaustive
 def test_names_and_loads_stand_at_the_bearings(traced: tuple[Path, Any, Any], shared_view: Callable[..., Any]) -> None:
     path, press, result = traced
     motion, page = result.motion, shared_view(path, MIDDLE)
@@ -357,6 +359,7 @@ def nothing_covered(page: Any) -> None:
     assert all(left >= 0 and top >= 0 and right <= page.viewport_size["width"] for left, top, right, _ in boxes)
 
 
+@pytest.mark.exhaustive
 def test_labels_step_aside_where_many_bearings_are(view: Callable[..., Any], tmp_path: Path) -> None:
     """Thirteen labels on a phone: each stands free, and a line leads from its dot to where it is far from it."""
     press = texts.shipped("jf75g_125_symmetric")

@@ -122,6 +122,7 @@ def test_the_press_stays_in_sight(page: Any) -> None:
     page.wait_for_timeout(500)  # until the charts have their width again
 
 
+@pytest.mark.exhaustive
 def test_a_click_on_a_chart_seeks(page: Any) -> None:
     page.locator(".chart .plot").first.scroll_into_view_if_needed()
     box = page.locator(".chart .plot .nsewdrag").first.bounding_box()
