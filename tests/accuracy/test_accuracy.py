@@ -54,6 +54,7 @@ def measured(request, alone, told):
         return pp.accuracy.compare(texts.shipped("zxn2_3000b"), SPEED, points=36, repeats=1, scenes=[FREE_RUN], progress=told.append)
 
 
+@pytest.mark.exhaustive
 def test_all_groups_are_measured(measured, told):
     assert tuple(dict.fromkeys(m.group for m in measured.measurements)) == (INVERSE_DYNAMICS, FREE_RUN, PROXIMAL, TABLE)
     assert measured.skipped == ("some peer is skipped: not installed",)

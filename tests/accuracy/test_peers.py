@@ -282,6 +282,7 @@ def test_a_missing_program_is_skipped(presses, monkeypatch, module, name):
     assert not any(peer.name.startswith(name) for peer in found)
 
 
+@pytest.mark.exhaustive
 def test_the_script_is_for_its_press(presses):
     line = "hand script is skipped: it is for zxn2_3000b and zxn2_3000b_balanced alone"
     assert line in find_peers(presses("crank_slide"))[1]

@@ -518,6 +518,7 @@ def test_radii_of_counterweights_are_positive(radii, link):
         classical.complete_balance(texts.shipped("crank_slide"), rod_radius=radii[0], crank_radius=radii[1])
 
 
+@pytest.mark.exhaustive
 def test_the_table_is_what_its_script_prints():
     spec = importlib.util.spec_from_file_location("viz_arrangements", ROOT / "viz" / "arrangements.py")
     script = importlib.util.module_from_spec(spec)

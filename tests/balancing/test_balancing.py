@@ -339,6 +339,7 @@ def scaled(length, mass, speed=9.0):
     return press, pp.cycle(press, speed), regions
 
 
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is like that
 def test_relative_results_do_not_depend_on_size_and_mass():
     """From micrometres to kilometres, milligrams to 1e4 tonnes; 1e-6 of before, as every optimum is proved to 1e-7 and rounding apart."""

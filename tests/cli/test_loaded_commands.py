@@ -52,6 +52,7 @@ def test_analysis_under_everything(tmp_path: Path, capsys: pytest.CaptureFixture
     assert np.ptp(expected.driving_torque - pp.inverse_dynamics(press, motion).driving_torque) > 1e3
 
 
+@pytest.mark.exhaustive
 def test_process_beside_what_is_permitted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     limits = ["--nominal-force", "3000kN", "--nominal-height", "13mm", "--out", str(tmp_path), "--report"]
     assert main([*ANALYSE, "--load", BLANKING, *limits]) == 0

@@ -214,6 +214,7 @@ def test_steady(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert len(read(tmp_path / "strokes.csv")["start [s]"]) == 1
 
 
+@pytest.mark.exhaustive
 def test_clutch_and_brake(capsys: pytest.CaptureFixture[str]) -> None:
     """A stroke from rest, as a press in single-stroke operation does it."""
     text = printed(

@@ -40,6 +40,7 @@ def test_analyse(capsys: pytest.CaptureFixture[str], tmp_path: Path, zero: str, 
     np.testing.assert_allclose(table[:, header.index("driving_torque [N m]")], torque, atol=1e-12 * np.abs(torque).max())
 
 
+@pytest.mark.exhaustive
 def test_pages(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """Charts and the moving press count from there, and so does the press beside it."""
     words = ("analyse", PRESS, "--speed", SPEED, "--zero", "tdc", "--points", 60, "--before", "zxn2_3000b_balanced")

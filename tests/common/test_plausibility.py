@@ -139,6 +139,7 @@ def test_a_loop_that_is_drawn_open_is_warned_of(tmp_path, rod):
         load(tmp_path, (edit[0], edit[1].replace(rod, "0.397")))
 
 
+@pytest.mark.exhaustive
 def test_a_loop_that_is_drawn_far_open_is_closed_only_where_it_is_asked_for(tmp_path, capsys):
     """As a point in the wrong frame makes it: the linkage closes, and is another one."""
     edit = ('<link1 link="rod" xyz="0.400 0 0"', '<link1 link="rod" xyz="0.340 0 0"')

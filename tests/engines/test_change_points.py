@@ -68,6 +68,7 @@ def test_between_change_points_none_is_looked_for():
     assert len(press.branch_through_change_points.change_points) == 2
 
 
+@pytest.mark.exhaustive
 def test_both_methods_under_drive_and_load(equal):
     options = {"speed": 8.0, "flywheel": pp.drives.Flywheel(50.0), "drive": pp.drives.ConstantTorque(100.0), "points": 201}
     first, second = (pp.simulate(equal, 3.0, method=m, loads=[pp.loads.Blanking(5e3, 0.03, 0.01)], **options) for m in METHODS)

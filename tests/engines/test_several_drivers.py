@@ -49,6 +49,7 @@ def legs():
     return texts.load(cassie.urdf())
 
 
+@pytest.mark.exhaustive
 def test_a_free_fall(legs):
     """The legs fall from rest: energy is kept, loops stay closed, and the joints' accelerations are those that need no torque."""
     run = pp.simulate(legs, 0.05, method="constraint")

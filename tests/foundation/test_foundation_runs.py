@@ -203,6 +203,7 @@ def test_isolating_mounts_are_the_stiffest_that_keep_the_limit():
     np.testing.assert_array_equal(found.to_frame()["transmitted [-]"], found.transmitted)
 
 
+@pytest.mark.exhaustive
 def test_what_conflicts_is_named():
     press = shipped("jf75g_125_plain")
     with pytest.raises(PinpressError, match=r"isolation and sag conflict.*5 mm need"):

@@ -215,6 +215,7 @@ def test_loops_that_share_are_those_with_indeterminate_forces(check, tmp_path, t
     assert set(re.findall(r"loop '(\w+)'", redundancies(check(text))[1])) == open_in_plane
 
 
+@pytest.mark.exhaustive
 def test_a_weld_is_held_in_the_plane_too(check):
     """Three of its six equations lie in the plane, none of them redundant in a four-bar."""
     report = check(four_bar("fixed"))
@@ -254,6 +255,7 @@ def test_drawn_open_within_rounding_is_no_finding(check):
     assert check(changed((ROD_END, ROD_END.replace("0.4", "0.4000001")))).warnings == ()
 
 
+@pytest.mark.exhaustive
 def test_gap_and_misalignment_of_a_loop(check):
     """Of a revolute loop in space whose one side is shifted and turned; the linkage then does not close."""
     text = bennett()

@@ -488,6 +488,7 @@ def test_distances_outside_the_stroke_are_refused(value):
             measure(motion, value)
 
 
+@pytest.mark.exhaustive
 def test_distances_next_to_the_limits_are_measured_or_refused():
     """Never a number that is not finite or outside its range, and no crash."""
     motion = of(crank_slide())

@@ -285,6 +285,7 @@ def test_speed_limit(press, item):
     assert abs(size / amount - 1) < 1e-9
 
 
+@pytest.mark.exhaustive
 def test_ratings_of_a_press_that_is_geared_down(driven):
     """Its motor turns three times as fast as the crank, with a third of the torque."""
     from pinpress.ratings.permissible_force import Capacities

@@ -178,6 +178,7 @@ def test_two_drivers():
         pp.servo_cycle(press, **contrary)
 
 
+@pytest.mark.exhaustive
 @examples(15)
 @given(
     harmonics=st.lists(st.floats(-0.3, 0.3), min_size=6, max_size=6),
@@ -443,6 +444,7 @@ def test_too_few_states_are_warned_of(press):
         pp.servo_cycle(press, np.sin(4 * TURN * time + 0.3), time=time)
 
 
+@pytest.mark.exhaustive
 def test_noise_does_not_contradict_but_what_is_larger_does(press):
     random = np.random.default_rng(3)
     whole = rest_to_rest(np.linspace(0.0, 1.0, 1001))

@@ -11,6 +11,7 @@ from support.generators.malformed_linkages import GOES
 import pinpress as pp
 
 
+@pytest.mark.exhaustive
 def test_mutated_files_are_refused_or_sound():
     counted, wrong = fuzz_urdf.run(range(40), seed=20)
     assert wrong == {}

@@ -46,6 +46,7 @@ def test_meshes(tmp_path):
     meshes(tmp_path, QUICK_MESHES)
 
 
+@pytest.mark.exhaustive
 def test_urdfs(tmp_path):
     urdfs(tmp_path, QUICK_URDFS)
 

@@ -157,6 +157,7 @@ MJCF = """<mujoco model="rssr"><option gravity="0 0 -9.81"/><worldbody>
 </worldbody><equality><connect name="B" body1="rod" body2="rocker" anchor="{way}"/></equality></mujoco>"""
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(("ending", "text"), [("sdf", SDF), ("xml", MJCF)])
 def test_balls_of_other_formats_follow_whole_turns(tmp_path, ending, text):
     """The axes of the links are those of the world, so that hinges about these axes would lock at 54 degrees."""

@@ -127,6 +127,7 @@ def test_a_problem_travels_and_is_the_same(press):
     np.testing.assert_array_equal(here.integrals, there.integrals)
 
 
+@pytest.mark.exhaustive
 def test_the_ladder(press):
     """The crank's angle serves while nothing but it and the speed count; what the solver over the angle leaves, the other one follows."""
     assert solvers.march(problem(press)).solvers == ("angle",)

@@ -960,6 +960,7 @@ def test_both_methods_on_spatial_loops(closing):
     both(press, 1.5, speed=6.0, drive=pp.drives.ConstantTorque(1.0), flywheel=pp.drives.Flywheel(2.0), loads=[spring, push])
 
 
+@pytest.mark.exhaustive
 def test_both_methods_on_an_overclosed_loop():
     """Bennett's linkage: five equations of rank two."""
     press = texts.load(bennett())
@@ -977,6 +978,7 @@ def test_both_methods_on_a_spring_that_stops_the_crank(press):
         assert one.crank_speed.min() < 0 < one.crank_speed.max()
 
 
+@pytest.mark.exhaustive
 @examples(5)
 @given(random_linkages.linkages(most=3))
 def test_both_methods_on_random_linkages(tmp_path, spec):

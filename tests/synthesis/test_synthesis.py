@@ -345,6 +345,7 @@ def test_geometries_that_fail_are_refused():
     refused("origin of link 'rod'", one, geometry=lambda r: {("P", "rod"): (r, 0, 0)})
 
 
+@pytest.mark.exhaustive
 def test_what_is_not_known_exactly_is_refused():
     refused("constant PointForces", loads=[pp.loads.SpringDamper("frame", "slide", stiffness=1e3)])
     refused("give datum=", loads=[pp.loads.ConstantForce(1e3, 0.01)])

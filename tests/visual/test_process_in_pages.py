@@ -102,6 +102,7 @@ def test_force_over_height(page: Any, press: Any, pressed: Any, ratings: Any) ->
     assert f"{pressed.process_work / 1e3:.4g} kJ" in page.inner_text(".figures")
 
 
+@pytest.mark.exhaustive
 def test_a_page_states_its_inputs(page: Any, press: Any, pressed: Any) -> None:
     stated = {title: dict(rows) for title, rows in page.evaluate(STATED)}
     assert stated[""] == dict(inputs_of(pressed)) | {"nominal force": "3000 kN", "nominal height": "13 mm"}

@@ -193,6 +193,7 @@ def test_poses_between_keys_and_over_the_seam(press: Any, motion: Any, recording
     assert page.evaluate(height, duration) == pytest.approx(page.evaluate(height, 0), abs=1e-7)
 
 
+@pytest.mark.exhaustive
 def test_without_forces(recording: Path, shared_view: Callable[..., Any]) -> None:
     page = shared_view(recording, SMALL)
     assert page.evaluate("[arrows.length, element('show-forces').offsetParent, element('scale').offsetParent]") == [0, None, None]
