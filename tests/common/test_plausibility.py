@@ -192,9 +192,10 @@ def test_a_command_says_warnings_in_one_plain_line_each(tmp_path):
     slender=st.floats(1.0, 30.0),
 )
 def test_sensible_presses_are_never_warned_of(tmp_path, stroke, ratio, hard, slide, slender):
-    """Crank-slides from small and fast to large and slow, their links bars of steel, the slide a cube that its rod reaches out of and that
-    is accelerated by so many g."""
+    """Crank-slides from small and fast to large and slow, their links bars of steel, the slide a cube that its rod reaches out of, that
+    weighs a twentieth of it or more, and that is accelerated by so many g."""
     speed = np.sqrt(hard * 9.81 / (0.5 * stroke * (1 + 1 / ratio)))
+    slide = max(slide, 0.05 * 7850 * (0.5 * stroke * ratio) ** 3 / slender**2)
     edge = (slide / 7850) ** (1 / 3)
     crank, rod = 0.5 * stroke, max(0.5 * stroke * ratio, edge)
 
