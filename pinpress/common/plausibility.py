@@ -91,3 +91,11 @@ def length(name: str, value: float, size: float) -> None:
     """Warn of a length that is far larger than a linkage of that ``size`` [m], and in mm would fit it."""
     if FAR * size < value <= FAR * size / MILLI:
         caution(f"{name} is {value:g} m, beside a linkage of {size:g} m: give it in m, {value:g}e-3 if mm are meant")
+
+
+def friction(name: str, coefficient: float, radius: float, size: float) -> None:
+    """Warn of friction of a bearing with a coefficient above 1, or a ``radius`` above the ``size`` of the linkage [m]."""
+    if coefficient > 1:
+        caution(f"friction of {name}: its coefficient is {coefficient:g}: if per cent are meant, write {coefficient:g}e-2")
+    if radius > size:
+        caution(f"friction of {name}: its radius is {radius:g} m, beside a linkage of {size:g} m: if mm are meant, write {radius:g}e-3")

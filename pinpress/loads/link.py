@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..common import plausibility
 from ..common.arguments import suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.parameters import in_declared_units, parameter
@@ -102,6 +103,9 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
     Raises:
         UnknownNameError: the linkage does not have a bearing of that name.
         PinpressError: a fixed loop has friction, a radius is missing or superfluous, or a value is negative or not finite.
+
+    Warns:
+        PinpressWarning: a coefficient is above 1, or a radius above the size of the linkage.
     """
     if not isinstance(friction, Mapping):
         raise PinpressError("friction is no mapping: give {name of a bearing: Friction(...)}")
@@ -127,6 +131,7 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
             raise PinpressError(f"friction of {shown(name)}: its radius is missing; give that of the bearing [m]")
         if not turns[index] and given.radius is not None:
             raise PinpressError(f"friction of {shown(name)}: a guide has no radius; leave it out")
+        plausibility.friction(shown(name), float(given.coefficient), float(given.radius or 0.0), press.size)
         arm[index] = float(given.coefficient) * (1.0 if given.radius is None else float(given.radius))
         viscous[index] = float(given.viscous)
     return FrictionLaw(arm, viscous, np.array(turns), press.size) if arm.any() or viscous.any() else None

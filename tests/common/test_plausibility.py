@@ -383,3 +383,14 @@ def test_a_free_length_in_mm(press):
     spring = pp.loads.SpringDamper("frame", "slide", stiffness=5e4, free_length=400.0, point1=(0, 0, 0.5))
     with pytest.warns(pp.PinpressWarning, match="free_length is 400 m, beside a linkage of 0.5 m: give it in m, 400e-3 if mm are meant"):
         pp.inverse_dynamics(press, motion, loads=[spring])
+
+
+def test_friction_in_mm_or_per_cent():
+    press = texts.shipped("crank_slide")
+    motion = pp.cycle(press, 60 * pp.RPM, points=4)
+    for rub, said in (
+        (pp.loads.Friction(0.05, radius=30), r"radius is 30 m, beside a linkage of [\d.]+ m: if mm are meant, write 30e-3"),
+        (pp.loads.Friction(5, radius=0.03), "coefficient is 5: if per cent are meant, write 5e-2"),
+    ):
+        with pytest.warns(pp.PinpressWarning, match=f"friction of 'O': its {said}"):
+            pp.inverse_dynamics(press, motion, friction={"O": rub})

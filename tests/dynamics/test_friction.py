@@ -402,6 +402,7 @@ def refused(press, friction, speed, engine):
     return None
 
 
+@pytest.mark.filterwarnings("ignore:friction of.*its (coefficient|radius) is")  # so large on purpose
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.75, 0.9, 0.98, 1.01, 1.3, 5.0])
 @pytest.mark.exhaustive
 def test_near_self_locking(share, engine):
@@ -415,6 +416,7 @@ def test_near_self_locking(share, engine):
         assert message is None or re.search(r"at crank angle \d+(\.\d+)? deg", message)
 
 
+@pytest.mark.filterwarnings("ignore:friction of.*its (coefficient|radius) is")  # so large on purpose
 @pytest.mark.parametrize("radius", [0.1, 0.3, 1.0, 3.0, 10.0, 100.0])
 @pytest.mark.exhaustive
 def test_bearings_out_of_all_proportion(radius, engine):

@@ -131,6 +131,7 @@ def test_no_friction_is_no_friction():
     np.testing.assert_allclose(zero.force, none.force, rtol=1e-10)
 
 
+@pytest.mark.filterwarnings("ignore:friction of.*its (coefficient|radius) is")  # so large on purpose
 @pytest.mark.parametrize(
     ("given", "words"),
     [

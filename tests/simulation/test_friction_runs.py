@@ -222,6 +222,7 @@ def test_bearings_turn_back_at_places_where_panels_end():
     np.testing.assert_allclose(every, [0.0, 90.0, 180.0, 270.0])
 
 
+@pytest.mark.filterwarnings("ignore:friction of.*its (coefficient|radius) is")  # so large on purpose
 @pytest.mark.parametrize(
     ("given", "words"),
     [
