@@ -13,7 +13,7 @@ from ..common import files, tables
 from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..kinematics.check import check, said_in_a_line
 from ..linkage.urdf.document import MOST_BYTES
-from .options import add_refused_option, table_parameters
+from .options import add_refused_option, drawn
 
 if TYPE_CHECKING:
     from ..pin_table.building import DrawnPress
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError(f"{out} is there already, and no pin table made it: give another name by --out")
     sketch = out.with_suffix(".svg")
     try:
-        draft = building.draft(options.file, **table_parameters(options.parameters))
+        draft = drawn(options.file, options.parameters, option="")
     except PinTableError as error:
         if error.sketch is not None:
             files.write(sketch, error.sketch.encode())

@@ -1,12 +1,13 @@
 """`pinpress check`: how a press moves, and everything that is wrong with its file, odd in it, or worth knowing."""
 
 import argparse
+from collections.abc import Sequence
 
 from ..common.errors import PinTableError
 from ..common.results import Records
 from ..kinematics.check import CheckResult, check
 from ..linkage.urdf.document import Finding
-from .options import FILE, add_open_option, add_refused_option, add_set_option, names_table, table_parameters
+from .options import FILE, add_open_option, add_refused_option, add_set_option, drawn, names_table
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -42,20 +43,18 @@ def run(options: argparse.Namespace) -> int:
         PinpressError: There is no such file, driver or slide.
     """
     if names_table(options):
-        result = _of_table(options.file, table_parameters(options.parameters))
+        result = _of_table(options.file, options.parameters)
     else:
         result = check(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open)
     print(result)
     return 1 if result.errors else 0
 
 
-def _of_table(file: str, parameters: dict[str, str]) -> CheckResult:
-    from ..pin_table.building import draft  # with a parser that a URDF does without
-
+def _of_table(file: str, parameters: Sequence[str]) -> CheckResult:
     try:
-        return draft(file, **parameters).check()
+        return drawn(file, parameters).check()
     except PinTableError as error:
         if error.line is None:
-            raise  # there is no such file, or it is no table at all
+            raise  # there is no such file, it is no table at all, or a value is none
         finding = Finding("error", error.element or None, error.line, error.problem, error.remedy, error)
         return CheckResult(error.file, Records(Finding, [finding]), None)

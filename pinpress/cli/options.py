@@ -1,14 +1,16 @@
 """Common parts of the commands: options of several commands, their explanations, progress, and writing of pages."""
 
+from __future__ import annotations
+
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import TYPE_CHECKING, Any, TypedDict
 
 from ..common import tables
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, PinTableError
 from ..common.results import Tabular
 from ..dynamics.inputs import Inputs
 from ..dynamics.inverse_dynamics import Reactions
@@ -17,6 +19,9 @@ from ..linkage.linkage import Linkage
 from ..linkage.loading import load, presses
 from ..loads.link import Friction, Load
 from . import part_specs
+
+if TYPE_CHECKING:
+    from ..pin_table.building import DrawnPress
 
 SIGNS = """\
 angles are in degrees of the driver joint, 0 as the file draws it, or with --zero at a dead centre; forces are the action of parent on child
@@ -91,23 +96,58 @@ def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
 def load_as_drawn(options: argparse.Namespace, **more: Any) -> Linkage:
     """The press that the options name, built from a pin table or loaded from a file in another format; ``more`` goes to `load`."""
     if names_table(options):
-        return _built(options.file, table_parameters(options.parameters), **more)
+        return drawn(options.file, options.parameters).press(**more)
     return load(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open, **more)
 
 
 def load_other(options: argparse.Namespace, file: str) -> Linkage:
     """Another press than that of `load_press`, as its own file has it, with crank angles counted as the options say."""
-    return with_zero(_built(file, {}) if _is_table(file) else load(file), options.zero)
+    return with_zero(drawn(file).press() if _is_table(file) else load(file), options.zero)
 
 
 def _is_table(file: str) -> bool:
     return file.lower().endswith((".yaml", ".yml"))
 
 
-def _built(table: str, parameters: dict[str, str], **more: Any) -> Linkage:
+def drawn(table: str, specs: Sequence[str] = (), option: str = "--set ") -> DrawnPress:
+    """The press that a pin table draws.
+
+    Args:
+        table: The file.
+        specs: Other values of its parameters, such as ``r=150``.
+        option: What stands before them on the command line, for messages.
+
+    Raises:
+        PinTableError: The table makes no press with these values.
+        PinpressError: As `table_parameters`.
+    """
     from ..pin_table.building import draft  # with a parser that a URDF does without
 
-    return draft(table, **parameters).press(**more)
+    parameters = table_parameters(specs)
+    with naming_values(parameters, option):
+        return draft(table, **parameters)
+
+
+@contextmanager
+def naming_values(parameters: Mapping[str, str], option: str = "--set ") -> Iterator[None]:
+    """Raise errors of a pin table's values under the words by which the command line gives them.
+
+    Args:
+        parameters: Values by the names of parameters.
+        option: What stands before them on the command line.
+
+    Raises:
+        PinTableError: One of the values is wrong.
+    """
+    from ..pin_table.reading import CALL  # with a parser that a URDF does without
+
+    try:
+        yield
+    except PinTableError as error:
+        name = error.element.rpartition(": ")[2]
+        if error.file != CALL or name not in parameters:
+            raise
+        raise PinTableError(f"{option}{name}={parameters[name]}", None, "", error.problem, error.remedy) from error
 
 
 def with_zero(press: Linkage, zero: str) -> Linkage:

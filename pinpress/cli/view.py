@@ -12,6 +12,7 @@ from .options import (
     forces,
     load_press,
     names_table,
+    naming_values,
     table_parameters,
     with_zero,
 )
@@ -58,7 +59,8 @@ def run(options: argparse.Namespace) -> int:
 
     def opening() -> Opened:
         parameters = table_parameters(options.parameters) if table else {}
-        source = opened(options.file, lambda _: load_press(options), parameters, lambda press: with_zero(press, options.zero))
+        with naming_values(parameters):
+            source = opened(options.file, lambda _: load_press(options), parameters, lambda press: with_zero(press, options.zero))
         press = source.press
         found = default_speed(press) if speed is None else speed.of(press.driver_coordinates[0])
         acting = forces(options, press)

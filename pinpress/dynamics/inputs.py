@@ -65,8 +65,9 @@ def stated(how: str = "") -> tuple[str, str]:
 
 def of_press(press: Linkage) -> Inputs:
     """The press, the file that it is from, and where crank angles are 0 and what gravity is, where they are not as usual."""
-    drivers = ", ".join(press.drivers)
-    rows = [("press", f"{press.name}, driven at {drivers}, slide {press.slide or 'none'}"), ("file", _file_in_words(press))]
+    drivers = f"{'joints' if len(press.drivers) > 1 else 'joint'} {', '.join(press.drivers)}"
+    slide = f"its slide is link {press.slide}" if press.slide else "it has no slide"
+    rows = [("press", f"{press.name}, driven at {drivers}; {slide}"), ("file", _file_in_words(press))]
     rows += [("crank angles", f"counted from {press.zero}")] if press.zero else []
     gravity = tuple(float(part) for part in press.model.gravity.linear)
     return rows if gravity == STANDARD_GRAVITY else [*rows, ("gravity", f"{_numbers(np.array(gravity))} m/s2")]

@@ -304,6 +304,6 @@ def refuse_pulled(load: Array, gravity: Array) -> None:
     if (along < -PULLED * np.abs(along).sum()).any():
         number = int(along.argmin())
         raise PinpressError(
-            f"mount {number} would be pulled by the weight, {abs(load[number, 2]):.4g} N: the centre of mass is not between the mounts;"
-            " move them"
+            f"mount {number + 1} of {len(along)} would be pulled by the weight, {abs(load[number, 2]):.4g} N: the centre of mass is not"
+            " between the mounts; move them"
         )

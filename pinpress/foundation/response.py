@@ -162,7 +162,7 @@ class FrameMotion(Tabular):
         least = self.least_load
         number = int(least.argmin())
         lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
-        lines.append(tables.entry("least load on a mount", f"{least[number]:.4g}", f"N on mount {number}{lifts}"))
+        lines.append(tables.entry("least load on a mount", f"{least[number]:.4g}", f"N on mount {number + 1} of {len(least)}{lifts}"))
         pressures = [pressure for pressure in self.system.pressure if pressure is not None]
         if pressures:
             lines.append(tables.entry("mean pressure at rest", f"{max(pressures) / 1e6:.4g}", "MPa at most"))

@@ -64,10 +64,12 @@ def load(
     return _loaded(document_of(located(path)), driver, slide, gravity, allow_open)
 
 
-def load_text(text: bytes, file: str, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Linkage:
-    """`load` of the text of a URDF that is in no file; ``file`` names it in messages. Warnings name no line of it, and its centres of mass
-    are not looked at: who wrote the text knows them."""
-    return _loaded(Document(file, text), None, slide, gravity, in_file=False)
+def load_text(text: bytes, file: str, slide: str | None = None, gravity: Sequence[float] = (0.0, 0.0, -9.81), command: str = "") -> Linkage:
+    """`load` of the text of a URDF that is in no file; ``file`` names it in messages, ``command`` what lists all that is found in it.
+
+    Warnings name no line of it, and its centres of mass are not looked at: who wrote the text knows them.
+    """
+    return _loaded(Document(file, text), None, slide, gravity, in_file=False, command=command)
 
 
 def _loaded(
@@ -77,10 +79,11 @@ def _loaded(
     gravity: Sequence[float],
     allow_open: bool = False,
     in_file: bool = True,
+    command: str = "",
 ) -> Linkage:
-    refuse_errors(reader.errors(document), check_command(document.file))
+    refuse_errors(reader.errors(document), command or check_command(document.file))
     press = with_spins_held(assembled(document, driver, slide, gravity))
-    command = check_command(press.file, () if driver is None else press.drivers, slide)
+    command = command or check_command(press.file, () if driver is None else press.drivers, slide)
     check_drawn_pose(press, command)
     if not allow_open:
         refuse_errors(assembly_checks.too_far_open(press), command)

@@ -22,13 +22,13 @@ from ..kinematics.check import CheckResult, check_document
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load_text
-from ..linkage.urdf.document import Document, Finding
+from ..linkage.urdf.document import Document, Finding, check_command
 from ..visual.shapes.appearance import bodies
 from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of
 from .links import Link, read_links
 from .placement import UNITS, Pin, UnreachableError, place_pins
-from .reading import DEEPEST, Entry, given_table, overlaid, read_table
+from .reading import CALL, DEEPEST, Entry, given_table, overlaid, read_table
 from .sketch import sketch_of_failure, sketch_of_parts
 from .tree import Tree, build_tree
 from .urdf_text import REACH, urdf_text
@@ -61,7 +61,7 @@ class DrawnPress(Tabular):
     parts: Parts
     tree: Tree
     _table: Entry  # what it was drawn from
-    _given: str = ""  # values of the table's parameters in place of its own, " with r=150"
+    _given: tuple[str, ...] = ()  # values of the table's parameters in place of its own, "r=150"
 
     @cached_property
     def urdf(self) -> bytes:
@@ -90,7 +90,7 @@ class DrawnPress(Tabular):
         Raises:
             PinpressError: what `load` raises.
         """
-        return load_text(self._text(), self._file_as_urdf, gravity=gravity)
+        return load_text(self._text(), self._file_as_urdf, gravity=gravity, command=self._check_command)
 
     def check(self) -> CheckResult:
         """How the press moves, and everything that is wrong with it, odd in it or worth knowing, as `pinpress.check` finds it."""
@@ -100,7 +100,16 @@ class DrawnPress(Tabular):
 
     @property
     def _file_as_urdf(self) -> str:
-        return f"{self.file}{self._given} as URDF"
+        return f"{self.file}{self._with_given} as URDF"
+
+    @property
+    def _check_command(self) -> str:
+        """What lists all that `check` finds: the command for a file, of a table that is in none the method."""
+        return "check() of its draft" if self.file == CALL else check_command(self.file, parameters=self._given)
+
+    @property
+    def _with_given(self) -> str:
+        return f" with {', '.join(self._given)}" if self._given else ""
 
     def _text(self) -> bytes:
         return urdf_text(self.name, self._comment(), self.parts, self.tree)
@@ -174,7 +183,7 @@ class DrawnPress(Tabular):
         return "\n".join(self._commented())
 
     def _commented(self) -> Iterator[str]:
-        yield f"{self.name}: {MARK.decode()} {Path(self.file).name}{self._given}."
+        yield f"{self.name}: {MARK.decode()} {Path(self.file).name}{self._with_given}."
         yield "Drawn at crank angle 0. x to the right, z up; pins turn about (0, -1, 0), so a positive angle turns x towards z. SI units."
         yield ""
         yield "Bearings, and on which link the force of which one is given:"
@@ -285,7 +294,7 @@ def _with_parameters(table: Entry, values: Mapping[str, Any]) -> DrawnPress:
     given = given_table({"parameters": numbers}).items("parameters")
     drawn = drawn_from(overlaid(table, Entry({"parameters": given["parameters"]}, table.file, table.line, ())))
     words = (f"{name}={value:.9g}" if isinstance(value, float) else f"{name}={value}" for name, value in numbers.items())
-    return replace(drawn, _given=f" with {', '.join(words)}")
+    return replace(drawn, _given=tuple(words))
 
 
 def _without_units(value: Any, length: float, depth: int = 0) -> Any:

@@ -19,6 +19,7 @@ from ..common.arguments import is_number, number
 from ..common.errors import PinTableError, caution, shown, suggestion
 from ..common.files import path_of, read, reason
 
+CALL = "build(...)"  # in place of a file's name, of a table or values that a call gives
 LARGEST_FILE = 1 << 20  # [bytes]
 MOST_ENTRIES = 20_000  # aliases of YAML may multiply them
 DEEPEST = 12  # most levels of mappings and lists in each other
@@ -145,7 +146,7 @@ def read_table(path: str | os.PathLike[str]) -> Entry:
 
 def given_table(values: Mapping[str, Any]) -> Entry:
     """The table of a call's arguments: numbers, texts, lists and mappings as they would stand in a file."""
-    return _given(values, "build(...)", ())
+    return _given(values, CALL, ())
 
 
 def overlaid(below: Entry, above: Entry) -> Entry:

@@ -1,6 +1,7 @@
 """`pinpress new` and `pinpress build`: from a template to a URDF, a sketch and forces."""
 
 import math
+import shlex
 
 import pytest
 from support.in_browser import data_in
@@ -85,6 +86,9 @@ def test_every_template_builds(folder, capsys, name):
         (["build", "there.yaml", "r=1", "r=2"], "r is given twice"),
         (["check", "there.yaml", "--set", "r"], "write NAME=VALUE"),
         (["simulate", "there.yaml", "--duration", "1", "--set", "gravity=1"], "no parameter gravity"),
+        (["check", "there.yaml", "--set", "r=9cm"], "pinpress: --set r=9cm: '9cm' is no number"),
+        (["build", "there.yaml", "l=300", "r=9cm"], "pinpress: r=9cm: '9cm' is no number"),
+        (["view", "there.yaml", "--no-browser", "--set", "r=9cm"], "pinpress: --set r=9cm: '9cm' is no number"),
         (["analyse", "crank_slide", "--speed", "60", "--set", "r=95"], "only a pin table has parameters"),
         (["build", "there.yaml", "--out", "press.svg"], "give the URDF's name"),
         (["build", "missing.yaml"], "missing.yaml"),
@@ -131,6 +135,8 @@ def test_tables_are_checked(folder, capsys):
     said = capsys.readouterr().out
     assert said.startswith("press.yaml: no errors, no warnings, 1 note\n")
     assert "  stroke                         200.000 mm" in said
+    assert main(shlex.split(pp.pin_table.draft("press.yaml", r="90")._check_command)[1:]) == 0  # what an error of its URDF would name
+    assert "  stroke                         180.000 mm" in capsys.readouterr().out
     text = (folder / "press.yaml").read_text(encoding="utf-8").replace("drive: ", "drive: Q")
     (folder / "press.yaml").write_text(text, encoding="utf-8")
     assert main(["check", "press.yaml"]) == 1

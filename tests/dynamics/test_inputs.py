@@ -75,7 +75,7 @@ def test_inputs_of_reactions():
     friction = dict.fromkeys(["A", "B"], pp.loads.Friction(0.1, 0.05)) | {"slide_guide": pp.loads.Friction(0.05)}
     reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=24), [BLANK], friction, {"A": 1e9})
     rows = dict(inputs(reactions))
-    assert rows["press"] == "zxn2_3000b, driven at A, slide slide"
+    assert rows["press"] == "zxn2_3000b, driven at joint A; its slide is link slide"
     assert rows["file"].startswith("zxn2_3000b.urdf, shipped with pinpress, SHA-256 of the URDF ")
     assert rows["motion"] == "one period at 70 r/min, 24 states"
     assert rows["load"] == described(BLANK)

@@ -285,6 +285,9 @@ def test_the_command_with_mounts(press: Any, tmp_path: Path) -> None:
     expected = sections(pp.report(press, idle.motion, tmp_path / "python.html", reactions=idle, results=results))
     found = sections(tmp_path / "command.html")
     assert list(found) == list(expected)
+    inputs = dict(data_in(tmp_path / "command.html")["report"]["inputs"][0]["rows"])
+    assert inputs["frame"] == "Frame(mass=30 t, centre=(0, 0, 100) mm, inertia=(30000, 30000, 10000) kg m2)"
+    assert inputs["mounts"].count("Mount(point=") == 4
     for title in ("On its mounts at rest", "Modes on the mounts", "Vibration on the mounts"):
         assert found[title] == expected[title]
 

@@ -268,11 +268,12 @@ def refuse_errors(findings: Iterable[Finding], command: str) -> None:
         raise errors[0]
 
 
-def check_command(file: str, drivers: Iterable[str] = (), slide: str | None = None) -> str:
-    """The command that lists what is found in a file."""
+def check_command(file: str, drivers: Iterable[str] = (), slide: str | None = None, parameters: Iterable[str] = ()) -> str:
+    """The command that lists what is found in a file; ``parameters``: of a pin table, as ``r=150``."""
     import shlex  # only on the way to an error
 
     options = [word for driver in drivers for word in ("--driver", driver)] + ([] if slide is None else ["--slide", slide])
+    options += [word for parameter in parameters for word in ("--set", parameter)]
     return shlex.join(["pinpress", "check", file, *options])
 
 

@@ -8,6 +8,7 @@ from ...common import tables
 from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...dynamics.extremes import AXES
+from ...dynamics.inputs import Inputs, described
 from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
@@ -35,14 +36,15 @@ def standing(system: MountedPress, shown: Shown) -> Section:
         cells.append(length.shown(-float(system.sag[k, 2])))
         rows.append([f"{k + 1}", *cells, *(["" if pressure is None else f"{1e-6 * pressure:.4g}"] if pressed else [])])
     centre = ", ".join(f"{round(value, 4) + 0.0:g}" for value in system.centre)
-    places = [f"({', '.join(f'{x:.4g}' for x in mount.point)}) m" for mount in system.mounts]
-    words = "; ".join(f"{_stiffness(mount.stiffness)} at {place}" for mount, place in zip(system.mounts, places, strict=True))
     note = f"{system.total_mass:.6g} kg of frame and press, mean centre of mass at ({centre}) m."
-    return Section("On its mounts at rest", [Table("", heads, rows)], [("mounts", words)], note)
+    return Section("On its mounts at rest", [Table("", heads, rows)], _inputs(system), note)
 
 
-def _stiffness(values: tuple[float, ...]) -> str:
-    return " / ".join(f"{1e-6 * float(value):.4g}" for value in np.ravel(values)) + " kN/mm"
+def _inputs(system: MountedPress) -> Inputs:
+    """The parts of the frame and the springs that they stand on, in words."""
+    parts = [("frame", system.frame)] if system.crown is None else [("bed", system.frame), ("crown", system.crown)]
+    springs = [(name, some) for name, some in (("mounts", system.mounts), ("uprights", system.uprights)) if some]
+    return [*((name, described(part)) for name, part in parts), *((name, "; ".join(map(described, some))) for name, some in springs)]
 
 
 def modes(found: VibrationModes, shown: Shown) -> Section:
@@ -91,11 +93,13 @@ def vibration(found: FrameMotion, shown: Shown) -> Section:
     figures = [
         Figure("shaking force, rms", with_prefix(_rms(found.shaking_force), "N")),
         Figure("force on the floor, rms", with_prefix(_rms(found.floor_force), "N")),
-        Figure("least load on a mount", with_prefix(float(least[number]), "N"), f"mount {number + 1}{lifts}"),
+        Figure("least load on a mount", with_prefix(float(least[number]), "N"), f"mount {number + 1} of {len(least)}{lifts}"),
     ]
     over = "over one period" if found.period is not None else f"over {found.time[-1]:.6g} s from rest"
     table = Table("", heads, rows)
-    return Section("Vibration on the mounts", [Figures(figures), *charts, table], note=f"About the static position, {over}.")
+    return Section(
+        "Vibration on the mounts", [Figures(figures), *charts, table], _inputs(found.system), f"About the static position, {over}."
+    )
 
 
 def _rms(vectors: Array) -> float:
