@@ -15,7 +15,7 @@ from .links import Link
 from .placement import Pin, UnreachableError
 
 WIDTH, HEIGHT, MARGIN = 900.0, 700.0, 90.0  # of the picture
-COLOURS = ("#c2452d", "#2970bf", "#2e9961", "#d99a12", "#8f5ca8", "#199ea8", "#d66b99", "#946b3d")
+COLOURS = ("#c23d14", "#1454c9", "#1c9e69", "#ed9414", "#8f5ca8", "#40c9e0", "#f2aba3", "#7d4c30")
 INK, PALE, WRONG = "#30363d", "#9aa2ab", "#c2452d"
 STYLE = "text{font:14px sans-serif;fill:#30363d;paint-order:stroke;stroke:#fff;stroke-width:4px}.dimension{font-size:12px;fill:#57606a}"
 

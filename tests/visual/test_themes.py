@@ -12,6 +12,7 @@ from support import texts
 
 import pinpress as pp
 from pinpress.plots import style
+from pinpress.visual.shapes.stand_ins import COLOURS, FRAME, STEEL
 
 TEMPLATES = Path(pp.__file__).parent / "visual" / "templates"
 SPEED = 70 * pp.RPM
@@ -89,6 +90,21 @@ def test_curves_are_told_apart_by_everyone(theme: str) -> None:
         assert min(np.linalg.norm(one - other) for one, other in itertools.combinations(seen, 2)) > 15
     surface = linear(themes()[theme]["surface"])
     assert all(contrast(linear(colour), surface) > {"light": 2.2, "dark": 4.0}[theme] for colour in curves()[theme])
+
+
+def test_links_are_told_apart_by_everyone() -> None:
+    """Before, the coupler and the slide of the six-bar were 9 apart without L cones, two stand-ins 7 without S cones."""
+    palettes = {"stand-ins": [*COLOURS, FRAME, STEEL]}
+    for path in sorted((Path(pp.__file__).parents[1] / "urdf").glob("*.urdf")):
+        written = re.findall(r'<material name="\w+"><color rgba="(\S+) (\S+) (\S+) 1"/>', path.read_text("utf-8"))
+        palettes[path.stem] = [tuple(map(float, rgb)) for rgb in written]
+    assert all(len(palette) >= 5 for palette in palettes.values())
+    for name, palette in palettes.items():
+        colours = ["#" + "".join(f"{round(255 * value):02x}" for value in rgb) for rgb in palette]
+        for eyes in SEEN_BY.values():
+            seen = [lab(np.array(eyes) @ linear(colour)) for colour in colours]
+            least = min(float(np.linalg.norm(one - other)) for one, other in itertools.combinations(seen, 2))
+            assert least > (19 if name == "stand-ins" else 14), name
 
 
 def test_paper_and_page_agree() -> None:

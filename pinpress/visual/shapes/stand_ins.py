@@ -25,15 +25,15 @@ Colour = tuple[float, float, float]
 
 FRAME: Colour = (0.44, 0.48, 0.53)
 STEEL: Colour = (0.90, 0.91, 0.92)  # of pins
-COLOURS: tuple[Colour, ...] = (  # of links, in document order: red-orange, blue, green, amber, violet, teal, pink, brown
-    (0.86, 0.30, 0.18),
-    (0.16, 0.44, 0.75),
-    (0.18, 0.60, 0.38),
-    (0.93, 0.70, 0.13),
+COLOURS: tuple[Colour, ...] = (  # of links, in document order; all eyes tell them apart
+    (0.76, 0.24, 0.08),
+    (0.08, 0.33, 0.79),
+    (0.11, 0.62, 0.41),
+    (0.93, 0.58, 0.08),
     (0.56, 0.36, 0.66),
-    (0.10, 0.62, 0.66),
-    (0.85, 0.42, 0.60),
-    (0.58, 0.40, 0.24),
+    (0.25, 0.79, 0.88),
+    (0.95, 0.67, 0.64),
+    (0.49, 0.30, 0.19),
 )
 DARKER = 0.68  # factor of every further round of colours
 SHADE = 0.66  # factor of the colour of a counterweight
