@@ -17,7 +17,9 @@ from .placement import Pin, UnreachableError
 WIDTH, HEIGHT, MARGIN = 900.0, 700.0, 90.0  # of the picture
 COLOURS = ("#c23d14", "#1454c9", "#1c9e69", "#ed9414", "#8f5ca8", "#40c9e0", "#f2aba3", "#7d4c30")
 INK, PALE, WRONG = "#30363d", "#9aa2ab", "#c2452d"
-STYLE = "text{font:14px sans-serif;fill:#30363d;paint-order:stroke;stroke:#fff;stroke-width:4px}.dimension{font-size:12px;fill:#57606a}"
+CLASS = "pinpress-sketch"  # styles in a drawing hold for all of the page that it stands in, as a notebook
+TEXT = "font:14px sans-serif;fill:#30363d;paint-order:stroke;stroke:#fff;stroke-width:4px"
+STYLE = f".{CLASS} text{{{TEXT}}}.{CLASS} .dimension{{font-size:12px;fill:#57606a}}"
 
 
 def sketch_of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str:
@@ -56,7 +58,7 @@ class _Sheet:
         self.scale = float(min((WIDTH - 2 * MARGIN) / span[0], (HEIGHT - 2 * MARGIN) / span[1]))
         self.middle, self.used = (low + high) / 2, list[tuple[float, float]]()
         size = {"viewBox": f"0 0 {WIDTH:g} {HEIGHT:g}", "width": f"{WIDTH:g}", "height": f"{HEIGHT:g}"}
-        self.root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, "role": "img", "aria-label": title})
+        self.root = Element("svg", {"xmlns": "http://www.w3.org/2000/svg", **size, "class": CLASS, "role": "img", "aria-label": title})
         SubElement(self.root, "style").text = STYLE
         SubElement(self.root, "rect", {"width": "100%", "height": "100%", "fill": "#fff"})
         self._write(WIDTH / 2, 30, title, "middle")

@@ -300,6 +300,8 @@ def test_sketches_are_drawings():
     from xml.etree import ElementTree
 
     sketch = draft(URDF / "zxn2_3000b.yaml").sketch
+    for rule in re.findall(r"([^{}>]+)\{", sketch):  # or it would style the other drawings of a notebook
+        assert rule.startswith(".pinpress-sketch ")
     words = {each.text for each in ElementTree.fromstring(sketch).iter("{http://www.w3.org/2000/svg}text")}
     assert {"A", "B", "C", "D", "E", "F", "143", "1243", "375", "480", "crank", "slide"} <= words
 
