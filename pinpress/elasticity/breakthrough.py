@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike
 from ..common.arguments import number, numbers, positive
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
+from ..common.numerics import brent_root
 from ..common.quantities import Array
 from ..common.results import Tabular
 
@@ -278,14 +279,12 @@ class ResponseSegment:
 
     def pressed(self, span: float) -> float:
         """Time within the span during which x is positive for any phase of the vibration, in contact with a spring that is slack at 0."""
-        from scipy.optimize import brentq  # slow to import
-
         decay, _, c, d = self._wave
 
         def least(s: float) -> float:  # concave, so that it is positive up to some time, or to the end
             return float(self._particular(s)[0] - math.hypot(c, d) * math.exp(-decay * s))
 
-        return span if least(span) > 0.0 else float(brentq(least, 0.0, span)) if least(0.0) > 0.0 else 0.0
+        return span if least(span) > 0.0 else float(brent_root(least, 0.0, span)) if least(0.0) > 0.0 else 0.0
 
     def acceleration(self, s: float) -> float:
         """Acceleration x'' at a time s [m/s2]."""
@@ -349,12 +348,10 @@ def segments(release: Release, pressed: bool = True) -> Iterator[tuple[ResponseS
 
 def turning(segment: ResponseSegment, span: float) -> list[float]:
     """Times within the span at which the slide turns back [s]."""
-    from scipy.optimize import brentq  # slow to import
-
     times = np.linspace(0.0, span, STEPS + 1)
     speeds = segment.at(times)[1]
     signs = np.flatnonzero(speeds[:-1] * speeds[1:] < 0.0)
-    return [float(brentq(lambda s: float(segment.at(s)[1]), times[i], times[i + 1], xtol=1e-300, rtol=1e-15)) for i in signs]
+    return [float(brent_root(lambda s: float(segment.at(s)[1]), times[i], times[i + 1], xtol=1e-300, rtol=1e-15)) for i in signs]
 
 
 class Leaving(NamedTuple):
@@ -381,7 +378,6 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
         )
     if clearance == 0.0:
         return reverse / linear
-    from scipy.optimize import brentq  # slow to import
 
     def excess(force: float) -> float:
         release = _release(force, stiffness, mass, damping_ratio, break_time, clearance)
@@ -392,7 +388,7 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
         low = high
         if low > reverse / WEAKEST:
             raise PinpressError(f"no force causes a reverse load of {reverse:g} N after a break-through of {break_time:g} s")
-    return float(brentq(excess, low, high, xtol=1e-12 * high, rtol=1e-14))
+    return float(brent_root(excess, low, high, xtol=1e-12 * high, rtol=1e-14))
 
 
 def _lowest(parts: Iterable[tuple[ResponseSegment, float]]) -> float:
@@ -454,8 +450,6 @@ def _coasting(release: Release, x: float, v: float) -> Leaving:
 
 def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None:
     """The instant within the span at which the slide leaves its side of the clearance; None: it does not."""
-    from scipy.optimize import brentq  # slow to import
-
     gap = segment.release.clearance
     if gap == 0.0:
         return None
@@ -469,6 +463,9 @@ def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None
                 begin = times[i - 1]
                 if way * (places[i - 1] - edge) >= 0.0:  # on the edge already
                     return Leaving(float(begin), edge, after)
-                found = brentq(lambda s, edge=edge: float(segment.at(s)[0]) - edge, begin, times[i], xtol=1e-300, rtol=1e-15)
-                return Leaving(float(found), edge, after)
+
+                def beyond(s: float, edge: float = edge) -> float:
+                    return float(segment.at(s)[0]) - edge
+
+                return Leaving(brent_root(beyond, begin, times[i], xtol=1e-300, rtol=1e-15), edge, after)
     return None

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ..common.arguments import is_multiple, is_quantity, positive, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
-from ..common.numerics import bracketed_roots
+from ..common.numerics import bracketed_roots, brent_root
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
@@ -230,8 +230,6 @@ class RatedStroke:
     @cached_property
     def work_by_force(self) -> Callable[[Array], Array]:
         """Work of the driver (n,) for a process force of 1 N and its friction, from crank angles (n,) to the end of the stroke [J/N]."""
-        from scipy.interpolate import CubicHermiteSpline  # slow to import
-
         nodes, weights = GAUSS
         angle = np.linspace(self.top, self.bottom, 2 * TURN + 1)
         middle, half = 0.5 * (angle[1:] + angle[:-1]), 0.5 * (angle[1] - angle[0])
@@ -240,8 +238,18 @@ class RatedStroke:
         steps = half * (torque[len(angle) :].reshape(-1, len(nodes)) @ weights)
         work = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
         order = slice(None) if half > 0 else slice(None, None, -1)
-        spline = CubicHermiteSpline(angle[order], work[order], -torque[: len(angle)][order])
-        return lambda at: np.maximum(spline(at), 0.0)
+        angle, work, slope = angle[order], work[order], -torque[: len(angle)][order]
+        step, chord = np.diff(angle), np.diff(work) / np.diff(angle)
+        bend = (slope[:-1] + slope[1:] - 2 * chord) / step
+        cubics = np.array([work[:-1], slope[:-1], (chord - slope[:-1]) / step - bend, bend / step])  # through values and slopes
+
+        def left_at(at: Array) -> Array:
+            piece = np.clip(np.searchsorted(angle, at, side="right") - 1, 0, len(step) - 1)
+            beyond, (start, rate, half_bend, third) = at - angle[piece], cubics[:, piece]
+            value = start + rate * beyond + half_bend * (beyond * beyond) + third * (beyond * beyond * beyond)
+            return np.asarray(np.maximum(value, 0.0))
+
+        return left_at
 
 
 def rated_stroke(
@@ -313,8 +321,6 @@ def angle_at(rated: RatedStroke, name: str, height: float) -> float:
     Raises:
         PinpressError: the height is not between 0 and the stroke.
     """
-    from scipy.optimize import brentq  # slow to import
-
     stroke = dead_centres(rated.press).stroke
     wanted = f"a height between 0 and the stroke of {stroke:.6g} m ({1e3 * stroke:.6g} mm)"
     suitable_numbers(name, height, wanted, suits=lambda value: 0.0 < value < stroke)
@@ -322,7 +328,7 @@ def angle_at(rated: RatedStroke, name: str, height: float) -> float:
     def above(angle: float) -> float:
         return float(rated.motion(np.array([angle])).slide_position[0]) - rated.bottom_position - height
 
-    return float(brentq(above, rated.top, rated.bottom, xtol=ROUNDING, rtol=ROUNDING))
+    return float(brent_root(above, rated.top, rated.bottom, xtol=ROUNDING, rtol=ROUNDING))
 
 
 def refuse_unrated(press: Linkage, loads: object, friction: Mapping[str, Friction], *, at_speed: bool) -> None:
@@ -622,7 +628,6 @@ def _changes(rated: RatedStroke, first: str, second: str, low: float, high: floa
 
 def _crossing(rated: RatedStroke, first: str, second: str, low: float, high: float) -> float:
     """Crank angle between two at which the second limit begins to permit less than the first."""
-    from scipy.optimize import brentq  # slow to import
 
     def ahead(angle: float) -> float:
         """Force that the first limit permits beyond that of the second; forces count up to twice the nominal one."""
@@ -633,7 +638,7 @@ def _crossing(rated: RatedStroke, first: str, second: str, low: float, high: flo
     before, after = ahead(low), ahead(high)
     if before * after >= 0:  # the limits change exactly at a state
         return low if before == 0.0 else high
-    return float(brentq(ahead, low, high, xtol=ROUNDING, rtol=ROUNDING))
+    return float(brent_root(ahead, low, high, xtol=ROUNDING, rtol=ROUNDING))
 
 
 def _capped(rated: RatedStroke, angle: Array) -> dict[str, Array]:
