@@ -11,6 +11,7 @@ import importlib.util
 import itertools
 import math
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -63,7 +64,9 @@ STILL = """() => {
     dispatchEvent(new Event("resize"));
     return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
 }"""
-PAPER = "time => { document.body.classList.remove('still'); seek(time); }"
+# Nobody sees the page after it is printed, so that it is not drawn for the screen again.
+PAPER = "time => { setPlaying(false); document.body.classList.remove('still'); removeEventListener('afterprint', toScreen); seek(time); }"
+DATES = re.compile(rb"/(?:Creation|Mod)Date \(D:[^)]*\)")  # which Chromium puts into a PDF
 SHOW = "time => { seek(time); viewer.render(); }"
 LOST = "Boolean(viewer.renderer) && viewer.renderer.getContext().isContextLost()"
 
@@ -99,7 +102,7 @@ def pdf(page: str | os.PathLike[str], path: str | os.PathLike[str], *, time: flo
     """Print a recording or report to a PDF file on A4, and return its path.
 
     An image of the press stands first; no chart is split over pages; the charts of all bearings are printed. Printing the page in a
-    browser gives the same.
+    browser gives the same. The same page gives the same bytes.
 
     Args:
         page: HTML file written by `record` or `report`.
@@ -252,8 +255,8 @@ class Screen:
 
     Attributes:
         duration: duration of the recording [s].
-        picture: function that makes a PNG of the recording at a time [s].
-        printed: function that makes a PDF of the page at a time [s], after which it is no longer without its controls.
+        picture: function that makes a PNG of the recording at a time [s], without its controls.
+        printed: function that makes a PDF of the page at a time [s]; nothing else is done with the page after it.
     """
 
     duration: float
@@ -263,7 +266,7 @@ class Screen:
 
 @contextmanager
 def opened(page: str | os.PathLike[str], size: tuple[int, int]) -> Iterator[Screen]:
-    """Open a recording in a browser, without its controls.
+    """Open a recording in a browser.
 
     Args:
         page: HTML file that `record` or `report` wrote.
@@ -296,6 +299,7 @@ class _Tab:
     def __init__(self, name: str, page: Page, devtools: CDPSession, clip: dict[str, float]) -> None:
         self._name, self._page, self._devtools, self._clip = name, page, devtools, clip
         self._problems: list[str] = []
+        self._still = False  # shown without its controls
         page.set_default_timeout(PATIENCE)
         page.on("console", lambda message: self._problems.append(message.text) if message.type == "error" else None)
         page.on("pageerror", lambda error: self._problems.append(str(error)))
@@ -307,9 +311,11 @@ class _Tab:
         if not self._do(self._page.evaluate, PLAYER):
             raise PinpressError(f"{self._name} is no recording; give a page that pinpress.record or report wrote")
         self.duration = float(self._do(self._page.evaluate, "duration"))
-        self._do(self._page.evaluate, STILL)
 
     def picture(self, time: float) -> bytes:
+        if not self._still:
+            self._do(self._page.evaluate, STILL)
+            self._still = True
         self._do(self._page.evaluate, SHOW, time)
         # Drawing takes nearly all of the time: JPEG is not faster, and reading the canvas alone, without its labels, is slower.
         shot = self._do(self._devtools.send, "Page.captureScreenshot", {"format": "png", "optimizeForSpeed": True, "clip": self._clip})
@@ -322,7 +328,7 @@ class _Tab:
         content = self._do(partial(self._page.pdf, format="A4", print_background=True, tagged=True, outline=True))
         if self._do(self._page.evaluate, LOST):
             raise PinpressError(f"{self._name} was not drawn: Chromium has lost its WebGL context; try again")
-        return bytes(content)
+        return DATES.sub(lambda date: b" " * len(date[0]), content)  # as long, since a PDF counts its bytes
 
     def _do(self, action: Callable[..., Any], *arguments: Any) -> Any:
         from playwright.sync_api import Error  # optional, and slow to import
