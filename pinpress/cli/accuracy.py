@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
     """
     from ..accuracy.work_precision import compare  # slow to import: so a mistake in the words above is named at once
 
-    flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
+    flywheel = part_specs.flywheel(options.flywheel)
     press = load_press(options)
     if options.out is not None:
         make_folder(options.out)

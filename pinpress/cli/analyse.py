@@ -87,8 +87,8 @@ def run(options: argparse.Namespace) -> int:
     press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
     acting = forces(options, press)
-    flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
-    motor = None if options.motor is None else part_specs.motor(options.motor, press.driver_coordinates[0])
+    flywheel = part_specs.flywheel(options.flywheel)
+    motor = part_specs.motor(options.motor, press.driver_coordinates[0])
     if flywheel is not None and flywheel.speed is not None:
         raise PinpressError("--flywheel: at constant speed it turns with the crank: leave speed= out, or simulate the press with a clutch")
     turning = any(given is not None for given in (flywheel, options.speed_drop, motor))

@@ -207,7 +207,8 @@ class Forces(TypedDict):
 
 def loads(options: argparse.Namespace) -> list[Load]:
     """The process loads and springs of `add_force_options`."""
-    return [*map(part_specs.load, options.load), *map(part_specs.spring, options.spring)]
+    springs = (part_specs.part("--spring", part_specs.SPRING, words) for words in options.spring)
+    return [*map(part_specs.load, options.load), *springs]
 
 
 def forces(options: argparse.Namespace, press: Linkage) -> Forces:
@@ -236,7 +237,7 @@ def add_report_option(parser: argparse.ArgumentParser) -> None:
 def add_trace_option(parser: argparse.ArgumentParser) -> None:
     """Option --trace, points whose paths are drawn."""
     help = "draw the path of a point, in m in the link's frame; may be given several times"
-    parser.add_argument("--trace", type=trace, action="append", default=[], metavar="LINK:X,Y,Z", help=help)
+    parser.add_argument("--trace", type=named_point("a link", "rod:0,0,0.4"), action="append", default=[], metavar="LINK:X,Y,Z", help=help)
 
 
 def refuse_pages_without_folder(options: argparse.Namespace) -> None:
@@ -245,14 +246,23 @@ def refuse_pages_without_folder(options: argparse.Namespace) -> None:
         raise PinpressError(f"--{'report' if options.report else 'trace'} needs a folder to write into: give --out DIR too")
 
 
-def trace(words: str) -> tuple[str, tuple[float, float, float]]:
-    """A point whose path is drawn, ``coupler:0.6,0,0.1``: the link and x, y, z."""
-    link, _, point = words.rpartition(":")  # a link's name may have a colon in it
-    try:
-        x, y, z = map(float, point.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{words!r} is no point of a link; give the link and x, y, z in m, e.g. rod:0,0,0.4") from None
-    return link, (x, y, z)
+def named_point(of: str, example: str) -> Callable[[str], tuple[str, tuple[float, float, float]]]:
+    """What reads an option of `argparse`: a name and x, y, z [m], ``coupler:0.6,0,0.1``.
+
+    Args:
+        of: What the name is of, for messages.
+        example: A point, for messages.
+    """
+
+    def read(words: str) -> tuple[str, tuple[float, float, float]]:
+        name, _, point = words.rpartition(":")  # a name may have a colon in it
+        try:
+            x, y, z = map(float, point.split(","))
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{words!r} is no point of {of}; give its name and x, y, z in m, e.g. {example}") from None
+        return name, (x, y, z)
+
+    return read
 
 
 def write_pages(

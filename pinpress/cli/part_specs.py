@@ -12,22 +12,25 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, fields, replace
+from dataclasses import field as declare
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from ..common import tables
 from ..common.errors import PinpressError, UnknownNameError, suggestion
-from ..common.parameters import declared
+from ..common.parameters import declared, parameter
 from ..common.quantities import CRANK, RAM, DriverCoordinate
 from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from ..drives.protocol import Drive
 from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
-from ..foundation.mounts import Frame, Mount
+from ..foundation.mounts import Frame, Mount, RubberPad, pad_mount
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce, SpringDamper
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from .units import UNITS, read_quantity
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,7 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Kind:
+class Kind(Generic[T]):
     """A kind of drive, load or other part.
 
     Attributes:
@@ -59,14 +62,14 @@ class Kind:
         driver: Coordinate of the driver on which it acts: where this slides, with forces in place of torques, and speeds along its axis.
     """
 
-    made: type
+    made: type[T]
     example: str
     table: Table | None = None
     geared: bool = False
     driver: DriverCoordinate = CRANK
 
 
-MOTORS: Mapping[str, Kind] = {
+MOTORS: Mapping[str, Kind[Any]] = {
     "constant": Kind(ConstantTorque, "value=567", geared=True),
     "induction": Kind(InductionMotor, "rated_power=75e3,rated_speed=1485,inertia=1.2,ratio=20.7,efficiency=0.95", geared=True),
     "inverter": Kind(
@@ -86,7 +89,7 @@ MOTORS: Mapping[str, Kind] = {
 }
 
 # without gears; what else there is needs a shaft, as the simulation says
-ON_SLIDING_DRIVERS: Mapping[str, Kind] = {
+ON_SLIDING_DRIVERS: Mapping[str, Kind[Any]] = {
     **MOTORS,
     "constant": replace(MOTORS["constant"], example="value=20kN", driver=RAM),
     "servo": Kind(
@@ -99,7 +102,7 @@ ON_SLIDING_DRIVERS: Mapping[str, Kind] = {
     "prescribed": replace(MOTORS["prescribed"], example="speed=100", driver=RAM),
 }
 
-LOADS: Mapping[str, Kind] = {
+LOADS: Mapping[str, Kind[Any]] = {
     "idle": Kind(Idle, ""),
     "constant-force": Kind(ConstantForce, "force=1e6,height=0.0005"),
     "blanking": Kind(Blanking, "force=1e6,start=0.006,end=0.002"),
@@ -113,26 +116,41 @@ SPRING = Kind(SpringDamper, "link1=frame,link2=slide,stiffness=200kN/m,free_leng
 FRICTION = Kind(Friction, "coefficient=0.08,radius=60mm")
 ALL = "all"  # in place of a bearing's name: every bearing and guide that is not named otherwise
 
-FLYWHEEL, CLUTCH, BRAKE = (
-    Kind(Flywheel, "inertia=2000"),
-    Kind(Clutch, "torque=6e4,rise=0.1,closes=0.2s"),
-    Kind(Brake, "torque=4e4,closes=350deg"),
-)
+FLYWHEEL = Kind(Flywheel, "inertia=2000")
+CLUTCH = Kind(Clutch, "torque=6e4,rise=0.1,closes=0.2s")
+BRAKE = Kind(Brake, "torque=4e4,closes=350deg")
 
 FRAME = Kind(Frame, "mass=15t,centre=0/0.1/-0.35,inertia=9000/8000/4000")
 MOUNT = Kind(Mount, "point=0.55/0.6/-1.3,stiffness=50MN/m/50MN/m/200MN/m,loss_factor=0.1")
+PAD = Kind(RubberPad, "length=200mm,width=200mm,thickness=10mm,hardness=65,loss_factor=0.15,stiffening=1.3")
 
 
-def motor(words: str, coordinate: DriverCoordinate) -> Drive | PrescribedSpeed:
+@dataclass(frozen=True)
+class Place:
+    """Where the middle of a pad is.
+
+    Attributes:
+        point: x, y, z in world axes [m].
+    """
+
+    point: tuple[float, float, float] = declare(metadata=parameter("m", axes=1))
+
+
+PLACE = Kind(Place, "point=0.55/0.6/-1.3")
+
+
+def motor(words: str | None, coordinate: DriverCoordinate) -> Drive | PrescribedSpeed | None:
     """The motor or other drive that words such as ``constant:value=567`` mean.
 
     Args:
-        words: What was given.
+        words: What was given; None: nothing, and there is no drive.
         coordinate: That of the driver on which it acts. Where this slides, what acts without a ratio has forces and not torques.
 
     Raises:
         PinpressError: A kind or key is unknown, a key is missing, or a value is wrong; the message lists kinds or keys with an example.
     """
+    if words is None:
+        return None
     geared = any(word.startswith("ratio=") for word in words.partition(":")[2].split(","))
     made: Drive | PrescribedSpeed = _named("--motor", MOTORS if coordinate.turns or geared else ON_SLIDING_DRIVERS, words)
     return made
@@ -141,12 +159,6 @@ def motor(words: str, coordinate: DriverCoordinate) -> Drive | PrescribedSpeed:
 def load(words: str) -> Load:
     """The load that words such as ``die:height=0.001,stiffness=1e9`` mean. Raises as `motor`."""
     made: Load = _named("--load", LOADS, words)
-    return made
-
-
-def spring(words: str) -> SpringDamper:
-    """The spring that words such as ``link1=frame,link2=slide,stiffness=200kN/m`` mean. Raises as `motor`."""
-    made: SpringDamper = _made("--spring ", SPRING, words)
     return made
 
 
@@ -211,38 +223,45 @@ def by_bearing(option: str, specs: Sequence[str], unit: str, quantity: str, exam
     return found
 
 
-def flywheel(words: str) -> Flywheel:
-    """The flywheel that words such as ``2000`` (its inertia) or ``inertia=2000,speed=70`` mean. Raises as `motor`."""
-    given = f"inertia={words}" if words and "=" not in words and "," not in words else words
-    made: Flywheel = _made("--flywheel ", FLYWHEEL, given)
+def flywheel(words: str | None) -> Flywheel | None:
+    """The flywheel that words such as ``2000`` (its inertia) or ``inertia=2000,speed=70`` mean; None where none are given.
+
+    Raises as `part`.
+    """
+    if words is None:
+        return None
+    return part("--flywheel", FLYWHEEL, f"inertia={words}" if words and "=" not in words and "," not in words else words)
+
+
+def mounts(specs: Sequence[str], pad: str | None) -> list[Mount]:
+    """The mounts of a frame. Raises as `part`.
+
+    Args:
+        specs: What each is, ``point=0.55/0.6/-1.3,stiffness=5e7/5e7/2e8``, or with ``pad`` only where.
+        pad: What the rubber pad of each is, ``length=200mm,width=200mm,thickness=10mm,hardness=65``; None for none.
+    """
+    if pad is None:
+        return [part("--mount", MOUNT, words) for words in specs]
+    rubber = part("--pad", PAD, pad)
+    return [pad_mount(part("--mount", PLACE, words).point, rubber) for words in specs]
+
+
+def part(option: str, kind: Kind[T], words: str) -> T:
+    """The part that words such as ``torque=6e4,closes=0.2s`` mean.
+
+    Args:
+        option: Option that takes them, for messages.
+        kind: What it makes.
+        words: What was given.
+
+    Raises:
+        PinpressError: A key is unknown or missing, or a value is wrong; the message lists the keys with an example.
+    """
+    made: T = _made(f"{option} ", kind, words)
     return made
 
 
-def clutch(words: str) -> Clutch:
-    """The clutch that words such as ``torque=6e4,closes=0.2s`` mean. Raises as `motor`."""
-    made: Clutch = _made("--clutch ", CLUTCH, words)
-    return made
-
-
-def brake(words: str) -> Brake:
-    """The brake that words such as ``torque=4e4,closes=350deg`` mean. Raises as `motor`."""
-    made: Brake = _made("--brake ", BRAKE, words)
-    return made
-
-
-def frame(words: str) -> Frame:
-    """The frame that words such as ``mass=15t,centre=0/0.1/-0.35,inertia=9000/8000/4000`` mean. Raises as `motor`."""
-    made: Frame = _made("--frame ", FRAME, words)
-    return made
-
-
-def mount(words: str) -> Mount:
-    """The mount that words such as ``point=0.55/0.6/-1.3,stiffness=5e7/5e7/2e8`` mean. Raises as `motor`."""
-    made: Mount = _made("--mount ", MOUNT, words)
-    return made
-
-
-def keys(kind: Kind) -> str:
+def keys(kind: Kind[Any]) -> str:
     """The keys of a kind, with optional ones in brackets."""
     return " ".join(str(key) for key in _keys(kind).values()) or "(no keys)"
 
@@ -300,10 +319,13 @@ def _of_mounts() -> list[str]:
         f"  {keys(FRAME)}",
         f"  {keys(MOUNT)}",
         f"  e.g. --frame {FRAME.example} --mount {MOUNT.example}",
+        "--pad, the rubber pad at each --mount, which then is point= alone; hardness in Shore A, 20 to 80, or shear_modulus:",
+        f"  {keys(PAD)}",
+        f"  e.g. --pad {PAD.example} --mount {PLACE.example}",
     ]
 
 
-def _kinds(kinds: Mapping[str, Kind]) -> list[str]:
+def _kinds(kinds: Mapping[str, Kind[Any]]) -> list[str]:
     files = [f"{name} {', '.join(kind.table.columns)}" for name, kind in kinds.items() if kind.table]
     return [*tables.table(([f"{name}:", keys(kind)] for name, kind in kinds.items()), [16, 0]), f"  columns of files: {'; '.join(files)}"]
 
@@ -338,7 +360,7 @@ class _Key:
         return f"[{self.name}{self.note}]" if self.optional else f"{self.name}{self.note}"
 
 
-def _named(option: str, kinds: Mapping[str, Kind], words: str) -> Any:
+def _named(option: str, kinds: Mapping[str, Kind[Any]], words: str) -> Any:
     name, _, rest = words.partition(":")
     if name not in kinds:
         example = next(f"{option} {known}:{kind.example}" for known, kind in kinds.items() if kind.example)
@@ -348,7 +370,7 @@ def _named(option: str, kinds: Mapping[str, Kind], words: str) -> Any:
     return _made(f"{option} {name}:", kinds[name], rest)
 
 
-def _made(option: str, kind: Kind, words: str) -> Any:
+def _made(option: str, kind: Kind[Any], words: str) -> Any:
     """A part of a kind; ``option``: the words before on the command line, for messages."""
 
     def line(words: str) -> str:
@@ -388,7 +410,7 @@ def _made(option: str, kind: Kind, words: str) -> Any:
         raise wrong(str(error)) from None
 
 
-def _keys(kind: Kind) -> dict[str, _Key]:
+def _keys(kind: Kind[Any]) -> dict[str, _Key]:
     """The keys of a kind, in the order of the fields of its class."""
     table = kind.table
     found = []

@@ -159,8 +159,9 @@ def rated(
     """
     given = {name.replace("-", "_"): getattr(options, name.replace("-", "_")) for name in NUMBERS}
     extra = {name: given.pop(name) for name in NOT_CAPACITIES}
-    if options.flywheel is not None and options.speed_drop is not None:
-        given["flywheel_inertia"] = part_specs.flywheel(options.flywheel).inertia
+    flywheel = part_specs.flywheel(options.flywheel)
+    if flywheel is not None and options.speed_drop is not None:
+        given["flywheel_inertia"] = flywheel.inertia
     coordinate = press.driver_coordinates[0]
     torque = None if options.torque is None else options.torque.of(coordinate)
     bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")

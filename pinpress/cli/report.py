@@ -5,6 +5,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from ..balancing.counterweights import OperatingCondition
 from ..common.errors import PinpressError
 from ..common.results import Tabular
@@ -28,14 +30,16 @@ from .options import (
     forces,
     load_other,
     load_press,
+    named_point,
 )
-from .units import driver_speed, quantity
+from .units import OfDriver, driver_speed, quantity
 
 POINTS = 720  # of a turn
+SPEEDS = 61  # at which the press on its mounts is shown
 EPILOG = f"""\
 Each of these adds its part to the page: --load (the process), --nominal-force and other capacities (ratings), --motor with --flywheel (the
-steady state under it), --stiffness (the elastic press), --region with --minimise (the best counterweights), --frame with --mount (loads of
-the mounts, modes, vibration and force on the floor).
+steady state under it), --stiffness (the elastic press), --region with --minimise (the best counterweights), --frame with --mount, of
+springs or with --pad of rubber (loads of the mounts, modes, vibration and force on the floor; with --speed-range these over the speed).
 regions: {balance.REGION}
 criteria: {balance.CRITERION}; see pinpress balance --help
 
@@ -68,6 +72,12 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     help = "the frame, see below: the page shows it on its mounts, with its modes, and its vibration at this speed"
     option("--frame", metavar="KEYS", help=help)
     option("--mount", metavar="KEYS", action="append", default=[], help="a mount below it, see below; may be given several times")
+    option("--pad", metavar="KEYS", help="the rubber pad at each mount, see below")
+    point = named_point("the frame", "crown:0,0,0.9")
+    help = "show the vibration of this point of the frame, in m in world axes, too; may be given several times"
+    option("--frame-point", type=point, metavar="NAME:X,Y,Z", action="append", default=[], help=help)
+    help = "show the vibration of the idle press from one crank speed to another too, in r/min"
+    option("--speed-range", type=speed_range, metavar="LOW,HIGH", help=help)
     add_before_option(parser)
     add_trace_option(parser)
     add_points_option(parser)
@@ -118,6 +128,9 @@ def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
         raise PinpressError("--region, --minimise and --limit go together, to balance the press: give --region and --minimise, or none")
     if (options.frame is None) != (not options.mount):
         raise PinpressError("--frame and --mount go together, for the press on its mounts: give --frame and every --mount, or none")
+    beside = [name for name in ("pad", "frame_point", "speed_range") if getattr(options, name)]
+    if options.frame is None and beside:
+        raise PinpressError(f"--{beside[0].replace('_', '-')} is for the press on its mounts: give --frame and every --mount too")
     if options.region and options.friction:
         raise PinpressError("--region: balancing needs forces linear in the masses, and with friction they are not: leave out either")
 
@@ -130,10 +143,9 @@ def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argp
         yield ratings.rated(press, options, beside, acting["friction"])
     if options.motor is not None:
         drive = part_specs.motor(options.motor, coordinate)
-        flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
         parts = {
             "drive": drive,
-            "flywheel": flywheel,
+            "flywheel": part_specs.flywheel(options.flywheel),
             "loads": loads,
             "friction": acting["friction"],
             "points": POINTS * press.period_turns,
@@ -150,14 +162,34 @@ def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argp
     if options.region:
         yield balance.balanced_by(press, [OperatingCondition(reactions.motion, loads)], options)
     if options.frame is not None:
-        from ..foundation.mounted_press import modes, mounted  # seldom needed
-        from ..foundation.response import steady_response
+        yield from _on_mounts(press, reactions, options)
 
-        frame = part_specs.frame(options.frame)
-        system = mounted(press, frame, [part_specs.mount(words) for words in options.mount])
-        yield system
-        yield modes(system)
-        yield steady_response(system, reactions, points={"centre of the frame": frame.centre})
+
+def _on_mounts(press: Linkage, reactions: Reactions, options: argparse.Namespace) -> Iterator[Tabular]:
+    """What the frame on its mounts does."""
+    from ..foundation.mounted_press import modes, mounted  # seldom needed
+    from ..foundation.response import steady_response
+    from ..foundation.speed_response import over_speeds
+
+    frame = part_specs.part("--frame", part_specs.FRAME, options.frame)
+    system = mounted(press, frame, part_specs.mounts(options.mount, options.pad))
+    points = {"centre of the frame": frame.centre, **dict(options.frame_point)}
+    yield system
+    yield modes(system)
+    yield steady_response(system, reactions, points=points)
+    if options.speed_range is not None:
+        low, high = (speed.of(press.driver_coordinates[0]) for speed in options.speed_range)
+        if not 0 < low < high:
+            raise PinpressError("--speed-range takes two positive speeds, the lower one first, e.g. 30,90")
+        yield over_speeds(system, np.linspace(low, high, SPEEDS), points=points)
+
+
+def speed_range(words: str) -> tuple[OfDriver, OfDriver]:
+    """Reads an option of `argparse`: two speeds of the driver."""
+    low, comma, high = words.partition(",")
+    if not comma:
+        raise argparse.ArgumentTypeError(f"{words!r} is no range of speeds; give two with a comma between them, e.g. 30,90")
+    return driver_speed(low), driver_speed(high)
 
 
 def add_nominal_options(parser: argparse.ArgumentParser) -> None:

@@ -93,13 +93,13 @@ def run(options: argparse.Namespace) -> int:
         PinpressError: Options do not go together, or computing or writing fails.
     """
     refuse_pages_without_folder(options)
-    flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
+    flywheel = part_specs.flywheel(options.flywheel)
     acting = loads(options)
-    clutch = None if options.clutch is None else part_specs.clutch(options.clutch)
-    brake = None if options.brake is None else part_specs.brake(options.brake)
+    clutch = None if options.clutch is None else part_specs.part("--clutch", part_specs.CLUTCH, options.clutch)
+    brake = None if options.brake is None else part_specs.part("--brake", part_specs.BRAKE, options.brake)
     press = load_press(options, gravity=(0.0, 0.0, -options.gravity))
     friction = part_specs.frictions(options.friction, press)
-    drive = None if options.motor is None else part_specs.motor(options.motor, press.driver_coordinates[0])
+    drive = part_specs.motor(options.motor, press.driver_coordinates[0])
     _ = traced(press, options.trace)  # a wrong one is found before the work
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")

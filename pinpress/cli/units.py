@@ -30,6 +30,8 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"N s/m": 1.0, "Ns/m": 1.0, "kNs/m": 1e3},
     {"N m/rad": 1.0, "Nm/rad": 1.0, "kNm/rad": 1e3},
     {"N m s/rad": 1.0, "Nms/rad": 1.0, "kNms/rad": 1e3},
+    {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6},
+    {"Shore A": 1.0},
     {"-": 1.0, "%": 1e-2},
 )
 UNITS = {next(iter(row)): row for row in _ROWS}

@@ -287,14 +287,46 @@ def test_the_command_with_mounts(press: Any, tmp_path: Path) -> None:
     assert list(found) == list(expected)
     inputs = dict(data_in(tmp_path / "command.html")["report"]["inputs"][0]["rows"])
     assert inputs["frame"] == "Frame(mass=30 t, centre=(0, 0, 100) mm, inertia=(30000, 30000, 10000) kg m2)"
-    assert inputs["mounts"].count("Mount(point=") == 4
+    words = "50 / 50 / 200 kN/mm along x, y, z, damping 10 / 10 / 20 kN s/m, loss factor 0.1, area 0.04 m²"
+    assert inputs["mounts"] == f"4 at (-0.8, -0.5, -1.5), (-0.8, 0.5, -1.5), (0.8, -0.5, -1.5), (0.8, 0.5, -1.5) m: {words}"
+    assert list(inputs)[-1] == "computed by"
     for title in ("On its mounts at rest", "Modes on the mounts", "Vibration on the mounts"):
         assert found[title] == expected[title]
 
 
-def test_examples_of_frame_and_mount() -> None:
-    assert part_specs.frame(part_specs.FRAME.example) == pp.foundation.Frame(15e3, (0.0, 0.1, -0.35), (9e3, 8e3, 4e3))
-    assert part_specs.mount(part_specs.MOUNT.example) == pp.foundation.Mount((0.55, 0.6, -1.3), (5e7, 5e7, 2e8), loss_factor=0.1)
+def test_examples_of_frame_and_mounts() -> None:
+    frame = part_specs.part("--frame", part_specs.FRAME, part_specs.FRAME.example)
+    assert frame == pp.foundation.Frame(15e3, (0.0, 0.1, -0.35), (9e3, 8e3, 4e3))
+    spring = pp.foundation.Mount((0.55, 0.6, -1.3), (5e7, 5e7, 2e8), loss_factor=0.1)
+    assert part_specs.mounts([part_specs.MOUNT.example], None) == [spring]
+    pad = pp.foundation.RubberPad(0.2, 0.2, 0.01, hardness=65, loss_factor=0.15, stiffening=1.3)
+    assert part_specs.mounts([part_specs.PLACE.example], part_specs.PAD.example) == [pp.foundation.pad_mount((0.55, 0.6, -1.3), pad)]
+
+
+def test_the_command_on_rubber_over_the_speed(press: Any, tmp_path: Path) -> None:
+    words = ["report", "zxn2_3000b", "--speed", "70", "--points", "180", "--out", str(tmp_path / "command.html")]
+    words += [
+        "--frame",
+        "mass=30t,centre=0/0/0,inertia=3e4/3e4/1e4",
+        "--pad",
+        "length=200mm,width=20cm,thickness=10mm,shear_modulus=1.2MPa",
+    ]
+    places = [(x, y, -1.5) for x in (-0.8, 0.8) for y in (-0.5, 0.5)]
+    words += [word for x, y, z in places for word in ("--mount", f"point={x}/{y}/{z}")]
+    assert main([*words, "--frame-point", "a:b:0,0,1.5", "--speed-range", "30,1.5Hz"]) == 0
+    pad = pp.foundation.RubberPad(0.2, 0.2, 0.01, shear_modulus=1.2e6)
+    system = pp.foundation.mounted(
+        press, pp.foundation.Frame(3e4, (0, 0, 0), (3e4, 3e4, 1e4)), [pp.foundation.pad_mount(place, pad) for place in places]
+    )
+    over = pp.foundation.over_speeds(system, np.linspace(30, 90, 61) * pp.RPM, points={"a:b": (0, 0, 1.5)})
+    found = curves(chart(sections(tmp_path / "command.html")["Vibration over the speed"], "Acceleration"))
+    assert_allclose(found["a:b"][0], over.speed / pp.RPM, rtol=1e-6)
+    assert_allclose(found["a:b"][1], np.linalg.norm(over.rms["a:b"], axis=1), rtol=1e-5)
+    springs = [pp.foundation.Mount((x, y, 0), (1e6, 1e6, 1e6), loss_factor=0.05) for x, y, _ in places]
+    soft = pp.foundation.isolate(press, system.frame, springs, speeds=over.speed, transmitted=0.9)
+    page = pp.report(press, pp.cycle(press, SPEED, points=36), tmp_path / "isolation.html", results=[soft])
+    force = curves(chart(sections(page)["The stiffest mounts that isolate"], "Force on the floor by shaking force"))
+    assert_allclose(force["transmitted"][1], 100 * soft.transmitted, rtol=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -307,6 +339,11 @@ def test_examples_of_frame_and_mount() -> None:
         (["--region", "crank:radius=0.3"], "--region, --minimise and --limit go together"),
         (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1"], "--frame and --mount go together"),
         (["--mount", "point=0/0/0,stiffness=1e6/1e6/1e6"], "--frame and --mount go together"),
+        (["--speed-range", "30,90"], "--speed-range is for the press on its mounts"),
+        (
+            ["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1", "--mount", "point=0/0/0", "--pad", "length=1"],
+            "width and thickness are missing",
+        ),
         (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/9", "--mount", "point=0/0/0,stiffness=1/1/1"], "no body has this inertia"),
         (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1", "--mount", "point=0/0,stiffness=1/1/1"], "point is '0/0', not x/y/z"),
     ],

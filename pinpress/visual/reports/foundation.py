@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from ...common import tables
@@ -10,12 +13,13 @@ from ...common.quantities import RPM, Array
 from ...dynamics.extremes import AXES
 from ...dynamics.inputs import Inputs, described
 from ...foundation.mounted_press import MountedPress, VibrationModes
+from ...foundation.mounts import Mount
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from .blocks import Block, Figure, Figures, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown
 
-NOTHING = 1e-9  # a direction in which nothing vibrates more than this share of the largest acceleration is left out
+NOTHING = 1e-3  # a direction in which nothing vibrates more than this share of the largest acceleration has no chart, but its numbers
 DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linear
 
 
@@ -44,7 +48,28 @@ def _inputs(system: MountedPress) -> Inputs:
     """The parts of the frame and the springs that they stand on, in words."""
     parts = [("frame", system.frame)] if system.crown is None else [("bed", system.frame), ("crown", system.crown)]
     springs = [(name, some) for name, some in (("mounts", system.mounts), ("uprights", system.uprights)) if some]
-    return [*((name, described(part)) for name, part in parts), *((name, "; ".join(map(described, some))) for name, some in springs)]
+    return [*((name, described(part)) for name, part in parts), *((name, _in_words(some)) for name, some in springs)]
+
+
+def _in_words(mounts: Sequence[Mount]) -> str:
+    """Springs with their places; those that differ in nothing else stand together."""
+    places: dict[Mount, list[str]] = {}
+    for mount in mounts:
+        place = ", ".join(f"{value:.4g}" for value in mount.point)
+        places.setdefault(replace(mount, point=(0.0, 0.0, 0.0)), []).append(f"({place})")
+    return "; ".join(f"{len(some)} at {', '.join(some)} m: {_spring(mount)}" for mount, some in places.items())
+
+
+def _spring(mount: Mount) -> str:
+    words = [f"{_along_axes(1e-6, mount.stiffness)} kN/mm along x, y, z"]
+    words += [f"{_along_axes(1e-6, mount.static)} kN/mm at rest"] if mount.static != mount.stiffness else []
+    words += [f"damping {_along_axes(1e-3, mount.damping)} kN s/m"] if any(mount.damping) else []
+    words += [f"loss factor {mount.loss_factor:.4g}"] if mount.loss_factor else []
+    return ", ".join(words + ([] if mount.area is None else [f"area {mount.area:.4g} m²"]))
+
+
+def _along_axes(factor: float, values: Sequence[float]) -> str:
+    return " / ".join(f"{factor * value:.4g}" for value in values)
 
 
 def modes(found: VibrationModes, shown: Shown) -> Section:
@@ -135,7 +160,8 @@ def isolation(found: Isolation, shown: Shown) -> Section:
     ]
     chart = _over("Force on the floor by shaking force", "%", [Line("transmitted", 100 * found.transmitted, found.speed / RPM)])
     rest = standing(found.system, shown)
-    return Section("The stiffest mounts that isolate", [Figures(figures), chart, *rest.blocks], rest.inputs, rest.note)
+    inputs = [("mounts that isolate" if name == "mounts" else name, words) for name, words in rest.inputs]
+    return Section("The stiffest mounts that isolate", [Figures(figures), chart, *rest.blocks], inputs, rest.note)
 
 
 def _refuse_others(what: str, name: str, shown: Shown) -> None:

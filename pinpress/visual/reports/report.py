@@ -128,8 +128,8 @@ def _subtitle(shown: Shown, before: Shown | None) -> str:
 
 def _inputs(shown: Shown, before: Shown | None, more: Sequence[Section]) -> list[dict[str, Any]]:
     """What the page was computed from, its other results, and the dashed curves."""
-    rows = [*inputs_of(shown.reactions)]
+    *rows, computed_by = inputs_of(shown.reactions)
     for section in more:
         rows += [row for row in section.inputs if row not in rows]
-    given = [("", rows)] + ([] if before is None else [("Dashed curves", [*inputs_of(before.reactions)])])
+    given = [("", [*rows, computed_by])] + ([] if before is None else [("Dashed curves", [*inputs_of(before.reactions)])])
     return [{"title": title, "rows": [list(row) for row in rows]} for title, rows in given]

@@ -16,13 +16,20 @@ const asText = text => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").rep
 const MODE = !over || over.length > 1 ? "lines" : "markers";
 const brief = (text, most = 40) => text.length > most ? text.slice(0, most - 1) + "…" : text;
 
-function xAxis({ across, follows, reach, logarithmic }) {
+function xAxis({ across, follows, reach }) {
   const frames = follows === "frames", axis = { ...AXIS, title: { text: asText(across || `${report.over.quantity} [${report.over.unit}]`), standoff: 6 } };
   if (frames && over.length > 1) axis.range = [over[0], over.at(-1)];  // backwards too time runs to the right
   if (frames && report.over.unit === "deg" && Math.abs(over.at(-1) - over[0]) >= 180) axis.dtick = 45;
   if (reach) axis.range = reach;
-  if (logarithmic === "xy") Object.assign(axis, { type: "log", dtick: 1, exponentformat: "power" });
   return axis;
+}
+
+function logarithmicAxis(axis, lines) {  // within two decades the powers of ten alone would be too few ticks
+  const values = lines.flatMap(line => [...line]).filter(value => value > 0), least = Math.min(...values), largest = Math.max(...values);
+  const ticks = [];
+  for (let decade = Math.floor(Math.log10(least)); decade <= Math.log10(largest); decade++)
+    for (const step of [1, 2, 5]) ticks.push(Number(`${step}e${decade}`));
+  Object.assign(axis, { type: "log" }, largest > 100 * least ? { dtick: 1, exponentformat: "power" } : { tickvals: ticks, ticktext: ticks.map(String) });
 }
 
 // What the cursors of a chart follow: present places along it, and the moment at one of them.
@@ -51,8 +58,8 @@ function card(parent, title, unit) {
 }
 
 function rounded(value, largest) {  // to four digits of the largest value
-  const digits = Math.max(0, 3 - Math.floor(Math.log10(largest || 1)));
-  return (digits > 9 ? value.toPrecision(4) : value.toFixed(digits)).replace("-", "\u2212");
+  const digits = Math.max(0, 3 - Math.floor(Math.log10(largest || 1))), text = digits > 9 ? value.toPrecision(4) : value.toFixed(digits);
+  return Number(text) ? text.replace("-", "\u2212") : text.replace("-", "");
 }
 
 const largestOf = values => values.reduce((largest, value) => Math.max(largest, Math.abs(value)), 0);
@@ -95,8 +102,10 @@ function lineChart(parent, chart) {
     return { name: curve.name, colour, traces: mine, dash: curve.look === "dotted" || dashOf(i) };
   });
   const yaxis = { ...AXIS, rangemode: chart.follows === "height" || chart.stacked ? "tozero" : "normal" };
-  if (chart.logarithmic) Object.assign(yaxis, { type: "log", dtick: 1, exponentformat: "power" });
-  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, hovermode: chart.follows === "height" ? "closest" : "x unified", xaxis: xAxis(chart), yaxis };
+  if (chart.logarithmic) logarithmicAxis(yaxis, unpacked.map(({ y }) => y));
+  const xaxis = xAxis(chart);
+  if (chart.logarithmic === "xy") logarithmicAxis(xaxis, unpacked.map(({ x }) => x));
+  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, hovermode: chart.follows === "height" ? "closest" : "x unified", xaxis, yaxis };
   const plot = document.createElement("div"), values = legend(box, plot, curves);
   plot.className = "plot";
   box.append(plot);
