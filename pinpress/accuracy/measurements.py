@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ from ..common import tables
 from ..common.arguments import typed
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
-from ..plots.style import COLOURS, GREY, SMALL, drawing, grid, legend, plain
+from ..plots.style import COLOURS, GREY, SMALL, grid, legend, panels, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -125,7 +125,7 @@ class WorkPrecision(Tabular):
 
 
 @typed
-def plot(measured: WorkPrecision) -> Figure:
+def plot(measured: WorkPrecision, *, ax: Iterable[Axes] | None = None) -> Figure:
     """Draw error against run time, of inverse dynamics and of every scene, and what settings do to the error.
 
     The error of a scene is that of the crank angle at its end; under a stiff speed law, which fixes the crank angle, it is that of the
@@ -135,40 +135,43 @@ def plot(measured: WorkPrecision) -> Figure:
 
     Args:
         measured: result of `compare`.
+        ax: the caller's eight axes; by default those of a new figure.
 
     Raises:
-        PinpressError: it is no `WorkPrecision`, or Matplotlib is not installed.
+        PinpressError: it is no `WorkPrecision`, Matplotlib is not installed, or ``ax`` are not eight axes.
     """
     looks = _looks(measured)
-    with drawing(HEIGHT) as figure:
-        panels = figure.subplots(4, 2)
-        drawn: dict[str, Any] = {}
-        for axes, group, label, value in (
-            (panels[0, 0], INVERSE_DYNAMICS, "error of the torque", _error),
-            (panels[0, 1], FREE_RUN, ANGLE, _error),
-            (panels[1, 0], CLUTCH, ANGLE, _error),
-            (panels[1, 1], DIE, ANGLE, _error),
-            (panels[2, 0], SPEED_LAW, "error of bearing forces", _force_error),
-            (panels[2, 1], FREE_RUN, "loop gap [m]", _loop_gap),
-        ):
+    with panels(ax, 8, HEIGHT, lambda figure: figure.subplots(4, 2).ravel()) as drawn:
+        *over_time, proximal, table = drawn.axes
+        lines_of: dict[str, Any] = {}
+        charts = (
+            (INVERSE_DYNAMICS, "error of the torque", _error),
+            (FREE_RUN, ANGLE, _error),
+            (CLUTCH, ANGLE, _error),
+            (DIE, ANGLE, _error),
+            (SPEED_LAW, "error of bearing forces", _force_error),
+            (FREE_RUN, "loop gap [m]", _loop_gap),
+        )
+        for axes, (group, label, value) in zip(over_time, charts, strict=True):
             for method in _methods(measured, group):
                 line = _series(axes, measured.of(group, method), _time, value, looks[method])
                 if len(line.get_xdata()):
-                    drawn.setdefault(method, line)
+                    lines_of.setdefault(method, line)
             title = group[0].upper() + group[1:]
             _axes(axes, f"{title}, loops" if value is _loop_gap else title, "time [ms]", label)
             if value is _error:
                 _known(axes, measured, group)
-        lines = _settings(panels[3, 0], measured, PROXIMAL)
-        _axes(panels[3, 0], "Constraint dynamics", "proximal parameter mu", "error of accelerations")
+        lines = _settings(proximal, measured, PROXIMAL)
+        _axes(proximal, "Constraint dynamics", "proximal parameter mu", "error of accelerations")
         if lines:
-            legend(panels[3, 0], lines, _methods(measured, PROXIMAL), loc="upper left")
-        _settings(panels[3, 1], measured, TABLE)
-        _axes(panels[3, 1], "Reduced table", "samples", "error between them")
-        _ticks(panels[3, 1], [row.evaluations for row in measured.of(TABLE, "reduced") if row.evaluations][::2])
-        legend(figure, list(drawn.values()), list(drawn), loc="outside upper center", ncols=3)
-        plain(figure.supxlabel(f"{measured.press_name}: {measured.scene}", fontsize=SMALL, color=GREY))
-    return figure
+            legend(proximal, lines, _methods(measured, PROXIMAL), loc="upper left")
+        _settings(table, measured, TABLE)
+        _axes(table, "Reduced table", "samples", "error between them")
+        _ticks(table, [row.evaluations for row in measured.of(TABLE, "reduced") if row.evaluations][::2])
+        drawn.legend(list(lines_of.values()), list(lines_of), loc="outside upper center", ncols=3)
+        if drawn.own:
+            plain(drawn.figure.supxlabel(f"{measured.press_name}: {measured.scene}", fontsize=SMALL, color=GREY))
+    return drawn.figure
 
 
 def _table(rows: Sequence[Measurement]) -> list[str]:

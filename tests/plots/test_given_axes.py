@@ -26,6 +26,7 @@ PLOTS = {
     "snap_through": (1, lambda ax: plots.snap_through({"press": made("SnapThroughResponse")}, ax=ax)),
     "vibration": (1, lambda ax: plots.vibration({"press": made("FrameMotion")}, ax=ax)),
     "speed_response": (2, lambda ax: plots.speed_response({"press": made("SpeedResponse")}, "head", ax=ax)),
+    "accuracy": (8, lambda ax: pp.accuracy.plot(made("WorkPrecision"), ax=ax)),
     "trade_offs": (1, lambda ax: plots.trade_offs({"press": made("TradeOffCurve")}, ax=ax)),
 }
 
@@ -39,10 +40,10 @@ def curves(axes):
 
 
 def test_every_plot_takes_axes():
-    assert set(PLOTS) == set(dir(plots)) - {"save"}
+    assert set(PLOTS) == set(dir(plots)) - {"save"} | {"accuracy"}
 
 
-@pytest.mark.parametrize("name", rest_exhaustive(PLOTS, "slide", "polar", "comparison"))
+@pytest.mark.parametrize("name", rest_exhaustive(PLOTS, "slide", "polar", "comparison", "accuracy"))
 def test_on_given_axes(name):
     count, plot = PLOTS[name]
     figure = Figure(figsize=(8, 8))

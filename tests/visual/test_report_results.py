@@ -287,8 +287,8 @@ def test_the_command_with_mounts(press: Any, tmp_path: Path) -> None:
     assert list(found) == list(expected)
     inputs = dict(data_in(tmp_path / "command.html")["report"]["inputs"][0]["rows"])
     assert inputs["frame"] == "Frame(mass=30 t, centre=(0, 0, 100) mm, inertia=(30000, 30000, 10000) kg m2)"
-    words = "50 / 50 / 200 kN/mm along x, y, z, damping 10 / 10 / 20 kN s/m, loss factor 0.1, area 0.04 m²"
-    assert inputs["mounts"] == f"4 at (-0.8, -0.5, -1.5), (-0.8, 0.5, -1.5), (0.8, -0.5, -1.5), (0.8, 0.5, -1.5) m: {words}"
+    spring = "50 / 50 / 200 kN/mm along x, y, z, damping 10 / 10 / 20 kN s/m, loss factor 0.1, area 0.04 m²"
+    assert inputs["mounts"] == f"4 at (-0.8, -0.5, -1.5), (-0.8, 0.5, -1.5), (0.8, -0.5, -1.5), (0.8, 0.5, -1.5) m: {spring}"
     assert list(inputs)[-1] == "computed by"
     for title in ("On its mounts at rest", "Modes on the mounts", "Vibration on the mounts"):
         assert found[title] == expected[title]
