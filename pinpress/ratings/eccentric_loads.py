@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.arguments import positive, suitable_numbers, typed
@@ -24,7 +23,7 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..dynamics.applied_loads import point_on_body
-from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import PointForce
@@ -132,6 +131,7 @@ def eccentric_load(
     found = _guide_reaction(press, motion, newtons * axis, point, gibs, engine)
     normal, tilting = found.force @ across[0], found.moment @ across[1]
     pressure, contact = _pressure(gibs, normal, tilting, motion)
+    open_moments = found.reactions.indeterminate[name][3:]
     return GuideReaction(
         guide=name,
         tilting_moment=np.cross(_rotation(press) @ point, newtons * axis),
@@ -141,7 +141,7 @@ def eccentric_load(
         tilting=tilting,
         pressure=pressure,
         contact=contact,
-        indeterminate=bool(np.any(found.indeterminate & (np.abs(found.axes @ across[1]) > DIRECTION))),
+        indeterminate=bool(np.any(open_moments & (np.abs(found.reactions.indeterminate_axes @ across[1]) > DIRECTION))),
     )
 
 
@@ -222,14 +222,12 @@ class _Reaction(NamedTuple):
     Attributes:
         force: (n, 3) force on the slide [N].
         moment: (n, 3) moment on the slide about the middle of the gibs [N m].
-        indeterminate: (3,) whether rigid-body mechanics leaves the component of the moment along each of ``axes`` undetermined.
-        axes: (3, 3) unit vectors, one a row.
+        reactions: all that was computed of it.
     """
 
     force: Array
     moment: Array
-    indeterminate: NDArray[np.bool_]
-    axes: Array
+    reactions: Reactions
 
 
 def _guide_reaction(press: Linkage, motion: Motion, force: Array, point: Array, gibs: Gibs, engine: str) -> _Reaction:
@@ -244,7 +242,7 @@ def _guide_reaction(press: Linkage, motion: Motion, force: Array, point: Array, 
     middle = press.model.jointPlacements[joint].rotation @ frame.placement.translation + gibs.middle * axis
     reaction = np.array(found.bearing_force[name])
     moment = found.bearing_moment[name] - np.cross(middle, reaction)
-    return _Reaction(reaction, moment, found.indeterminate[name][3:], found.indeterminate_axes)
+    return _Reaction(reaction, moment, found)
 
 
 def _pressure(gibs: Gibs, normal: Array, tilting: Array, motion: Motion) -> tuple[Array, Array]:

@@ -142,7 +142,7 @@ def _digest(script: bytes) -> str:
 
 def pack(content: bytes) -> str:
     """Compress bytes and write them in base 85 (RFC 1924), which takes 6 % less than base 64. `unpack.js` opens them."""
-    compressed = zlib.compress(content)  # the highest level takes twice as long, for 0.2 % less
+    compressed = zlib.compress(content, 5)  # the next level takes a third longer, for 0.7 % less
     missing = -len(compressed) % 4
     words = np.frombuffer(compressed + bytes(missing), ">u4").astype(np.uint32)
     digits = np.empty((len(words), 5), np.uint8)
