@@ -23,7 +23,9 @@ what `pinpress check` adds.
 
 Each mistake in a description is a file of the folder `tests/mistakes`, to be tried: `pinpress check tests/mistakes/no-units.yaml`. Beside
 its name stands what it has in place of the right file above, and what is said, with `press` for the file's name. `python
-docs/mistakes_page.py` writes this page.
+docs/mistakes_page.py` writes this page. Where lengths do not meet, `pinpress build` also draws how far they reach:
+
+![lengths-too-short-to-meet.yaml: pin C is sought 700 mm from B and 375 mm from D; the circles do not meet](pictures/lengths_too_short.svg)
 
 ## In pin tables
 

@@ -7,10 +7,12 @@ Scripts of viz/ make the pictures of presses in three dimensions, of balancing, 
 docs/tour_pictures.py those of the tour, and docs/gallery_films.py the gallery.
 """
 
+import csv
 import os
 import runpy
 import shutil
 import sys
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -21,6 +23,7 @@ import pinocchio as pin
 from matplotlib.figure import Figure
 
 import pinpress as pp
+from pinpress.cli.main import main as main_of_pinpress
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "pictures"
@@ -30,6 +33,10 @@ LONGER_CRANK = """() => {
     setPlaying(false);
     seek(0.15 * duration);
     change(rows[data.dimensions.findIndex(each => each.name === "A to B")], 165, true);
+}"""
+AT_RATINGS = """() => {
+    [...document.querySelectorAll("#charts h2")].find(title => title.textContent.startsWith("Ratings")).scrollIntoView();
+    viewer.render();
 }"""
 BLUE, RED = "#0072B2", "#D55E00"
 SIZE = (6.3, 2.9)  # [inch]
@@ -168,19 +175,61 @@ def notebook() -> str:
     return picture.replace("<svg ", '<svg style="background:#fff" ', 1)
 
 
+def programs() -> Figure:
+    """docs/comparison.md: error against run time of a free run, of pinpress and of other programs, from viz/accuracy.csv."""
+    with (ROOT / "viz" / "accuracy.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["group"] == "free run" and row["error"]]
+    words = {"reduced": "pinpress", "constraint": "pinpress, all joints", "SciPy DOP853, closed form": "hand script, SciPy DOP853"}
+    methods = [*words, *(name for name in dict.fromkeys(row["method"] for row in rows) if name.startswith(("MuJoCo", "Exudyn")))]
+    figure = _figure((6.3, 3.6))
+    axes = figure.subplots()
+    for name, marker, colour in zip(methods, "os*D^v", (BLUE, "#56B4E9", "black", RED, "#E69F00", "#009E73"), strict=True):
+        points = [(1e3 * float(row["seconds [s]"]), float(row["error"])) for row in rows if row["method"] == name and float(row["error"])]
+        axes.loglog(*np.array(points).T, marker, linestyle="-", markersize=4, color=colour, label=words.get(name, name))
+    axes.set_xlabel("run time of two turns [ms]")
+    axes.set_ylabel("error of the crank angle [rad]")
+    axes.legend(frameon=False, fontsize=8, ncols=3, loc="lower left", bbox_to_anchor=(0.0, 1.0))
+    return figure
+
+
+def lengths_too_short() -> str:
+    """docs/mistakes.md: the sketch that comes with one of its mistakes."""
+    try:
+        pp.pin_table.draft(ROOT / "tests" / "mistakes" / "lengths-too-short-to-meet.yaml")
+    except pp.PinTableError as error:
+        return str(error.sketch)
+    raise AssertionError("its lengths meet")
+
+
+def report_page() -> bytes:
+    """docs/commands.md: the page of its command, at the ratings."""
+    manual = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    _, *words = next(line for line in manual.splitlines() if line.startswith("pinpress report zxn2_3000b")).split()
+    with tempfile.TemporaryDirectory() as folder:
+        page = Path(folder, words.pop())
+        main_of_pinpress([*words, str(page)])
+        return _in_window(page.as_uri() + "#t=0.64", "body:has(#charts h2)", AT_RATINGS)
+
+
 def live() -> bytes:
     """docs/live.md: the live window in Chromium, in which a crank has been made longer."""
+    with pp.view(six_bar(), speed=SPEED, loads=[DRAWING], browser=False) as window:
+        return _in_window(window.url, ".row", LONGER_CRANK)
+
+
+def _in_window(url: str, drawn: str, action: str) -> bytes:
+    """A page in Chromium: what it shows once there is an element like ``drawn`` and ``action`` has been done."""
     from playwright.sync_api import sync_playwright
 
-    drawn = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # by the processor
+    flags = ("--use-gl=angle", "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader")  # drawn by the processor
     program = os.environ.get("CHROMIUM") or shutil.which("chromium")
-    with pp.view(six_bar(), speed=SPEED, loads=[DRAWING], browser=False) as window, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=[*drawn, "--no-sandbox", "--hide-scrollbars"])
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=[*flags, "--no-sandbox", "--hide-scrollbars"])
         page = browser.new_page(viewport={"width": 1280, "height": 800})
-        page.goto(window.url)
-        page.wait_for_selector(".row")
+        page.goto(url)
+        page.wait_for_selector(drawn)
         page.wait_for_timeout(2000)
-        page.evaluate(LONGER_CRANK)
+        page.evaluate(action)
         page.wait_for_timeout(2000)
         shot = page.screenshot()
         browser.close()
@@ -192,7 +241,8 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
-    slide, polar, run, operating_map, synthesis, two_assemblies, change_point, sketch, notebook, live,
+    slide, polar, run, operating_map, synthesis, two_assemblies, change_point, programs, sketch, lengths_too_short, notebook, report_page,
+    live,
 )  # fmt: skip
 
 

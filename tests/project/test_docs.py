@@ -42,6 +42,7 @@ RUN = [
 RUN += ["live", "mistakes", "pin_table", "pinocchio", "units_and_signs"]
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
+PICTURED += ["commands", "comparison", "mistakes", "papers"]
 PICTURED += ["live", "ratings", "recording", "simulation", "sweep", "synthesis", "tour", "units_and_signs"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
@@ -188,7 +189,7 @@ def test_pages_of_features_have_light_pictures() -> None:
         shown = re.findall(r"!\[([^\]]*)\]\(([^)]+)\)", text(page))
         assert shown, page
         assert all(len(words) > 10 and (DOCS / path).stat().st_size <= 150_000 for words, path in shown), page
-        assert re.search(r"(python (docs|viz)/\w+\.py|pinpress build)", text(page)), page
+        assert re.search(r"(python (docs|viz)/\w+\.py|python -m pinpress\.papers|pinpress build)", text(page)), page
 
 
 def test_every_picture_of_the_guide_is_made_and_shown() -> None:
