@@ -27,10 +27,8 @@ from .options import (
     SPEED,
     add_flywheel_option,
     add_force_options,
-    add_out_option,
+    add_page_options,
     add_press_options,
-    add_report_option,
-    add_trace_option,
     forces,
     load_press,
     print_inputs,
@@ -63,10 +61,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "--speed-drop", type=quantity("-"), metavar="D", help="drop of the flywheel's speed, e.g. 0.1; the inertia that it takes is printed"
     )
     option("--motor", metavar="KIND:KEYS", help="motor, see below; the steady state under it, with loads and flywheel, is printed")
-    add_out_option(parser, "the files")
-    add_report_option(parser)
+    add_page_options(parser, "the files")
     add_before_option(parser)
-    add_trace_option(parser)
     add_points_option(parser)
     option(
         "--engine", choices=("auto", "plane", "pinocchio"), default="auto", help="method of computation (default: the fastest that serves)"

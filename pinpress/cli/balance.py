@@ -119,7 +119,7 @@ def add_balance_options(parser: argparse.ArgumentParser, *, required: bool) -> N
         "--region",
         action="append",
         required=required,
-        default=None if required else [],
+        default=[],
         metavar="LINK:KEYS",
         help="region for a counterweight, see below; may be given several times",
     )
@@ -127,7 +127,7 @@ def add_balance_options(parser: argparse.ArgumentParser, *, required: bool) -> N
         "--minimise",
         action="append",
         required=required,
-        default=None if required else [],
+        default=[],
         metavar="CRITERION[=WEIGHT]",
         help="criterion to minimise, see below; may be given several times: each counts relative to before, times its weight (default: 1)",
     )

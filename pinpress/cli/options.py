@@ -229,8 +229,10 @@ def add_out_option(parser: argparse.ArgumentParser, files: str) -> None:
     parser.add_argument("--out", type=Path, metavar="DIR", help=f"folder for {files}; made if it is not there")
 
 
-def add_report_option(parser: argparse.ArgumentParser) -> None:
-    """Option --report, which writes a report beside the recording."""
+def add_page_options(parser: argparse.ArgumentParser, files: str) -> None:
+    """Options of `write_pages`; ``files``: the files that are written, in words for the help."""
+    add_out_option(parser, files)
+    add_trace_option(parser)
     parser.add_argument("--report", action="store_true", help="also write report.html: the recording and charts that follow it")
 
 
@@ -278,7 +280,7 @@ def write_pages(
     Args:
         press: the linkage that is shown.
         reactions: to the motion that is shown.
-        options: those of `add_out_option`, `add_report_option` and `add_trace_option`.
+        options: those of `add_page_options`.
         names: of the files that have been written before, in the same folder.
         before: reactions of another press, for the report.
         results: other results of the press, for the report.

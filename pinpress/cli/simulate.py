@@ -16,10 +16,8 @@ from .options import (
     SIGNS,
     add_flywheel_option,
     add_force_options,
-    add_out_option,
+    add_page_options,
     add_press_options,
-    add_report_option,
-    add_trace_option,
     load_press,
     loads,
     print_inputs,
@@ -80,9 +78,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     )
     option("--gravity", type=quantity("m/s2"), default=9.81, metavar="G", help="gravity downwards, in m/s2 (default: %(default)s)")
     add_press_options(parser)
-    add_out_option(parser, "the three files")
-    add_report_option(parser)
-    add_trace_option(parser)
+    add_page_options(parser, "the three files")
     parser.set_defaults(run=run)
 
 

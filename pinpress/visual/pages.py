@@ -24,6 +24,7 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array
 
 FIELD = re.compile(r"\{\{(\w+)\}\}")
+FILE = re.compile(r"\{\{(\w+\.\w+)\}\}")
 DIGITS = np.frombuffer(b"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;<=>?@^_`{|}~", np.uint8)  # of base 85
 NO_MESHCAT = "recordings need Meshcat, which is not installed; pip install 'pinpress[recording]'"
 NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[report]'"
@@ -51,7 +52,7 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
     page's security policy names the scripts by their digests, so that no other can run.
 
     Args:
-        template: name of an HTML file; ``{{file.css}}`` and ``{{file.js}}`` in it are files beside it.
+        template: name of an HTML file; ``{{file.css}}``, ``{{file.js}}`` and ``{{file.html}}`` in it are files beside it.
         title: any text.
         data: data for the page's own scripts, written as JSON.
         libraries: libraries by their names in the template.
@@ -59,8 +60,7 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
     Raises:
         PinpressError: a number of the data is not finite.
     """
-    folder = importlib.resources.files(__package__) / "templates"
-    whole = re.sub(r"\{\{(\w+\.\w+)\}\}", lambda match: (folder / match[1]).read_text("utf-8"), (folder / template).read_text("utf-8"))
+    whole = _with_files(template)
     digests = [library.digest for library in libraries.values()]
 
     def finished(script: re.Match[str]) -> str:
@@ -80,6 +80,12 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
         **{name: library.packed for name, library in libraries.items()},
     }
     return FIELD.sub(lambda match: fields[match[1]], whole).encode()  # in one pass, as the filled-in text must not be searched
+
+
+def _with_files(name: str) -> str:
+    """The text of a file of `templates/` with those that it names in their places."""
+    text = (importlib.resources.files(__package__) / "templates" / name).read_text("utf-8")
+    return FILE.sub(lambda match: _with_files(match[1]), text)
 
 
 def _as_json(data: Mapping[str, Any]) -> str:
