@@ -1,5 +1,5 @@
-"""Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and roots within brackets, by Newton's method,
-which halves the bracket where a step would leave it, or by Brent's, which takes no derivatives.
+"""Small numerics: Gauss-Legendre quadrature on -1..1 with the polynomials through its nodes, and roots within brackets: by Newton's method,
+which halves the bracket where a step would leave it, or without derivatives.
 """
 
 import math
@@ -13,8 +13,6 @@ from .quantities import Array
 
 NODES = 14  # nodes of the quadrature; the polynomials through them have one degree less
 MOST_STEPS = 60  # most steps of Newton's method: as many halvings narrow a bracket down to rounding
-EPSILON = float(np.finfo(float).eps)
-MOST_BRENT_STEPS = 100  # most steps of Brent's method; it takes about ten
 ValueAndSlope = Callable[[Array], tuple[Any, Any]]
 """Places (m,) -> values and derivatives of a function there, (m,) each. They may be complex; decisions are made on their real parts."""
 
@@ -142,60 +140,37 @@ def polynomial_root(polynomial: list[float], low: float, high: float) -> float:
     return x
 
 
-def brent_root(function: Callable[[float], float], low: float, high: float, *, xtol: float = 2e-12, rtol: float = 4 * EPSILON) -> float:
-    """The place between two others at which a function changes sign, by Brent's method.
+def sign_change(function: Callable[[float], float], low: float, high: float, width: float) -> float:
+    """The place at which a function of one number changes sign, within ``width``. It takes no derivatives.
 
-    It takes the same steps as `scipy.optimize.brentq`, to the last bit, and saves its import, which takes a third of a second.
+    Every step cuts the bracket near the root of its chord, pushed a little towards the middle, and never so far from the middle that
+    halving would have been quicker on the whole: about ten steps for a smooth function, one more than by halving for any other. (SciPy's
+    `brentq` does as well, but its import takes longer than all else in a first rating.)
 
     Args:
-        function: of one number.
+        function: of one number, with different signs at the ends of the bracket.
         low: one end of the bracket.
-        high: its other end, where the function has the other sign, or is zero.
-        xtol: half-width of a bracket that is narrow enough.
-        rtol: further half-width, as a share of the place.
+        high: its other end.
+        width: of a bracket that is narrow enough, positive.
 
-    Raises:
-        ValueError: the function has one sign at both ends, or no root was found in `MOST_BRENT_STEPS` steps.
-
-    Source: R. P. Brent, Algorithms for Minimization Without Derivatives, 1973, chapter 4.
+    Source: I. F. D. Oliveira, R. H. C. Takahashi, An enhancement of the bisection method average performance preserving minmax optimality,
+    ACM Transactions on Mathematical Software 47(1), 2020.
     """
-
-    def value(place: float) -> float:
-        found = float(function(place))
-        if math.isnan(found):
-            raise ValueError(f"the function has no value at {place}")
-        return found
-
-    # `here` is the best place, `before` the one before it, and the root is between `here` and `across`.
-    before, here, across = float(low), float(high), 0.0
-    f_before, f_here, f_across, last_step, step = value(before), value(here), 0.0, 0.0, 0.0
-    if not f_before or not f_here:
-        return here if f_before else before
-    if (f_before < 0.0) == (f_here < 0.0):
-        raise ValueError("the function has one sign at both ends of the bracket")
-    for _ in range(MOST_BRENT_STEPS):
-        if f_before and f_here and (f_before < 0.0) != (f_here < 0.0):
-            across, f_across = before, f_before
-            last_step = step = here - before
-        if abs(f_across) < abs(f_here):
-            before, here, across = here, across, here
-            f_before, f_here, f_across = f_here, f_across, f_here
-        narrow, half = (xtol + rtol * abs(here)) / 2, (across - here) / 2
-        if not f_here or abs(half) < narrow:
-            return here
-        closer = math.inf
-        if abs(last_step) > narrow and abs(f_here) < abs(f_before):
-            if before == across:  # by a straight line
-                closer = -f_here * (here - before) / (f_here - f_before)
-            else:  # by an inverse parabola
-                one, other = (f_before - f_here) / (before - here), (f_across - f_here) / (across - here)
-                below = other * one * (f_across - f_before)
-                closer = -f_here * (f_across * other - f_before * one) / below if below else math.inf
-        if 2 * abs(closer) < min(abs(last_step), 3 * abs(half) - narrow):
-            last_step, step = step, closer
+    f_low, f_high = function(low), function(high)
+    steps = math.ceil(math.log2(max(abs(high - low) / width, 1.0))) + 1
+    push = 0.2 / abs(high - low)
+    for step in range(steps):
+        if abs(high - low) <= width or not f_low or not f_high:
+            break
+        middle, half = 0.5 * (low + high), 0.5 * abs(high - low)
+        chord = (f_high * low - f_low * high) / (f_high - f_low)
+        towards = math.copysign(1.0, middle - chord)
+        near = chord + towards * min(max(push * (2.0 * half) ** 2, 0.5 * width), abs(middle - chord))
+        farthest = max(0.5 * width * 2.0 ** (steps - step) - half, 0.0)
+        place = near if abs(near - middle) <= farthest else middle - towards * farthest
+        value = function(place)
+        if (value > 0.0) == (f_high > 0.0):
+            high, f_high = place, value
         else:
-            last_step = step = half
-        before, f_before = here, f_here
-        here += step if abs(step) > narrow else math.copysign(narrow, half)
-        f_here = value(here)
-    raise ValueError(f"no root was found in {MOST_BRENT_STEPS} steps")
+            low, f_low = place, value
+    return low if not f_low else high if not f_high else 0.5 * (low + high)

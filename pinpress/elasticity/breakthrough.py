@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 from ..common.arguments import number, numbers, positive
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
-from ..common.numerics import brent_root
+from ..common.numerics import bracketed_roots, sign_change
 from ..common.quantities import Array
 from ..common.results import Tabular
 
@@ -41,6 +41,7 @@ PERIODS = 6  # periods of vibration after the force is gone
 CALM = 1e-24  # a kinetic energy below this share of the elastic energy is rounding
 TOUCHING = 1e-13  # a slide closer to an edge of the clearance than this share of the deflection F / k is on it
 MOST = 20_000  # segments of half a period
+ROUNDING = 4 * float(np.finfo(float).eps)  # share of a time; a smaller step of a root is rounding
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -281,20 +282,25 @@ class ResponseSegment:
         """Time within the span during which x is positive for any phase of the vibration, in contact with a spring that is slack at 0."""
         decay, _, c, d = self._wave
 
-        def least(s: float) -> float:  # concave, so that it is positive up to some time, or to the end
-            return float(self._particular(s)[0] - math.hypot(c, d) * math.exp(-decay * s))
+        def least(s: Array) -> tuple[Array, Array]:  # concave, so that it is positive up to some time, or to the end
+            place, rate = self._particular(s)
+            wave = math.hypot(c, d) * np.exp(-decay * s)
+            return place - wave, rate + decay * wave
 
-        return span if least(span) > 0.0 else float(brent_root(least, 0.0, span)) if least(0.0) > 0.0 else 0.0
+        begin, end = np.zeros(1), np.array([span])
+        if least(end)[0] > 0.0:
+            return span
+        return float(bracketed_roots(least, begin, end, relative=ROUNDING)[0]) if least(begin)[0] > 0.0 else 0.0
 
-    def acceleration(self, s: float) -> float:
-        """Acceleration x'' at a time s [m/s2]."""
+    def acceleration(self, s: Any) -> Any:
+        """Acceleration x'' at a time s or (n,) times [m/s2]."""
         if self.slack is None:
             return (self.a + self.b * s) / self.release.mass
         release = self.release
         x, v = self.at(s)
-        return float(
-            (self.a + self.b * s - release.stiffness * (x - self.slack)) / release.mass - 2 * release.damping_ratio * release.frequency * v
-        )
+        return (
+            self.a + self.b * s - release.stiffness * (x - self.slack)
+        ) / release.mass - 2 * release.damping_ratio * release.frequency * v
 
     def jerk_zeros(self, span: float) -> list[float]:
         """Times within the span at which the acceleration has an extreme value [s]."""
@@ -351,7 +357,12 @@ def turning(segment: ResponseSegment, span: float) -> list[float]:
     times = np.linspace(0.0, span, STEPS + 1)
     speeds = segment.at(times)[1]
     signs = np.flatnonzero(speeds[:-1] * speeds[1:] < 0.0)
-    return [float(brent_root(lambda s: float(segment.at(s)[1]), times[i], times[i + 1], xtol=1e-300, rtol=1e-15)) for i in signs]
+
+    def rates(s: Array) -> tuple[Array, Array]:
+        return segment.at(s)[1], segment.acceleration(s)
+
+    found: list[float] = bracketed_roots(rates, times[signs], times[signs + 1], relative=ROUNDING).tolist() if len(signs) else []
+    return found
 
 
 class Leaving(NamedTuple):
@@ -388,7 +399,7 @@ def _permissible(reverse: float, stiffness: float, mass: float, damping_ratio: f
         low = high
         if low > reverse / WEAKEST:
             raise PinpressError(f"no force causes a reverse load of {reverse:g} N after a break-through of {break_time:g} s")
-    return float(brent_root(excess, low, high, xtol=1e-12 * high, rtol=1e-14))
+    return sign_change(excess, low, high, 1e-12 * high)
 
 
 def _lowest(parts: Iterable[tuple[ResponseSegment, float]]) -> float:
@@ -464,8 +475,10 @@ def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None
                 if way * (places[i - 1] - edge) >= 0.0:  # on the edge already
                     return Leaving(float(begin), edge, after)
 
-                def beyond(s: float, edge: float = edge) -> float:
-                    return float(segment.at(s)[0]) - edge
+                def beyond(s: Array, edge: float = edge) -> tuple[Array, Array]:
+                    x, v = segment.at(s)
+                    return x - edge, v
 
-                return Leaving(brent_root(beyond, begin, times[i], xtol=1e-300, rtol=1e-15), edge, after)
+                found = bracketed_roots(beyond, times[i - 1 : i], times[i : i + 1], relative=ROUNDING)
+                return Leaving(float(found[0]), edge, after)
     return None

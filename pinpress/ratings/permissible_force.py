@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ..common.arguments import is_multiple, is_quantity, positive, suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen, FrozenMapping
-from ..common.numerics import bracketed_roots, brent_root
+from ..common.numerics import bracketed_roots, sign_change
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
@@ -328,7 +328,7 @@ def angle_at(rated: RatedStroke, name: str, height: float) -> float:
     def above(angle: float) -> float:
         return float(rated.motion(np.array([angle])).slide_position[0]) - rated.bottom_position - height
 
-    return float(brent_root(above, rated.top, rated.bottom, xtol=ROUNDING, rtol=ROUNDING))
+    return sign_change(above, rated.top, rated.bottom, ROUNDING * max(abs(rated.top), abs(rated.bottom)))
 
 
 def refuse_unrated(press: Linkage, loads: object, friction: Mapping[str, Friction], *, at_speed: bool) -> None:
@@ -638,7 +638,7 @@ def _crossing(rated: RatedStroke, first: str, second: str, low: float, high: flo
     before, after = ahead(low), ahead(high)
     if before * after >= 0:  # the limits change exactly at a state
         return low if before == 0.0 else high
-    return float(brent_root(ahead, low, high, xtol=ROUNDING, rtol=ROUNDING))
+    return sign_change(ahead, low, high, ROUNDING * max(abs(low), abs(high)))
 
 
 def _capped(rated: RatedStroke, angle: Array) -> dict[str, Array]:
