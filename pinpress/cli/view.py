@@ -49,10 +49,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
 
 def run(options: argparse.Namespace) -> int:
     """Open the window, and wait until Ctrl-C ends it."""
-    from ..live.pictures import Operation  # with what pages need, which is slow to import
+    from ..live.drivers import default_speed  # with what pages need, which is slow to import
+    from ..live.pictures import Operation
     from ..live.session import Opened
     from ..live.sources import opened
-    from ..live.viewing import default_speed, window
+    from ..live.viewing import window
 
     table = names_table(options)
     speed: OfDriver | None = options.speed

@@ -23,9 +23,11 @@ from ..visual import recording
 from ..visual.pages import packed
 from ..visual.shapes import meshcat_commands
 from ..visual.shapes.appearance import ShownLink, bodies
+from .drivers import locks, swing
 
 POINTS = 180  # states of a period
 FEWEST = 36  # states of a period of a linkage that takes long
+MOST_HELD = 2  # drivers that stand whose torques are shown
 QUICK = 0.04  # time of a picture above which fewer states are shown [s]
 
 
@@ -39,6 +41,7 @@ class Operation:
         friction: by the names of bearings, see `inverse_dynamics`.
         stiffness: by the names of bearings, see `inverse_dynamics`.
         points: states of a period.
+        swings: whether a crank that cannot turn fully goes to and fro; else such a press is refused.
     """
 
     speed: float
@@ -46,6 +49,7 @@ class Operation:
     friction: Mapping[str, Friction]
     stiffness: Mapping[str, float]
     points: int = POINTS
+    swings: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +90,8 @@ def picture(
         PinpressError: what `cycle` and `inverse_dynamics` raise.
     """
     began = time.perf_counter()
-    motion = cycle(press, operation.speed, points=operation.points)
+    swings = operation.swings and locks(press)
+    motion = (swing if swings else cycle)(press, operation.speed, points=operation.points)
     reactions = inverse_dynamics(press, motion, operation.loads, operation.friction, operation.stiffness)
     frames = _frames(motion)
     at = poses(press, motion.joint_position[frames.states])
@@ -138,7 +143,9 @@ def _height(motion: Motion) -> Array:
 
 
 def suitable(press: Linkage, operation: Operation) -> Operation:
-    """The operation with as many states as are computed fast enough. In the plane that is known to be so; in space one picture shows it."""
+    """The operation with as many states as are computed fast enough. In the plane that is known to be so; in space one picture shows it. A
+    crank swings where it cannot turn fully from the beginning; one that can must go on to."""
+    operation = replace(operation, swings=locks(press))
     if isinstance(press.engine(), PlanarEngine):
         return operation
     took = picture(press, replace(operation, points=FEWEST), None).took
@@ -161,11 +168,24 @@ def _curves(press: Linkage, motion: Motion, reactions: Reactions, frames: record
     if press.slide is not None:
         curves.append(_curve("height of the slide", "m", _height(motion), frames))
     curves.append(_curve("driving torque" if turns else "driving force", "N m" if turns else "N", reactions.driving_torque, frames))
+    curves += _holding(press, reactions, frames)
     names = list(reactions.bearing_force)
     forces = np.array([np.linalg.norm(force, axis=1) for force in reactions.bearing_force.values()])
     largest = forces.argmax(axis=0)
     curves.append(_curve("largest bearing force", "N", forces.max(axis=0), frames) | {"at": [names[k] for k in largest[frames.states]]})
     return {"curves": curves}
+
+
+def _holding(press: Linkage, reactions: Reactions, frames: recording.KeyFrames) -> list[dict[str, Any]]:
+    """What holds the drivers that stand; nothing of more than there is room for."""
+    standing = [pair for pair in press.couplings if pair.multiplier == 0]
+    if not 0 < len(standing) <= MOST_HELD:
+        return []
+    found = []
+    for pair in standing:
+        effort, unit = ("torque", "N m") if press.axes[pair.follower].turns else ("force", "N")
+        found.append(_curve(f"{effort} that holds {pair.name}", unit, reactions.coupling_torque[pair.name][:, 0], frames))
+    return found
 
 
 def _curve(name: str, unit: str, values: Array, frames: recording.KeyFrames) -> dict[str, Any]:

@@ -1,9 +1,10 @@
 """What all windows of a press share: the press as it is now, and what is answered to a message of a window.
 
 Messages are JSON objects with a ``type``. A window sends ``set`` (values of all dimensions, the speed, and whether it wants the shapes of
-the links anew, which take longest), ``save`` (the name of a file, and whether an old one may be replaced) and ``ready`` (what it has drawn
-last). Whatever else comes is refused. A window is sent ``opened`` (everything), ``picture`` (the press with other values), ``refused``
-(they make no press: the last good one stays), ``broken`` (the file cannot be read as it is now), ``saved``, ``exists`` and ``unsaved``.
+the links anew, which take longest), ``move`` (the driver that is to move while the others stand), ``save`` (the name of a file, and
+whether an old one may be replaced) and ``ready`` (what it has drawn last). Whatever else comes is refused. A window is sent ``opened``
+(everything), ``picture`` (the press with other values), ``refused`` (they make no press: the last good one stays), ``broken`` (the file
+cannot be read as it is now), ``saved``, ``exists`` and ``unsaved``.
 """
 
 from __future__ import annotations
@@ -15,11 +16,17 @@ from typing import Any
 
 from ..common.errors import PinpressError, cautions_collected
 from ..common.quantities import RPM, Array, DriverCoordinate
+from .drivers import default_speed
 from .pictures import Operation, Picture, colours, picture, suitable
-from .sources import Source, checked_name, finite
+from .sources import MovingDriver, Source, checked_name, finite
 
 Message = dict[str, Any]
-KEYS = {"set": {"values", "speed", "shapes"}, "save": {"name", "replace"}, "ready": {"version"}}  # of messages, besides their type
+KEYS = {
+    "set": {"values", "speed", "shapes"},
+    "move": {"driver"},
+    "save": {"name", "replace"},
+    "ready": {"version"},
+}  # of messages, besides their type
 LONGEST = 1 << 16  # bytes of a message
 MOST_NOTES = 5  # warnings that are shown
 
@@ -75,6 +82,7 @@ class Session:
         self._before: list[Message] = []  # curves of the press as it was opened
         self._colours: dict[str, Array] = {}  # of the links as they were opened
         self._notes: list[str] = []
+        self._moving: str | None = None  # the driver that a window has chosen
         self.version = 0
 
     def open(self) -> None:
@@ -86,6 +94,7 @@ class Session:
         try:
             with cautions_collected() as notes:
                 opened = self._opening()
+                opened = self._with_one_moving(opened)
                 operation = suitable(opened.source.press, opened.operation)
                 if self._opened is not None:
                     operation = replace(operation, speed=operation.speed * self._hastened)
@@ -97,6 +106,16 @@ class Session:
         self._values = [each.value for each in opened.source.dimensions]
         self._before, self._colours = first.data["curves"], colours(first.links)
         self.version += 1
+
+    def _with_one_moving(self, opened: Opened) -> Opened:
+        """Of a press with several drivers the one that a window has chosen moves, at first the first, at the speed that was given where it
+        is of the same kind."""
+        press = opened.source.press
+        if len(press.drivers) == 1:
+            return opened
+        source = MovingDriver.of(opened.source, self._moving)
+        same_kind = press.driver_coordinates[0].turns == source.press.driver_coordinates[0].turns
+        return Opened(source, opened.operation if same_kind else replace(opened.operation, speed=default_speed(source.press)))
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -127,6 +146,7 @@ class Session:
             "folder": str(source.folder),
             "suffixes": source.suffixes,
             "broken": self.broken,
+            "drivers": source.drivers if isinstance(source, MovingDriver) else [],
         }
 
     def answer(self, text: str | bytes) -> Answer:
@@ -140,7 +160,31 @@ class Session:
             return Answer(drawn=message["version"] if isinstance(message["version"], int) else 0)
         if self._opened is None:
             return Answer()
-        return self._set(message) if message["type"] == "set" else self._save(message)
+        return {"set": self._set, "move": self._move, "save": self._save}[message["type"]](message)
+
+    def _move(self, message: Message) -> Answer:
+        """Let another driver move; the one that has moved stands where its slider is, and lengths stay as they are."""
+        assert self._opened is not None
+        old = self._opened.source
+        if not isinstance(old, MovingDriver) or message["driver"] not in old.drivers:
+            raise RefusedMessageError("no driver of this press")
+        moving = self._moving
+        self._moving = message["driver"]
+        opened = self._with_one_moving(Opened(old.source, self._opened.operation))
+        same_kind = opened.source.press.driver_coordinates[0].turns == self.coordinate.turns
+        speed = self._operation.speed if same_kind else opened.operation.speed
+        try:
+            with cautions_collected() as notes:
+                operation = replace(suitable(opened.source.press, opened.operation), speed=speed)
+                now = picture(opened.source.changed(self._values), operation, None, self._made_up(self._values))
+                before = picture(opened.source.press, operation, now.links)
+        except PinpressError as error:
+            self._moving = moving
+            return Answer(sender={"type": "refused", "text": str(error)})
+        self._opened, self._operation, self._picture, self._notes = opened, operation, now, notes
+        self._before, self._hastened = before.data["curves"], operation.speed / opened.operation.speed
+        self.version += 1
+        return Answer(everyone=self.whole())
 
     def _set(self, message: Message) -> Answer:
         assert self._opened is not None
@@ -179,6 +223,7 @@ class Session:
             "before": self._before,
             "notes": self._notes[:MOST_NOTES],
             "points": self._operation.points,
+            "moving": self._picture.press.driver,
         }
 
     def _save(self, message: Message) -> Answer:

@@ -12,7 +12,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -30,8 +30,10 @@ from ..pin_table.numbers import TableNumber, numbers_of, rewritten, with_numbers
 from ..pin_table.placement import UNITS
 from ..pin_table.reading import LARGEST_FILE, Entry
 from .dimensions import REACH, TURN, Dimension, LinkageDimensions, dimension
+from .drivers import with_moving
 
 TABLES = (".yaml", ".yml")  # ends of the names of pin tables
+HALF_TURN = 180.0  # by which a driver that stands can be turned with its slider [deg]
 NOUGHT = 10.0  # by which a parameter that is zero may be changed with its slider
 
 
@@ -78,7 +80,8 @@ class LinkageSource(Source):
     def of(press: Linkage, *paths: str) -> LinkageSource:
         """A press that is there, and the files that it was read from, its own first; none of one that is in no file, or comes with
         pinpress."""
-        found = LinkageDimensions.of(press)
+        one = with_moving(press, press.driver, [0.0] * len(press.drivers))  # in the plane where it can be
+        found = LinkageDimensions.of(one)
         folder = Path(paths[0]).resolve().parent if paths else Path.cwd()
         called = Path(paths[0]).stem if paths else re.sub(r"\W", "_", press.name)
         return LinkageSource(press, found.shown, paths, folder, f"{called}_changed.urdf", (".urdf",), found)
@@ -156,6 +159,65 @@ def _shown(number: TableNumber, value: float, unit: str, size: float) -> Dimensi
     last = keys[-1]
     axis = {"1": "x", "2": "z"}.get(last, last) if "at" not in keys else {"1": "dx", "2": "dz"}[last]
     return dimension("pins", f"{pin} {axis}", unit, value, REACH * size)
+
+
+@dataclass(frozen=True, eq=False)
+class MovingDriver(Source):
+    """A press with several drivers, one of which moves. Its first dimensions are where the drivers stand; that of the one that moves is
+    not looked at.
+
+    Attributes:
+        source: the press with all its drivers.
+        moving: name of the driver that moves.
+    """
+
+    source: Source
+    moving: str
+
+    @staticmethod
+    def of(source: Source, moving: str | None = None) -> MovingDriver:
+        """A press with several drivers, of which this one moves, by default the first."""
+        press = source.press
+        driver = moving if moving in press.drivers else press.driver
+        standing = tuple(_standing(press, k) for k in range(len(press.drivers)))
+        return MovingDriver(
+            with_moving(press, driver, [0.0] * len(press.drivers)),
+            (*standing, *source.dimensions),
+            source.files,
+            source.folder,
+            source.suggested,
+            source.suffixes,
+            source,
+            driver,
+        )
+
+    @property
+    def drivers(self) -> tuple[str, ...]:
+        return self.source.press.drivers
+
+    def changed(self, values: Sequence[float]) -> Linkage:
+        count = len(self.drivers)
+        press = self.source.changed(values[count:])
+        scales = (coordinate.scale for coordinate in press.driver_coordinates)
+        return with_moving(press, self.moving, [value / scale for value, scale in zip(values[:count], scales, strict=True)])
+
+    def made_up(self, values: Sequence[float]) -> Collection[str]:
+        return self.source.made_up(values[len(self.drivers) :])
+
+    def write(self, values: Sequence[float], path: Path) -> None:
+        self.source.write(values[len(self.drivers) :], path)
+
+
+def _standing(press: Linkage, k: int) -> Dimension:
+    """Where a driver stands, as a slider."""
+    coordinate, joint = press.driver_coordinates[k], press.driver_indices[k]
+    if coordinate.turns:
+        return dimension("standing drivers", press.drivers[k], "deg", 0.0, HALF_TURN)
+    place = press.slots[joint].start
+    limits = press.model.lowerPositionLimit[place], press.model.upperPositionLimit[place]
+    low, high = (float(np.clip(limit, -press.size, press.size)) * coordinate.scale for limit in limits)
+    found = dimension("standing drivers", press.drivers[k], coordinate.shown_unit, 0.0, max(high - low, 1e-9))
+    return replace(found, low=low, high=high)
 
 
 def _files_of(entry: Entry) -> set[str]:

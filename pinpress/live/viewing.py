@@ -12,17 +12,16 @@ from types import TracebackType
 from ..common.arguments import number, typed
 from ..common.errors import PinpressError
 from ..common.files import path_of
-from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..loads.link import Friction, Load
+from .drivers import default_speed
 from .pictures import Operation
 from .session import Opened, Session
 from .sources import LinkageSource, opened
 
 NO_TORNADO = "the window needs Tornado and Meshcat, which are not installed; pip install 'pinpress[view]'"
-TURNING, SLIDING = 60 * RPM, 0.1  # speed of a driver where none is given [rad/s, m/s]
 HEIGHT = 720  # of a window in a notebook [pixels]
 
 
@@ -91,8 +90,8 @@ def view(
     """Open a window in the browser in which a press moves with its forces, and can be changed.
 
     Sliders change link lengths and pivots, of a pin table its own numbers, and the speed; slide, driving torque and largest bearing force
-    follow. A changed press can be written to a file beside its own. In a notebook the window stands in the cell whose last line is
-    ``pp.view(press)``.
+    follow. Of several drivers one moves while the others stand where sliders put them. A changed press can be written to a file beside its
+    own. In a notebook the window stands in the cell whose last line is ``pp.view(press)``.
 
     The window is served on 127.0.0.1, to whoever knows its address.
 
@@ -146,8 +145,3 @@ def window(opening: Callable[[], Opened], watched: str | None, browser: bool) ->
     if browser:
         webbrowser.open(shown.url)
     return shown
-
-
-def default_speed(press: Linkage) -> float:
-    """The speed of a driver where none is given [rad/s or m/s]."""
-    return TURNING if press.driver_coordinates[0].turns else SLIDING

@@ -11,6 +11,7 @@ from numpy.testing import assert_allclose
 from support import texts
 from support.generators.hostile import load_hostile
 from support.in_browser import wait
+from support.two_servos import TWO_SERVOS
 
 import pinpress as pp
 
@@ -152,3 +153,19 @@ def test_other_presses(table: str, open_window: Any) -> None:
             now = window.page.evaluate("[data.values, rows.map(row => row.error.textContent)]")
             assert now[0][i] != each["value"] or now[1][i] != ""
         assert np.isfinite(window.page.evaluate("charts.map(chart => chart.high)")).all()
+
+
+@pytest.mark.exhaustive
+def test_another_driver_is_chosen(open_window: Any, tmp_path: Path) -> None:
+    path = tmp_path / "two_servos.yaml"
+    path.write_text(TWO_SERVOS)
+    with pp.view(path, browser=False) as shown:
+        page = open_window(shown).page
+        assert page.evaluate("[rows[0].box.hidden, rows[1].box.hidden, charts.length]") == [True, False, 4]
+        page.select_option("#moving", "B")
+        wait(page, "!waiting && data.moving === 'B'")
+        assert page.evaluate("[rows[0].box.hidden, rows[1].box.hidden, charts[2].title.textContent]") == [
+            False,
+            True,
+            "torque that holds A",
+        ]

@@ -122,11 +122,12 @@ function limitDrawing() {
 }
 
 // ---- curves: slide, torque and largest bearing force, beside those of the press as it was opened ----
-const overTime = data.driver.unit !== "°";
+let overTime;  // of a driver that goes to and fro
 const abscissa = () => overTime ? data.time : data.crank;
 
 function showCurves() {
-  if (charts.length !== data.curves.length) {
+  if (charts.length !== data.curves.length || overTime !== !data.period) {
+    overTime = !data.period;
     element("curves").replaceChildren();
     charts.length = 0;
     for (const { name } of data.curves) {
@@ -241,6 +242,9 @@ function showDimensions() {
   element("name").value = data.suggested;
   element("name").title = `in ${data.folder}`;
   element("speed-unit").textContent = data.speed_unit;
+  element("moves").hidden = !data.drivers.length;
+  element("moving").replaceChildren(...data.drivers.map(name => new Option(name, name, false, name === data.moving)));
+  data.drivers.forEach((name, i) => { rows[i].box.hidden = name === data.moving; });
 }
 
 function addRow(group, each, i) {
@@ -288,6 +292,7 @@ function showValues() {  // as they are in the press that is shown, unless more 
     box.classList.toggle("changed", data.values[index] !== data.dimensions[index].value);
     error.textContent = "";
   }
+  if (element("moving") !== active) element("moving").value = data.moving;
   if (element("speed") !== active) element("speed").value = data.speed;
   element("reset").disabled = data.values.every((value, i) => value === data.dimensions[i].value);
 }
@@ -323,6 +328,7 @@ function refused(text) {
     values = [...data.values];
     for (const { range, field, index } of rows) range.value = field.value = Number(values[index].toPrecision(7));
     element("speed").value = data.speed;
+    element("moving").value = data.moving;
   }
   ask();
 }
@@ -363,6 +369,12 @@ element("panel").addEventListener("keydown", event => event.stopPropagation()); 
 element("name").addEventListener("input", () => { element("save").textContent = "Save"; });
 element("dimensions").addEventListener("submit", event => event.preventDefault());
 element("speed").addEventListener("change", () => { touched = null; want(true); });
+element("moving").addEventListener("change", event => {
+  touched = null;
+  waiting = "final";
+  socket.send(JSON.stringify({ type: "move", driver: event.target.value }));
+  event.target.blur();
+});
 element("reset").addEventListener("click", () => { values = data.dimensions.map(each => each.value); touched = null; want(true); });
 
 start();

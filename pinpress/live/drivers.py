@@ -1,0 +1,91 @@
+"""How a press moves in the window: through one period of its driver. Of several drivers one moves while the others stand where sliders say.
+
+A driver that stands is held as by a gear pair without ratio, so that a press with one moving driver is computed as any other, in the plane
+too; the torque in this pair is what holds the driver. Where the others stand elsewhere than drawn, the press is drawn anew there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..common.errors import PinpressError
+from ..common.quantities import RPM, Array
+from ..derivatives.motion import displaced
+from ..derivatives.reshape import redrawn
+from ..engines.joints import Coupling
+from ..kinematics.motion import Motion, doubt_speeds, moved
+from ..linkage.assembly import followed_from
+from ..linkage.linkage import Linkage
+
+TURNING, SLIDING = 60 * RPM, 0.1  # speed of a driver where none is given [rad/s, m/s]
+CLEAR = 0.05  # share of the way between two poses in which a driver locks, by which a motion to and fro stays away from each
+
+
+def default_speed(press: Linkage) -> float:
+    """The speed of the (first) driver where none is given [rad/s or m/s]."""
+    return TURNING if press.driver_coordinates[0].turns else SLIDING
+
+
+def locks(press: Linkage) -> bool:
+    """Whether the crank of a press with one driver cannot turn fully."""
+    return press.driver_coordinates[0].turns and press.branch.period is None
+
+
+def swing(press: Linkage, speed: float, points: int) -> Motion:
+    """A crank that cannot turn fully swings harmonically to and fro, from its lowest angle where the speed is positive.
+
+    Args:
+        press: the press, whose crank `locks`.
+        speed: the highest one [rad/s].
+        points: states of the period.
+
+    Raises:
+        PinpressError: the speed is 0.
+    """
+    if not speed:
+        raise PinpressError("speed is 0: the swing never ends")
+    branch = press.branch
+    low, high = float(branch.angles[0]), float(branch.angles[-1])
+    half = (0.5 - CLEAR) * (high - low)
+    phase: Array = np.arange(points, dtype=float) * (2 * np.pi / points)
+    way, frequency = math.copysign(half, speed), abs(speed) / half
+    angles = 0.5 * (low + high) - way * np.cos(phase)
+    rates, accelerations = speed * np.sin(phase), way * frequency**2 * np.cos(phase)
+    motion = moved(press, branch, angles, rates, accelerations, phase / frequency, "auto")
+    doubt_speeds(press, rates, motion)
+    return motion
+
+
+def with_moving(press: Linkage, driver: str, positions: Sequence[float]) -> Linkage:
+    """The press with one driver, while its others stand.
+
+    Args:
+        press: the press.
+        driver: name of the driver that moves.
+        positions: (drivers,) where they stand, counted from the drawn pose; that of the one that moves is not looked at [rad or m].
+
+    Raises:
+        SingularityError: the press locks on the straight way from the drawn pose.
+    """
+    if len(press.drivers) == 1:
+        return press
+    of_drivers = dict(zip(press.drivers, press.driver_indices, strict=True))
+    away = [0.0 if name == driver else value for name, value in zip(press.drivers, positions, strict=True)]
+    one = _coupled(press, driver, of_drivers, dict.fromkeys(press.drivers, 0.0))
+    farthest = int(np.abs(away).argmax())
+    if not away[farthest]:
+        return one
+    ratios = {name: value / away[farthest] for name, value in zip(press.drivers, away, strict=True)}
+    line = _coupled(press, press.drivers[farthest], of_drivers, ratios)  # all of them at once, on the straight line between two poses
+    there = followed_from(line.engine(), line.spatial_model, line.closed, np.array([[away[farthest]]]), press.name)[:, 0]
+    return redrawn(one, displaced(one, {}), there)
+
+
+def _coupled(press: Linkage, leader: str, of_drivers: Mapping[str, int], ratios: Mapping[str, float]) -> Linkage:
+    """The press with one driver, which the others follow."""
+    followers = (Coupling(name, joint, of_drivers[leader], ratios[name], 0.0, 0) for name, joint in of_drivers.items() if name != leader)
+    return replace(press, drivers=(leader,), couplings=(*press.couplings, *followers))

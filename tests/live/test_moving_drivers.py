@@ -1,0 +1,108 @@
+"""Presses with several drivers in the window: one moves, the others stand, and the forces are those of the whole press."""
+
+import base64
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.two_servos import TWO_SERVOS
+
+import pinpress as pp
+from pinpress.live.drivers import CLEAR, swing, with_moving
+from pinpress.live.pictures import Operation
+from pinpress.live.session import Opened, RefusedMessageError, Session
+from pinpress.live.sources import opened
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = tmp_path_factory.mktemp("live") / "two_servos.yaml"
+    found.write_text(TWO_SERVOS)
+    return found
+
+
+@pytest.fixture
+def session(path: Path) -> Session:
+    found = Session(lambda: Opened(opened(str(path), pp.load, {}), Operation(2.0, [], {}, {})))
+    found.open()
+    return found
+
+
+@pytest.mark.parametrize(("driver", "positions"), [("A", (0.0, -0.7)), ("B", (0.4, 0.0))])
+def test_forces_are_those_of_the_whole_press(path: Path, driver: str, positions: tuple[float, float]) -> None:
+    """The whole press is computed in space, by its own motion of two drivers."""
+    press = pp.build(path)
+    one = with_moving(press, driver, positions)
+    assert one.engines[0] == "plane"
+    moving = pp.cycle(one, 3.0, points=12)
+    reactions = pp.inverse_dynamics(one, moving)
+    k = press.drivers.index(driver)
+    angle, speed = np.tile(positions, (12, 1)), np.zeros((12, 2))
+    angle[:, k], speed[:, k] = moving.crank_angle, moving.crank_speed
+    wanted = pp.inverse_dynamics(press, pp.servo_cycle(press, angle, speed=speed, acceleration=0 * speed))
+    largest = np.abs(wanted.driving_torque).max()
+    assert_allclose(reactions.driving_torque, wanted.driving_torque[:, k], rtol=0, atol=1e-9 * largest)
+    (held,) = set(press.drivers) - {driver}
+    assert_allclose(reactions.coupling_torque[held][:, 0], wanted.driving_torque[:, 1 - k], rtol=0, atol=1e-9 * largest)
+    for bearing, force in wanted.bearing_force.items():
+        assert_allclose(reactions.bearing_force[bearing], force, rtol=0, atol=1e-8 * np.abs(force).max())
+
+
+def test_a_crank_that_locks_swings(path: Path) -> None:
+    press = with_moving(pp.build(path), "A", (0.0, 0.0))
+    long = pp.derivatives.reshaped(press, {("P", "crank_1"): 3.5 * pp.derivatives.pivot_positions(press)["P", "crank_1"]})
+    low, high = long.branch.angles[[0, -1]]
+    motion = swing(long, -2.0, 24)
+    assert_allclose([motion.crank_angle.min(), motion.crank_angle.max()], [low + CLEAR * (high - low), high - CLEAR * (high - low)])
+    assert_allclose(motion.crank_speed[np.abs(motion.crank_speed).argmax()], -2.0)
+    half = np.ptp(motion.crank_angle) / 2
+    assert_allclose(motion.time[12], np.pi * half / 2.0)
+    assert motion.period_turns is None
+
+
+def ask(session: Session, kind: str, **more: Any) -> Any:
+    return session.answer(json.dumps({"type": kind, **more}))
+
+
+def test_another_driver_moves(session: Session, path: Path) -> None:
+    whole = session.whole()
+    assert (whole["drivers"], whole["moving"]) == (("A", "B"), "A")
+    assert [each["name"] for each in whole["dimensions"][:2]] == ["A", "B"]
+    assert [each["name"] for each in whole["curves"]][2] == "torque that holds B"
+    values = [*whole["values"]]
+    values[0] = 20.0
+    assert ask(session, "set", values=values, speed=30.0, shapes=False).everyone["curves"] != whole["curves"]
+    moved = ask(session, "move", driver="B").everyone
+    assert (moved["moving"], moved["values"], moved["speed"]) == ("B", values, 30.0)
+    press = with_moving(pp.build(path), "B", (np.radians(20.0), 0.0))
+    torque = pp.inverse_dynamics(press, pp.cycle(press, 30 * pp.RPM, points=180)).driving_torque
+    shown = np.frombuffer(base64.b64decode(moved["curves"][1]["values"]), "<f4")
+    assert_allclose(shown[:-1], torque, rtol=0, atol=1e-6 * np.abs(torque).max())
+    assert ask(session, "save", name="changed.yaml", replace=True).sender["type"] == "saved"
+    assert (path.parent / "changed.yaml").read_text() == TWO_SERVOS  # where drivers stand is no length
+    session.open()
+    assert session.whole()["moving"] == "B"
+
+
+@pytest.mark.parametrize("driver", ["C", "", None, 1, ["A"]])
+def test_what_is_no_driver_is_refused(session: Session, driver: Any) -> None:
+    with pytest.raises(RefusedMessageError, match="no driver"):
+        ask(session, "move", driver=driver)
+
+
+def test_where_a_driver_cannot_stand_is_said(tmp_path: Path) -> None:
+    """The couplers are nearly straight as drawn: crank A swings, and with crank B turned outwards they are too short."""
+    path = tmp_path / "short.yaml"
+    path.write_text(TWO_SERVOS.replace("620", "415"))
+    session = Session(lambda: Opened(opened(str(path), pp.load, {}), Operation(2.0, [], {}, {})))
+    session.open()
+    values = [*session.whole()["values"]]
+    values[1] = -20.0
+    assert ask(session, "set", values=values, speed=30.0, shapes=False).sender is None
+    good = list(values)
+    values[1] = 20.0
+    assert "two_servos locks between" in ask(session, "set", values=values, speed=30.0, shapes=False).sender["text"]
+    assert session.whole()["values"] == good
