@@ -166,7 +166,12 @@ def test_what_is_permissible_at_speed_is_just_kept(name):
 
     assert len(set(found.limited_by)) > 1
     for angle, force, limit in zip(found.crank_angle, found.force, found.limited_by, strict=True):
-        if excess(angle, nominal)[0] <= 0:
+        beyond, worst = excess(angle, nominal)
+        if abs(beyond) < 1e-14:  # one limit gives way to another here, and rounding decides on which side the state is
+            assert force == pytest.approx(nominal, rel=1e-14)
+            assert limit in ("nominal force", worst)
+            continue
+        if beyond < 0:
             assert (force, limit) == (nominal, "nominal force")
             continue
         exact = brentq(lambda f, angle=angle: excess(angle, f)[0], 0.0, nominal, xtol=1e-6, rtol=1e-14)
