@@ -208,18 +208,18 @@ def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
     path = slide_path(motion)
     least, most = path.extremes()
     level = least + _inside_stroke(most - least, "tolerance", tolerance)
-    turning = path.turning_places().real
-    bottom = float(turning[path.at(turning)[0].real.argmin()])
+    turning = path.turning_places.real
+    bottom = float(turning[path.at(turning, 1)[0].real.argmin()])
     after = bottom + path.states
     # From bottom dead centre to the next; between two of these places the slide does not turn back.
     places = np.unique(np.concatenate([[bottom, after], turning + path.states * (turning < bottom), np.arange(np.ceil(bottom), after)]))
-    outside = np.flatnonzero(path.at(places)[0].real > level.real)
+    outside = np.flatnonzero(path.at(places, 1)[0].real > level.real)
     if not len(outside):
         raise PinpressError(f"tolerance is {tolerance:g}, the whole stroke but for rounding: give less")
     leaves, returns = outside[0], outside[-1]
 
     def above(place: Numbers) -> tuple[ComplexArray, ComplexArray]:
-        value, slope, _, _ = path.at(place)
+        value, slope = path.at(place, 1)
         return value - level, slope
 
     until, since = zeros(above, places[[leaves - 1, returns]], places[[leaves, returns + 1]])
@@ -267,7 +267,7 @@ def _equal_speeds_at_ends(stroke: Stroke, length: float, grid: Array) -> Complex
     """Starts of the windows with equal speeds at both ends."""
 
     def difference(start: Numbers) -> tuple[ComplexArray, ComplexArray]:
-        (_, v, a, _), (_, v_end, a_end, _) = stroke.path.at(start), stroke.path.at(_end_of_window(stroke, length, start))
+        (_, v, a), (_, v_end, a_end) = stroke.path.at(start, 2), stroke.path.at(_end_of_window(stroke, length, start), 2)
         return v - v_end, a - a_end * v / v_end
 
     return zeros(difference, *_sign_changes(difference(grid)[0].real, grid))
@@ -298,7 +298,7 @@ def _extreme_at_one_end(stroke: Stroke, length: float) -> ComplexArray:
     for place, level in zip(extremes, stroke.speed(extremes), strict=True):
 
         def above(at: Numbers, level: complex = level) -> tuple[ComplexArray, ComplexArray]:
-            return stroke.speed(at) - level, stroke.path.at(at)[2]
+            return stroke.speed(at) - level, stroke.path.at(at, 2)[2]
 
         low, high = _sign_changes(speeds - level.real, nodes)
         touching = (low == place.real) | (high == place.real)  # at the extreme itself

@@ -11,6 +11,7 @@ which are their changes with a parameter, and all decisions are made on real par
 import cmath
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -62,29 +63,37 @@ class Curve:
         """Number of states of the period."""
         return int(self.coefficients.shape[1])
 
-    def at(self, place: Numbers) -> tuple[ComplexArray, ComplexArray, ComplexArray, ComplexArray]:
-        """The quantity and its first three derivatives by the place (m,) each, at places (m,)."""
+    def at(self, place: Numbers, derivatives: int = 3) -> tuple[ComplexArray, ...]:
+        """The quantity and its first derivatives by the place, one to three of them, (m,) each, at places (m,)."""
         before = np.floor(place.real)
         since = place - before
         highest, next_highest, *others = self.coefficients[::-1, before.astype(int) % self.states]
         value, first = highest * since + next_highest, highest
         second = third = np.zeros(place.shape, complex)
         for coefficient in others:
-            third = third * since + 3 * second
-            second = second * since + 2 * first
+            if derivatives > 2:
+                third = third * since + 3 * second
+            if derivatives > 1:
+                second = second * since + 2 * first
             first = first * since + value
             value = value * since + coefficient
-        return value, first, second, third
+        return (value, first, second, third)[: 1 + derivatives]
 
+    @cached_property
     def turning_places(self) -> ComplexArray:
         """Places (m,) from 0 to n at which the quantity turns back. Two of them within one step are missed."""
         backwards = np.signbit(self.coefficients[1].real)
         before = np.flatnonzero(backwards != np.roll(backwards, -1)).astype(float)
-        return zeros(lambda place: self.at(place)[1:3], before, before + 1)
+
+        def turning(place: Numbers) -> tuple[ComplexArray, ComplexArray]:
+            _, first, second = self.at(place, 2)
+            return first, second
+
+        return zeros(turning, before, before + 1)
 
     def extremes(self) -> tuple[complex, complex]:
         """The smallest and the largest value."""
-        values = np.concatenate([self.coefficients[0], self.at(self.turning_places())[0]])
+        values = np.concatenate([self.coefficients[0], self.at(self.turning_places, 1)[0]])
         return complex(values[values.real.argmin()]), complex(values[values.real.argmax()])
 
     def number(self, value: complex) -> float:

@@ -175,9 +175,14 @@ class Stroke:
     @cached_property
     def speed_extremes(self) -> ComplexArray:
         """Places (k,) of the local extremes of speed, without the dead centres."""
-        backwards = np.signbit(self.path.at(self._states)[2].real)
+        backwards = np.signbit(self.path.at(self._states, 2)[2].real)
         before = np.flatnonzero(backwards[1:] != backwards[:-1])
-        return zeros(lambda place: self.path.at(place)[2:4], self._states[before], self._states[before + 1])
+
+        def turning(place: Numbers) -> tuple[ComplexArray, ComplexArray]:
+            _, _, second, third = self.path.at(place)
+            return second, third
+
+        return zeros(turning, self._states[before], self._states[before + 1])
 
     @property
     def _states(self) -> Array:
@@ -191,25 +196,25 @@ class Stroke:
 
     def travel(self, place: Numbers) -> ComplexArray:
         """Distance (m,) of places (m,) from the start [m]."""
-        return np.asarray(self.path.at(place)[0] - self._begin)
+        return np.asarray(self.path.at(place, 1)[0] - self._begin)
 
     def speed(self, place: Numbers) -> ComplexArray:
         """Speed (m,) at places (m,) [m for each step]."""
-        return self.path.at(place)[1]
+        return self.path.at(place, 1)[1]
 
     def place_at(self, travel: Numbers) -> ComplexArray:
         """Places (m,) at which the slide has moved by ``travel`` (m,) from the start, 0 to the length of the stroke [m]."""
         after = np.clip(np.searchsorted(self._travelled, travel.real), 1, len(self.nodes) - 1)
 
         def ahead(place: Numbers) -> tuple[ComplexArray, ComplexArray]:
-            position, speed, _, _ = self.path.at(place)
+            position, speed = self.path.at(place, 1)
             return position - (self._begin + travel), speed
 
         return zeros(ahead, self.nodes[after - 1], self.nodes[after])
 
     @cached_property
     def _begin(self) -> complex:
-        return complex(self.path.at(np.array([self.start]))[0][0])
+        return complex(self.path.at(np.array([self.start]), 1)[0][0])
 
     @cached_property
     def _travelled(self) -> Array:
@@ -230,7 +235,7 @@ def slide_path(motion: SlideMotion) -> Curve:
     scaled = [np.asarray(values * scale) for values, scale in ((position, 1.0), (velocity, time), (acceleration, time**2))]
     states = _until_back(scaled, round(abs(step_angle(motion)) * len(position) / (2 * np.pi)))
     path = curve("the slide's position", scaled[0][:states], scaled[1][:states], scaled[2][:states], real)
-    if len(path.turning_places()) < 2:
+    if len(path.turning_places) < 2:
         raise PinpressError("the slide does not turn back within the period: it has no dead centres, and no stroke to measure")
     return path
 
@@ -242,13 +247,13 @@ def working_stroke(motion: SlideMotion, downwards: bool = True) -> Stroke:
         PinpressError: as `slide_path`; also where the slide turns back more than twice in the period.
     """
     path = slide_path(motion)
-    places = path.turning_places()
+    places = path.turning_places
     if len(places) > 2:
         raise PinpressError(
             f"the slide turns back {len(places)} times a period and has no one working stroke: stroke and dwell can be measured, not this"
         )
     along = Curve(-path.coefficients if downwards else path.coefficients, path.real)
-    start, end = (complex(place) for place in places[np.argsort(along.at(places)[0].real)])
+    start, end = (complex(place) for place in places[np.argsort(along.at(places, 1)[0].real)])
     return Stroke(along, start, end if end.real > start.real else end + path.states)
 
 
