@@ -47,6 +47,9 @@ NOISE, GAIN = 1e-8, 10.0
 SLACK = 1e-9  # rounding by which an angle may lie outside the range of the model [rad]
 FLAT = 1e-13  # range of the potential energy that is rounding, as a share of its size
 HEIGHT = 1e-3  # the range of the potential energy, and its slope, count as at least this share of its size
+PARTS = (
+    1e-6  # and as at least this share of what lifting all links by the linkage's size takes: they may balance each other but for rounding
+)
 NARROWEST = 1e-7  # narrowest panel: what it does not resolve lies at a lock [rad]
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
 BY_ACCELERATION, BY_SQUARED_SPEED, BY_WEIGHT, BY_LOADS = 0, 1, 2, 3  # parts of the radial vectors: A, B, G and the first L
@@ -156,7 +159,8 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     low, high = (0.0, period) if period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
     turns = (high - low) / (2 * np.pi) if branch.coordinate.turns else 1.0
     count = panels or max(2, math.ceil(PANELS * turns - 1e-9))
-    missed = None if panels is not None else _Sizes(len(coordinates)).missed
+    weight = sum(inertia.mass for inertia in list(press.model.inertias)[1:]) * float(np.linalg.norm(press.model.gravity.linear))
+    missed = None if panels is not None else _Sizes(len(coordinates), PARTS * weight * press.size).missed
     sampled = resolved_panels(lambda angles: sample_rows(press, angles, coordinates), missed, np.linspace(low, high, count + 1))
     return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, sampled.points, branch.coordinate)
 
@@ -207,8 +211,8 @@ def resolved_panels(sample: Callable[[Array], Array], missed: Callable[[Array], 
 class _Sizes:
     """Sizes of the rows of a reduced model over all panels so far, with which the polynomials' last terms are compared."""
 
-    def __init__(self, coordinates: int) -> None:
-        self.scale = np.zeros(COORDINATES + coordinates)
+    def __init__(self, coordinates: int, least: float) -> None:
+        self.scale, self.least = np.zeros(COORDINATES + coordinates), least
         self.lowest, self.highest = np.inf, -np.inf
 
     def missed(self, values: Array) -> Array:
@@ -217,7 +221,7 @@ class _Sizes:
         self.lowest = np.minimum(self.lowest, values[POTENTIAL].min())
         self.highest = np.maximum(self.highest, values[POTENTIAL].max())
         # The potential energy of a balanced press is constant, and its slope the rounding of the links' parts.
-        least = HEIGHT * float(max(abs(self.lowest), abs(self.highest)))
+        least = max(self.least, HEIGHT * float(max(abs(self.lowest), abs(self.highest))))
         self.scale[WEIGHT] = max(float(self.scale[WEIGHT]), least)
         self.scale[POTENTIAL] = max(float(self.highest - self.lowest), least)
         tail = np.abs(values @ gauss_rule().legendre[-2:].T).max(axis=2)

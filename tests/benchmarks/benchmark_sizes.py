@@ -1,19 +1,25 @@
-"""How times grow with the linkage: chains of dyads (see `n_four_bar`) and rows of geared shafts, by either engine.
+"""How times and memory grow: with the linkage, from one loop to hundreds, and with crank angles, scenarios and duration.
 
-Run `python tests/benchmarks/benchmark_sizes.py`; `--quick` for fewer sizes. pytest does not collect this file. Every step is timed with
-what it needs
-already there: `load` from the file, the branch walked once, then motion and inverse dynamics at 360 crank angles; of the Pinocchio engine,
-at 9. The exponents are those of the times between each size and the one before, so 1 is linear.
+Run `python tests/benchmarks/benchmark_sizes.py`; `--quick` for the smaller half of the sizes. pytest does not collect this file. Linkages
+are chains of dyads (see `n_four_bar`), rows of geared shafts, and chains of four-bars in space. Every step is timed with what it needs
+already there: `load` from the file, the branch walked once, then motion and inverse dynamics at some crank angles, and a free run. Times
+are those of the processor, BLAS in one thread; memory is the most that Python and NumPy hold of the linkage while it moves and all forces
+are found. The exponent is the slope of log time over log size, fitted to the upper half of the sizes: 1 is linear.
 """
 
 from __future__ import annotations
 
 import argparse
-import math
+import gc
+import os
 import sys
 import time
-from collections.abc import Callable
+import tracemalloc
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is imported
 
 import numpy as np
 
@@ -23,55 +29,123 @@ from support.generators import large_linkages
 from support.oracles import n_four_bar
 
 import pinpress as pp
-from pinpress.accuracy.contests import least_seconds
 
-KINDS: dict[str, Callable[[int], str]] = {"dyads": n_four_bar.urdf, "gear pairs": large_linkages.gear_train}
-SIZES = {"plane": (25, 50, 100, 200, 400), "pinocchio": (5, 10, 20, 40, 80)}
-ANGLES = {"plane": 360, "pinocchio": 9}
-REPEATS = 5
+REPEATS = 3
+LONGEST = 1.0  # what takes longer is not repeated [s]
 
 
-def seconds(text: str, engine: str) -> dict[str, float]:
-    """Of every step, by its name."""
-    large_linkages.load(text)  # imports what loading needs
-    start = time.perf_counter()
-    press = large_linkages.load(text)
-    found = {"load": time.perf_counter() - start}
-    start = time.perf_counter()
-    _ = press.branch
-    found["branch"] = time.perf_counter() - start
-    angles = np.linspace(0.05, 1.2, ANGLES[engine])
+class Kind(NamedTuple):
+    """Linkages that grow.
 
-    def motion() -> pp.Motion:
+    Attributes:
+        title: what they are.
+        urdf: text of one, by its size.
+        sizes: numbers of loops or pairs.
+        engine: place of the engine in `Linkage.engines`.
+        angles: number of crank angles.
+    """
+
+    title: str
+    urdf: Callable[[int], str]
+    sizes: tuple[int, ...]
+    engine: int
+    angles: int
+
+
+KINDS = (
+    Kind("dyads", n_four_bar.urdf, (1, 2, 5, 10, 25, 50, 100, 200), 0, 360),
+    Kind("gear pairs", large_linkages.gear_train, (1, 2, 5, 10, 25, 50, 100, 200), 0, 360),
+    Kind("loops in space", large_linkages.spatial_chain, (1, 2, 5, 10, 20, 35, 50), 0, 36),
+    Kind("dyads", n_four_bar.urdf, (1, 2, 5, 10, 20, 35, 50), 1, 36),
+)
+
+
+def of_linkages(kind: Kind, quick: bool) -> None:
+    """Print a row for each size, and one of exponents."""
+    sizes = kind.sizes[: -(len(kind.sizes) // 2)] if quick else kind.sizes
+    engine = large_linkages.load(kind.urdf(1)).engines[kind.engine]
+    print(f"\n{kind.title}, engine {engine!r}, {kind.angles} crank angles: ms; MB")
+    table(kind.title, sizes, [costs(kind.urdf(size), engine, kind.angles) for size in sizes])
+
+
+def costs(text: str, engine: str, count: int) -> dict[str, float]:
+    """Of every step by its name: its time [ms]; the memory of them all [MB]."""
+    angles = np.linspace(0.05, 1.2, count)
+
+    def motion(press: pp.Linkage) -> pp.Motion:
         return pp.servo_cycle(press, angle=angles, speed=7.0, engine=engine)
 
-    states = motion()
-    works: dict[str, Callable[[], object]] = {
-        "cycle": motion,
-        "inverse dynamics": lambda: pp.inverse_dynamics(press, states, engine=engine),
-        "torque alone": lambda: pp.inverse_dynamics(press, states, engine=engine, bearings=()),
+    gc.collect()
+    tracemalloc.start()
+    press = large_linkages.load(text)
+    tracemalloc.reset_peak()
+    pp.inverse_dynamics(press, motion(press), engine=engine)
+    memory = tracemalloc.get_traced_memory()[1] / 1e6
+    tracemalloc.stop()
+    found = {"load": milliseconds(lambda: large_linkages.load(text))}
+    fresh = [large_linkages.load(text) for _ in range(REPEATS)]
+    found["branch"] = milliseconds(lambda: fresh.pop().branch)
+    states = motion(press)
+    found["cycle"] = milliseconds(lambda: motion(press))
+    found["inverse dynamics"] = milliseconds(lambda: pp.inverse_dynamics(press, states, engine=engine))
+    found["torque alone"] = milliseconds(lambda: pp.inverse_dynamics(press, states, engine=engine, bearings=()))
+    if engine == press.engines[0]:
+        found["free run"] = milliseconds(lambda: pp.simulate(press, 0.1, speed=7.0, angle=0.05))
+    return found | {"memory": memory}
+
+
+def of_lengths(quick: bool) -> None:
+    """Print how times grow with crank angles, scenarios and duration."""
+    press, spatial = pp.load("zxn2_3000b"), large_linkages.load(large_linkages.spatial_chain(1))
+    speeds = np.linspace(6.0, 8.0, 10_000)
+
+    def forces(linkage: pp.Linkage, count: int, middle: float) -> float:
+        angles = np.linspace(middle - 0.5, middle + 0.5, count)
+        return milliseconds(lambda: pp.inverse_dynamics(linkage, pp.servo_cycle(linkage, angle=angles, speed=7.0)))
+
+    works: dict[str, tuple[tuple[int, ...], Callable[[int], float]]] = {
+        "crank angles of the six-bar": ((360, 3600, 36_000, 360_000), lambda size: forces(press, size, 0.6)),
+        "crank angles of a four-bar in space": ((36, 360, 3600, 36_000), lambda size: forces(spatial, size, 0.6)),
+        "scenarios": ((10, 100, 1000, 10_000), lambda size: milliseconds(lambda: pp.simulate_batch(press, 0.2, speed=speeds[:size]))),
+        "seconds": ((1, 10, 100, 1000), lambda size: milliseconds(lambda: pp.simulate(press, float(size), speed=7.0))),
     }
-    return found | dict(zip(works, least_seconds(list(works.values()), REPEATS), strict=True))
+    for title, (sizes, work) in works.items():
+        wanted = sizes[:2] if quick else sizes
+        print()
+        table(title, wanted, [{"ms": work(size)} for size in wanted])
+
+
+def milliseconds(work: Callable[[], object]) -> float:
+    """The least processor time of some calls."""
+    best = np.inf
+    for _ in range(REPEATS):
+        started = time.process_time()
+        work()
+        took = time.process_time() - started
+        best = min(best, took)
+        if took > LONGEST:
+            break
+    return 1e3 * best
+
+
+def table(title: str, sizes: Sequence[int], found: Sequence[Mapping[str, float]]) -> None:
+    """Print costs by size, and their exponents."""
+    names = list(found[0])
+    print("".join([f"{title:>36}", *(f"{name:>18}" for name in names)]))
+    for size, row in zip(sizes, found, strict=True):
+        print("".join([f"{size:36}", *(f"{row[name]:18.2f}" for name in names)]))
+    upper = slice(-max(2, len(sizes) // 2), None)
+    slopes = [np.polyfit(np.log(sizes[upper]), np.log([row[name] for row in found[upper]]), 1)[0] for name in names]
+    print("".join([f"{'exponent':>36}", *(f"{slope:18.2f}" for slope in slopes)]), flush=True)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="the three smallest sizes alone")
+    parser.add_argument("--quick", action="store_true", help="the smaller half of the sizes alone")
     quick = parser.parse_args().quick
-    for engine, sizes in SIZES.items():
-        for kind, urdf in KINDS.items():
-            print(f"\n{kind}, engine {engine!r}, {ANGLES[engine]} crank angles: ms, and the exponent of their growth")
-            before: tuple[int, dict[str, float]] | None = None
-            for count in sizes[:3] if quick else sizes:
-                found = seconds(urdf(count), engine)
-                if before is None:
-                    print("".join([f"{kind:>12}", *(f"{name:>24}" for name in found)]))
-                line = f"{count:12}"
-                for name, took in found.items():
-                    exponent = "" if before is None else f"{math.log(took / before[1][name]) / math.log(count / before[0]):.2f}"
-                    line += f"{1e3 * took:17.2f}{exponent:>7}"
-                print(line, flush=True)
-                before = count, found
+    for kind in KINDS:
+        of_linkages(kind, quick)
+    of_lengths(quick)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.generators import large_linkages
 from support.texts import shipped
 
 from pinpress.simulation.reduced_model import POTENTIAL, reduced_model_of, roots
@@ -36,3 +37,10 @@ def test_turning_points(name):
     found = np.sort(roots(table, POTENTIAL, 0.0, slope=True))
     assert len(found) == len(turns) >= 2
     assert np.abs(np.exp(1j * found) - np.exp(1j * turns)).max() < 2 * GRID[1]
+
+
+def test_weights_that_balance_but_for_rounding_are_not_resolved():
+    """Of 26 equal shafts on one height half turn against the others: where they are is no energy, and its rounding no function."""
+    table = reduced_model_of(large_linkages.load(large_linkages.gear_train(25)))
+    assert table.evaluations < 1000
+    assert np.abs(table.at(GRID)[0][POTENTIAL]).max() < 1e-12

@@ -1,10 +1,15 @@
 """Linkages of any size for tests and benchmarks; see `n_four_bar` for chains of dyads."""
 
+import math
 import tempfile
 import warnings
 from pathlib import Path
 
 import pinpress as pp
+
+from ..oracles import n_four_bar
+
+TILT = 0.1  # of the pivots of `spatial_chain`, this way and that [rad]
 
 
 def load(text: str, **more: object) -> pp.Linkage:
@@ -27,3 +32,30 @@ def gear_train(count: int) -> str:
         ends = f'<parent link="frame"/><child link="wheel_{k}"/><origin xyz="{k} 0 0"/><axis xyz="0 -1 0"/>{mimic}'
         parts.append(f'<link name="wheel_{k}">{body}</link><joint name="shaft_{k}" type="continuous">{ends}</joint>')
     return "\n".join([*parts, '<transmission name="drive"><joint name="shaft_0"/></transmission>', "</robot>"])
+
+
+def spatial_chain(count: int) -> str:
+    """``count`` four-bars in space in a row: upright rods 1 m apart, each on a pivot that is tilted against its neighbours', whose tips are
+    joined by bars on a universal joint (two pins) and a ball joint. Joints A0, A1, ... on the frame, B0, C0, ... at the tips."""
+    small, upright = n_four_bar.ROD.format(centre="0 0 0", x=0.002, y=0.002, z=0.002), _rod("0 0 0.5", "xy")
+    parts = ['<robot name="spatial_chain">', '<link name="frame"/>']
+    for k in range(count + 1):
+        parts.append(f'<link name="rod_{k}">{upright}</link>')
+        parts.append(_joint(f"A{k}", "frame", f"rod_{k}", f"{k} 0 0", f"{(-1) ** k * math.sin(TILT)!r} {math.cos(TILT)!r} 0"))
+    for k in range(count):
+        parts.append(f'<link name="cross_{k}">{small}</link><link name="bar_{k}">{_rod("0.5 0 0", "yz")}</link>')
+        parts.append(_joint(f"B{k}", f"rod_{k}", f"cross_{k}", "0 0 1", "0 1 0"))
+        parts.append(_joint(f"C{k}", f"cross_{k}", f"bar_{k}", "0 0 0", "0 0 1"))
+        ends = f'<link1 link="bar_{k}" xyz="1 0 0"/><link2 link="rod_{k + 1}" xyz="0 0 1"/>'
+        parts.append(f'<loop_joint name="D{k}" type="spherical">{ends}</loop_joint>')
+    return "\n".join([*parts, '<transmission name="drive"><joint name="A0"/></transmission>', "</robot>"])
+
+
+def _rod(centre: str, across: str) -> str:
+    """Inertia of a slender rod of 1 m and 1 kg."""
+    return n_four_bar.ROD.format(centre=centre, **{axis: 1 / 12 if axis in across else 0.0 for axis in "xyz"})
+
+
+def _joint(name: str, parent: str, child: str, place: str, axis: str) -> str:
+    ends = f'<parent link="{parent}"/><child link="{child}"/><origin xyz="{place}"/>'
+    return f'<joint name="{name}" type="continuous">{ends}<axis xyz="{axis}"/></joint>'
