@@ -2,6 +2,9 @@
 
 The text is loaded again before it replaces the file. Where Pinocchio rounds what it reads (it multiplies a centre of mass by the mass and
 divides by it again), the number is written that loads to the wanted one.
+
+A counterweight is a number too, the inertia of its link. So that it is seen, a ball of steel of its mass is written as ``<visual
+name="ballast">`` where it is; read again, it tells what was added to the link.
 """
 
 from __future__ import annotations
@@ -30,6 +33,12 @@ from .urdf.text import MOMENTS, Text, tag, written
 MOST_TEXTS = 4  # most texts that are tried until the numbers are met to the last bit; mostly the second does, or none
 ACCEPTED = 1e-12  # relative difference from the linkage that is accepted of a text
 
+BALLAST = "ballast"  # name of visuals that stand for counterweights
+STEEL = 7850.0  # density [kg/m3]
+SEEN = 1e-3  # a mass that was added to a link is shown from this share of the link's mass,
+FARTHEST = 2.0  # no farther from the link's centre of mass than this, as a share of the linkage's size,
+ASIDE = 1e-6  # and written into a file from this share on: a link that is only heavier has no counterweight
+
 _OF_THE_POSE = {"placement of joints and links", "directions of joints and links", "lowerPositionLimit", "upperPositionLimit", "gear pairs"}
 _UNSAID = ("armature", "rotorInertia", "rotorGearRatio")  # arrays of the model for which URDF has no element
 
@@ -42,6 +51,9 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     which ``press`` differs: inertias, placements of joints, of welded links and of loops, axes, limits, gear pairs, drivers, the name. A
     changed linkage is made by ``dataclasses.replace(press, model=..., loops=...)``. A revolute loop keeps its ``<axis>``: the frames of its
     ends turn.
+
+    A link whose mass has grown aside of its centre of mass, as by a counterweight, gets a ball of steel of that mass as ``<visual
+    name="ballast">``, in place of one that it has of before. Pinpress draws a counterweight of this mass there.
 
     Masses, positions and limits load to the last bit, and centres of mass to the last but one. Inertia tensors load to 3e-16 of their
     largest component and turned frames to 2e-15, because Pinocchio computes them from what it reads. Sums over links that are welded
@@ -83,6 +95,69 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
             raise PinpressError(f"{unwritten}: a URDF cannot hold the changed {what} of {press.name}; leave it as in {press.file}")
     _raise_first(assembly_checks.errors(loading.with_spins_held(reached)))
     return files.write(path, text)
+
+
+@dataclass(frozen=True, eq=False)
+class AddedBallast:
+    """What was added to the mass of a body, as a counterweight.
+
+    Attributes:
+        before: inertia of the body without it, in the frame of its joint.
+        mass: mass [kg].
+        centre: (3,) its centre, in that frame [m].
+    """
+
+    before: pin.Inertia
+    mass: float
+    centre: Array
+
+
+def added_ballasts(press: Linkage) -> dict[int, AddedBallast]:
+    """What was added to the masses of a linkage, as `balance` does, by the joint that carries the body: since it was read, and what its
+    file says was added before."""
+    try:
+        before = loading.assembled(press.document, press.drivers, press.slide)
+    except PinpressError:  # of a text that was exchanged
+        return {}
+    if list(before.model.names) != list(press.model.names):
+        return {}
+    found = ((joint, _added(press.document, before, press, joint)) for joint in range(press.model.njoints))
+    return {joint: added for joint, added in found if added is not None}
+
+
+def _added(document: Document, before: Linkage, now: Linkage, joint: int) -> AddedBallast | None:
+    """What was added to the body of a joint; None for less than is `SEEN`."""
+    was, body = _without_balls(document, before, joint), now.model.inertias[joint]
+    mass = body.mass - was.mass
+    if not mass > SEEN * body.mass:
+        return None
+    centre = (body.mass * body.lever - was.mass * was.lever) / mass
+    return AddedBallast(was, mass, centre) if np.linalg.norm(centre - was.lever) < FARTHEST * now.size else None
+
+
+def _without_balls(document: Document, before: Linkage, joint: int) -> pin.Inertia:
+    """The inertia of a body as its text loads, without the balls that stand for counterweights."""
+    inertia = before.model.inertias[joint]
+    for link in document.robot.all("link"):
+        frame = before.model.frames[before.model.getFrameId(link.get("name"), pin.BODY)]
+        for visual in _balls(link) if frame.parentJoint == joint else ():
+            radius = next((r for shape in visual.all("geometry") for ball in shape.all("sphere") for r in ball.numbers("radius")), 0.0)
+            at = next((place for origin in visual.all("origin") if (place := origin.numbers("xyz"))), (0.0, 0.0, 0.0))
+            ball = pin.Inertia.FromSphere(4 / 3 * np.pi * radius**3 * STEEL, radius)
+            less = _rest(inertia, [(ball, frame.placement * pin.SE3(np.eye(3), np.array(at)))], pin.SE3.Identity())
+            inertia = less if less.mass > 0 else inertia
+    return inertia
+
+
+def _balls(link: Element) -> list[Element]:
+    return [visual for visual in link.all("visual") if visual.get("name") == BALLAST]
+
+
+def _ball(added: AddedBallast, link: pin.SE3) -> str:
+    """The visual of an added mass, in a link with this placement."""
+    radius = (0.75 * added.mass / (np.pi * STEEL)) ** (1 / 3)
+    shape = tag("geometry", {}, tag("sphere", {"radius": written([radius])}))
+    return tag("visual", {"name": BALLAST}, tag("origin", {"xyz": written(link.inverse().act(added.centre))}) + shape)
 
 
 def is_as_read(press: Linkage) -> bool:
@@ -225,7 +300,14 @@ def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
     for carrier, links in bodies.items():
         old, new = before.model.inertias[carrier], now.model.inertias[carrier]
         if new != old or any(link.now != link.before for link in links):
-            _edit_body(text, links, old, new)
+            ball = ""
+            if new != old:
+                for visual in (visual for link in links for visual in _balls(link.element)):
+                    text.remove(visual)
+                added = _added(document, before, now, carrier)
+                if added is not None and np.linalg.norm(added.centre - added.before.lever) > ASIDE * now.size:
+                    ball = _ball(added, links[0].now)
+            _edit_body(text, links, old, new, ball)
     return text.edited()
 
 
@@ -311,12 +393,15 @@ def _link(element: Element, before: pin.SE3, now: pin.SE3) -> _Link:
     return _Link(element, before, now, _inertia(element.all("inertial")[0]) if element.all("inertial") else None)
 
 
-def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Inertia) -> None:
-    """Let the inertias of one link, or of links that are welded together, have the sum ``now``, in the joint's frame."""
+def _edit_body(text: Text, links: list[_Link], before: pin.Inertia, now: pin.Inertia, visual: str) -> None:
+    """Let the inertias of one link, or of links that are welded together, have the sum ``now``, in the joint's frame; ``visual``: what else
+    the first of them gets."""
     heavy = sorted((link for link in links if link.inertia), key=lambda link: -link.inertia.mass)
     if not heavy:
-        text.append(links[0].element, _inertial(_moved(now, links[0].now.inverse())))
+        text.append(links[0].element, _inertial(_moved(now, links[0].now.inverse())) + visual)
         return
+    if visual:
+        text.append(links[0].element, visual)
     for carrier in heavy:
         others = [link for link in heavy if link is not carrier]
         new = _rest(now, [(link.inertia, link.now) for link in others], carrier.now)

@@ -17,6 +17,7 @@ from support.generators.random_linkages import drawn, linkages
 from support.generators.spatial_linkages import bennett, four_bar
 
 import pinpress as pp
+from pinpress.balancing import Counterweight, with_counterweights
 from pinpress.linkage.urdf import reader
 
 EPS = np.finfo(float).eps
@@ -239,7 +240,30 @@ def test_visuals_comments_and_foreign_elements_are_kept(press, tmp_path):
     gone, come = lines_changed(press, written(changed(press, all_new), tmp_path))
     kept = ("visual", "geometry", "gazebo", "drake", "<!--", "material", "transmission")
     assert gone
+    come = [re.sub(r'<visual name="ballast">.*?</visual>', "", line) for line in come]  # of links that have become heavier
     assert not [line for line in gone + come if any(word in line for word in kept)]
+
+
+def test_counterweights_are_balls_of_steel(press, tmp_path):
+    """Written, written again unchanged, with another one, and without; a link that is only heavier has none."""
+
+    def balls(loaded):
+        ball = r'<visual name="ballast"><origin xyz="(.*?)"/><geometry><sphere radius="(.*?)"/></geometry></visual>'
+        return re.findall(ball, loaded.text.decode())
+
+    weight = Counterweight("crank", 40.0, (-0.3, 0.0, 0.1))
+    balanced = with_counterweights(press, [weight])
+    first = written(balanced, tmp_path)
+    ((place, radius),) = balls(first)
+    np.testing.assert_allclose(np.array(place.split(), dtype=float), weight.position, rtol=0, atol=1e-9)
+    assert 4 / 3 * np.pi * float(radius) ** 3 * 7850 == pytest.approx(40.0, rel=1e-9)
+    assert written(first, tmp_path).text == first.text
+    both = written(with_counterweights(first, [Counterweight("crank", 10.0, (0.1, 0.0, 0.0))]), tmp_path)
+    ((place, radius),) = balls(both)
+    np.testing.assert_allclose(np.array(place.split(), dtype=float), [-0.22, 0.0, 0.08], rtol=0, atol=1e-9)
+    assert not balls(written(both.with_inertias(press.model.inertias), tmp_path))
+    heavier = [pin.Inertia(2 * each.mass, each.lever, 2 * each.inertia) for each in press.model.inertias]
+    assert not balls(written(press.with_inertias(heavier), tmp_path))
 
 
 def test_name_is_escaped(press, tmp_path):

@@ -478,12 +478,14 @@ def test_volumes_and_centres() -> None:
 
 
 @pytest.mark.parametrize(("mass", "place", "shape"), [(3000.0, (-0.1, 0.0, 0.05), Cylinder), (600.0, (-0.3, 0.0, 0.1), Plate)])
-def test_counterweights_of_a_balanced_press_have_their_mass_where_it_is(mass: float, place: Any, shape: type) -> None:
-    """The 3 tonnes that balancing finds are seen, on links with visuals and without; bodies are as before."""
+def test_counterweights_of_a_balanced_press_have_their_mass_where_it_is(mass: float, place: Any, shape: type, tmp_path: Path) -> None:
+    """The 3 tonnes that balancing finds are seen, on links with visuals and without, of a file too; bodies are as before."""
     press = texts.shipped("zxn2_3000b")
     weights = [Counterweight("crank", mass, place), Counterweight("rod", 40.0, (0.3, 0.0, 0.0))]
     balanced = with_counterweights(press, weights)
-    for one, other in ((press, balanced), (bare(press), bare(balanced))):
+    read = pp.load(pp.write_urdf(balanced, tmp_path / "balanced.urdf"))
+    plain = pp.load(pp.write_urdf(bare(balanced), tmp_path / "plain.urdf"))
+    for one, other in ((press, balanced), (press, read), (bare(press), bare(balanced)), (bare(press), plain)):
         position = positions(press)
         before, after = ({body.name: body for body in bodies(each, position)} for each in (one, other))
         for weight in weights:

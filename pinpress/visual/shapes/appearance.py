@@ -18,6 +18,7 @@ from ...engines.branch import predict
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.document import Element
+from ...linkage.writing import BALLAST
 from .solids import Box, Cylinder, Part, Plate, Shape, Sphere, TriangleMesh, part, read_mesh
 from .stand_ins import ShaftFlywheel, made_up_parts
 
@@ -162,7 +163,7 @@ def _colour(material: Element) -> Array | None:
 
 def _visuals(file: str, link: Element, colours: Mapping[str, Array]) -> Iterator[Part]:
     for visual in link.all("visual"):
-        if visual.get("name") == STAND_IN:
+        if visual.get("name") in (STAND_IN, BALLAST):
             continue
         rgba = next((colours.get(m.get("name"), _colour(m)) for m in visual.all("material")), None)
         placement = _placement(link.get("name"), visual)

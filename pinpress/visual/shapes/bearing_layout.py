@@ -13,6 +13,7 @@ from ...common.quantities import Array
 from ...engines.joints import data_of
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.reader import describe
+from ...linkage.writing import AddedBallast
 
 PARALLEL = 1e-6  # axes closer than this are drawn as parallel [rad]
 SAME = 1e-6  # points closer than this share of the size are drawn as one
@@ -66,7 +67,7 @@ class Ballast:
 
     Attributes:
         mass: mass [kg].
-        centre: (3,) centre of mass, in world axes in the drawn pose unless said otherwise [m].
+        centre: (3,) centre of mass, in world axes in the drawn pose [m].
     """
 
     mass: float
@@ -162,9 +163,7 @@ def tree(nodes: Array) -> list[tuple[Array, Array]]:
     return found
 
 
-def lay_out_bearings(
-    press: Linkage, travel: Array, drawn: Collection[str], added: Mapping[int, tuple[pin.Inertia, Ballast]]
-) -> BearingLayout:
+def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], added: Mapping[int, AddedBallast]) -> BearingLayout:
     """Lay out the bearings of a press in the drawn pose.
 
     Links that are welded together are drawn as one, the first of them, unless one of them has visuals.
@@ -173,7 +172,7 @@ def lay_out_bearings(
         press: the linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
         drawn: links that have visuals.
-        added: what was added to masses since the linkage was read, by the joint: the inertia before, and what was added.
+        added: what was added to masses since the linkage was read, by the joint.
 
     Raises:
         PinpressError: the drawn pose is not finite.
@@ -203,8 +202,8 @@ def lay_out_bearings(
     placements = {link: np.array(data.oMf[frames[link]].homogeneous) for link in press.links}
     welded = {link: placements[link][:3, 3] for link in links if joint[link] in mixed and link != press.root}
     own = {link: joint[link] for link in links if joint[link] not in mixed | {0}}
-    found = _masses(data, {link: added[j][0] if j in added else press.model.inertias[j] for link, j in own.items()}, own)
-    since = {link: Ballast(added[j][1].mass, data.oMi[j].act(added[j][1].centre)) for link, j in own.items() if j in added}
+    found = _masses(data, {link: added[j].before if j in added else press.model.inertias[j] for link, j in own.items()}, own)
+    since = {link: Ballast(added[j].mass, data.oMi[j].act(added[j].centre)) for link, j in own.items() if j in added}
     turning = frozenset(
         j + 1
         for j, name in enumerate(press.joints)

@@ -14,7 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from ...common.quantities import Array
-from .ballast import DENSITY, besides, outside, plane_counterweight, slide_block
+from ...linkage.writing import STEEL
+from .ballast import besides, outside, plane_counterweight, slide_block
 from .bearing_layout import Ballast, BearingLayout, PlacedBearing, tree
 from .solids import Box, Cylinder, MadeUpSolid, Plate, rounded_plate
 
@@ -224,7 +225,7 @@ class PlanarLinks:
         wide, thick = float(np.ptp(across)), float(np.ptp(heights)) + THICKNESS * self.width
         own = (high - low) * wide * thick
         body = self.layout.masses.get(link)
-        if body is None or not (mass := body.mass - DENSITY * own) > SEEN_BLOCK * DENSITY * own:
+        if body is None or not (mass := body.mass - STEEL * own) > SEEN_BLOCK * STEEL * own:
             return None
         size = slide_block(mass, wide, thick, self.layout.size)
         side = self.away(link, guide)

@@ -11,7 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...common.quantities import Array
-from .ballast import DENSITY, EVERYWHERE, ball, besides, outside, slide_block
+from ...linkage.writing import STEEL
+from .ballast import EVERYWHERE, ball, besides, outside, slide_block
 from .bearing_layout import BearingLayout, PlacedBearing, tree
 from .solids import Box, Cylinder, MadeUpSolid, Sphere, rounded_plate, standing
 
@@ -102,9 +103,9 @@ def _block_size(layout: BearingLayout, guide: PlacedBearing) -> tuple[float, flo
     """Height, width and depth of the block of a slide's mass; None for one not much heavier than its sleeve."""
     w, body = layout.width, layout.masses.get(guide.links[1] or "")
     sleeve = SLEEVE**2 * SLEEVE_LENGTH * w**3
-    if body is None or body.mass < LEAST_MASS * DENSITY * sleeve:
+    if body is None or body.mass < LEAST_MASS * STEEL * sleeve:
         return None
-    return slide_block(body.mass - DENSITY * sleeve, SLEEVE * w, SLEEVE * w, layout.size)
+    return slide_block(body.mass - STEEL * sleeve, SLEEVE * w, SLEEVE * w, layout.size)
 
 
 def _block(layout: BearingLayout, guide: PlacedBearing) -> Iterator[MadeUpSolid]:

@@ -14,7 +14,8 @@ import pinocchio as pin
 
 from ...common.quantities import Array
 from ...linkage.linkage import Linkage
-from .ballast import added_masses, ball, flywheel_disc, plane_counterweight, recesses
+from ...linkage.writing import AddedBallast, added_ballasts
+from .ballast import ball, flywheel_disc, plane_counterweight, recesses
 from .bearing_layout import Ballast, BearingLayout, lay_out_bearings
 from .planar_links import PlanarLinks
 from .press_frame import frame_solids
@@ -64,7 +65,7 @@ def made_up_parts(
     """Parts of links by their names, and those of a flywheel in the frame of the link that it drives.
 
     Links without visuals have plain shapes, none where they have no bearing of their own. Links with visuals have the counterweights that
-    were added since the press was read.
+    were added to them, see `linkage.writing`.
 
     Args:
         press: the linkage.
@@ -72,7 +73,7 @@ def made_up_parts(
         drawn: parts of links that have visuals.
         flywheel: on the shaft of a driver.
     """
-    added = added_masses(press)
+    added = added_ballasts(press)
     layout = lay_out_bearings(press, travel, drawn, added)
     solids = _space_solids(layout) if layout.normal is None else _layered_solids(layout, layout.normal)
     moving = (link for link in press.links if link not in layout.on_frame)
@@ -123,11 +124,11 @@ def _layered_solids(layout: BearingLayout, normal: Array) -> dict[str, list[Made
 
 
 def _weights_on_drawn(
-    press: Linkage, layout: BearingLayout, drawn: Collection[str], added: Mapping[int, tuple[pin.Inertia, Ballast]]
+    press: Linkage, layout: BearingLayout, drawn: Collection[str], added: Mapping[int, AddedBallast]
 ) -> dict[str, list[MadeUpSolid]]:
     """What was added to the masses of links with visuals, on the first of those that are welded together."""
     found = {}
-    for joint, (_, weight) in added.items():
+    for joint, weight in added.items():
         frames = [f for f in press.model.frames if f.type == pin.BODY and f.parentJoint == joint and f.name in drawn]
         if frames:
             link = str(frames[0].name)
