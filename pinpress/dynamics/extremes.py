@@ -96,7 +96,7 @@ def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:
     yield from _by_driver([(f"driving {effort}", unit, 1.0) for effort, unit in efforts], torque_without_rounding(reactions), motion)
     if isinstance(motion, DrivenMotion):
         yield from _by_driver([(f"drive {effort}", unit, 1.0) for effort, unit in efforts], motion.drive_torque, motion)
-    for name, force in reactions.bearing_force.items():
+    for name, force in finite_forces(reactions).items():
         yield from _vector(f"force in {name}", "N", force, least.force)
     for name, moment in held_moments(reactions).items():
         if np.abs(moment).max() > least.moment:
@@ -162,7 +162,7 @@ def rounding(reactions: Reactions) -> Rounding:
 
 
 def finite_forces(reactions: Reactions) -> dict[str, Array]:
-    """Bearing forces (n, 3) [N] by the bearings' names.
+    """Bearing forces (n, 3) [N] by the bearings' names, in the order of the drawing.
 
     Raises:
         PinpressError: bearings were left out (the largest force decides what is rounding), or a force is not finite.
@@ -171,7 +171,8 @@ def finite_forces(reactions: Reactions) -> dict[str, Array]:
         raise PinpressError(
             f"charts need all bearings, and {', '.join(reactions.left_out)} were left out: make the reactions without bearings=..."
         )
-    return {name: finite(f"force in {name}", force) for name, force in reactions.bearing_force.items()}
+    forces = reactions.bearing_force
+    return {name: finite(f"force in {name}", forces[name]) for name in reactions._press.bearings_as_drawn}
 
 
 def finite(quantity: str, values: Array) -> Array:
@@ -200,7 +201,7 @@ def is_constant(speed: Array) -> bool:
 
 
 def held_moments(reactions: Reactions) -> dict[str, Array]:
-    """Moments (n, 3) by which bearings keep their links from tilting, by the bearings' names, world axes [N m].
+    """Moments (n, 3) by which bearings keep their links from tilting, by the bearings' names in the order of the drawing, world axes [N m].
 
     The component about the axis of a joint that turns is left out: it is the torque of drive, gear pair and friction. For a spherical loop
     the moment is zero.
@@ -211,8 +212,8 @@ def held_moments(reactions: Reactions) -> dict[str, Array]:
     turning = {name: (body, axis.direction) for body, (name, axis) in joints if axis.turns}
     turning |= {loop.name: (loop.joint1, loop.rotation1[:, 0]) for loop in press.loops if loop.type == "revolute"}
     spherical = {loop.name for loop in press.loops if loop.type == "spherical"}
-    for name, moment in reactions.bearing_moment.items():
-        held = finite(f"moment in {name}", moment)
+    for name in filter(reactions.bearing_moment.__contains__, press.bearings_as_drawn):
+        held = finite(f"moment in {name}", reactions.bearing_moment[name])
         if name in turning:
             body, direction = turning[name]
             axis = rotation[body] @ direction

@@ -119,14 +119,14 @@ def polar(reactions: Reactions, *bearings: str, ax: Axes | Iterable[Axes] | None
 
     Args:
         reactions: result of `inverse_dynamics`.
-        *bearings: names of bearings and guides; by default all.
+        *bearings: names of bearings and guides; by default all, in the order of the drawing.
         ax: the caller's axes, one for each bearing; by default those of a new figure.
 
     Raises:
         UnknownNameError: there is no such bearing.
         PinpressError: a value is not finite, ``ax`` are not as many axes as bearings, or Matplotlib is not installed.
     """
-    names = bearings or reactions._press.bearings
+    names = bearings or reactions._press.bearings_as_drawn
     return _draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names], ax)
 
 

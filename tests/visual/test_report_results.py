@@ -182,7 +182,7 @@ def test_elastic_press(press: Any, loaded: Any, elastic: Any, tmp_path: Path) ->
     assert_allclose(curves(chart(found["Bottom dead centre over the speed"], "Shift"))["shift"][1], 1e6 * shift.shift, rtol=1e-5)
     force = chart(found["Break-through"], "Force on the linkage")
     assert_allclose(UNITS[force["unit"]] * curves(force)["force of the spring"][1], snap.spring_force, rtol=1e-5, atol=1)
-    assert "A 3e+09 N/m" in dict(data_in(path)["report"]["inputs"][0]["rows"])["elastic parts"]
+    assert "A: 3e+09 N/m" in dict(data_in(path)["report"]["inputs"][0]["rows"])["elastic parts"]
 
 
 def mounted(press: Any) -> Any:

@@ -103,7 +103,13 @@ class LineChart:
     def as_json(self) -> dict[str, Any]:
         """The chart as a page is given it, with curves that lie on an earlier one marked."""
         under = {} if self.stacked else covered(self.lines)
-        words = [f"{self.lines[upper].name} lies on {self.lines[lower].name} and is dotted" for upper, lower in under.items()]
+        above: dict[int, list[str]] = {}
+        for upper, lower in under.items():
+            above.setdefault(lower, []).append(self.lines[upper].name)
+        words = []
+        for lower, names in above.items():
+            lie, are = ("lies", "is") if len(names) == 1 else ("lie", "are")
+            words.append(f"{', '.join(names)} {lie} on {self.lines[lower].name} and {are} dotted")
         return {
             "kind": "lines",
             "title": self.title,

@@ -139,7 +139,10 @@ def stiffness_in_words(given: Stiffness) -> Inputs:
     rows += [(rod.name, rod.stiffness, "N/m") for rod in given.rods]
     rows += [] if given.shaft is None else [("shaft", given.shaft, "N m/rad")]
     rows += [] if given.frame is None else [("frame", given.frame, "N/m")]
-    return [("elastic parts", "; ".join(f"{name} {value:.4g} {unit}" for name, value, unit in rows))]
+    alike: dict[str, list[str]] = {}
+    for name, value, unit in rows:
+        alike.setdefault(f"{value:.4g} {unit}", []).append(name)
+    return [("elastic parts", "; ".join(f"{', '.join(names)}: {words}" for words, names in alike.items()))]
 
 
 def _refuse_others(what: str, name: str, shown: Shown) -> None:

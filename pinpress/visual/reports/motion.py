@@ -106,7 +106,7 @@ class _Bearings:
     before: Shown | None
 
     def as_json(self) -> dict[str, Any]:
-        return {"kind": "bearings", "bearings": [self._bearing(name) for name in self.shown.press.bearings]}
+        return {"kind": "bearings", "bearings": [self._bearing(name) for name in self.shown.press.bearings_as_drawn]}
 
     def _bearing(self, name: str) -> dict[str, Any]:
         reactions, frames = self.shown.reactions, self.shown.frames

@@ -128,6 +128,7 @@ const farthest = (points, from) => points.reduce((best, p) => p.distanceTo(from)
 
 // ---- names: one label a place, beside a dot on it; where others are in its way it steps aside, with a line to its dot ----
 const labels = [], SVG = "http://www.w3.org/2000/svg", leaders = document.createElementNS(SVG, "svg");
+const MANY = 24;  // labels, of which there may be no place for all
 const GAP = 3, NEAR = 24;  // between labels, and from a dot to its label without a line [pixels]
 
 function addLabels() {
@@ -137,6 +138,7 @@ function addLabels() {
   places.forEach((series, place) => addLabel(series, named.filter(bearing => bearing.place === place)));
   if (arrows.length) addLabel(foot(), [{ name: "shaking force", arrow: arrows[named.length] }]);
   if (data.process) addLabel(floats(data.process.place), [{ name: "process force", arrow: arrows[named.length + 1] }]);
+  if (labels.length > MANY) labels.sort((one, two) => two.peak - one.peak);  // these get a place first
 }
 
 function addLabel(series, named) {
@@ -151,7 +153,14 @@ function addLabel(series, named) {
   leader.setAttribute("stroke", "currentColor");
   leaders.append(leader);
   element("labels").append(dot, chip);
-  labels.push({ series, dot, chip, leader, rows, width: 0, height: 0, spot: 0 });
+  const peak = Math.max(0, ...named.map(({ arrow }) => arrow ? largest(arrow.force) : 0));
+  labels.push({ series, dot, chip, leader, rows, peak, width: 0, height: 0, spot: 0 });
+}
+
+function largest(force) {  // length of the vectors (k, 3)
+  let most = 0;
+  for (let i = 0; i < force.length; i += 3) most = Math.max(most, Math.hypot(force[i], force[i + 1], force[i + 2]));
+  return most;
 }
 
 function fillLabels() {
@@ -178,7 +187,11 @@ function placeLabels() {  // where their places are on the screen
   const taken = [element("toolbar"), element("scale"), document.querySelector("header")].map(areaInView);
   for (const label of labels) {
     const { area, spot } = freeArea(label, taken, dots, width, height);
-    label.spot = spot;
+    const covered = sum(taken.map(other => shared(area, other))) / (label.width * label.height);
+    const crowded = covered > (label.crowded ? 0 : 0.1);  // it comes back only where it covers nothing, so that it does not flicker
+    Object.assign(label, { spot, crowded });
+    label.chip.style.visibility = label.leader.style.visibility = crowded ? "hidden" : "";
+    if (crowded) continue;
     taken.push(area);
     label.chip.style.transform = `translate(${area.left.toFixed(1)}px, ${area.top.toFixed(1)}px)`;
     drawLeader(label, area);

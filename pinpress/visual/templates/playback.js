@@ -102,7 +102,7 @@ function start() {
   element("slide").hidden = data.height === null;
   element("front-view").hidden = !data.front.length;
   for (const { name, colour } of data.legend) {
-    const row = document.createElement("li"), swatch = document.createElement("i");
+    const row = Object.assign(document.createElement("li"), { title: name }), swatch = document.createElement("i");
     swatch.style.background = colour;
     row.append(swatch, name);
     element("legend").append(row);

@@ -16,10 +16,10 @@ const asText = text => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").rep
 const MODE = !over || over.length > 1 ? "lines" : "markers";
 const brief = (text, most = 40) => text.length > most ? text.slice(0, most - 1) + "…" : text;
 
-function xAxis({ across, follows, reach }) {
-  const frames = follows === "frames", axis = { ...AXIS, title: { text: asText(across || `${report.over.quantity} [${report.over.unit}]`), standoff: 6 } };
-  if (frames && over.length > 1) axis.range = [over[0], over.at(-1)];  // backwards too time runs to the right
-  if (frames && report.over.unit === "deg" && Math.abs(over.at(-1) - over[0]) >= 180) axis.dtick = 45;
+function xAxis({ across, follows, reach }, x) {
+  const title = across || `${report.over.quantity} [${report.over.unit}]`, axis = { ...AXIS, title: { text: asText(title), standoff: 6 } }, way = x.at(-1) - x[0];
+  if (follows === "frames" && way) axis.range = [x[0], x.at(-1)];  // backwards too time runs to the right
+  if (title.endsWith("[deg]") && Math.abs(way) >= 180) axis.dtick = 45 * Math.ceil(Math.abs(way) / 360 - 0.01);
   if (reach) axis.range = reach;
   return axis;
 }
@@ -103,7 +103,7 @@ function lineChart(parent, chart) {
   });
   const yaxis = { ...AXIS, rangemode: chart.follows === "height" || chart.stacked ? "tozero" : "normal" };
   if (chart.logarithmic) logarithmicAxis(yaxis, unpacked.map(({ y }) => y));
-  const xaxis = xAxis(chart);
+  const xaxis = xAxis(chart, unpacked[0].x);
   if (chart.logarithmic === "xy") logarithmicAxis(xaxis, unpacked.map(({ x }) => x));
   const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, hovermode: chart.follows === "height" ? "closest" : "x unified", xaxis, yaxis };
   const plot = document.createElement("div"), values = legend(box, plot, curves);
@@ -273,10 +273,10 @@ function table(parent, { title, heads, rows, words, note }) {
 function figures(parent, { figures }) {  // in rows of nearly equal numbers, each of which is filled
   const box = make("div", parent, { className: "figures" });
   const boxes = figures.map(({ name, value, at }) => {
-    const one = make("div", box);
+    const one = make("div", box), signed = text => text.replace(/(^| )-(?=\d)/g, "$1\u2212");
     make("small", one, { textContent: name });
-    make("strong", one, { textContent: value });
-    make("small", one, { textContent: at });
+    make("strong", one, { textContent: signed(value) });
+    make("small", one, { textContent: signed(at) });
     return one;
   });
   const arrange = () => {
