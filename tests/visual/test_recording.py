@@ -381,6 +381,29 @@ def test_labels_step_aside_where_many_bearings_are(view: Callable[..., Any], tmp
 
 
 @pytest.mark.exhaustive
+def test_where_there_is_no_place_for_all_labels_the_largest_forces_have_theirs(view: Callable[..., Any], tmp_path: Path) -> None:
+    """61 bearings of twenty four-bars in a row, on a phone."""
+    pins: dict[str, Any] = {"O": [0, 0], "P0": [60, 0]}
+    links = {"crank": {"pins": "O P0", "mass": 5}}
+    for k in range(20):
+        pins |= {f"D{k}": [400 * (k + 1), 0], f"P{k + 1}": {f"P{k}": 400, f"D{k}": 90, "side": "up"}}
+        links |= {f"coupler_{k}": {"pins": f"P{k} P{k + 1}", "mass": 5}, f"rocker_{k}": {"pins": f"D{k} P{k + 1}", "mass": 5}}
+    press = pp.build(units="mm", frame=" ".join(["O", *(f"D{k}" for k in range(20))]), pins=pins, links=links, drive="O")
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=SPEED, points=36))
+    page = view(pp.record(press, result.motion, tmp_path / "out.html", reactions=result), "#t=0.2", (390, 640))
+    page.evaluate("viewer.render()")
+    covered, peaks, visible = page.evaluate(
+        """[Math.max(...labels.map((one, i) => Math.max(0, ...labels.slice(i + 1).map(two => one.crowded || two.crowded ? 0
+                : shared(areaInView(one.chip), areaInView(two.chip)) / two.width / two.height)))),
+            labels.map(({ peak }) => peak), labels.map(({ chip }) => getComputedStyle(chip).visibility === "visible")]"""
+    )
+    assert covered < 0.11
+    assert 10 < sum(visible) < len(visible)
+    assert peaks == sorted(peaks, reverse=True)
+    assert all(visible[:5])
+
+
+@pytest.mark.exhaustive
 def test_paths_of_slide_and_coupler_point(traced: tuple[Path, Any, Any], shared_view: Callable[..., Any]) -> None:
     file, press, result = traced
     motion, page = result.motion, shared_view(file, MIDDLE)

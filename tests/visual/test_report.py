@@ -221,7 +221,8 @@ def test_a_press_of_many_links_has_its_charts(tmp_path: Path) -> None:
     assert_allclose(given["Slide velocity", "velocity"][:-1], motion.slide_velocity, atol=1e-6)
     (bearings,) = (block["bearings"] for block in blocks if block["kind"] == "bearings")
     assert [bearing["name"] for bearing in bearings] == list(press.bearings_as_drawn)
-    for bearing, force in zip(bearings, map(result.bearing_force.get, press.bearings_as_drawn), strict=True):
+    for bearing in bearings:
+        force = result.bearing_force[bearing["name"]]
         unit = {"N": 1.0, "kN": 1e3, "MN": 1e6}[bearing["unit"]]
         assert_allclose(unit * floats(bearing["frame"]).reshape(-1, 2)[:-1], force[:, [0, 2]], atol=1e-6 * peak)
     assert len(blocks[-1]["rows"]) > 10
