@@ -122,7 +122,7 @@ def run(options: argparse.Namespace) -> int:
         before = None if options.before is None else press_before(options)
         make_folder(options.out)
         reactions.to_csv(options.out / "cycle.csv")
-        write_pages(press, reactions, options, ["cycle.csv"], before, results)
+        write_pages(press, reactions, options, ["cycle.csv"], before, results, flywheel)
     return 0
 
 

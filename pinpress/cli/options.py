@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 from ..common import tables
 from ..common.errors import PinpressError, PinTableError
 from ..common.results import Tabular
+from ..drives.transmission import Flywheel
 from ..dynamics.inputs import Inputs
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.slide_path import dead_centres
@@ -274,6 +275,7 @@ def write_pages(
     names: Sequence[str],
     before: Reactions | None = None,
     results: Sequence[Tabular] = (),
+    flywheel: Flywheel | None = None,
 ) -> None:
     """Write recording.html, and report.html where it is wanted, and say what has been written.
 
@@ -284,16 +286,26 @@ def write_pages(
         names: of the files that have been written before, in the same folder.
         before: reactions of another press, for the report.
         results: other results of the press, for the report.
+        flywheel: on the driver's shaft; None: that of a run.
     """
     from ..visual.recording import record  # the pages are slow to import
 
     pages = ["recording.html"]
-    record(press, reactions.motion, options.out / "recording.html", reactions=reactions, traces=options.trace)
+    record(press, reactions.motion, options.out / "recording.html", reactions=reactions, traces=options.trace, flywheel=flywheel)
     if options.report:
         from ..visual.reports.report import report  # slow to import
 
         page = options.out / "report.html"
-        report(press, reactions.motion, page, reactions=reactions, traces=options.trace, before=before, results=results)
+        report(
+            press,
+            reactions.motion,
+            page,
+            reactions=reactions,
+            traces=options.trace,
+            before=before,
+            results=results,
+            flywheel=flywheel,
+        )
         pages.append("report.html")
     say_written(options.out, [*names, *pages])
 

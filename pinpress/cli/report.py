@@ -108,7 +108,17 @@ def run(options: argparse.Namespace) -> int:
     before = None if options.before is None else press_before(options)
     with tempfile.TemporaryDirectory() as folder:
         page = options.out or Path(folder, "report.html")
-        report(press, motion, page, reactions=reactions, traces=options.trace, before=before, results=results)
+        flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
+        report(
+            press,
+            motion,
+            page,
+            reactions=reactions,
+            traces=options.trace,
+            before=before,
+            results=results,
+            flywheel=flywheel,
+        )
         if options.pdf is not None:
             pdf(page, options.pdf)
     print(f"wrote {' and '.join(str(path) for path in (options.out, options.pdf) if path is not None)}")

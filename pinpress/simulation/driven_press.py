@@ -7,7 +7,7 @@ of the crank angle; the equations of all joints compute them state by state.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -192,6 +192,7 @@ class DrivenPress:
         drive: gives the torque on the one driver; None: nothing drives it, its speed is prescribed, or the linkage has several drivers.
         prescribed: the speed at which the one driver is held, whatever torque that takes; None: it is not held.
         flywheel: on the drive's side of the clutch.
+        flywheels: of a linkage with several drivers, by their names.
         clutch: between drive and flywheel, and the crank; None: they turn together.
         brake: on the crank.
         friction: of the bearings; None for none.
@@ -208,6 +209,7 @@ class DrivenPress:
     clutch: Clutch | None = None
     brake: Brake | None = None
     friction: FrictionLaw | None = None
+    flywheels: Mapping[str, Flywheel] = field(default_factory=dict)
 
     @property
     def timed(self) -> bool:
@@ -362,7 +364,7 @@ def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Se
             inertias[k] += drives[name].inertia
             forces.append(_driving_force(len(coordinates), drives[name]))
             coordinates.append(JointPosition(joint))
-    return DrivenPress(press, float(inertias[0]), inertias, tuple(coordinates), tuple(forces))
+    return DrivenPress(press, float(inertias[0]), inertias, tuple(coordinates), tuple(forces), flywheels=dict(flywheels))
 
 
 def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[str, Any]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,8 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common import files
 from ..common.arguments import expect, typed
-from ..common.errors import PinpressError, shown
+from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array, DriverCoordinate
+from ..drives.transmission import Flywheel
 from ..dynamics import applied_loads
 from ..dynamics.applied_loads import turning_points
 from ..dynamics.inverse_dynamics import Reactions
@@ -52,6 +53,7 @@ def record(
     *,
     reactions: Reactions | None = None,
     traces: Sequence[tuple[str, ArrayLike]] = (),
+    flywheel: Flywheel | Mapping[str, Flywheel] | None = None,
 ) -> Path:
     """Write a self-contained page that shows the press moving, and return its path.
 
@@ -62,24 +64,30 @@ def record(
     Args:
         press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes
             from their bearings and masses, and the counterweights of `balance` are drawn on all.
-        motion: motion of the linkage, with times. The flywheel of a run with one driver is drawn on its shaft.
+        motion: motion of the linkage, with times.
         path: path of the file, usually ending in `.html`. An old file is replaced only when the page is complete.
         reactions: reactions to this motion. Bearing and guide forces (on child and link2, at their points of action) and the shaking force
             (with its tip at the foot of the press) are drawn as arrows, with one scale of length and colour for all; so is the force of
             their process loads, with its tip at the slide's origin.
         traces: points whose paths are drawn, each the name of a link and x, y, z in its frame [m]. The slide's path is always drawn.
+        flywheel: drawn on the driver's shaft, of several drivers by their names; by default those of a run.
 
     Raises:
         PinpressError: the motion has no times, states more than 90 deg of the crank apart or more than 555 turns, a value is not finite,
             the reactions are of another motion or press, a shape cannot be drawn, Meshcat is not installed, or the file cannot be written.
-        UnknownNameError: a trace is on a link that the linkage does not have.
+        UnknownNameError: a trace is on a link that the linkage does not have, or a flywheel on such a driver.
     """
-    content = scene(press, motion, key_frames(press, motion), reactions, traces)
+    content = scene(press, motion, key_frames(press, motion), reactions, traces, shaft_flywheels(press, flywheel, [motion]))
     return files.write(path, page("recording.html", press.name, content, {"viewer": meshcat()}))
 
 
 def scene(
-    press: Linkage, motion: Motion, frames: KeyFrames, reactions: Reactions | None, traces: Sequence[tuple[str, ArrayLike]]
+    press: Linkage,
+    motion: Motion,
+    frames: KeyFrames,
+    reactions: Reactions | None,
+    traces: Sequence[tuple[str, ArrayLike]],
+    flywheels: Sequence[ShaftFlywheel],
 ) -> dict[str, Any]:
     """Data of the page's player (`templates/playback.js`).
 
@@ -89,6 +97,7 @@ def scene(
         frames: key frames of the motion.
         reactions: as for `record`.
         traces: as for `record`.
+        flywheels: those that are drawn.
 
     Raises:
         PinpressError: as `record`.
@@ -96,15 +105,45 @@ def scene(
     if reactions is not None:
         _refuse_other_reactions(press, motion, reactions)
     at = poses(press, motion.joint_position[frames.states])
-    drawn = bodies(press, motion.joint_position[frames.states], flywheel=_flywheel(press, motion))
+    drawn = bodies(press, motion.joint_position[frames.states], flywheels=flywheels)
     return moving(press, motion, frames, at, reactions, traces) | shapes(press, frames, at, drawn)
 
 
-def _flywheel(press: Linkage, motion: Motion) -> ShaftFlywheel | None:
-    """The flywheel of a run with one driver."""
-    if not isinstance(motion, Run) or (given := motion.problem.driven.flywheel) is None or not np.all(np.asarray(given.inertia) > 0):
-        return None
-    return ShaftFlywheel(press.driver, float(np.max(given.inertia)), coupled=motion.problem.driven.clutch is None)
+def shaft_flywheels(press: Linkage, given: Flywheel | Mapping[str, Flywheel] | None, results: Sequence[object]) -> list[ShaftFlywheel]:
+    """The flywheels that are drawn.
+
+    Args:
+        press: the linkage.
+        given: on the shaft of the driver, or by the names of drivers; None: those of the first run that has any.
+        results: the motion, and what else a page shows.
+
+    Raises:
+        PinpressError: a flywheel for one of several drivers that is not named, or for one that slides.
+        UnknownNameError: there is no such driver.
+    """
+    coupled = True
+    by_driver: Mapping[str, Flywheel] = {}
+    if given is None:
+        for run in (result for result in results if isinstance(result, Run)):
+            driven = run.problem.driven
+            if not by_driver and driven.press.drivers == press.drivers:
+                by_driver = driven.flywheels if driven.flywheel is None else {press.driver: driven.flywheel}
+                coupled = driven.clutch is None
+    elif isinstance(given, Flywheel):
+        if len(press.drivers) > 1:
+            raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give flywheel as {{driver: Flywheel}}")
+        by_driver = {press.driver: given}
+    else:
+        by_driver = given
+    for name, flywheel in by_driver.items():
+        if name not in press.drivers:
+            raise UnknownNameError("driver", name, press.drivers)
+        if not isinstance(flywheel, Flywheel):
+            raise PinpressError(f"flywheel of {shown(name)} is {shown(flywheel)}: give a Flywheel(...)")
+        if not press.driver_coordinates[press.drivers.index(name)].turns:
+            raise PinpressError(f"driver {name!r} of {press.name} slides, and has no shaft for a flywheel: leave it out")
+    largest = {name: float(np.max(flywheel.inertia)) for name, flywheel in by_driver.items()}
+    return [ShaftFlywheel(name, inertia, coupled) for name, inertia in largest.items() if inertia > 0]
 
 
 def moving(

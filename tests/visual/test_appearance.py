@@ -21,6 +21,7 @@ from support.generators.random_linkages import drawn, linkages
 from support.generators.spatial_linkages import bennett, bricard, four_bar
 from support.in_browser import data_in
 from support.oracles import cassie
+from support.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress.balancing import Counterweight, with_counterweights
@@ -539,7 +540,7 @@ def test_frame_of_a_press() -> None:
 def test_flywheel_of_its_inertia_turns_with_the_crank(name: str, tmp_path: Path) -> None:
     press = texts.shipped(name)
     run = pp.simulate(press, 0.5, speed=7.0, flywheel=pp.drives.Flywheel(inertia=25.0))
-    *links, wheel = bodies(press, run.joint_position, flywheel=ShaftFlywheel(press.driver, 25.0))
+    *links, wheel = bodies(press, run.joint_position, flywheels=[ShaftFlywheel(press.driver, 25.0)])
     assert wheel.name == "flywheel"
     disc, axis = wheel.parts[0], press.axes[press.joints.index(press.driver)].direction
     mass = STEEL_DENSITY * np.pi * disc.shape.radius**2 * disc.shape.length
@@ -551,6 +552,36 @@ def test_flywheel_of_its_inertia_turns_with_the_crank(name: str, tmp_path: Path)
     assert [body.name for body in links] == list(press.links)
     legend = [row["name"] for row in data_in(pp.record(press, run, tmp_path / "out.html"))["legend"]]
     assert legend == [*press.links[1:], "flywheel"]
+
+
+def test_flywheels_of_several_drivers(tmp_path: Path) -> None:
+    path = tmp_path / "two_servos.yaml"
+    path.write_text(TWO_SERVOS)
+    press = pp.build(path)
+    wheels = {"A": pp.drives.Flywheel(inertia=5.0), "B": pp.drives.Flywheel(inertia=20.0)}
+    run = pp.simulate(press, 0.02, speed=[3.0, -3.0], flywheel=wheels, method="constraint")
+    motion = pp.servo_cycle(press, [[0.0, 0.0], [0.1, 0.1]], speed=[[1.0, 1.0]] * 2, acceleration=np.zeros((2, 2)), time=[0.0, 0.1])
+    for page in (pp.record(press, motion, tmp_path / "a.html", flywheel=wheels), pp.record(press, run, tmp_path / "b.html")):
+        assert [row["name"] for row in data_in(page)["legend"]][-2:] == ["flywheel of A", "flywheel of B"]
+    *_, one, other = bodies(press, motion.joint_position, flywheels=[ShaftFlywheel("A", 30.0), ShaftFlywheel("B", 30.0)])
+    apart = one.parts[0].placement[1, 3] - other.parts[0].placement[1, 3]
+    assert abs(apart) > one.parts[0].shape.length  # they would cut through each other
+    for flywheel, said in ((wheels["A"], "2 drivers"), ({"C": wheels["A"]}, "no driver 'C'"), ({"A": 5.0}, "give a Flywheel")):
+        with pytest.raises(pp.PinpressError, match=said):
+            pp.record(press, run, tmp_path / "out.html", flywheel=flywheel)
+
+
+def test_flywheel_of_a_report_and_none_on_a_cylinder(tmp_path: Path) -> None:
+    press, wheel = texts.shipped("crank_slide"), pp.drives.Flywheel(inertia=25.0)
+    motion = pp.cycle(press, 7.0, points=24)
+    run = pp.simulate(press, 0.1, speed=7.0, flywheel=wheel)
+    asked: list[dict[str, Any]] = [{"flywheel": wheel}, {"results": [run]}]
+    for more in asked:
+        page = data_in(pp.report(press, motion, tmp_path / "out.html", **more))
+        assert [row["name"] for row in page["legend"]][-1] == "flywheel"
+    toggle = pp.build(Path(pp.__file__).parent / "pin_table" / "templates" / "toggle.yaml")
+    with pytest.raises(pp.PinpressError, match="no shaft"):
+        pp.record(toggle, pp.cycle(toggle, 0.1, points=24), tmp_path / "out.html", flywheel=wheel)
 
 
 def test_same_press_same_parts() -> None:

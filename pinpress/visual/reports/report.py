@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from ...common import files
 from ...common.arguments import expect, typed
 from ...common.errors import PinpressError
 from ...common.results import Tabular
+from ...drives.transmission import Flywheel
 from ...dynamics.inputs import Inputs
 from ...dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ...kinematics.motion import Motion
@@ -20,7 +21,7 @@ from ...linkage.linkage import Linkage
 from ...simulation.run import Run, inputs_of
 from .. import charts, pages
 from ..pages import packed
-from ..recording import key_frames, scene
+from ..recording import key_frames, scene, shaft_flywheels
 from .blocks import Section
 from .motion import figures, sections, table_of_extremes
 from .shown import Shown, as_shown, before_shown, frames_along, in_words
@@ -36,6 +37,7 @@ def report(
     traces: Sequence[tuple[str, ArrayLike]] = (),
     before: Reactions | None = None,
     results: Sequence[Tabular] = (),
+    flywheel: Flywheel | Mapping[str, Flywheel] | None = None,
 ) -> Path:
     """Write a self-contained page with the recording (see `record`) and interactive charts whose cursor follows it; return its path.
 
@@ -58,6 +60,7 @@ def report(
             process force too; a `Run` of the press beside this motion; `BalancedPress` and `TradeOffCurve`; `SlideCompliance`,
             `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `MountedPress`, `VibrationModes`, `FrameMotion`,
             `SpeedResponse` and `Isolation`.
+        flywheel: As for `record`; by default those of a run, of the motion or among the results.
 
     Raises:
         PinpressError: As `record`, or a run under loads has no reactions, Plotly is not installed, a result is of another press or of a
@@ -71,7 +74,7 @@ def report(
         reactions = inverse_dynamics(press, motion)
     if before is not None:
         expect("before", before, Reactions, "inverse_dynamics")
-    player = scene(press, motion, frames, reactions, traces)
+    player = scene(press, motion, frames, reactions, traces, shaft_flywheels(press, flywheel, [motion, *results]))
     shown = as_shown(reactions, frames)
     data = player | {"report": _content(shown, None if before is None else before_shown(before, motion), results)}
     content = pages.page("report.html", press.name, data, {"viewer": pages.meshcat(), "plotly": pages.plotly()})

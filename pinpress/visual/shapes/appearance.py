@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -25,7 +25,7 @@ from .stand_ins import ShaftFlywheel, made_up_parts
 UNPAINTED = (0.62, 0.65, 0.69, 1.0)  # colour of a visual that has none
 MOST_SHAPES, MOST_TRIANGLES = 5000, 1_000_000  # in all links together; a page with more hardly opens in a browser
 STAND_IN = "stand_in"  # name of visuals that pinpress wrote for other programs; here shapes are made up anew, as lengths may have changed
-FLYWHEEL = "flywheel"  # its name where no link has it
+FLYWHEEL = "flywheel"  # name of the only one, where no link has it
 SHAPES = "<mesh>, <box>, <cylinder> and <sphere>"
 
 
@@ -47,9 +47,9 @@ class ShownLink:
 
 
 def bodies(
-    press: Linkage, joint_position: Array, *, made_up: Collection[str] = (), flywheel: ShaftFlywheel | None = None
+    press: Linkage, joint_position: Array, *, made_up: Collection[str] = (), flywheels: Sequence[ShaftFlywheel] = ()
 ) -> tuple[ShownLink, ...]:
-    """The links of a press as solids, in document order, and a flywheel behind them.
+    """The links of a press as solids, in document order, and flywheels behind them.
 
     A link without `<visual>` is shown as a bar, plate, web or disc between its bearings, a slide as a block of its mass, the frame of a
     press as columns, beams, gibs and a bed. Counterweights are of steel of their mass, those of `balance` on links with visuals too.
@@ -59,7 +59,7 @@ def bodies(
         press: the linkage.
         joint_position: (n, nv) joint positions of a motion, whose travels are the lengths of gibs [rad or m].
         made_up: names of links that are shown from their bearings in any case, because their `<visual>` no longer fits.
-        flywheel: on the shaft of a driver.
+        flywheels: on the shafts of drivers.
 
     Raises:
         PinpressError: joint positions have a wrong shape or are not finite; a visual is not finite or has no size, or its mesh cannot be
@@ -69,15 +69,15 @@ def bodies(
     robot = press.document.robot
     colours = _materials(robot)
     drawn = {name: parts for name, parts in _drawn(press.file, robot, colours).items() if name not in made_up}
-    made, wheel = made_up_parts(press, travel, drawn, flywheel)
+    made, wheels = made_up_parts(press, travel, drawn, flywheels)
     shown = [
         ShownLink(name, press.model.getFrameId(name, pin.BODY), (*drawn.get(name, ()), *made.get(name, ())), name in drawn)
         for name in press.links
         if name in drawn or made.get(name)
     ]
-    if flywheel is not None:
+    for flywheel, wheel in zip(flywheels, wheels, strict=True):
         frame = next(f for f in press.model.frames if f.type == pin.BODY and f.parentJoint == press.model.getJointId(flywheel.driver))
-        name = FLYWHEEL if FLYWHEEL not in press.links else f"{FLYWHEEL} of {flywheel.driver}"
+        name = FLYWHEEL if FLYWHEEL not in press.links and len(flywheels) == 1 else f"{FLYWHEEL} of {flywheel.driver}"
         shown.append(ShownLink(name, press.model.getFrameId(frame.name, pin.BODY), wheel, False))
     return tuple(shown)
 

@@ -60,9 +60,9 @@ class ShaftFlywheel:
 
 
 def made_up_parts(
-    press: Linkage, travel: Array, drawn: Mapping[str, tuple[Part, ...]], flywheel: ShaftFlywheel | None
-) -> tuple[dict[str, tuple[Part, ...]], tuple[Part, ...]]:
-    """Parts of links by their names, and those of a flywheel in the frame of the link that it drives.
+    press: Linkage, travel: Array, drawn: Mapping[str, tuple[Part, ...]], flywheels: Sequence[ShaftFlywheel]
+) -> tuple[dict[str, tuple[Part, ...]], list[tuple[Part, ...]]]:
+    """Parts of links by their names, and those of flywheels in the frames of the links that they drive.
 
     Links without visuals have plain shapes, none where they have no bearing of their own. Links with visuals have the counterweights that
     were added to them, see `linkage.writing`.
@@ -71,7 +71,7 @@ def made_up_parts(
         press: the linkage.
         travel: (2, nv) lowest and highest positions of the joints [rad or m].
         drawn: parts of links that have visuals.
-        flywheel: on the shaft of a driver.
+        flywheels: on the shafts of drivers.
     """
     added = added_ballasts(press)
     layout = lay_out_bearings(press, travel, drawn, added)
@@ -82,12 +82,18 @@ def made_up_parts(
         solids[link] = weights
         colours[link] = Counter(tuple(each.rgba[:3].tolist()) for each in drawn[link]).most_common(1)[0][0]
     parts = {link: _in_frame(layout.placements[link], made, colours[link]) for link, made in solids.items()}
-    if flywheel is None:
-        return parts, ()
+    if not flywheels:
+        return parts, []
     shown = [layout.placements[link] @ each.placement @ _homogeneous(corners(each.shape)) for link, its in drawn.items() for each in its]
     shown += [solid.placement @ _homogeneous(corners(solid.shape)) for made in solids.values() for solid in made]
-    link = _driven_link(press, flywheel.driver)
-    return parts, _in_frame(layout.placements[link], _flywheel(press, layout, flywheel, np.hstack(shown)[:3].T), FRAME)
+    points, placed, wheels = np.hstack(shown)[:3].T, list[tuple[Array, float, Array]](), []
+    for each in flywheels:
+        at, radius = layout.bearings[press.joints.index(each.driver)].points[1], flywheel_disc(each.inertia, layout.size).radius
+        before = [corner for other, its, corner in placed if np.linalg.norm(layout.flat(other - at)) < radius + its]
+        wheel = _flywheel(press, layout, each, np.vstack([points, *before]))  # behind other wheels that it would cut
+        placed.append((at, radius, (wheel[0].placement @ _homogeneous(corners(wheel[0].shape)))[:3].T))
+        wheels.append(_in_frame(layout.placements[_driven_link(press, each.driver)], wheel, FRAME))
+    return parts, wheels
 
 
 def _in_frame(placement: Array, solids: Sequence[MadeUpSolid], colour: Colour) -> tuple[Part, ...]:
