@@ -210,10 +210,11 @@ def energies(bodies: Bodies, basis: ComplexArray, v: Array) -> EnergyRates:
     plane, mass = bodies.plane, bodies.mass
     rows = plane.origins + plane.centers
     rate = basis_velocity(plane, basis, v)
-    velocity = rows @ rate
-    kinetic = 0.5 * (mass @ (velocity.real**2 + velocity.imag**2) + ((bodies.inertia @ v) * (plane.spin @ v)).sum(axis=0))
-    lifted = -(mass @ rows) * complex(*(plane.axes @ bodies.gravity)).conjugate()
-    return EnergyRates(kinetic, (lifted @ basis).real, (lifted @ rate).real)
+    velocity = product(rows, rate)
+    moving = product(mass[None], velocity.real**2 + velocity.imag**2)[0]
+    kinetic = 0.5 * (moving + (product(bodies.inertia, v) * product(plane.spin, v)).sum(axis=0))
+    lifted = -(mass @ rows)[None] * complex(*(plane.axes @ bodies.gravity)).conjugate()
+    return EnergyRates(kinetic, product(lifted, basis)[0].real, product(lifted, rate)[0].real)
 
 
 def power_balance(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
