@@ -154,11 +154,9 @@ def suitable(press: Linkage, operation: Operation) -> Operation:
 
 def _poses(press: Linkage, at: Poses, links: Sequence[ShownLink]) -> list[str]:
     """Poses (k, 7) of the links, as `body_poses` gives them; of one that rests (1, 7)."""
-    found = []
-    for link in links:
-        path = meshcat_commands.body_poses(press, at, link.frame)
-        found.append(packed(path if meshcat_commands.moves(path) else path[:1], f"the pose of {link.name}"))
-    return found
+    paths = meshcat_commands.body_poses(press, at, [link.frame for link in links])
+    shown = ((link.name, path if meshcat_commands.moves(path) else path[:1]) for link, path in zip(links, paths, strict=True))
+    return [packed(path, f"the pose of {name}") for name, path in shown]
 
 
 def _curves(press: Linkage, motion: Motion, reactions: Reactions, frames: recording.KeyFrames) -> dict[str, Any]:

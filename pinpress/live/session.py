@@ -73,6 +73,7 @@ class Session:
 
     def __init__(self, opening: Callable[[], Opened], watched: str | None = None) -> None:
         self._opening, self._watched = opening, watched
+        self._given: Opened  # as it was opened, with all its drivers
         self._opened: Opened | None = None
         self.broken: str | None = None
         self._operation: Operation
@@ -94,7 +95,7 @@ class Session:
         try:
             with cautions_collected() as notes:
                 opened = self._opening()
-                opened = self._with_one_moving(opened)
+                given, opened = opened, self._with_one_moving(opened)
                 operation = suitable(opened.source.press, opened.operation)
                 if self._opened is not None:
                     operation = replace(operation, speed=operation.speed * self._hastened)
@@ -102,7 +103,8 @@ class Session:
         except PinpressError as error:
             self.broken = str(error)
             raise
-        self._opened, self._operation, self._picture, self.broken, self._notes = opened, operation, first, None, notes
+        self._given, self._opened, self._operation, self._picture = given, opened, operation, first
+        self.broken, self._notes = None, notes
         self._values = [each.value for each in opened.source.dimensions]
         self._before, self._colours = first.data["curves"], colours(first.links)
         self.version += 1
@@ -170,7 +172,7 @@ class Session:
             raise RefusedMessageError("no driver of this press")
         moving = self._moving
         self._moving = message["driver"]
-        opened = self._with_one_moving(Opened(old.source, self._opened.operation))
+        opened = self._with_one_moving(self._given)
         same_kind = opened.source.press.driver_coordinates[0].turns == self.coordinate.turns
         speed = self._operation.speed if same_kind else opened.operation.speed
         try:

@@ -165,7 +165,8 @@ def moving(
 
 def shapes(press: Linkage, frames: KeyFrames, at: Poses, drawn: Sequence[ShownLink], *, animated: bool = True) -> dict[str, Any]:
     """The part of `scene` that is the links themselves; ``drawn``: those that are shown; ``animated``: whether their motion is too."""
-    of_body = {body.name: meshcat_commands.body_poses(press, at, body.frame) for body in drawn}
+    paths = meshcat_commands.body_poses(press, at, [body.frame for body in drawn])
+    of_body = {body.name: path for body, path in zip(drawn, paths, strict=True)}
     commands = meshcat_commands.commands(drawn, of_body, frames.time)
     return {
         "legend": _legend(drawn, of_body),

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -106,3 +107,21 @@ def test_where_a_driver_cannot_stand_is_said(tmp_path: Path) -> None:
     values[1] = 20.0
     assert "two_servos locks between" in ask(session, "set", values=values, speed=30.0, shapes=False).sender["text"]
     assert session.whole()["values"] == good
+
+
+def test_speeds_are_those_of_the_kind_of_driver(tmp_path: Path) -> None:
+    """A crank and a cylinder: each begins at a speed of its kind, the crank at that which was given."""
+    path = tmp_path / "mixed.yaml"
+    cylinder = "barrel: {pins: B, mass: 60}\n  piston: {pins: K, guide: {cylinder: barrel B K}, travel: [-100, 100], mass: 40}"
+    table = TWO_SERVOS.replace("crank_2: {pins: B Q, section: 120 x 80}", cylinder).replace("  D: C", "  D: C\n  K: C")
+    table = re.sub(r"  (Q|coupler_2): .*\n", "", table).replace("{P: 620, Q: 620, side: down}", "[0, -500]")
+    path.write_text(table.replace("pins: P C,", "pins: P C D K,").replace("[A, B]", "[A, cylinder]"))
+    session = Session(lambda: Opened(opened(str(path), pp.load, {}), Operation(2.0, [], {}, {})))
+    session.open()
+    cylinder_moves = ask(session, "move", driver="cylinder").everyone
+    assert (cylinder_moves["speed"], cylinder_moves["speed_unit"]) == (100.0, "mm/s")
+    assert [each["name"] for each in cylinder_moves["curves"][1:3]] == ["driving force", "torque that holds A"]
+    assert_allclose([cylinder_moves["dimensions"][1][end] for end in ("low", "high")], [-100.0, 100.0])
+    crank_moves = ask(session, "move", driver="A").everyone
+    assert crank_moves["speed"] == pytest.approx(2.0 / pp.RPM)
+    assert crank_moves["curves"][2]["name"] == "force that holds cylinder"

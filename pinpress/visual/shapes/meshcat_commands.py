@@ -1,7 +1,7 @@
 """Bodies and their motion as the commands that Meshcat's viewer takes."""
 
 import base64
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,15 +21,17 @@ UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]) 
 MOVES = 1e-9  # a smaller change of a pose is rest [m, or of a quaternion]
 
 
-def body_poses(press: Linkage, at: Poses, frame: int) -> Array:
-    """(k, 7) poses of a frame in the key frames: position [m] and quaternion x, y, z, w in world axes."""
-    joint, placement = press.model.frames[frame].parentJoint, press.model.frames[frame].placement
-    poses = np.empty((at.position.shape[1], 7))
-    poses[:, :3] = at.points(joint, placement.translation)
-    poses[:, 3:] = _quaternions(at.rotation[joint] @ placement.rotation)
+def body_poses(press: Linkage, at: Poses, frames: Sequence[int]) -> Array:
+    """(frames, k, 7) poses of frames in the key frames: position [m] and quaternion x, y, z, w in world axes."""
+    poses = np.empty((len(frames), at.position.shape[1], 7))
+    turned = np.empty((*poses.shape[:2], 3, 3))
+    for frame, pose, rotation in zip((press.model.frames[frame] for frame in frames), poses, turned, strict=True):
+        pose[:, :3] = at.points(frame.parentJoint, frame.placement.translation)
+        np.matmul(at.rotation[frame.parentJoint], frame.placement.rotation, out=rotation)
+    poses[..., 3:] = _quaternions(turned.reshape(-1, 3, 3)).reshape(*poses.shape[:2], 4)
     # q and -q are one rotation, but interpolating between them would turn the link the long way round
-    flips = np.where(np.sum(poses[1:, 3:] * poses[:-1, 3:], axis=1) < 0, -1.0, 1.0)
-    poses[1:, 3:] *= np.cumprod(flips)[:, None]
+    flips = np.where(np.sum(poses[:, 1:, 3:] * poses[:, :-1, 3:], axis=2) < 0, -1.0, 1.0)
+    poses[:, 1:, 3:] *= np.cumprod(flips, axis=1)[..., None]
     return poses
 
 
