@@ -203,7 +203,7 @@ def lengths_too_short() -> str:
 
 def report_page() -> bytes:
     """docs/commands.md: the page of its command, at the ratings."""
-    manual = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    manual = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8").replace("\\\n", "")
     _, *words = next(line for line in manual.splitlines() if line.startswith("pinpress report zxn2_3000b")).split()
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder, words.pop())

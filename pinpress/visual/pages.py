@@ -11,6 +11,7 @@ import importlib.resources
 import importlib.util
 import itertools
 import json
+import os
 import re
 import zlib
 from collections.abc import Mapping
@@ -20,11 +21,13 @@ from typing import Any
 
 import numpy as np
 
+from ..common import files
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 
 FIELD = re.compile(r"\{\{(\w+)\}\}")
 FILE = re.compile(r"\{\{(\w+\.\w+)\}\}")
+OTHERS = (".csv", ".gif", ".mp4", ".pdf", ".png", ".sdf", ".svg", ".urdf", ".xml", ".yaml", ".yml")  # names of files that are no pages
 DIGITS = np.frombuffer(b"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;<=>?@^_`{|}~", np.uint8)  # of base 85
 NO_MESHCAT = "recordings need Meshcat, which is not installed; pip install 'pinpress[recording]'"
 NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[report]'"
@@ -80,6 +83,19 @@ def page(template: str, title: str, data: Mapping[str, Any], libraries: Mapping[
         **{name: library.packed for name, library in libraries.items()},
     }
     return FIELD.sub(lambda match: fields[match[1]], whole).encode()  # in one pass, as the filled-in text must not be searched
+
+
+def write(path: str | os.PathLike[str], content: bytes) -> Path:
+    """Write a page, and return its path.
+
+    Raises:
+        PinpressError: the name is one of other files, a press or a picture, or the file cannot be written.
+    """
+    suffix = Path(path).suffix.lower() if isinstance(path, str | os.PathLike) else ""  # anything else is refused below
+    if suffix in OTHERS:
+        then = {".pdf": ", and print that page", ".png": ", and take a picture of that page"}.get(suffix, "")
+        raise PinpressError(f"{path} would be a web page: end its name in .html{then}")
+    return files.write(path, content)
 
 
 def _with_files(name: str) -> str:

@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..common import files
 from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array, DriverCoordinate
@@ -30,7 +29,7 @@ from ..engines.joints import configuration
 from ..kinematics.motion import Motion, Poses, bearing_points, poses
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
-from .pages import meshcat, packed, page
+from .pages import meshcat, packed, page, write
 from .shapes import meshcat_commands
 from .shapes.appearance import ShownLink, bodies
 from .shapes.bearing_layout import TOWARDS
@@ -74,11 +73,12 @@ def record(
 
     Raises:
         PinpressError: the motion has no times, states more than 90 deg of the crank apart or more than 555 turns, a value is not finite,
-            the reactions are of another motion or press, a shape cannot be drawn, Meshcat is not installed, or the file cannot be written.
+            the reactions are of another motion or press, a shape cannot be drawn, Meshcat is not installed, or the file cannot be
+            written or has the name of a picture or press.
         UnknownNameError: a trace is on a link that the linkage does not have, or a flywheel on such a driver.
     """
     content = scene(press, motion, key_frames(press, motion), reactions, traces, shaft_flywheels(press, flywheel, [motion]))
-    return files.write(path, page("recording.html", press.name, content, {"viewer": meshcat()}))
+    return write(path, page("recording.html", press.name, content, {"viewer": meshcat()}))
 
 
 def scene(

@@ -60,6 +60,12 @@ MADE |= {
 MADE |= {"LiveView", "RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
 
 
+@pytest.fixture(autouse=True)
+def _folder(tmp_path, monkeypatch):
+    """Odd paths may be written to."""
+    monkeypatch.chdir(tmp_path)
+
+
 def wrong(some):
     return [f"{name}({argument}={value}): {problem}" for name, argument, value in some if (problem := judge(name, argument, value))]
 

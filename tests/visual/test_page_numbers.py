@@ -38,6 +38,16 @@ def test_a_motion_too_fast_for_the_viewer_is_refused(tmp_path):
     assert not file.exists()
 
 
+@pytest.mark.parametrize("make", [pp.record, pp.report])
+@pytest.mark.parametrize("name", ["press.urdf", "press.YAML", "page.pdf", "cycle.csv"])
+def test_a_page_does_not_replace_another_file(tmp_path, make, name):
+    press, file = texts.shipped("crank_slide"), tmp_path / name
+    file.write_bytes(b"mine")
+    with pytest.raises(pp.PinpressError, match=r"would be a web page: end its name in \.html"):
+        make(press, turn(press, 1.0), file)
+    assert file.read_bytes() == b"mine"
+
+
 @pytest.mark.parametrize("speed", [1e-37, 1e30])
 def test_what_the_viewer_can_tell_apart_is_shown(tmp_path, speed):
     press = texts.shipped("crank_slide")

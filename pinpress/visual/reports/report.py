@@ -9,7 +9,6 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from ...common import files
 from ...common.arguments import expect, typed
 from ...common.errors import PinpressError
 from ...common.results import Tabular
@@ -78,7 +77,7 @@ def report(
     shown = as_shown(reactions, frames)
     data = player | {"report": _content(shown, None if before is None else before_shown(before, motion), results)}
     content = pages.page("report.html", press.name, data, {"viewer": pages.meshcat(), "plotly": pages.plotly()})
-    return files.write(path, content)
+    return pages.write(path, content)
 
 
 def article(title: str, subtitle: str, inputs: Inputs, parts: Sequence[Section], path: str | os.PathLike[str]) -> Path:
@@ -97,7 +96,7 @@ def article(title: str, subtitle: str, inputs: Inputs, parts: Sequence[Section],
     given = [{"title": "", "rows": [list(row) for row in inputs]}]
     content = {"subtitle": subtitle, "inputs": given, "figures": [], "over": None, "before": None, "heights": None, "period": None}
     data = {"report": content | {"sections": [part.as_json() for part in parts]}}
-    return files.write(path, pages.page("article.html", title, data, {"plotly": pages.plotly()}))
+    return pages.write(path, pages.page("article.html", title, data, {"plotly": pages.plotly()}))
 
 
 def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> dict[str, Any]:

@@ -29,7 +29,8 @@ function logarithmicAxis(axis, lines) {  // within two decades the powers of ten
   const ticks = [];
   for (let decade = Math.floor(Math.log10(least)); decade <= Math.log10(largest); decade++)
     for (const step of [1, 2, 5]) ticks.push(Number(`${step}e${decade}`));
-  Object.assign(axis, { type: "log" }, largest > 100 * least ? { dtick: 1, exponentformat: "power" } : { tickvals: ticks, ticktext: ticks.map(String) });
+  const decades = Math.log10(largest / least), wide = { dtick: Math.ceil(decades / 7), exponentformat: "power" };
+  Object.assign(axis, { type: "log" }, decades > 2 ? wide : { tickvals: ticks, ticktext: ticks.map(String) });
 }
 
 // What the cursors of a chart follow: present places along it, and the moment at one of them.
