@@ -4,7 +4,7 @@ The text is loaded again before it replaces the file. Where Pinocchio rounds wha
 divides by it again), the number is written that loads to the wanted one.
 
 A counterweight is a number too, the inertia of its link. So that it is seen, a ball of steel of its mass is written as ``<visual
-name="ballast">`` where it is; read again, it tells what was added to the link.
+name="added_ballast">`` where it is; read again, it tells what was added to the link.
 """
 
 from __future__ import annotations
@@ -33,11 +33,12 @@ from .urdf.text import MOMENTS, Text, tag, written
 MOST_TEXTS = 4  # most texts that are tried until the numbers are met to the last bit; mostly the second does, or none
 ACCEPTED = 1e-12  # relative difference from the linkage that is accepted of a text
 
-BALLAST = "ballast"  # name of visuals that stand for counterweights
+BALLAST = "added_ballast"  # name of visuals that stand for counterweights
 STEEL = 7850.0  # density [kg/m3]
 SEEN = 1e-3  # a mass that was added to a link is shown from this share of the link's mass,
 FARTHEST = 2.0  # no farther from the link's centre of mass than this, as a share of the linkage's size,
 ASIDE = 1e-6  # and written into a file from this share on: a link that is only heavier has no counterweight
+LARGEST_BALL = 1e6  # radius whose power can be taken [m]
 
 _OF_THE_POSE = {"placement of joints and links", "directions of joints and links", "lowerPositionLimit", "upperPositionLimit", "gear pairs"}
 _UNSAID = ("armature", "rotorInertia", "rotorGearRatio")  # arrays of the model for which URDF has no element
@@ -53,7 +54,7 @@ def write_urdf(press: Linkage, path: str | os.PathLike[str]) -> Path:
     ends turn.
 
     A link whose mass has grown aside of its centre of mass, as by a counterweight, gets a ball of steel of that mass as ``<visual
-    name="ballast">``, in place of one that it has of before. Pinpress draws a counterweight of this mass there.
+    name="added_ballast">``, in place of one that it has of before. Pinpress draws a counterweight of this mass there.
 
     Masses, positions and limits load to the last bit, and centres of mass to the last but one. Inertia tensors load to 3e-16 of their
     largest component and turned frames to 2e-15, because Pinocchio computes them from what it reads. Sums over links that are welded
@@ -140,17 +141,24 @@ def _without_balls(document: Document, before: Linkage, joint: int) -> pin.Inert
     inertia = before.model.inertias[joint]
     for link in document.robot.all("link"):
         frame = before.model.frames[before.model.getFrameId(link.get("name"), pin.BODY)]
-        for visual in _balls(link) if frame.parentJoint == joint else ():
-            radius = next((r for shape in visual.all("geometry") for ball in shape.all("sphere") for r in ball.numbers("radius")), 0.0)
+        for visual in filter(is_ballast, link.all("visual")) if frame.parentJoint == joint else ():
+            (radius,) = visual.all("geometry")[0].children[0].numbers("radius")
             at = next((place for origin in visual.all("origin") if (place := origin.numbers("xyz"))), (0.0, 0.0, 0.0))
-            ball = pin.Inertia.FromSphere(4 / 3 * np.pi * radius**3 * STEEL, radius)
-            less = _rest(inertia, [(ball, frame.placement * pin.SE3(np.eye(3), np.array(at)))], pin.SE3.Identity())
-            inertia = less if less.mass > 0 else inertia
+            mass = 4 / 3 * np.pi * min(radius, LARGEST_BALL) ** 3 * STEEL
+            if SEEN * inertia.mass < mass < inertia.mass:  # else it is none of ours
+                ball = _body(mass, np.zeros(3), 0.4 * mass * radius**2 * np.eye(3))
+                inertia = _rest(inertia, [(ball, frame.placement * pin.SE3(np.eye(3), np.array(at)))], pin.SE3.Identity())
     return inertia
 
 
-def _balls(link: Element) -> list[Element]:
-    return [visual for visual in link.all("visual") if visual.get("name") == BALLAST]
+def is_ballast(visual: Element) -> bool:
+    """Whether a visual is a ball that stands for a counterweight."""
+    shapes = [shape for geometry in visual.all("geometry") for shape in geometry.children]
+    return (
+        visual.get("name") == BALLAST
+        and [shape.tag for shape in shapes] == ["sphere"]
+        and min(shapes[0].numbers("radius"), default=0.0) > 0
+    )
 
 
 def _ball(added: AddedBallast, link: pin.SE3) -> str:
@@ -302,7 +310,7 @@ def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
         if new != old or any(link.now != link.before for link in links):
             ball = ""
             if new != old:
-                for visual in (visual for link in links for visual in _balls(link.element)):
+                for visual in (visual for link in links for visual in filter(is_ballast, link.element.all("visual"))):
                     text.remove(visual)
                 added = _added(document, before, now, carrier)
                 if added is not None and np.linalg.norm(added.centre - added.before.lever) > ASIDE * now.size:

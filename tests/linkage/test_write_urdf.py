@@ -240,7 +240,7 @@ def test_visuals_comments_and_foreign_elements_are_kept(press, tmp_path):
     gone, come = lines_changed(press, written(changed(press, all_new), tmp_path))
     kept = ("visual", "geometry", "gazebo", "drake", "<!--", "material", "transmission")
     assert gone
-    come = [re.sub(r'<visual name="ballast">.*?</visual>', "", line) for line in come]  # of links that have become heavier
+    come = [re.sub(r'<visual name="added_ballast">.*?</visual>', "", line) for line in come]  # of links that have become heavier
     assert not [line for line in gone + come if any(word in line for word in kept)]
 
 
@@ -248,7 +248,7 @@ def test_counterweights_are_balls_of_steel(press, tmp_path):
     """Written, written again unchanged, with another one, and without; a link that is only heavier has none."""
 
     def balls(loaded):
-        ball = r'<visual name="ballast"><origin xyz="(.*?)"/><geometry><sphere radius="(.*?)"/></geometry></visual>'
+        ball = r'<visual name="added_ballast"><origin xyz="(.*?)"/><geometry><sphere radius="(.*?)"/></geometry></visual>'
         return re.findall(ball, loaded.text.decode())
 
     weight = Counterweight("crank", 40.0, (-0.3, 0.0, 0.1))

@@ -502,6 +502,17 @@ def test_counterweights_of_a_balanced_press_have_their_mass_where_it_is(mass: fl
         assert [len(after[name].parts) for name in ("coupler", "slide")] == [len(before[name].parts) for name in ("coupler", "slide")]
 
 
+@pytest.mark.parametrize("radius", ["1e200", "1e-200", "3", "0.02"])
+def test_balls_that_can_be_no_counterweights(radius: str) -> None:
+    """They are too heavy for their links, or nothing; what is drawn is finite, and masses are those of the file."""
+    press = texts.shipped("crank_slide")
+    ball = f'<visual name="added_ballast"><geometry><sphere radius="{radius}"/></geometry></visual></link>'
+    other = texts.load(press.text.decode().replace("</link>", ball))
+    shown = bodies(other, positions(press))
+    assert all(np.isfinite(part.placement).all() for body in shown for part in body.parts)
+    assert [each.mass for each in other.model.inertias] == [each.mass for each in press.model.inertias]
+
+
 @pytest.mark.parametrize("mass", [30.0, 4000.0])
 def test_slides_are_of_their_mass(mass: float) -> None:
     press = bare(texts.shipped("crank_slide"))

@@ -18,7 +18,7 @@ from ...engines.branch import predict
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.document import Element
-from ...linkage.writing import BALLAST
+from ...linkage.writing import is_ballast
 from .solids import Box, Cylinder, Part, Plate, Shape, Sphere, TriangleMesh, part, read_mesh
 from .stand_ins import ShaftFlywheel, made_up_parts
 
@@ -163,7 +163,7 @@ def _colour(material: Element) -> Array | None:
 
 def _visuals(file: str, link: Element, colours: Mapping[str, Array]) -> Iterator[Part]:
     for visual in link.all("visual"):
-        if visual.get("name") in (STAND_IN, BALLAST):
+        if visual.get("name") == STAND_IN or is_ballast(visual):
             continue
         rgba = next((colours.get(m.get("name"), _colour(m)) for m in visual.all("material")), None)
         placement = _placement(link.get("name"), visual)
