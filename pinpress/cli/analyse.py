@@ -17,6 +17,7 @@ from ..dynamics.inputs import described, inputs
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
 from ..kinematics.motion import cycle
+from ..linkage.linkage import Linkage
 from ..ratings.permissible_force import capacities_in_words
 from ..simulation.run import Run
 from ..simulation.steady_state import steady_state
@@ -82,38 +83,19 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError("--before is for the report: give --report too")
     press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
-    acting = forces(options, press)
-    flywheel = part_specs.flywheel(options.flywheel)
-    motor = part_specs.motor(options.motor, press.driver_coordinates[0])
-    if flywheel is not None and flywheel.speed is not None:
-        raise PinpressError("--flywheel: at constant speed it turns with the crank: leave speed= out, or simulate the press with a clutch")
-    turning = any(given is not None for given in (flywheel, options.speed_drop, motor))
-    if turning:
-        press.refuse_sliding_driver(
-            "--flywheel, --speed-drop and --motor are of a crank that keeps turning; pinpress simulate takes --motor"
-        )
-    walk = time.perf_counter()
-    _ = press.branch  # followed here, so that the times below are those of any further motion
-    start = time.perf_counter()
-    speed = options.speed.of(press.driver_coordinates[0])
-    motion = cycle(press, speed=speed, points=states(press, options), engine=options.engine)
-    middle = time.perf_counter()
-    reactions = inverse_dynamics(press, motion, **acting, engine=options.engine)
-    end = time.perf_counter()
+    flywheel, motor = _driving(press, options)
+    reactions, times = _computed(press, options)
     ratings = permissible(press, options)
-    more: list[str] = []
-    if turning:
-        more += _of_flywheel(reactions, flywheel, options.speed_drop)
     results: list[Tabular] = [] if ratings is None else [ratings]
+    more: list[str] = []
+    if any(given is not None for given in (flywheel, options.speed_drop, motor)):
+        more += _of_flywheel(reactions, flywheel, options.speed_drop)
     if motor is not None:
         steady, words = _of_motor(reactions, motor, flywheel)
         more += words
         results += [] if steady is None else [steady]
-    print(summary(press, motion, reactions, None if ratings is None else ratings.utilisation(reactions)))
-    took = [1e3 * (until - since) for since, until in ((walk, start), (start, middle), (middle, end))]
-    further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
-    print(tables.entry("time taken", f"{took[0]:.1f}", further))
-    print("\n".join(more), end="\n" if more else "")
+    print(summary(press, reactions.motion, reactions, None if ratings is None else ratings.utilisation(reactions)))
+    print("\n".join([times, *more]))
     driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]
     capacities = [] if ratings is None else capacities_in_words(ratings.capacities, ratings.driver_coordinate)
     *stated, computed = inputs(reactions)
@@ -124,6 +106,32 @@ def run(options: argparse.Namespace) -> int:
         reactions.to_csv(options.out / "cycle.csv")
         write_pages(press, reactions, options, ["cycle.csv"], before, results, flywheel)
     return 0
+
+
+def _driving(press: Linkage, options: argparse.Namespace) -> tuple[Flywheel | None, Drive | PrescribedSpeed | None]:
+    """Flywheel and motor; raises PinpressError where they do not suit a press at constant speed."""
+    flywheel, motor = part_specs.flywheel(options.flywheel), part_specs.motor(options.motor, press.driver_coordinates[0])
+    if flywheel is not None and flywheel.speed is not None:
+        raise PinpressError("--flywheel: at constant speed it turns with the crank: leave speed= out, or simulate the press with a clutch")
+    if any(given is not None for given in (flywheel, options.speed_drop, motor)):
+        press.refuse_sliding_driver(
+            "--flywheel, --speed-drop and --motor are of a crank that keeps turning; pinpress simulate takes --motor"
+        )
+    return flywheel, motor
+
+
+def _computed(press: Linkage, options: argparse.Namespace) -> tuple[Reactions, str]:
+    """Reactions to the period that the options ask for, and a line with the times that this took."""
+    acting, speed = forces(options, press), options.speed.of(press.driver_coordinates[0])
+    began = [time.perf_counter()]
+    _ = press.branch  # followed here, so that the next times are those of any further motion
+    began.append(time.perf_counter())
+    motion = cycle(press, speed=speed, points=states(press, options), engine=options.engine)
+    began.append(time.perf_counter())
+    reactions = inverse_dynamics(press, motion, **acting, engine=options.engine)
+    took = 1e3 * np.diff([*began, time.perf_counter()])
+    further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
+    return reactions, tables.entry("time taken", f"{took[0]:.1f}", further)
 
 
 def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: float | None) -> list[str]:

@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
     before = None if options.before is None else press_before(options)
     with tempfile.TemporaryDirectory() as folder:
         page = options.out or Path(folder, "report.html")
-        flywheel = None if options.flywheel is None else part_specs.flywheel(options.flywheel)
+        flywheel = part_specs.flywheel(options.flywheel)
         report(
             press,
             motion,

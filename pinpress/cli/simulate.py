@@ -2,11 +2,15 @@
 
 import argparse
 import time
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..linkage.linkage import Linkage
+from ..loads.link import Friction, Load
 from ..simulation.run import Run, inputs_of, stroke_duties
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
@@ -89,46 +93,12 @@ def run(options: argparse.Namespace) -> int:
         PinpressError: Options do not go together, or computing or writing fails.
     """
     refuse_pages_without_folder(options)
-    flywheel = part_specs.flywheel(options.flywheel)
-    acting = loads(options)
-    clutch = None if options.clutch is None else part_specs.part("--clutch", part_specs.CLUTCH, options.clutch)
-    brake = None if options.brake is None else part_specs.part("--brake", part_specs.BRAKE, options.brake)
     press = load_press(options, gravity=(0.0, 0.0, -options.gravity))
-    friction = part_specs.frictions(options.friction, press)
-    drive = part_specs.motor(options.motor, press.driver_coordinates[0])
     _ = traced(press, options.trace)  # a wrong one is found before the work
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
-    if options.steady:
-        press.refuse_sliding_driver("--steady finds the stroke that repeats itself over turns of a crank; give --duration in its place")
-    if options.out is not None:
-        make_folder(options.out)  # before a run that may be long
-    points = STEADY_POINTS * press.period_turns if options.steady and options.points is None else options.points
-    coordinate, shared = press.driver_coordinates[0], {"points": points, "tolerance": options.tolerance}
-    speed, angle = options.speed.of(coordinate), options.angle.of(coordinate)
-    done: Run
-    if options.steady:
-        _refuse_beside_steady(options, speed)
-        parts = {"drive": drive, "flywheel": flywheel, "loads": acting, "friction": friction}
-        done = steady_state(press, speed, angle=angle, **parts, **shared)  # type: ignore[arg-type]  # it refuses what has no motor
-    else:
-        with progress(options.duration, BAR) as told:
-            done = simulate(
-                press,
-                options.duration,
-                speed=speed,
-                angle=angle,
-                drive=drive,
-                flywheel=flywheel,
-                method=options.method,
-                clutch=clutch,
-                brake=brake,
-                step=options.step,
-                progress=told,
-                loads=acting,
-                friction=friction,
-                **shared,
-            )
+    acting, friction = loads(options), part_specs.frictions(options.friction, press)
+    done = _run(press, acting, friction, options)
     began = time.perf_counter()
     reactions = inverse_dynamics(press, done, acting, friction)
     took = time.perf_counter() - began
@@ -144,6 +114,33 @@ def run(options: argparse.Namespace) -> int:
         stroke_duties(done).to_csv(options.out / "strokes.csv")
         write_pages(press, reactions, options, ["simulation.csv", "strokes.csv"])
     return 0
+
+
+def _run(press: Linkage, acting: Sequence[Load], friction: Mapping[str, Friction], options: argparse.Namespace) -> Run:
+    """The run, or one period of the steady state, that the options ask for."""
+    coordinate = press.driver_coordinates[0]
+    speed, angle = options.speed.of(coordinate), options.angle.of(coordinate)
+    parts: dict[str, Any] = {
+        "drive": part_specs.motor(options.motor, coordinate),
+        "flywheel": part_specs.flywheel(options.flywheel),
+        "loads": acting,
+        "friction": friction,
+        "points": options.points,
+        "tolerance": options.tolerance,
+    }
+    clutch = None if options.clutch is None else part_specs.part("--clutch", part_specs.CLUTCH, options.clutch)
+    brake = None if options.brake is None else part_specs.part("--brake", part_specs.BRAKE, options.brake)
+    if options.steady:
+        press.refuse_sliding_driver("--steady finds the stroke that repeats itself over turns of a crank; give --duration in its place")
+        _refuse_beside_steady(options, speed)
+    if options.out is not None:
+        make_folder(options.out)  # before a run that may be long
+    if options.steady:
+        points = STEADY_POINTS * press.period_turns if options.points is None else options.points
+        return steady_state(press, speed, angle=angle, **parts | {"points": points})
+    how = {"method": options.method, "step": options.step}
+    with progress(options.duration, BAR) as told:
+        return simulate(press, options.duration, speed=speed, angle=angle, clutch=clutch, brake=brake, progress=told, **parts, **how)
 
 
 def _refuse_beside_steady(options: argparse.Namespace, speed: float) -> None:
