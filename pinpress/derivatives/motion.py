@@ -197,7 +197,7 @@ class States(NamedTuple):
     def solve(self, opened: ComplexArray) -> Array:
         """The joint rates (nv, n), that of the driver zero, that close loops which open at rates ``opened`` (loops, n)."""
         result = np.zeros((len(self.plane.parents), self.basis.shape[1]))
-        solve(self.plane, self.rows, self.factors, [*-opened, *[None] * len(self.plane.offsets)], result)
+        solve(self.plane, self.rows, self.factors, [*opened, *[None] * len(self.plane.offsets)], result)
         return result
 
     def slope(self, by: Shift) -> Array:

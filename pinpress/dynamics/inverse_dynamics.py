@@ -23,7 +23,8 @@ from ..common.errors import PinpressError, SingularityError, UnknownNameError, s
 from ..common.frozen import FrozenMapping, NamedArrays, read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..engines.branch import at_change_point
+from ..engines.branch import Branch, at_change_point
+from ..engines.engine import Engine
 from ..engines.forces import AppliedConditions, AppliedForce, Wrenches, compliances
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
@@ -96,7 +97,7 @@ class Reactions(Tabular):
         press, found = self._press, self._wrenches
         if not self._conditions.with_gear_torques and press.couplings:
             with np.errstate(all="ignore"):  # what overflows is refused
-                found = _solved(press, self.engine, self.motion, self._conditions._replace(with_gear_torques=True), ())
+                found = _solved(press, press.engine(self.engine), self.motion, self._conditions._replace(with_gear_torques=True), ())
         pairs = [
             np.stack([torque, -c.multiplier * torque], axis=1) for c, torque in zip(press.couplings, found.coupling, strict=False)
         ]  # not of held spins
@@ -181,7 +182,7 @@ class Reactions(Tabular):
         with np.errstate(all="ignore"):  # what overflows is refused below
             if not set(on_frame(press)) <= set(there):
                 there = sorted(on_frame(press))
-                found = _solved(press, self.engine, self.motion, self._conditions, there)
+                found = _solved(press, press.engine(self.engine), self.motion, self._conditions, there)
             forces, moments = (dict(zip(there, vectors, strict=True)) for vectors in (found.force, found.moment))
             force, moment = shaking(press, self.motion, forces, moments, self._conditions.loads)
             if not math.isfinite(force.sum() + moment.sum()):
@@ -257,7 +258,7 @@ def inverse_dynamics(
     """
     if motion.joints != press.joints or motion.drivers != press.drivers:
         raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
-    chosen = press.engine(engine).name
+    chosen = press.engine(engine)
     if not isinstance(loads, list | tuple) and isinstance(loads, Load):  # looking whether something follows a protocol takes long
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
     wanted = _wanted(press, bearings)
@@ -269,7 +270,7 @@ def inverse_dynamics(
         conditions = AppliedConditions(applied_loads.apply(asked, press, motion), law, compliance, with_gear_torques)
         wrenches = _solved(press, chosen, motion, conditions, wanted)
     given = (tuple(loads), FrozenMapping(friction), FrozenMapping(stiffness))
-    return _reactions(press, motion, chosen, conditions, wanted, wrenches, given)
+    return _reactions(press, motion, chosen.name, conditions, wanted, wrenches, given)
 
 
 def _reactions(
@@ -305,7 +306,12 @@ def _reactions(
 
 def _refuse_change_points(press: Linkage, motion: Motion) -> None:
     """Raise SingularityError where a state of a run is at a change point: towards it the forces of rigid links grow without bounds."""
-    if len(press.drivers) > 1 or _between_locks(press, motion) or not press.branch_through_change_points.change_points:
+    if len(press.drivers) > 1:
+        return
+    branch = press.branch
+    # A crank that turns fully meets none. Else a motion that stays clear of the locks meets none, and then none need be looked for, which
+    # would take as long as walking the branch.
+    if branch.period is not None or _between_locks(branch, motion) or not press.branch_through_change_points.change_points:
         return
     at = at_change_point(press.branch_through_change_points.change_points, press.branch_through_change_points.period, motion.crank_angle)
     if at is not None:
@@ -318,10 +324,9 @@ def _refuse_change_points(press: Linkage, motion: Motion) -> None:
         )
 
 
-def _between_locks(press: Linkage, motion: Motion) -> bool:
-    """Whether a motion stays clear of the ends of the branch that has no change points. Then none need be looked for, which would take as
-    long as walking the branch."""
-    angles, crank = press.branch.angles, motion.crank_angle
+def _between_locks(branch: Branch, motion: Motion) -> bool:
+    """Whether a motion stays clear of the ends of the branch that has no change points."""
+    angles, crank = branch.angles, motion.crank_angle
     return bool(angles[0] + CLEAR < crank.min() and crank.max() < angles[-1] - CLEAR)
 
 
@@ -339,9 +344,9 @@ def _wanted(press: Linkage, bearings: Collection[str] | None) -> Sequence[int]:
     return [k for k, name in enumerate(press.bearings) if name in bearings]
 
 
-def _solved(press: Linkage, engine: str, motion: Motion, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+def _solved(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
     """Torques, and the wrenches of the wanted bearings; raises as `inverse_dynamics`."""
-    found = press.engine(engine).inverse_dynamics(motion.states(press), conditions, wanted)
+    found = engine.inverse_dynamics(motion.states(press), conditions, wanted)
     _refuse_not_finite(motion, found)
     return found
 

@@ -6,6 +6,7 @@ import math
 import os
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -258,24 +259,45 @@ def of_states(
         times: (n,) [s], None where the states have no time.
         period_turns: turns of the crank in a period, None for none.
     """
-    drivers = press.driver_indices[0] if len(press.drivers) == 1 else list(press.driver_indices)
+    fixed = _same_in_all_motions(press)
+    drivers = fixed.driver_indices[0] if len(fixed.drivers) == 1 else list(fixed.driver_indices)
+    for each in (position, v, a):  # views of them would else be made writable again
+        each.setflags(write=False)
     return Motion(
-        linkage=press.name,
-        drivers=press.drivers,
-        driver_coordinates=press.driver_coordinates,
-        joints=press.joints,
-        crank_angle=position.T[:, drivers].copy(),
-        crank_speed=v.T[:, drivers].copy(),
-        crank_acceleration=a.T[:, drivers].copy(),
+        linkage=fixed.linkage,
+        drivers=fixed.drivers,
+        driver_coordinates=fixed.driver_coordinates,
+        joints=fixed.joints,
+        crank_angle=position[drivers].T,
+        crank_speed=v[drivers].T,
+        crank_acceleration=a[drivers].T,
         joint_position=position.T,
         v=v.T,
         a=a.T,
         closure_error=gap,
         _time=times,
-        _slots=press.slots,
-        _guide=None if press.slide is None else press.slide_guide,
+        _slots=fixed.slots,
+        _guide=fixed.guide,
         period_turns=period_turns,
     )
+
+
+class _SameInAllMotions(NamedTuple):
+    """What all motions of a linkage have in common, by the names of `Motion` and `Linkage`."""
+
+    linkage: str
+    drivers: tuple[str, ...]
+    driver_coordinates: tuple[DriverCoordinate, ...]
+    driver_indices: tuple[int, ...]
+    joints: tuple[str, ...]
+    slots: tuple[Slot, ...]
+    guide: SlideGuide | None
+
+
+@per_linkage
+def _same_in_all_motions(press: Linkage) -> _SameInAllMotions:
+    guide = None if press.slide is None else press.slide_guide
+    return _SameInAllMotions(press.name, press.drivers, press.driver_coordinates, press.driver_indices, press.joints, press.slots, guide)
 
 
 def as_prescribed(motion: Motion, press: Linkage) -> Motion:
@@ -286,18 +308,26 @@ def as_prescribed(motion: Motion, press: Linkage) -> Motion:
 
 
 def moved(
-    press: Linkage, branch: Branch | None, angles: Array, speeds: Array, accelerations: Array, times: Array | None, engine: str
+    press: Linkage,
+    branch: Branch | None,
+    angles: Array,
+    speeds: Array | float,
+    accelerations: Array | float,
+    times: Array | None,
+    engine: str,
 ) -> Motion:
-    """The motion with these driver angles, speeds and accelerations: (n,) along a ``branch``, (n, drivers) where there is none."""
+    """The motion with these driver angles, speeds and accelerations: (n,) along a ``branch``, where constant speeds may be one number and
+    have the accelerations 0.0; (n, drivers) where there is no branch."""
     closure = None if branch is None else closed(press.engine(engine), press.spatial_model, branch, angles, press.name)
     with np.errstate(all="ignore"):  # what overflows is refused below
-        if closure is None:
+        if closure is None or branch is None:
             position = followed_from(press.engine(), press.spatial_model, press.closed, angles, press.name)
-            v, a, gap = press.engine(engine).rates(position, speeds.T, accelerations.T)
+            v, a, gap = press.engine(engine).rates(position, np.transpose(speeds), np.transpose(accelerations))
         else:
             position, gap = closure.position, closure.gap
-            even = not accelerations.any() and np.all(speeds == speeds[0])
-            v, a = _rates(closure, speeds[0] if even else speeds, None if even else accelerations)
+            if isinstance(speeds, np.ndarray) and not np.any(accelerations) and np.all(speeds == speeds[0]):
+                speeds, accelerations = float(speeds[0]), 0.0
+            v, a = _rates(closure, speeds, accelerations)
         finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
@@ -307,16 +337,16 @@ def moved(
     return motion
 
 
-def _rates(closure: Closure, speed: Array | np.float64, acceleration: Array | None) -> tuple[Array, Array]:
-    """Joint rates and accelerations (nv, n) from those of the driver, (n,) or one number; without acceleration None."""
+def _rates(closure: Closure, speed: Array | float, acceleration: Array | float) -> tuple[Array, Array]:
+    """Joint rates and accelerations (nv, n) from those of the driver, (n,) or one number."""
     a = closure.second * (speed * speed)
-    if acceleration is not None:
+    if isinstance(acceleration, np.ndarray):
         a += closure.first * acceleration
     return closure.first * speed, a
 
 
-def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None) -> tuple[Array, Array, Array, Array]:
-    """Angles, speeds, accelerations and times (n,) of `cycle`."""
+def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None) -> tuple[Array, Array | float, Array | float, Array]:
+    """Angles, speeds, accelerations and times (n,) of `cycle`; constant speeds and accelerations are one number."""
     given = numbers("speed", speed, unit=f"{press.driver_coordinates[0].unit}/s")
     if given.ndim:
         raise PinpressError("speed is an array, but a turn at constant speed takes one number: write servo_cycle for a servo motion")
@@ -331,7 +361,7 @@ def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None
         raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give another, 70 r/min are 70 * pinpress.RPM [rad/s]")
     count = POINTS * turns if points is None else whole_number("points", points, 2, MOST_POINTS)
     angles: Array = np.arange(count, dtype=float) * (math.copysign(period, rate) / count)
-    return angles, np.full(count, rate), np.zeros(count), angles / rate
+    return angles, rate, 0.0, angles / rate
 
 
 def _there_and_back(branch: Branch, rate: float, points: int | None) -> tuple[Array, Array, Array, Array]:

@@ -132,6 +132,7 @@ class Linkage(Frozen):
         return self.spatial_model.slots
 
     @property
+    @per_linkage
     def driver_coordinates(self) -> tuple[DriverCoordinate, ...]:
         """What the coordinates of the drivers are: a crank angle [rad], or the position of a driver that slides [m]."""
         return tuple(replace(each, zero=self.zero) for each in self.spatial_model.coordinates)

@@ -1,9 +1,10 @@
 """Closing a planar linkage at all crank angles at once, with the exact influence coefficients of every joint.
 
 A loop's gap and the columns of its Jacobian are rows of one matrix product with the basis (see `model`). Blocks are solved in the order in
-which they depend on each other. A dyad's 2x2 system a x + b y = c, with complex a, b, c and real x, y, has the closed solution
+which they depend on each other. The joint rates x and y of a dyad close what opens at the rate c, a x + b y + c = 0 with complex a, b, c
+and real x, y:
 
-    x = -Im(conj(b) c) / D,   y = Im(conj(a) c) / D,   D = Im(conj(a) b)
+    x = Im(conj(b) c) / D,   y = -Im(conj(a) c) / D,   D = Im(conj(a) b)
 
 Where there are more equations than joints (a second rod to the same slide), the least-squares solution is taken: it fulfils all equations
 if the redundant ones agree with the others, and if they do not, the gap shows it.
@@ -11,13 +12,13 @@ if the redundant ones agree with the others, and if they do not, the gap shows i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
 from ...common.quantities import Array, ComplexArray
-from ..engine import ACCEPTED, MOST_NEWTON_STEPS, ClosedStates, Closure
+from ..engine import ACCEPTED, MOST_NEWTON_STEPS, PIECE, ClosedStates, Closure
 from ..forces import RANK
 from ..joints import product
 from .model import Block, Plane, to_world
@@ -49,7 +50,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
                 break
             step = np.zeros_like(x)
-            solve(plane, rows, factored(plane, rows), [*-gaps, *-slips], step)
+            solve(plane, rows, factored(plane, rows), [*gaps, *slips], step)
             x += step
             steps += 1
         first, second = _influence(plane, basis, rows)
@@ -66,16 +67,13 @@ def influence(plane: Plane, basis: ComplexArray) -> tuple[Array, Array]:
 def _influence(plane: Plane, basis: ComplexArray, rows: ComplexArray) -> tuple[Array, Array]:
     """Influence coefficients, given the ``rows`` of `Plane.closure` at these configurations."""
     factors, shape = factored(plane, rows), (len(plane.parents), basis.shape[1])
-    first = np.empty(shape)
-    first[plane.driver] = 1.0
-    driven = [None if row is None else -rows[row] for row in plane.driven]
-    driven += [np.full(basis.shape[1], -gear.get(plane.driver, 0.0)) for gear in plane.coupling_rows]
+    first, second = np.empty(shape), np.empty(shape)
+    first[plane.driver], second[plane.driver] = 1.0, 0.0
+    driven: list[ComplexArray | Array | None] = [None if row is None else rows[row] for row in plane.driven]
+    driven += [np.full(basis.shape[1], gear.get(plane.driver, 0.0)) for gear in plane.coupling_rows]
     solve(plane, rows, factors, driven, first)
-    second = np.empty(shape)
-    second[plane.driver] = 0.0
-    curvature = basis_acceleration(plane, basis, first, None)
-    opened = product(plane.closure[: len(plane.loop_heights)], curvature)
-    solve(plane, rows, factors, [*-opened, *[None] * len(plane.offsets)], second)
+    opened = product(plane.closure[: len(plane.loop_heights)], basis_acceleration(plane, basis, first, None))
+    solve(plane, rows, factors, [*opened, *[None] * len(plane.offsets)], second)
     return first, second
 
 
@@ -151,18 +149,6 @@ def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | N
     return result
 
 
-class DyadFactor(NamedTuple):
-    """The inverse of a dyad's 2x2 system: y = Im(a c) and x = Im(b c), in the terms of the module.
-
-    Attributes:
-        a: (n,) conj(a) / D.
-        b: (n,) -conj(b) / D.
-    """
-
-    a: ComplexArray
-    b: ComplexArray
-
-
 def dyad_columns(block: Block, rows: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     """The Jacobian's two columns (n,) of a dyad."""
     (_, a), (_, b) = block.own[0]
@@ -186,18 +172,16 @@ Factor = Any  # see `factored`
 
 
 def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
-    """The Jacobians of all blocks, ready to be solved: `DyadFactor` of a dyad, conj(a) / |a|^2 of a lever with column a, the coefficient of
-    a coupling, the matrix of a dense block."""
+    """The Jacobians of all blocks, ready to be solved: (2, n) conj(b) / D and -conj(a) / D of a dyad, in the terms of the module,
+    -conj(a) / |a|^2 of a lever with column a, the coefficient of a coupling, the matrix of a dense block."""
+    dyads = _factored_dyads(plane, rows)
     result: list[Factor] = []
     for block in plane.blocks:
         if block.kind == "dyad":
-            a, b = dyad_columns(block, rows)
-            a = a.conj()
-            scale = 1.0 / (a * b).imag
-            result.append(DyadFactor(a * scale, b.conj() * -scale))
+            result.append(next(dyads))
         elif block.kind == "lever":
             a = rows[block.own[0][0][1]]
-            result.append(a.conj() / (a.real**2 + a.imag**2))
+            result.append(a.conj() / -(a.real**2 + a.imag**2))
         elif block.kind == "gear":
             result.append(plane.coupling_rows[block.couplings[0]][block.joints[0]])
         else:
@@ -205,50 +189,64 @@ def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
     return result
 
 
+def _factored_dyads(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
+    """The factors of all dyads, as many at a time as stay in the cache."""
+    n = rows.shape[1]
+    together = max(1, PIECE // n)
+    for start in range(0, len(plane.dyad_columns), together):
+        first, second = plane.dyad_columns[start : start + together].T
+        a, b = rows[first], rows[second]
+        factors = np.empty((len(a), 2, n), complex)
+        np.conjugate(a, out=a)
+        scale = 1.0 / (a * b).imag
+        np.multiply(np.conjugate(b, out=b), scale, out=factors[:, 0])
+        np.multiply(a, np.negative(scale, out=scale), out=factors[:, 1])
+        yield from factors
+
+
 def solve(
     plane: Plane,
     rows: ComplexArray,
     factors: list[Factor],
-    target: Sequence[ComplexArray | Array | None],
+    opening: Sequence[ComplexArray | Array | None],
     x: Array,
 ) -> None:
-    """Fill in the rates of the passive joints that move loops and couplings as wanted.
+    """Fill in the rates of the passive joints that keep loops and couplings closed.
 
     Args:
         plane: constants of the linkage.
         rows: rows of `Plane.closure` at the configurations.
         factors: what `factored` made of them.
-        target: rate (n,) of every loop's gap, complex, then of every coupling; None for zero. The driver's part is already taken off.
+        opening: rate (n,) at which every loop's gap would open, complex, then every coupling; None for zero. The driver's part is in it.
         x: (nv, n) joint rates to be filled in.
     """
     for block, factor in zip(plane.blocks, factors, strict=True):
         sides = []
         for loop, columns in zip(block.loops, block.known, strict=True):
-            side = target[loop]
+            side = opening[loop]
             for joint, row in columns:
                 moved = rows[row] * x[joint]
-                side = -moved if side is None else side - moved
+                side = moved if side is None else side + moved
             sides.append(np.zeros(rows.shape[1], complex) if side is None else side)
         if block.kind == "dyad":
-            x[block.joints[0]] = (factor.b * sides[0]).imag
-            x[block.joints[1]] = (factor.a * sides[0]).imag
+            x[block.pair] = (factor * sides[0]).imag
         elif block.kind == "lever":
             x[block.joints[0]] = (factor * sides[0]).real
         else:
             parts = [part for side in sides for part in (side.real, side.imag)]
-            parts += [_slip(plane, block, k, target[len(plane.loop_heights) + k], x) for k in block.couplings]
+            parts += [_slip(plane, block, k, opening[len(plane.loop_heights) + k], x) for k in block.couplings]
             if block.kind == "gear":
-                x[block.joints[0]] = parts[0] / factor
+                x[block.joints[0]] = parts[0] / -factor
             elif block.joints:
-                x[list(block.joints)] = _solve_dense(factor, np.stack(parts, axis=1)).T
+                x[list(block.joints)] = _solve_dense(factor, -np.stack(parts, axis=1)).T
 
 
-def _slip(plane: Plane, block: Block, coupling: int, target: Array | ComplexArray | None, x: Array) -> Array:
-    """By how much (n,) the joints of a block have to move a coupling, less what the joints of earlier blocks do."""
-    side = np.zeros(x.shape[1]) if target is None else target.real
+def _slip(plane: Plane, block: Block, coupling: int, opening: Array | ComplexArray | None, x: Array) -> Array:
+    """The rate (n,) at which a coupling opens, with what the joints of earlier blocks add."""
+    side = np.zeros(x.shape[1]) if opening is None else opening.real
     for joint, by in plane.coupling_rows[coupling].items():
         if joint not in block.joints and joint != plane.driver:
-            side = side - by * x[joint]
+            side = side + by * x[joint]
     return side
 
 

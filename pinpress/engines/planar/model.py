@@ -64,6 +64,12 @@ class Block:
         return 2 * len(self.loops) + len(self.couplings) - len(self.joints)
 
     @cached_property
+    def pair(self) -> slice:
+        """The two joints of a dyad."""
+        first, second = self.joints
+        return slice(first, second + 1, second - first)
+
+    @cached_property
     def kind(self) -> str:
         """Kind of the block. Three have a closed solution: "dyad" (two joints close a loop), "lever" (one joint closes a loop) and "gear"
         (a coupling determines a joint). All others are "dense"."""
@@ -152,6 +158,12 @@ class Plane:
     def tolerance(self) -> float:
         """Gap at which a loop is closed to rounding [m]."""
         return 8 * EPSILON * self.size
+
+    @cached_property
+    def dyad_columns(self) -> NDArray[np.intp]:
+        """(dyads, 2) rows of ``closure`` with the two columns of every dyad, in the order of ``blocks``."""
+        rows = [[row for _, row in block.own[0]] for block in self.blocks if block.kind == "dyad"]
+        return np.array(rows, dtype=np.intp).reshape(-1, 2)
 
     @cached_property
     def redundant(self) -> bool:
