@@ -6,7 +6,8 @@ known already. A press linkage is the driver and a chain of dyads.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -18,7 +19,7 @@ from ..common.results import Record, Records
 from ..engines.planar.model import Block, Plane
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
-from .motion import Poses, bearing_points, motion_through_change_points, poses
+from .motion import carried, motion_through_change_points
 
 SAMPLES = 720  # crank angles of a turn at which the least angle is looked for
 CLOSER, ROUNDS = 10, 7  # how many times closer crank angles are looked at in each round, and rounds
@@ -80,11 +81,11 @@ def least_transmission_angles(press: Linkage) -> Records[Dyad]:
     first, last = (0.0, branch.period) if branch.period is not None else (float(branch.angles[0]), float(branch.angles[-1]))
     turns = (last - first) / (2 * np.pi) if press.driver_coordinates[0].turns else 1.0  # there is the turn of a driver that slides
     steps = max(2, round(SAMPLES * turns))
-    centres, step = np.tile(np.linspace(first, last, steps + 1), (len(bearings), 1)), (last - first) / steps
+    centres, step = np.linspace(first, last, steps + 1)[None], (last - first) / steps
     for _ in range(ROUNDS):
         found = _angles(press, plane, bearings, centres)
         least = np.argmax(found <= found.min(axis=1, keepdims=True) + EQUAL, axis=1)[:, None]  # the first of equal ones
-        at = np.take_along_axis(centres, least, axis=1)
+        at = np.take_along_axis(np.broadcast_to(centres, found.shape), least, axis=1)
         step /= CLOSER
         centres = np.clip(at + step * np.arange(-CLOSER, CLOSER + 1), first, last)
     angles = np.take_along_axis(found, least, axis=1)[:, 0]
@@ -130,19 +131,58 @@ def _down_to_frame(press: Linkage, joint: int) -> Iterator[int]:
 
 
 def _angles(press: Linkage, plane: Plane, dyads: list[_Bearings], crank: Array) -> Array:
-    """Transmission angles (dyads, n) at crank angles (dyads, n)."""
-    motion = motion_through_change_points(press, crank.ravel(), 0.0)
-    placed = poses(press, motion.joint_position)
-    points = dict(zip(press.bearings, bearing_points(press, placed), strict=True))
-    count, found = crank.shape[1], np.empty(crank.shape)
+    """Transmission angles (dyads, n) at crank angles (dyads, n), or (1, n) for all."""
+    position = motion_through_change_points(press, crank.ravel(), 0.0).joint_position
+    count, found = crank.shape[1], np.empty((len(dyads), crank.shape[1]))
+    places = {name: place for place, name in enumerate(press.bearings)}
+    placed = _Placed(press, places, position)
     for k, each in enumerate(dyads):
-        rows = slice(k * count, (k + 1) * count)
-        where = {name: points[name][rows] for name in (each.middle, *each.ends)}
-        slides = {name: _slide_direction(press, placed, name, rows) for name in (each.middle, *each.ends)}
+        if len(crank) > 1:
+            placed = _Placed(press, places, position[k * count : (k + 1) * count])
+        where = {name: placed.bearing(name) for name in (each.middle, *each.ends)}
+        slides = {name: placed.slide_direction(name) for name in (each.middle, *each.ends)}
         one, another = _lines(each, where, slides, plane.normal)
         along = np.abs(np.sum(one * another, axis=1))
         found[k] = np.arctan2(np.abs(np.cross(one, another) @ plane.normal), along)
     return found
+
+
+class _Placed:
+    """Bearings at joint coordinates (n, nv). Of the bodies only those are placed that carry a bearing that is asked for.
+
+    Args:
+        press: the linkage.
+        places: places in `Linkage.bearings` by their names.
+        position: (n, nv) joint coordinates.
+    """
+
+    def __init__(self, press: Linkage, places: Mapping[str, int], position: Array) -> None:
+        self.press, self.places, self.position = press, places, position
+        self.known = {0: (np.broadcast_to(np.eye(3), (len(position), 3, 3)), np.zeros((len(position), 3)))}
+
+    def bearing(self, name: str) -> Array:
+        """(n, 3) where the force of a bearing acts, world axes [m]."""
+        place = self.places[name]
+        if place < len(self.press.joints):
+            return self._body(place + 1)[1]
+        loop = self.press.loops[place - len(self.press.joints)]
+        rotation, position = self._body(loop.joint1)
+        return np.asarray(rotation @ loop.point1 + position)
+
+    def slide_direction(self, name: str) -> Array | None:
+        """World directions (n, 3) along which a bearing slides; None for a pin."""
+        place = self.places[name]
+        if place >= len(self.press.joints) or self.press.axes[place].turns:
+            return None
+        return np.asarray(self._body(place + 1)[0] @ self.press.axes[place].direction)
+
+    def _body(self, joint: int) -> tuple[Array, Array]:
+        """Rotations (n, 3, 3) and positions (n, 3) of the body of a Pinocchio joint."""
+        unknown = list(itertools.takewhile(lambda each: each not in self.known, _down_to_frame(self.press, joint)))
+        for each in reversed(unknown):
+            parent = self.known[self.press.model.parents[each]]
+            self.known[each] = carried(self.press, each, *parent, self.position[:, each - 1])
+        return self.known[joint]
 
 
 def _lines(each: _Bearings, where: dict[str, Array], slides: dict[str, Array | None], normal: Array) -> tuple[Array, Array]:
@@ -160,10 +200,3 @@ def _lines(each: _Bearings, where: dict[str, Array], slides: dict[str, Array | N
         in_plane(where[name] - where[middle]) if (guide := slides[name]) is None else np.cross(normal, guide) for name in (first, second)
     ]
     return lines[0], lines[1]
-
-
-def _slide_direction(press: Linkage, placed: Poses, name: str, rows: slice) -> Array | None:
-    """World directions (n, 3) along which a bearing slides; None for a pin."""
-    if name not in press.joints or press.axes[joint := press.joints.index(name)].turns:
-        return None
-    return np.asarray(placed.rotation[joint + 1, rows] @ press.axes[joint].direction)

@@ -406,15 +406,21 @@ def poses(press: Linkage, joint_position: Array) -> Poses:
     model, n = press.model, len(joint_position)
     rotation, position = np.empty((model.njoints, n, 3, 3)), np.empty((model.njoints, n, 3))
     rotation[0], position[0] = np.eye(3), 0.0
-    for j, (axis, moved) in enumerate(zip(press.axes, joint_position.T, strict=True), 1):
-        parent, place = model.parents[j], model.jointPlacements[j]
-        rotation[j] = rotation[parent] @ place.rotation
-        position[j] = position[parent] + rotation[parent] @ place.translation
-        if axis.turns:
-            rotation[j] = rotation[j] @ _turned(axis.direction, moved)
-        else:
-            position[j] += moved[:, None] * (rotation[j] @ axis.direction)
+    for j, moved in enumerate(joint_position.T, 1):
+        parent = model.parents[j]
+        rotation[j], position[j] = carried(press, j, rotation[parent], position[parent], moved)
     return Poses(rotation, position)
+
+
+def carried(press: Linkage, joint: int, rotation: Array, position: Array, moved: Array) -> tuple[Array, Array]:
+    """Rotations (n, 3, 3) and positions (n, 3) of the body of a Pinocchio joint, from those of the body that carries it and the joint's
+    coordinate (n,)."""
+    place, axis = press.model.jointPlacements[joint], press.axes[joint - 1]
+    turned = rotation @ place.rotation
+    shifted = position + rotation @ place.translation
+    if axis.turns:
+        return turned @ _turned(axis.direction, moved), shifted
+    return turned, shifted + moved[:, None] * (turned @ axis.direction)
 
 
 def bearing_points(press: Linkage, at: Poses) -> Array:
