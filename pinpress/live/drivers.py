@@ -85,6 +85,11 @@ def with_moving(press: Linkage, driver: str, positions: Sequence[float]) -> Link
     return redrawn(one, displaced(one, {}), there)
 
 
+def standing(press: Linkage) -> list[Coupling]:
+    """What holds the drivers of a press that stand, see `with_moving`."""
+    return [pair for pair in press.couplings if pair.multiplier == 0]
+
+
 def _coupled(press: Linkage, leader: str, of_drivers: Mapping[str, int], ratios: Mapping[str, float]) -> Linkage:
     """The press with one driver, which the others follow."""
     followers = (Coupling(name, joint, of_drivers[leader], ratios[name], 0.0, 0) for name, joint in of_drivers.items() if name != leader)

@@ -23,7 +23,7 @@ from ..visual import recording
 from ..visual.pages import packed
 from ..visual.shapes import meshcat_commands
 from ..visual.shapes.appearance import ShownLink, bodies
-from .drivers import locks, swing
+from .drivers import locks, standing, swing
 
 POINTS = 180  # states of a period
 FEWEST = 36  # states of a period of a linkage that takes long
@@ -96,6 +96,8 @@ def picture(
     frames = _frames(motion)
     at = poses(press, motion.joint_position[frames.states])
     data = recording.moving(press, motion, frames, at, reactions, ()) | _curves(press, motion, reactions, frames)
+    if standing(press):
+        data["driver"] = data["driver"] | {"name": press.driver}
     took = time.perf_counter() - began
     links = shown
     if links is None:
@@ -165,7 +167,9 @@ def _curves(press: Linkage, motion: Motion, reactions: Reactions, frames: record
     curves = []
     if press.slide is not None:
         curves.append(_curve("height of the slide", "m", _height(motion), frames))
-    curves.append(_curve("driving torque" if turns else "driving force", "N m" if turns else "N", reactions.driving_torque, frames))
+    of_driver = f" of {press.driver}" if standing(press) else ""
+    effort, unit = ("torque", "N m") if turns else ("force", "N")
+    curves.append(_curve(f"driving {effort}{of_driver}", unit, reactions.driving_torque, frames))
     curves += _holding(press, reactions, frames)
     names = list(reactions.bearing_force)
     forces = np.array([np.linalg.norm(force, axis=1) for force in reactions.bearing_force.values()])
@@ -176,11 +180,8 @@ def _curves(press: Linkage, motion: Motion, reactions: Reactions, frames: record
 
 def _holding(press: Linkage, reactions: Reactions, frames: recording.KeyFrames) -> list[dict[str, Any]]:
     """What holds the drivers that stand; nothing of more than there is room for."""
-    standing = [pair for pair in press.couplings if pair.multiplier == 0]
-    if not 0 < len(standing) <= MOST_HELD:
-        return []
-    found = []
-    for pair in standing:
+    held, found = standing(press), []
+    for pair in held if len(held) <= MOST_HELD else ():
         effort, unit = ("torque", "N m") if press.axes[pair.follower].turns else ("force", "N")
         found.append(_curve(f"{effort} that holds {pair.name}", unit, reactions.coupling_torque[pair.name][:, 0], frames))
     return found

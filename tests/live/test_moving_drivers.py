@@ -72,7 +72,8 @@ def test_another_driver_moves(session: Session, path: Path) -> None:
     whole = session.whole()
     assert (whole["drivers"], whole["moving"]) == (("A", "B"), "A")
     assert [each["name"] for each in whole["dimensions"][:2]] == ["A", "B"]
-    assert [each["name"] for each in whole["curves"]][2] == "torque that holds B"
+    assert [each["name"] for each in whole["curves"]][1:3] == ["driving torque of A", "torque that holds B"]
+    assert whole["driver"]["name"] == "A"
     values = [*whole["values"]]
     values[0] = 20.0
     assert ask(session, "set", values=values, speed=30.0, shapes=False).everyone["curves"] != whole["curves"]
@@ -120,7 +121,7 @@ def test_speeds_are_those_of_the_kind_of_driver(tmp_path: Path) -> None:
     session.open()
     cylinder_moves = ask(session, "move", driver="cylinder").everyone
     assert (cylinder_moves["speed"], cylinder_moves["speed_unit"]) == (100.0, "mm/s")
-    assert [each["name"] for each in cylinder_moves["curves"][1:3]] == ["driving force", "torque that holds A"]
+    assert [each["name"] for each in cylinder_moves["curves"][1:3]] == ["driving force of cylinder", "torque that holds A"]
     assert_allclose([cylinder_moves["dimensions"][1][end] for end in ("low", "high")], [-100.0, 100.0])
     crank_moves = ask(session, "move", driver="A").everyone
     assert crank_moves["speed"] == pytest.approx(2.0 / pp.RPM)

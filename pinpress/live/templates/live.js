@@ -130,12 +130,11 @@ function showCurves() {
     overTime = !data.period;
     element("curves").replaceChildren();
     charts.length = 0;
-    for (const { name } of data.curves) {
+    for (const _ of data.curves) {
       const figure = make("figure", element("curves")), caption = make("figcaption", figure);
       const chart = { title: make("b", caption), range: make("small", caption), value: make("output", caption) }, plot = make("div", figure);
       Object.assign(chart, { canvas: make("canvas", plot), cursor: make("i", plot), dot: make("i", plot, { className: "dot" }) });
       chart.canvas.setAttribute("role", "img");
-      chart.canvas.setAttribute("aria-label", `${name} over the ${overTime ? "time" : "crank angle"}`);
       chart.canvas.addEventListener("pointerdown", event => { setPlaying(false); seekInChart(chart, event); });
       chart.canvas.addEventListener("pointermove", event => { if (event.buttons) seekInChart(chart, event); });
       charts.push(chart);
@@ -147,6 +146,7 @@ function showCurves() {
     const [per, unit] = scale[curve.unit].find(([per]) => Math.max(-low, high) >= 0.9995 * per) || scale[curve.unit].at(-1);
     Object.assign(charts[i], { now, old, low: low / per, high: (high > low ? high : low + per) / per, per, unit, at: curve.at, name: curve.name });
     charts[i].title.textContent = curve.name;
+    charts[i].canvas.setAttribute("aria-label", `${curve.name} over the ${overTime ? "time" : "crank angle"}`);
     const peak = now.reduce((best, value, k) => Math.abs(value) > Math.abs(now[best]) ? k : best, 0);
     const where = `${inWords(abscissa()[peak])}${overTime ? " s" : data.driver.unit}`;
     charts[i].range.textContent = curve.unit === "m" ? `stroke ${digits(high / per)} ${unit}` : `peak ${digits(now[peak] / per)} ${unit} at ${where}${curve.at ? `, ${curve.at[peak]}` : ""}`;
