@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 
 import pinpress as pp
 from pinpress.plots import style as figures
-from pinpress.plots.elasticity import draw_compliance, draw_dead_centre_shift, draw_snap_through
 
 PICTURE = Path(__file__).with_suffix(".png")
 STEEL = 2.1e11  # modulus of elasticity [Pa]
@@ -149,12 +148,12 @@ def picture() -> Figure:
         for column, name in enumerate(SPRINGS):
             press = pp.load(name)
             found = elastic(press, name)
-            draw_compliance(places[0, column], found)
+            pp.plots.compliance(found, ax=places[0, column])
             places[0, column].set_title(name, loc="left")
             curve = pp.elasticity.dead_centre_shift(press, SPRINGS[name], speed=np.linspace(0.0, CURVE[name], 40) * pp.RPM)
-            draw_dead_centre_shift(places[1, column], {"true bottom dead centre": curve})
+            pp.plots.dead_centre_shift({"true bottom dead centre": curve}, ax=places[1, column])
             cases = snaps(press, name)
-            draw_snap_through(places[2, column], {what: cases[what] for what in list(cases)[1::2]})
+            pp.plots.snap_through({what: cases[what] for what in list(cases)[1::2]}, ax=places[2, column])
     return figure
 
 

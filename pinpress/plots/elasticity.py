@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..common.arguments import typed
 from ..common.errors import PinpressError
-from ..common.quantities import RPM
+from ..common.quantities import RPM, Array
 from ..elasticity.breakthrough import SnapThroughResponse
 from ..elasticity.slide_under_load import ElasticDeadCentre
 from ..elasticity.unit_load import SlideCompliance
@@ -36,7 +36,33 @@ def compliance(elasticity: SlideCompliance, *, ax: Axes | None = None) -> Figure
     Raises:
         PinpressError: Matplotlib is not installed, or ``ax`` are no axes.
     """
-    return _chart(draw_compliance, elasticity, ax)
+    order, coordinate = np.argsort(elasticity.crank_angle), elasticity.coordinate
+    with panels(ax, 1, HIGH, lambda figure: [figure.subplots()]) as drawn:
+        from matplotlib.ticker import MaxNLocator  # optional, and slow to import
+
+        axes = drawn.axes[0]
+        grid(axes, "compliance [µm/kN]")
+        parts = _largest_parts(elasticity)
+        colours, names = [colour for colour, _, _ in parts], [name for _, name, _ in parts]
+        curves = [1e9 * part[order] for _, _, part in parts]
+        areas: list[Artist] = list(
+            axes.stackplot(coordinate.scale * elasticity.crank_angle[order], curves, colors=colours, alpha=0.75, linewidth=0)
+        )
+        plain(axes.set_xlabel(f"{coordinate.position} [{coordinate.shown_unit}]"))
+        axes.set_ylim(0.0, 1.45e9 * float(elasticity.compliance.max()))  # room for the names
+        axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 1.5, 3, 4.5, 9, 10]))
+        legend(axes, areas[::-1], names[::-1], loc="upper center", ncols=3, columnspacing=1.0, borderaxespad=0.1)
+    return drawn.figure
+
+
+def _largest_parts(elasticity: SlideCompliance) -> list[tuple[str, str, Array]]:
+    """Colours, names and compliances of as many parts as there are colours, the largest first, and of the others together."""
+    largest = float(elasticity.compliance.max())
+    parts = sorted(elasticity.parts.items(), key=lambda part: -round(float(part[1].mean()) / largest, 9))  # equal ones differ by rounding
+    seen = (each for each in parts if each[1].max() >= SMALLEST * largest)
+    shown = [(colour, name, part) for colour, (name, part) in zip(COLOURS, seen, strict=False)]
+    rest = elasticity.compliance - np.sum([part for _, _, part in shown], axis=0)
+    return [*shown, (GREY, "others", np.maximum(rest, 0.0))] if rest.max() >= SMALLEST * largest else shown
 
 
 @typed
@@ -50,7 +76,17 @@ def dead_centre_shift(shifts: Mapping[str, ElasticDeadCentre], *, ax: Axes | Non
     Raises:
         PinpressError: Matplotlib is not installed, there is no press, or ``ax`` are no axes.
     """
-    return _chart(draw_dead_centre_shift, shifts, ax)
+    _refuse_none(shifts, "dead_centre_shift", ElasticDeadCentre)
+    with panels(ax, 1, HIGH, lambda figure: [figure.subplots()]) as drawn:
+        axes = drawn.axes[0]
+        grid(axes, "shift of bottom dead centre [µm]")
+        lines: list[Artist] = []
+        for i, shift in enumerate(shifts.values()):
+            order = np.argsort(shift.speed)
+            lines += axes.plot(shift.speed[order] / RPM, 1e6 * shift.shift[order], color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
+        plain(axes.set_xlabel("strokes/min"))
+        legend(axes, lines, list(shifts), loc="lower left")
+    return drawn.figure
 
 
 @typed
@@ -64,69 +100,19 @@ def snap_through(responses: Mapping[str, SnapThroughResponse], *, ax: Axes | Non
     Raises:
         PinpressError: Matplotlib is not installed, there is no curve, or ``ax`` are no axes.
     """
-    return _chart(draw_snap_through, responses, ax)
-
-
-def _chart(draw: Callable[[Axes, Any], None], shown: object, ax: Axes | None) -> Figure:
-    """Draw a chart on given axes, or in a figure of its own."""
-    with panels(ax, 1, HIGH, lambda figure: [figure.subplots()]) as drawn:
-        draw(drawn.axes[0], shown)
-    return drawn.figure
-
-
-def draw_compliance(axes: Axes, elasticity: SlideCompliance) -> None:
-    """Draw the chart of `compliance` on given axes."""
-    from matplotlib.ticker import MaxNLocator  # optional, and slow to import
-
-    order = np.argsort(elasticity.crank_angle)
-    largest = float(elasticity.compliance.max())
-    parts = sorted(elasticity.parts.items(), key=lambda item: -round(float(item[1].mean()) / largest, 9))  # equal parts differ by rounding
-    shown = [(name, part) for name, part in parts if part.max() >= SMALLEST * largest][: len(COLOURS)]
-    rest = elasticity.compliance - np.sum([part for _, part in shown], axis=0)
-    names, curves = [name for name, _ in shown], [part for _, part in shown]
-    if rest.max() >= SMALLEST * largest:
-        names, curves = [*names, "others"], [*curves, np.maximum(rest, 0.0)]
-    grid(axes, "compliance [µm/kN]")
-    colours = [*COLOURS[: len(shown)], GREY]
-    areas: list[Artist] = list(
-        axes.stackplot(
-            elasticity.coordinate.scale * elasticity.crank_angle[order],
-            [1e9 * curve[order] for curve in curves],
-            colors=colours,
-            alpha=0.75,
-            linewidth=0,
-        )
-    )
-    plain(axes.set_xlabel(f"{elasticity.coordinate.position} [{elasticity.coordinate.shown_unit}]"))
-    axes.set_ylim(0.0, 1.45e9 * largest)  # room for the names
-    axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 1.5, 3, 4.5, 9, 10]))
-    legend(axes, areas[::-1], names[::-1], loc="upper center", ncols=3, columnspacing=1.0, borderaxespad=0.1)
-
-
-def draw_dead_centre_shift(axes: Axes, shifts: Mapping[str, ElasticDeadCentre]) -> None:
-    """Draw the chart of `dead_centre_shift` on given axes."""
-    _refuse_none(shifts, "dead_centre_shift", ElasticDeadCentre)
-    grid(axes, "shift of bottom dead centre [µm]")
-    lines: list[Artist] = []
-    for i, shift in enumerate(shifts.values()):
-        order = np.argsort(shift.speed)
-        lines += axes.plot(shift.speed[order] / RPM, 1e6 * shift.shift[order], color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
-    plain(axes.set_xlabel("strokes/min"))
-    legend(axes, lines, list(shifts), loc="lower left")
-
-
-def draw_snap_through(axes: Axes, responses: Mapping[str, SnapThroughResponse]) -> None:
-    """Draw the chart of `snap_through` on given axes."""
     _refuse_none(responses, "snap_through", SnapThroughResponse)
-    grid(axes, "force / force at break-through [-]")
-    axes.axhline(0.0, color=GREY, linewidth=0.6)
-    lines: list[Artist] = []
-    for i, response in enumerate(responses.values()):
-        share = response.spring_force / response.force
-        lines += axes.plot(1e3 * response.time, share, color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
-    plain(axes.set_xlabel("time [ms]"))
-    axes.set_ylim(-1.1, 1.1 + ROOM * len(responses))
-    legend(axes, lines, list(responses), loc="upper right", borderaxespad=0.1)
+    with panels(ax, 1, HIGH, lambda figure: [figure.subplots()]) as drawn:
+        axes = drawn.axes[0]
+        grid(axes, "force / force at break-through [-]")
+        axes.axhline(0.0, color=GREY, linewidth=0.6)
+        lines: list[Artist] = []
+        for i, response in enumerate(responses.values()):
+            share = response.spring_force / response.force
+            lines += axes.plot(1e3 * response.time, share, color=COLOURS[i % len(COLOURS)], linestyle=_line(i))
+        plain(axes.set_xlabel("time [ms]"))
+        axes.set_ylim(-1.1, 1.1 + ROOM * len(responses))
+        legend(axes, lines, list(responses), loc="upper right", borderaxespad=0.1)
+    return drawn.figure
 
 
 def _line(i: int) -> Any:
