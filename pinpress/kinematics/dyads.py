@@ -178,10 +178,11 @@ class _Placed:
 
     def _body(self, joint: int) -> tuple[Array, Array]:
         """Rotations (n, 3, 3) and positions (n, 3) of the body of a Pinocchio joint."""
+        model, axes = self.press.model, self.press.axes
         unknown = list(itertools.takewhile(lambda each: each not in self.known, _down_to_frame(self.press, joint)))
         for each in reversed(unknown):
-            parent = self.known[self.press.model.parents[each]]
-            self.known[each] = carried(self.press, each, *parent, self.position[:, each - 1])
+            moved, parent = self.position[:, each - 1], self.known[model.parents[each]]
+            self.known[each] = carried(model.jointPlacements[each], axes[each - 1], moved, *parent)
         return self.known[joint]
 
 

@@ -20,7 +20,7 @@ from ..common.quantities import Array, ComplexArray, DriverCoordinate
 from ..common.results import Tabular
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure
-from ..engines.joints import Slot, configuration
+from ..engines.joints import Axis, Slot, configuration
 from ..linkage.assembly import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage, SlideGuide
 from ..linkage.memo import per_linkage
@@ -406,16 +406,15 @@ def poses(press: Linkage, joint_position: Array) -> Poses:
     model, n = press.model, len(joint_position)
     rotation, position = np.empty((model.njoints, n, 3, 3)), np.empty((model.njoints, n, 3))
     rotation[0], position[0] = np.eye(3), 0.0
-    for j, moved in enumerate(joint_position.T, 1):
+    for j, (axis, moved) in enumerate(zip(press.axes, joint_position.T, strict=True), 1):
         parent = model.parents[j]
-        rotation[j], position[j] = carried(press, j, rotation[parent], position[parent], moved)
+        rotation[j], position[j] = carried(model.jointPlacements[j], axis, moved, rotation[parent], position[parent])
     return Poses(rotation, position)
 
 
-def carried(press: Linkage, joint: int, rotation: Array, position: Array, moved: Array) -> tuple[Array, Array]:
-    """Rotations (n, 3, 3) and positions (n, 3) of the body of a Pinocchio joint, from those of the body that carries it and the joint's
-    coordinate (n,)."""
-    place, axis = press.model.jointPlacements[joint], press.axes[joint - 1]
+def carried(place: pin.SE3, axis: Axis, moved: Array, rotation: Array, position: Array) -> tuple[Array, Array]:
+    """Rotations (n, 3, 3) and positions (n, 3) of the body of a joint with this placement and axis, at coordinates (n,), from those of the
+    body that carries it."""
     turned = rotation @ place.rotation
     shifted = position + rotation @ place.translation
     if axis.turns:
