@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.mounts import Mount
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
-from .blocks import Block, Figure, Figures, Line, LineChart, Section, Table, with_prefix
+from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown
 
 NOTHING = 1e-3  # a direction in which nothing vibrates more than this share of the largest acceleration has no chart, but its numbers
@@ -86,32 +86,6 @@ def modes(found: VibrationModes, shown: Shown) -> Section:
 def vibration(found: FrameMotion, shown: Shown) -> Section:
     """The section of a vibration over time; raises `PinpressError` where it is of another press."""
     _refuse_others("vibration", found.system.press.name, shown)
-    time = found.time if found.period is None else np.append(found.time, found.period)  # closed, as the recording is
-    follows = len(shown.frames.time) > 1 and abs(time[-1] - shown.frames.time[-1]) <= 1e-6 * time[-1]
-
-    def closed(values: Array) -> Array:
-        return values if found.period is None else np.append(values, values[0])
-
-    charts: list[Block] = []
-    largest = max((float(np.abs(values).max()) for values in found.acceleration.values()), default=0.0)
-    for i, axis in enumerate(AXES):
-        lines = [Line(point, closed(values[:, i]), time) for point, values in found.acceleration.items()]
-        if any(np.abs(line.y).max() > NOTHING * largest for line in lines):
-            title = f"Acceleration along {axis}"
-            charts.append(LineChart(title, "m/s²", lines, across="time [s]", follows="time" if follows else "nothing"))
-    scale = tables.scale("N", [float(np.abs(force).max()) for force in (found.floor_force, found.shaking_force)])
-    forces = {"floor": found.floor_force, "shaking": found.shaking_force}
-    lines = [
-        Line(f"{name}, {axis}", closed(scale.factor * force[:, i]), time)
-        for i, axis in enumerate(AXES)
-        for name, force in forces.items()
-        if np.abs(forces["shaking"][:, i]).max() > NOTHING * np.abs(forces["shaking"]).max()
-    ]
-    if lines:
-        title = "Force on the floor beside the shaking force, without the weight"
-        charts.append(LineChart(title, scale.unit, lines, across="time [s]", follows="time" if follows else "nothing"))
-    rows = [[point, *(f"{value:.4g}" for value in (*found.rms(point), *found.peak(point)))] for point in found.acceleration]
-    heads = ["acceleration [m/s²]", *(f"{what} {axis}" for what in ("rms", "peak") for axis in AXES)]
     least = found.least_load
     number = int(least.argmin())
     lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
@@ -120,11 +94,37 @@ def vibration(found: FrameMotion, shown: Shown) -> Section:
         Figure("force on the floor, rms", with_prefix(_rms(found.floor_force), "N")),
         Figure("least load on a mount", with_prefix(float(least[number]), "N"), f"mount {number + 1} of {len(least)}{lifts}"),
     ]
+    rows = [[point, *(f"{value:.4g}" for value in (*found.rms(point), *found.peak(point)))] for point in found.acceleration]
+    table = Table("", ["acceleration [m/s²]", *(f"{what} {axis}" for what in ("rms", "peak") for axis in AXES)], rows)
     over = "over one period" if found.period is not None else f"over {found.time[-1]:.6g} s from rest"
-    table = Table("", heads, rows)
-    return Section(
-        "Vibration on the mounts", [Figures(figures), *charts, table], _inputs(found.system), f"About the static position, {over}."
-    )
+    blocks: list[Block] = [Figures(figures), *_over_time(found, shown), table]
+    return Section("Vibration on the mounts", blocks, _inputs(found.system), f"About the static position, {over}.")
+
+
+def _over_time(found: FrameMotion, shown: Shown) -> Iterator[LineChart]:
+    """Charts of the accelerations along each axis, and of the forces; a period is closed, as the recording is."""
+    time = found.time if found.period is None else np.append(found.time, found.period)
+    follows: Follows = "time" if len(shown.frames.time) > 1 and abs(time[-1] - shown.frames.time[-1]) <= 1e-6 * time[-1] else "nothing"
+
+    def line(name: str, values: Array) -> Line:
+        return Line(name, values if found.period is None else np.append(values, values[0]), time)
+
+    largest = max((float(np.abs(values).max()) for values in found.acceleration.values()), default=0.0)
+    for i, axis in enumerate(AXES):
+        lines = [line(point, values[:, i]) for point, values in found.acceleration.items()]
+        if any(np.abs(each.y).max() > NOTHING * largest for each in lines):
+            yield LineChart(f"Acceleration along {axis}", "m/s²", lines, across="time [s]", follows=follows)
+    scale = tables.scale("N", [float(np.abs(force).max()) for force in (found.floor_force, found.shaking_force)])
+    shaking = np.abs(found.shaking_force).max(axis=0)
+    lines = [
+        line(f"{name}, {axis}", scale.factor * force[:, i])
+        for i, axis in enumerate(AXES)
+        for name, force in (("floor", found.floor_force), ("shaking", found.shaking_force))
+        if shaking[i] > NOTHING * shaking.max()
+    ]
+    if lines:
+        title = "Force on the floor beside the shaking force, without the weight"
+        yield LineChart(title, scale.unit, lines, across="time [s]", follows=follows)
 
 
 def _rms(vectors: Array) -> float:
