@@ -122,32 +122,38 @@ def added_ballasts(press: Linkage) -> dict[int, AddedBallast]:
         return {}
     if list(before.model.names) != list(press.model.names):
         return {}
-    found = ((joint, _added(press.document, before, press, joint)) for joint in range(press.model.njoints))
+    was, now, balls, size = before.model.inertias, press.model.inertias, _balls(press.document, before.model), press.size
+    found = ((joint, _added(_without_balls(was[joint], balls.get(joint, ())), now[joint], size)) for joint in range(len(now)))
     return {joint: added for joint, added in found if added is not None}
 
 
-def _added(document: Document, before: Linkage, now: Linkage, joint: int) -> AddedBallast | None:
-    """What was added to the body of a joint; None for less than is `SEEN`."""
-    was, body = _without_balls(document, before, joint), now.model.inertias[joint]
-    mass = body.mass - was.mass
-    if not mass > SEEN * body.mass:
+def _added(was: pin.Inertia, now: pin.Inertia, size: float) -> AddedBallast | None:
+    """What was added to a body of a linkage of this size [m]; None for less than is `SEEN`."""
+    mass = now.mass - was.mass
+    if not mass > SEEN * now.mass:
         return None
-    centre = (body.mass * body.lever - was.mass * was.lever) / mass
-    return AddedBallast(was, mass, centre) if np.linalg.norm(centre - was.lever) < FARTHEST * now.size else None
+    centre = (now.mass * now.lever - was.mass * was.lever) / mass
+    return AddedBallast(was, mass, centre) if np.linalg.norm(centre - was.lever) < FARTHEST * size else None
 
 
-def _without_balls(document: Document, before: Linkage, joint: int) -> pin.Inertia:
-    """The inertia of a body as its text loads, without the balls that stand for counterweights."""
-    inertia = before.model.inertias[joint]
+def _balls(document: Document, model: pin.Model) -> dict[int, list[tuple[float, pin.SE3]]]:
+    """The balls that stand for counterweights, by the joints whose bodies carry them: radius [m], and placement in the joint's frame."""
+    found: dict[int, list[tuple[float, pin.SE3]]] = {}
     for link in document.robot.all("link"):
-        frame = before.model.frames[before.model.getFrameId(link.get("name"), pin.BODY)]
-        for visual in filter(is_ballast, link.all("visual")) if frame.parentJoint == joint else ():
+        for visual in filter(is_ballast, link.all("visual")):
+            frame = model.frames[model.getFrameId(link.get("name"), pin.BODY)]
             (radius,) = visual.all("geometry")[0].children[0].numbers("radius")
             at = next((place for origin in visual.all("origin") if (place := origin.numbers("xyz"))), (0.0, 0.0, 0.0))
-            mass = 4 / 3 * np.pi * min(radius, LARGEST_BALL) ** 3 * STEEL
-            if SEEN * inertia.mass < mass < inertia.mass:  # else it is none of ours
-                ball = _body(mass, np.zeros(3), 0.4 * mass * radius**2 * np.eye(3))
-                inertia = _rest(inertia, [(ball, frame.placement * pin.SE3(np.eye(3), np.array(at)))], pin.SE3.Identity())
+            found.setdefault(frame.parentJoint, []).append((radius, frame.placement * pin.SE3(np.eye(3), np.array(at))))
+    return found
+
+
+def _without_balls(inertia: pin.Inertia, balls: Iterable[tuple[float, pin.SE3]]) -> pin.Inertia:
+    """The inertia of a body as its text loads, without the balls that stand for counterweights."""
+    for radius, place in balls:
+        mass = 4 / 3 * np.pi * min(radius, LARGEST_BALL) ** 3 * STEEL
+        if SEEN * inertia.mass < mass < inertia.mass:  # else it is none of ours
+            inertia = _rest(inertia, [(_body(mass, np.zeros(3), 0.4 * mass * radius**2 * np.eye(3)), place)], pin.SE3.Identity())
     return inertia
 
 
@@ -302,6 +308,7 @@ def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
         _edit_loop(text, element, loop, k, before, now)
     _edit_drivers(text, description.drivers, now.drivers)
     bodies: dict[int, list[_Link]] = {}
+    balls = _balls(document, before.model)
     for link, element in zip(now.links, text.robot.all("link"), strict=True):
         carrier = int(now.model.frames[now.model.getFrameId(link, pin.BODY)].parentJoint)
         bodies.setdefault(carrier, []).append(_link(element, placement(before, link), placement(now, link)))
@@ -312,7 +319,7 @@ def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
             if new != old:
                 for visual in (visual for link in links for visual in filter(is_ballast, link.element.all("visual"))):
                     text.remove(visual)
-                added = _added(document, before, now, carrier)
+                added = _added(_without_balls(old, balls.get(carrier, ())), new, now.size)
                 if added is not None and np.linalg.norm(added.centre - added.before.lever) > ASIDE * now.size:
                     ball = _ball(added, links[0].now)
             _edit_body(text, links, old, new, ball)
