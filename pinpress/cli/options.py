@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -262,7 +263,9 @@ def named_point(of: str, example: str) -> Callable[[str], tuple[str, tuple[float
         try:
             x, y, z = map(float, point.split(","))
         except ValueError:
-            raise argparse.ArgumentTypeError(f"{words!r} is no point of {of}; give its name and x, y, z in m, e.g. {example}") from None
+            x = y = z = math.nan
+        if not name or not math.isfinite(x + y + z):
+            raise argparse.ArgumentTypeError(f"{words!r} is no point of {of}; give its name and x, y, z in m, e.g. {example}")
         return name, (x, y, z)
 
     return read

@@ -181,6 +181,10 @@ def _on_mounts(press: Linkage, reactions: Reactions, options: argparse.Namespace
     from ..foundation.response import steady_response
     from ..foundation.speed_response import over_speeds
 
+    press.refuse_sliding_driver("--frame shows the vibration over turns of a crank: leave it out")
+    names = [name for name, _ in options.frame_point]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise PinpressError(f"--frame-point: {min(twice)} is given twice")
     frame = part_specs.part("--frame", part_specs.FRAME, options.frame)
     system = mounted(press, frame, part_specs.mounts(options.mount, options.pad))
     points = {"centre of the frame": frame.centre, **dict(options.frame_point)}

@@ -329,6 +329,10 @@ def test_the_command_on_rubber_over_the_speed(press: Any, tmp_path: Path) -> Non
     assert_allclose(force["transmitted"][1], 100 * soft.transmitted, rtol=1e-5)
 
 
+ON_SPRINGS = ["--frame", "mass=1t,centre=0/0/0,inertia=100/100/100"]
+ON_SPRINGS += [word for x in (-1, 1) for y in (-1, 1) for word in ("--mount", f"point={x}/{y}/0,stiffness=1e6/1e6/1e6")]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -340,6 +344,8 @@ def test_the_command_on_rubber_over_the_speed(press: Any, tmp_path: Path) -> Non
         (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1"], "--frame and --mount go together"),
         (["--mount", "point=0/0/0,stiffness=1e6/1e6/1e6"], "--frame and --mount go together"),
         (["--speed-range", "30,90"], "--speed-range is for the press on its mounts"),
+        ([*ON_SPRINGS, "--frame-point", "a:0,0,0", "--frame-point", "a:0,0,1"], "--frame-point: a is given twice"),
+        ([*ON_SPRINGS, "--speed-range", "90,30"], "--speed-range takes two positive speeds, the lower one first"),
         (
             ["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1", "--mount", "point=0/0/0", "--pad", "length=1"],
             "width and thickness are missing",
