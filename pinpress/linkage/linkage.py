@@ -358,22 +358,13 @@ class Linkage(Frozen):
         found = self.branch_through_change_points
         if found.period is None:
             return None
-        counts = [axis.turns and not self._is_balanced(k) for k, axis in enumerate(self.axes)]  # on loops all are back
+        model, size, carrying = self.model, self.size, set(self.model.parents)
+        counts = [  # on loops all are back
+            axis.turns and (body in carrying or not _is_balanced(model.inertias[body], axis.direction, size))
+            for body, axis in enumerate(self.axes, 1)
+        ]
         periods = branch.periods_until_back(found.gain_per_period[counts])
         return None if periods is None else periods * round(found.period / (2 * np.pi))
-
-    def _is_balanced(self, joint: int) -> bool:
-        """Whether the inertia of what a joint carries does not change as it turns; ``joint``: index in v."""
-        body = joint + 1
-        if body in list(self.model.parents)[1:]:
-            return False  # it carries other joints
-        inertia, axis = self.model.inertias[body], self.axes[joint].direction
-        normal_part = np.eye(3) - np.outer(axis, axis)  # projects on the plane normal to the axis
-        transverse = normal_part @ inertia.inertia @ normal_part
-        along = axis @ inertia.inertia @ axis
-        uneven = inertia.inertia - along * np.outer(axis, axis) - 0.5 * np.trace(transverse) * normal_part
-        eccentric = inertia.mass * np.linalg.norm(normal_part @ inertia.lever)
-        return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * self.size)
 
     def with_inertias(self, inertias: Sequence[pin.Inertia], name: str | None = None) -> Linkage:
         """The linkage with other masses. What is known of its geometry is kept, because it does not depend on masses.
@@ -486,6 +477,17 @@ class Linkage(Frozen):
         if joint == 0:
             return self.root
         return next(str(frame.name) for frame in self.model.frames if frame.type == pin.BODY and frame.parentJoint == joint)
+
+
+def _is_balanced(inertia: pin.Inertia, axis: Array, size: float) -> bool:
+    """Whether the inertia of a body does not change as it turns about an axis (3,) through its joint's origin, in a linkage of this size
+    [m]."""
+    normal_part = np.eye(3) - np.outer(axis, axis)  # projects on the plane normal to the axis
+    transverse = normal_part @ inertia.inertia @ normal_part
+    along = axis @ inertia.inertia @ axis
+    uneven = inertia.inertia - along * np.outer(axis, axis) - 0.5 * np.trace(transverse) * normal_part
+    eccentric = inertia.mass * np.linalg.norm(normal_part @ inertia.lever)
+    return bool(np.abs(uneven).max() <= EVEN * along and eccentric <= EVEN * inertia.mass * size)
 
 
 # Outside the class, where it would be taken for the field's default.
