@@ -1,6 +1,6 @@
 """The pictures of the guide, into docs/pictures: what each feature computes, drawn by pinpress.
 
-    python docs/pictures.py            # all, in half a minute
+    python docs/pictures.py            # all, in a minute
     python docs/pictures.py slide run  # some
 
 Scripts of viz/ make the pictures of presses in three dimensions, of balancing, ratings, elasticity, foundation and accuracy,
