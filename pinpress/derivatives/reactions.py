@@ -197,14 +197,13 @@ def tangent(known: Balanced, moved: Tangent, by: Shift, pushes: Sequence[Push]) 
         pushes: the loads on moving links.
     """
     plane, basis, bodies = known.states.plane, known.states.basis, known.bodies
-    count = len(plane.parents)
     origins, centers = product(plane.origins, basis), product(plane.centers, basis)
     origins_slope = product(plane.origins, moved.basis) + product(by.origins, basis)
     centers_slope = product(plane.centers, moved.basis)
     second = known.rates.second.copy()
     second[0] = 1.0  # so that the first column of the rows is the weight
-    own = product(bodies.forces[:count], second)
-    own_slope = product(bodies.forces[:count], moved.second) + known.mass[:, None] * product(by.origins, known.rates.second)
+    own = product(bodies.forces, second)
+    own_slope = product(bodies.forces, moved.second) + known.mass[:, None] * product(by.origins, known.rates.second)
     spin = bodies.inertia @ moved.a
 
     moment = _moment(centers_slope, own) + _moment(centers, own_slope) + spin
@@ -254,19 +253,21 @@ def _balance(
     """
     plane, basis, bodies = known.states.plane, known.states.basis, known.bodies
     count = len(plane.parents)
-    for joint in bodies.inner:
+    inner = [joint for joint in reversed(range(count)) if plane.parents[joint] >= 0]
+    for joint in inner:
         parent = plane.parents[joint]
         moment[parent] += moment[joint] + _moment(origins[joint] - origins[parent], subtree[joint])
     joint_efforts = plane.sense[:, None] * moment
     slides, slides_slope = product(plane.directions, basis), product(plane.directions, moved.basis)
     for joint, slide, slide_slope in zip(plane.prismatic, slides, slides_slope, strict=True):
         joint_efforts[joint] = (slide.conj() * subtree[joint]).real + (slide_slope.conj() * known.forces[joint]).real
-    closure, coupling_multipliers = product(bodies.closure, basis), np.zeros((len(plane.offsets), basis.shape[1]))
+    coupling_multipliers = np.zeros((len(plane.offsets), basis.shape[1]))
+    rows, factors = known.states.rows, known.states.factors
     bearings = np.empty((count + len(plane.loop_points), basis.shape[1]), complex)
     if plane.redundant:
-        statics.transmit(plane, closure, joint_efforts, bearings[count:], coupling_multipliers)
+        statics.transmit(plane, rows, factors, joint_efforts, bearings[count:], coupling_multipliers)
         return joint_efforts[plane.driver], None, None
-    equations = statics.build(plane, closure, subtree, bodies.minus_incidence, basis, None)
+    equations = statics.build(plane, rows, factors, subtree, bodies.minus_incidence, basis, None)
     statics.balance(equations, joint_efforts, coupling_multipliers, bearings)
     moments = np.zeros(bearings.shape)
     points = product(plane.loop_points, basis)

@@ -35,14 +35,15 @@ class Bodies:
         inertia: (nv, nv) joint accelerations to the rate of every body's angular momentum about its centre of mass [kg m2].
         products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
         minus_incidence: (nv, nl) minus `Plane.incidence`: what loop forces add to the joint forces of the open tree.
-        forces: (2 nv, nb) second derivative of the basis to the inertia force less weight, m (a - g), of every body, then of all bodies
-            that a joint carries. The first column is the weight: callers put 1 in the first row of the second derivative, which is zero.
-        reduced: (nb - 1, nb) second derivative of the basis to the work of these forces on every function of the basis but the first.
+        forces: (nv, nb) second derivative of the basis to the inertia force less weight, m (a - g), of every body. The first column is the
+            weight: callers put 1 in the first row of the second derivative, which is zero.
+        subtree_forces: (nv, nb) likewise to the sum of these forces of all bodies that a joint carries.
+        reduced: (nb - 1, nb) likewise to the work of these forces on every function of the basis but the first.
+        open_tree: the rows of ``reduced``, of ``subtree_forces``, and of ``forces`` of the bodies that are ``on_guides``.
         spins: (nv, nv) joint accelerations to the joint efforts that the bodies' moments of inertia need [kg m2].
-        arms: rows over the basis, one group after the other: centres of mass from their joints; `Plane.closure`, its Jacobian columns times
-            i; origins of the ``inner`` joints from those of their parents; prismatic directions; ``guided`` loops from their joints.
-        closure: the rows of ``arms`` that come from `Plane.closure`.
-        inner: joints whose parent is not the frame, tips first.
+        on_guides: joints that prismatic joints carry, with these, tips first.
+        arms: rows over the basis, one group after the other: `Plane.closure`; of the joints ``on_guides`` the centres of mass from the
+            joint, then its origin from that of its parent; ``guided`` loops from their joints.
         guided: pairs of a prismatic joint and a loop whose force has a moment on the joint's link.
         geared: joints that turn and are coupled.
         in_one_plane: whether all masses move, and all weights act, in one plane.
@@ -56,11 +57,12 @@ class Bodies:
     products: ComplexArray
     minus_incidence: Matrix
     forces: Matrix
+    subtree_forces: Matrix
     reduced: Matrix
+    open_tree: Matrix
     spins: Matrix
+    on_guides: tuple[int, ...]
     arms: Matrix
-    closure: Matrix
-    inner: tuple[int, ...]
     guided: tuple[tuple[int, int], ...]
     geared: frozenset[int]
     in_one_plane: bool
@@ -78,7 +80,7 @@ class Bodies:
 
 def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     """Inertial constants of a linkage from its Pinocchio model."""
-    count, loops = model.nv, len(plane.loop_heights)
+    count = model.nv
     inertias = [model.inertias[j + 1] for j in range(count)]
     gravity = model.gravity.linear
     mass = np.array([y.mass for y in inertias])
@@ -88,18 +90,18 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     axial_weight = mass * float(gravity @ plane.normal)
     centers = plane.origins + plane.centers
     body_forces = with_column(weighted(centers, mass), 0, -mass * complex(*(plane.axes @ gravity)))
-    inner = tuple(j for j in reversed(range(count)) if plane.parents[j] >= 0)
+    subtree_forces = compressed(plane.subtree @ body_forces)
+    reduced = compressed(centers.conj().T)[1:] @ body_forces
+    guides = set(plane.prismatic)
+    on_guides = [j for j in reversed(range(count)) if not guides.isdisjoint(plane.carriers(j))]
+    parents = [max(plane.parents[j], 0) for j in on_guides]  # of a joint on the frame the arm is not needed
     guided = tuple((j, k) for j in plane.prismatic for k in plane.loops_of_joint[j])
-    arms = stacked(
-        [
-            plane.centers,
-            plane.closure[:loops],
-            1j * plane.closure[loops:],
-            plane.origins[list(inner)] - plane.origins[[plane.parents[j] for j in inner]],
-            plane.directions,
-            plane.loop_points[[k for _, k in guided]] - plane.origins[[j for j, _ in guided]],
-        ]
-    )
+    arms = [
+        plane.closure,
+        plane.centers[on_guides],
+        plane.origins[on_guides] - plane.origins[parents],
+        plane.loop_points[[k for _, k in guided]] - plane.origins[[j for j, _ in guided]],
+    ]
     heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
     inertia = weighted(plane.spin, tensors[:, 2, 2])
     return Bodies(
@@ -110,12 +112,13 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
         inertia=inertia,
         products=products,
         minus_incidence=-plane.incidence.astype(complex),
-        forces=stacked([body_forces, compressed(plane.subtree @ body_forces)]),
-        reduced=compressed(centers.conj().T)[1:] @ body_forces,
+        forces=body_forces,
+        subtree_forces=subtree_forces,
+        reduced=reduced,
+        open_tree=stacked([reduced, subtree_forces, body_forces[on_guides]]),
         spins=compressed(plane.spin.T @ inertia),
-        arms=arms,
-        closure=arms[count : count + plane.closure.shape[0]],
-        inner=inner,
+        on_guides=tuple(on_guides),
+        arms=stacked(arms),
         guided=guided,
         geared=frozenset(j for gear in plane.coupling_rows for j in gear if plane.sense[j]),
         in_one_plane=bool(
@@ -130,20 +133,18 @@ class OpenTree(NamedTuple):
     """Forces of the tree with all loops open, at n configurations.
 
     Attributes:
-        own: (nv, n) inertia force less weight of every body [N].
+        second: (nb, n) second derivative of the basis by time, its first row 1.
         subtree_force: (nv, n) inertia forces less weights and loads of all bodies that a joint carries: its force [N].
-        centers: (nv, n) centres of mass from their joints [m].
-        closure: (nl + columns, n) rows of `Plane.closure`, its Jacobian columns times i.
         joint_efforts: (nv, n) efforts that the joints would have to transmit along or about their axes [N or N m].
+        closure: (nl + columns, n) rows of `Plane.closure`.
         turning: by prismatic joint the moment (n,) about the normal that it would have to transmit [N m].
         guided: (pairs, n) points of the ``guided`` loops of `Bodies` from their joints [m].
     """
 
-    own: ComplexArray
+    second: ComplexArray
     subtree_force: ComplexArray
-    centers: ComplexArray
-    closure: ComplexArray
     joint_efforts: Array
+    closure: ComplexArray
     turning: dict[int, Array]
     guided: ComplexArray
 
@@ -235,9 +236,8 @@ def _powers(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce])
     """Every term (terms, n) of the balance, and the sum (n,) of the magnitudes of forces times those of velocities [W]."""
     plane, basis = bodies.plane, known_basis(states)
     first, second = basis_velocity(plane, basis, states.v), basis_acceleration(plane, basis, states.v, states.a)
-    count = len(plane.parents)
     second[0] = 1.0
-    resisting = product(bodies.forces[:count], second)
+    resisting = product(bodies.forces, second)
     velocities = product(plane.origins + plane.centers, first)
     turning = (bodies.inertia @ states.a) * (plane.spin @ states.v)
     terms = list(-(velocities.conj() * resisting).real - turning)

@@ -1,15 +1,14 @@
 """Inverse dynamics of a planar linkage at all crank angles at once.
 
-There are three steps: the Newton-Euler recursion from the tips of the open tree to the frame; the forces of loops and gear pairs
-(`statics`); the force and moment of every joint. A lever arm r and a force f, both complex, make the moment Im(conj(r) f) about the normal.
-Forces and moments out of the plane are computed in `out_of_plane`, and only where something acts there.
+There are three steps: the efforts of the open tree's joints; the forces of loops and gear pairs (`statics`); the force and moment of every
+joint. A lever arm r and a force f, both complex, make the moment Im(conj(r) f) about the normal. Forces and moments out of the plane are
+computed in `out_of_plane`, and only where something acts there.
 
 Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
 
-Where few bearing forces are wanted, virtual work gives the efforts of the open tree's joints without the forces between the links. Every
-point is a row of constants times the basis (see `model`), so that the inertia forces of all links do work on the basis functions: the sum
-of m conj(c) c'' over all centres of mass c is one small matrix of constants times the second derivative of the basis. Loops and gear pairs
-then act as in `statics`.
+The efforts follow from virtual work. Every point is a row of constants times the basis (see `model`), so that the inertia forces of all
+links do work on the basis functions: the sum of m conj(c) c'' over all centres of mass c is one small matrix of constants times the second
+derivative of the basis.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw,
 from ..joints import product
 from . import out_of_plane, statics
 from .bodies import Bodies, OpenTree
-from .kinematics import basis_acceleration, basis_at, gaps, known_basis
+from .kinematics import basis_acceleration, basis_at, factored, gaps, known_basis
 from .model import Plane, put_in_plane, put_normal, to_complex
 
 
@@ -41,16 +40,16 @@ def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedCo
     plane, law, n = bodies.plane, conditions.law, states.v.shape[1]
     result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, len(wanted))
     some = len(wanted) < len(result.friction)
-    by_virtual_work = some and law is None and _virtual_work_gives(plane, wanted, conditions.with_gear_torques)
+    only_some = some and law is None and _some_suffice(plane, wanted, conditions.with_gear_torques)
     speeds = None if law is None else law.moving(_bearing_speeds(plane, states.v))
     for start in range(0, n, PIECE):
         s = slice(start, start + PIECE)
         piece, acting, filled = (states, conditions, result) if n <= PIECE else (states.part(s), conditions.part(s), result.part(s))
         friction = None if law is None or speeds is None else FrictionState(law, speeds[:, s], states.position[plane.driver, s])
-        if by_virtual_work and not (wanted and _acts_out_of_plane(bodies, acting.loads)):
-            _fill_by_virtual_work(bodies, piece, acting.loads, wanted, filled)
+        if only_some and not (wanted and _acts_out_of_plane(bodies, acting.loads)):
+            _fill_with_some_bearings(bodies, piece, acting.loads, wanted, filled)
         else:
-            _fill_by_recursion(bodies, piece, acting, friction, wanted, filled)
+            _fill_with_all_bearings(bodies, piece, acting, friction, wanted, filled)
     return result
 
 
@@ -63,7 +62,7 @@ def bearing_loads(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedF
     """See `Engine.bearing_loads`; the states have their basis."""
     plane, basis, n = bodies.plane, known_basis(states), states.v.shape[1]
     open_tree = _solve_open_tree(bodies, states, loads)
-    system = statics.build(plane, open_tree.closure, open_tree.subtree_force, bodies.minus_incidence, basis, None)
+    system = _statics(bodies, open_tree, basis, None)
     forces, coupling_multipliers = np.empty((len(efforts), n), complex), np.zeros((len(plane.offsets), n))
     statics.balance(system, open_tree.joint_efforts - _resisted(plane, efforts), coupling_multipliers, forces)
     radial = np.stack([forces.real, forces.imag, np.zeros(forces.shape)], axis=2)
@@ -103,7 +102,7 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     return basis
 
 
-def _fill_by_recursion(
+def _fill_with_all_bearings(
     bodies: Bodies,
     states: ClosedStates,
     conditions: AppliedConditions,
@@ -115,7 +114,7 @@ def _fill_by_recursion(
     plane, basis, n, loads = bodies.plane, known_basis(states), states.v.shape[1], conditions.loads
     open_tree = _solve_open_tree(bodies, states, loads)
     axial = out_of_plane.forces(bodies, loads, conditions.compliance, n) if _acts_out_of_plane(bodies, loads) else None
-    system = statics.build(plane, open_tree.closure, open_tree.subtree_force, bodies.minus_incidence, basis, conditions.compliance)
+    system = _statics(bodies, open_tree, basis, conditions.compliance)
     friction_efforts, joint_efforts = None, open_tree.joint_efforts
     if friction is not None:
         friction_efforts = _friction(plane, system, friction, joint_efforts, basis, axial)
@@ -143,33 +142,64 @@ def _acts_out_of_plane(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
 
 
 def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
-    """Newton's and Euler's equations of the open tree, from the tips to the frame."""
+    """Forces and efforts of the open tree."""
     plane, basis = bodies.plane, known_basis(states)
-    count = len(plane.parents)
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
-    forces = product(bodies.forces, second)
-    own, subtree_force = forces[:count], forces[count:]
-    arms = product(bodies.arms, basis)
-    closure, row = arms[count : count + plane.closure.shape[0]], count + plane.closure.shape[0]
-
-    moment = (arms[:count].conj() * own).imag
-    moment += bodies.inertia @ states.a
+    functions, count, closing = len(basis) - 1, len(plane.parents), plane.closure.shape[0]
+    found, arms = product(bodies.open_tree, second), product(bodies.arms, basis)
+    work, subtree_force, own = found[:functions], found[functions : functions + count], found[functions + count :]
     for load in loads:
         if load.joint:
-            _take_load(plane, basis, subtree_force, moment, load)
-    for j in bodies.inner:
-        moment[plane.parents[j]] += moment[j] + (arms[row].conj() * subtree_force[j]).imag
-        row += 1
-    turning = {j: moment[j].copy() for j in plane.prismatic}
-    joint_efforts = moment  # the same array: it is turned into efforts in place
-    for j in plane.prismatic:
-        joint_efforts[j] = (arms[row].conj() * subtree_force[j]).real
-        row += 1
-    for j in plane.revolute:
-        if plane.sense[j] < 0:
-            np.negative(joint_efforts[j], out=joint_efforts[j])
-    return OpenTree(own, subtree_force, arms[:count], closure, joint_efforts, turning, arms[row:])
+            subtree_force[plane.carriers(load.joint - 1)] -= to_complex(plane, load.force)
+    efforts = _efforts(bodies, basis, states.a, work, loads)
+    on_guides = 2 * len(bodies.on_guides)
+    turning = _turning(bodies, arms[closing : closing + on_guides], own, subtree_force, states.a, basis, loads) if on_guides else {}
+    return OpenTree(second, subtree_force, efforts, arms[:closing], turning, arms[closing + on_guides :])
+
+
+def _turning(
+    bodies: Bodies,
+    arms: ComplexArray,
+    own: ComplexArray,
+    subtree_force: ComplexArray,
+    a: Array,
+    basis: ComplexArray,
+    loads: Sequence[AppliedForce],
+) -> dict[int, Array]:
+    """Moments (n,) about the normal that the prismatic joints would have to transmit, from the tips of the tree to them.
+
+    Args:
+        bodies: inertial constants of the linkage.
+        arms: (2 k, n) of the k joints on guides the centres of mass from the joint, then its origin from that of its parent [m].
+        own: (k, n) inertia forces less weights of their bodies [N].
+        subtree_force: (nv, n) as in `OpenTree`.
+        a: (nv, n) joint accelerations.
+        basis: (nb, n) of the states.
+        loads: forces on links.
+    """
+    plane, joints = bodies.plane, bodies.on_guides
+    moments = (arms[: len(joints)].conj() * own).imag
+    places = {joint: place for place, joint in enumerate(joints)}
+    for joint, place in places.items():
+        if plane.rotors[joint]:
+            moments[place] += (bodies.inertia[[joint]] @ a)[0]
+    for load in loads:
+        joint = load.joint - 1
+        if joint in places:
+            arm = complex(*(plane.frames[joint] @ load.point)[:2]) * basis[plane.rotor(joint)]
+            moments[places[joint]] -= (arm.conj() * to_complex(plane, load.force)).imag
+    for joint, place in places.items():
+        parent = places.get(plane.parents[joint])
+        if parent is not None:
+            moments[parent] += moments[place] + (arms[len(joints) + place].conj() * subtree_force[joint]).imag
+    return {joint: moments[places[joint]] for joint in plane.prismatic}
+
+
+def _statics(bodies: Bodies, open_tree: OpenTree, basis: ComplexArray, compliance: Array | None) -> statics.Statics:
+    """The equations of loops and gear pairs; ``compliance`` as in `AppliedConditions`."""
+    plane, rows = bodies.plane, open_tree.closure
+    return statics.build(plane, rows, factored(plane, rows), open_tree.subtree_force, bodies.minus_incidence, basis, compliance)
 
 
 def _moments_about_normal(
@@ -204,16 +234,6 @@ def _moments_about_normal(
     return moments
 
 
-def _take_load(plane: Plane, basis: ComplexArray, subtree_force: ComplexArray, moment: Array, load: AppliedForce) -> None:
-    """Subtract a load from the forces of all joints that carry the loaded link, and from the moment of that link's own joint: the recursion
-    brings its moment to the other joints."""
-    joint = load.joint - 1
-    force = to_complex(plane, load.force)
-    arm = complex(*(plane.frames[joint] @ load.point)[:2]) * basis[plane.rotor(joint)]
-    moment[joint] -= (arm.conj() * force).imag
-    subtree_force[plane.carriers(joint)] -= force
-
-
 def _friction(
     plane: Plane, system: statics.Statics, friction: FrictionState, joint_efforts: Array, basis: ComplexArray, axial: Array | None
 ) -> Array:
@@ -241,7 +261,7 @@ def _resisted(plane: Plane, friction_efforts: Array) -> Array:
     return np.asarray(friction_efforts[:count] + plane.sense[:, None] * (plane.incidence @ friction_efforts[count:]))
 
 
-def _virtual_work_gives(plane: Plane, wanted: Sequence[int], with_gear_torques: bool) -> bool:
+def _some_suffice(plane: Plane, wanted: Sequence[int], with_gear_torques: bool) -> bool:
     """Whether the ``wanted`` bearings, and where asked for the torques of gear pairs, can be computed without the other bearings, where
     there is no friction and nothing acts out of the plane.
 
@@ -253,16 +273,17 @@ def _virtual_work_gives(plane: Plane, wanted: Sequence[int], with_gear_torques: 
     return not plane.redundant or not (wanted or (with_gear_torques and len(plane.offsets)))
 
 
-def _fill_by_virtual_work(
+def _fill_with_some_bearings(
     bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce], wanted: Sequence[int], result: Wrenches
 ) -> None:
-    """Fill in the result where `_virtual_work_gives` all that is wanted. Arguments as of `inverse_dynamics`."""
+    """Fill in the result where `_some_suffice` all that is wanted. Arguments as of `inverse_dynamics`."""
     plane, basis = bodies.plane, known_basis(states)
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
-    joint_efforts = _efforts_by_virtual_work(bodies, basis, states.a, second, loads)
+    joint_efforts = _efforts(bodies, basis, states.a, product(bodies.reduced, second), loads)
+    rows = product(plane.closure, basis)
     pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
-    statics.transmit(plane, product(bodies.closure, basis), joint_efforts, pins, result.coupling)
+    statics.transmit(plane, rows, factored(plane, rows), joint_efforts, pins, result.coupling)
     result.torque[0] = joint_efforts[plane.driver]
     if wanted:
         put_in_plane(plane, _wanted_forces(bodies, second, loads, pins, wanted), result.force)
@@ -271,30 +292,30 @@ def _fill_by_virtual_work(
     statics.torques(plane, result.coupling)
 
 
-def _efforts_by_virtual_work(bodies: Bodies, basis: ComplexArray, a: Array, second: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
+def _efforts(bodies: Bodies, basis: ComplexArray, a: Array, work: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
     """Efforts (nv, n) that the joints would have to transmit with all loops open.
 
     Args:
         bodies: inertial constants of the linkage.
         basis: (nb, n) of the states.
         a: (nv, n) joint accelerations.
-        second: (nb, n) second derivative of the basis by time, its first row 1.
+        work: (nb - 1, n) of inertia forces and weights on every function of the basis but the first; that of loads is subtracted here.
         loads: forces on links.
     """
-    plane = bodies.plane
-    work: ComplexArray = product(bodies.reduced, second)
+    plane, revolute = bodies.plane, len(bodies.plane.revolute)
     for load in loads:
         if load.joint:
             joint, force = load.joint - 1, to_complex(plane, load.force)
             point = plane.point(joint, complex(*(plane.frames[joint] @ load.point)[:2]))
             for k in np.flatnonzero(point[1:]):
                 work[k] -= point[k + 1].conj() * force
-    revolute = len(plane.revolute)
-    rotor_moments = (basis[1:].conj() * work).imag
+    turned = 1 + (len(work) if any(plane.guide_rotors) else revolute)
+    rotor_moments = (basis[1:turned].conj() * work[: turned - 1]).imag
     for row, rotor in enumerate(plane.guide_rotors, revolute):
         if rotor:
             rotor_moments[rotor - 1] += rotor_moments[row]
-    efforts: Array = plane.turn.T @ rotor_moments[:revolute] + bodies.spins @ a
+    efforts: Array = plane.turn.T @ rotor_moments[:revolute]
+    efforts += bodies.spins @ a
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), revolute):
         efforts[joint] = (basis[rotor].conj() * work[row]).real if rotor else work[row].real
     return efforts
@@ -310,7 +331,7 @@ def _wanted_forces(
     forces = np.empty((len(wanted), pins.shape[1]), complex)
     forces[len(joints) :] = pins[[k - count for k in wanted if k >= count]]
     if joints:
-        subtree_force = product(bodies.forces[[count + j for j in joints]], second)
+        subtree_force = product(bodies.subtree_forces[joints], second)
         for load in loads:
             if load.joint:
                 carrying = [place for place, j in enumerate(joints) if j in plane.carriers(load.joint - 1)]

@@ -87,7 +87,8 @@ def _tilting_moments(
     rotors = basis[list(plane.rotors)]
     weight = -bodies.axial_weight[:, None]
     tilt: ComplexArray = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors
-    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * open_tree.own - 1j * open_tree.centers * weight
+    own, centers = product(bodies.forces, open_tree.second), product(plane.centers, basis)
+    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * own - 1j * centers * weight
     for load in loads:
         if load.joint:
             joint = load.joint - 1

@@ -3,7 +3,9 @@
 The blocks are worked through in the reverse of the order in which they close. The force p of a pin does the work Re(conj(c) p) on a unit
 rate of the joint with the column c in the loop Jacobian. The two joints of a dyad, with columns a and b, need the efforts s and t:
 
-    Re(conj(a) p) = s,  Re(conj(b) p) = t    have the solution    p = i (t a - s b) / Im(conj(a) b)
+    Re(conj(a) p) = s,  Re(conj(b) p) = t    have the solution    p = i (t a - s b) / D,   D = Im(conj(a) b)
+
+The factors of `kinematics.factored`, conj(b) / D and -conj(a) / D, give conj(p) as i times their sum, multiplied by s and t.
 
 The redundant equations of a block leave idle forces open, which earlier blocks balance. `engines.forces` says which multiples of them are
 added.
@@ -19,7 +21,7 @@ import numpy as np
 from ...common.quantities import Array, ComplexArray
 from ..forces import Objective, lexicographic_least_squares
 from ..joints import Matrix, product
-from .kinematics import block_matrix, dyad_columns
+from .kinematics import Factor
 from .model import Block, Plane
 
 
@@ -29,8 +31,8 @@ class Statics:
 
     Attributes:
         plane: constants of the linkage.
-        closure: rows of `Plane.closure`, whose Jacobian columns c are multiplied by i. This spares a factor, because Re(conj(c) p) is
-            -Im(conj(i c) p).
+        rows: rows of `Plane.closure`.
+        factors: what `kinematics.factored` made of them.
         subtree_force: (nv, n) forces of the joints of the open tree [N].
         minus_incidence: (nv, nl) see `Bodies`: by what pin forces relieve the joints.
         idle: for every idle force the forces of the pins (nl, n) and the multipliers of the couplings (nc, n).
@@ -40,7 +42,8 @@ class Statics:
     """
 
     plane: Plane
-    closure: ComplexArray
+    rows: ComplexArray
+    factors: list[Factor]
     subtree_force: ComplexArray
     minus_incidence: Matrix
     idle: list[tuple[ComplexArray, Array]]
@@ -50,16 +53,22 @@ class Statics:
 
 
 def build(
-    plane: Plane, closure: ComplexArray, subtree_force: ComplexArray, minus_incidence: Matrix, basis: ComplexArray, compliance: Array | None
+    plane: Plane,
+    rows: ComplexArray,
+    factors: list[Factor],
+    subtree_force: ComplexArray,
+    minus_incidence: Matrix,
+    basis: ComplexArray,
+    compliance: Array | None,
 ) -> Statics:
     """The equations at configurations with this ``basis`` (nb, n); the other arguments are attributes of `Statics`."""
     if not plane.redundant:
-        return Statics(plane, closure, subtree_force, minus_incidence, [], [], None, {})
-    idle = list(_idle(plane, closure))
+        return Statics(plane, rows, factors, subtree_force, minus_incidence, [], [], None, {})
+    idle = list(_idle(plane, rows, factors))
     responses = [np.concatenate([product(minus_incidence, pins), pins]) for pins, _ in idle]
     coupled = set().union(*plane.coupling_rows)
     slides = {j: product(plane.directions[[k]], basis)[0] for k, j in enumerate(plane.prismatic) if j in coupled}
-    return Statics(plane, closure, subtree_force, minus_incidence, idle, responses, compliance, slides)
+    return Statics(plane, rows, factors, subtree_force, minus_incidence, idle, responses, compliance, slides)
 
 
 def balance(statics: Statics, joint_efforts: Array, coupling_multipliers: Array, bearings: ComplexArray) -> None:
@@ -73,7 +82,7 @@ def balance(statics: Statics, joint_efforts: Array, coupling_multipliers: Array,
     """
     count = len(statics.subtree_force)
     pins = bearings[count:]
-    transmit(statics.plane, statics.closure, joint_efforts, pins, coupling_multipliers)
+    transmit(statics.plane, statics.rows, statics.factors, joint_efforts, pins, coupling_multipliers)
     np.add(product(statics.minus_incidence, pins), statics.subtree_force, out=bearings[:count])
     if statics.idle:
         for share, (_, idle_couplings), response in zip(_shares(statics, bearings), statics.idle, statics.responses, strict=True):
@@ -81,10 +90,12 @@ def balance(statics: Statics, joint_efforts: Array, coupling_multipliers: Array,
             coupling_multipliers += share * idle_couplings
 
 
-def transmit(plane: Plane, closure: ComplexArray, joint_efforts: Array, pins: ComplexArray, coupling_multipliers: Array) -> None:
+def transmit(
+    plane: Plane, rows: ComplexArray, factors: list[Factor], joint_efforts: Array, pins: ComplexArray, coupling_multipliers: Array
+) -> None:
     """Fill in the forces of the pins (nl, n) and the multipliers of the couplings (nc, n), without the forces of the joints and without any
-    idle force. ``joint_efforts`` as in `balance`."""
-    _balance(plane, closure, joint_efforts, pins, coupling_multipliers, len(plane.blocks))
+    idle force. ``rows`` and ``factors`` as in `Statics`, ``joint_efforts`` as in `balance`."""
+    _balance(plane, rows, factors, joint_efforts, pins, coupling_multipliers, len(plane.blocks))
 
 
 def torques(plane: Plane, multipliers: Array) -> None:
@@ -94,30 +105,31 @@ def torques(plane: Plane, multipliers: Array) -> None:
 
 
 def _balance(
-    plane: Plane, closure: ComplexArray, joint_efforts: Array, pins: ComplexArray, coupling_multipliers: Array, blocks: int
+    plane: Plane,
+    rows: ComplexArray,
+    factors: list[Factor],
+    joint_efforts: Array,
+    pins: ComplexArray,
+    coupling_multipliers: Array,
+    blocks: int,
 ) -> None:
     """Fill in the forces of the first ``blocks`` blocks, in reverse order."""
-    for block in reversed(plane.blocks[:blocks]):
+    for block, factor in zip(reversed(plane.blocks[:blocks]), reversed(factors[:blocks]), strict=True):
         if block.kind == "dyad":
-            a, b = dyad_columns(block, closure)
-            s, t = joint_efforts[block.joints[0]], joint_efforts[block.joints[1]]
-            scale = 1.0 / (a.conj() * b).imag  # i a and i b: their common factor is in ``closure``
-            pins[block.loops[0]] = a * (t * scale) - b * (s * scale)
+            parts, pin = factor * joint_efforts[block.pair], pins[block.loops[0]]
+            np.add(parts[0], parts[1], out=pin)
+            pin *= 1j
+            np.conjugate(pin, out=pin)
         elif block.kind == "lever":
-            a = closure[block.own[0][0][1]]
-            pins[block.loops[0]] = a * (-1j * joint_efforts[block.joints[0]] / (a.real**2 + a.imag**2))
+            np.conjugate(factor * -joint_efforts[block.joints[0]], out=pins[block.loops[0]])
         elif block.kind == "gear":
-            coupling_multipliers[block.couplings[0]] = (
-                joint_efforts[block.joints[0]] / plane.coupling_rows[block.couplings[0]][block.joints[0]]
-            )
+            coupling_multipliers[block.couplings[0]] = joint_efforts[block.joints[0]] / factor
         elif block.joints:
-            _distribute(
-                block, _dense(block_matrix(plane, block, -1j * closure), joint_efforts[list(block.joints)].T), pins, coupling_multipliers
-            )
+            _distribute(block, _dense(factor, joint_efforts[list(block.joints)].T), pins, coupling_multipliers)
         else:  # all its equations are redundant: its forces are idle ones, which `balance` adds
             pins[list(block.loops)] = 0.0
             coupling_multipliers[list(block.couplings)] = 0.0
-        _pass_on(plane, block, closure, pins, coupling_multipliers, joint_efforts)
+        _pass_on(plane, block, rows, pins, coupling_multipliers, joint_efforts)
 
 
 def _dense(matrix: Array, effort: Array) -> Array:
@@ -135,41 +147,41 @@ def _distribute(block: Block, multipliers: Array, pins: ComplexArray, coupling_m
     coupling_multipliers[list(block.couplings)] = multipliers[:, loops:].T
 
 
-def _pass_on(
-    plane: Plane, block: Block, closure: ComplexArray, pins: ComplexArray, coupling_multipliers: Array, joint_efforts: Array
-) -> None:
+def _pass_on(plane: Plane, block: Block, rows: ComplexArray, pins: ComplexArray, coupling_multipliers: Array, joint_efforts: Array) -> None:
     """Subtract what a block's forces do on the driver and on the joints of earlier blocks from the efforts there."""
     for loop, columns in zip(block.loops, block.known, strict=True):
-        for joint, row in columns:
-            joint_efforts[joint] += (closure[row].conj() * pins[loop]).imag
         driven = plane.driven[loop]
+        if driven is None and not columns:
+            continue
+        pin = pins[loop].conj()
+        for joint, row in columns:
+            joint_efforts[joint] -= (rows[row] * pin).real
         if driven is not None:
-            joint_efforts[plane.driver] += (closure[driven].conj() * pins[loop]).imag
+            joint_efforts[plane.driver] -= (rows[driven] * pin).real
     for coupling in block.couplings:
         for joint, by in plane.coupling_rows[coupling].items():
             if joint not in block.joints:
                 joint_efforts[joint] -= by * coupling_multipliers[coupling]
 
 
-def _idle(plane: Plane, closure: ComplexArray) -> Iterator[tuple[ComplexArray, Array]]:
+def _idle(plane: Plane, rows: ComplexArray, factors: list[Factor]) -> Iterator[tuple[ComplexArray, Array]]:
     """`Statics.idle`: for every redundant equation of a block the forces that balance within the block, and those by which the earlier
     blocks balance them."""
-    n = closure.shape[1]
-    for place, block in enumerate(plane.blocks):
+    n = rows.shape[1]
+    for place, (block, factor) in enumerate(zip(plane.blocks, factors, strict=True)):
         if not block.redundant:
             continue
         if block.kind == "lever":
-            a = closure[block.own[0][0][1]]
+            a = 1j * rows[block.own[0][0][1]]
             own = np.stack([(a / np.abs(a)).real, (a / np.abs(a)).imag], axis=1)[:, :, None]
         else:
-            matrix = block_matrix(plane, block, -1j * closure)
-            own = np.linalg.qr(matrix, mode="complete")[0][:, :, len(block.joints) :]
+            own = np.linalg.qr(factor, mode="complete")[0][:, :, len(block.joints) :]
         for k in range(block.redundant):
             pins, coupling_multipliers = np.zeros((len(plane.loop_heights), n), complex), np.zeros((len(plane.offsets), n))
             joint_efforts = np.zeros((len(plane.parents), n))
             _distribute(block, own[:, :, k], pins, coupling_multipliers)
-            _pass_on(plane, block, closure, pins, coupling_multipliers, joint_efforts)
-            _balance(plane, closure, joint_efforts, pins, coupling_multipliers, place)
+            _pass_on(plane, block, rows, pins, coupling_multipliers, joint_efforts)
+            _balance(plane, rows, factors, joint_efforts, pins, coupling_multipliers, place)
             yield pins, coupling_multipliers
 
 
