@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,18 @@ PIECE = 2048  # crank angles that are worked through at a time: their arrays sta
 MOST_NEWTON_STEPS = 12  # of one closure: from a good guess it takes one or two
 ACCEPTED = 1e3  # multiples of the tolerance of rounding: a loop with a larger gap is open
 LOOSEST = 1e-6  # gap, in lengths of the linkage, above which a motion belongs to another linkage
+
+
+class Jacobian(NamedTuple):
+    """The planar engine's loop equations at n configurations.
+
+    Attributes:
+        rows: (rows, n) of `planar.model.Plane.closure`: gaps of the loops, then columns of their Jacobian.
+        factors: what `planar.kinematics.factored` made of them.
+    """
+
+    rows: ComplexArray
+    factors: Sequence[Any]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,6 +49,7 @@ class Closure:
             are scaled to unit length, with the sign of its determinant. It is zero where two assemblies meet. Pinocchio's engine has one
             block, and no sign. None unless asked for.
         basis: (nb, n) the planar engine's basis functions, see `planar.model`; None from Pinocchio's engine.
+        jacobian: of the planar engine's equations there; None where it is not kept.
     """
 
     position: Array
@@ -47,6 +60,7 @@ class Closure:
     iterations: int
     margins: Array | None = None
     basis: ComplexArray | None = None
+    jacobian: Jacobian | None = None
 
 
 def joined(pieces: Sequence[Closure]) -> Closure:
@@ -82,15 +96,17 @@ class ClosedStates(NamedTuple):
         a: (nv, n) joint accelerations [rad/s2 or m/s2].
         basis: (nb, n) the planar engine's basis functions, kept from closing these positions, see `planar.model`; None where the planar
             engine did not close them.
+        jacobian: of the planar engine's equations there, where it is kept from closing these positions.
     """
 
     position: Array
     v: Array
     a: Array
     basis: ComplexArray | None = None
+    jacobian: Jacobian | None = None
 
     def part(self, points: slice) -> ClosedStates:
-        """The states of a part of the motion."""
+        """The states of a part of the motion, without their Jacobian."""
         return ClosedStates(
             self.position[:, points], self.v[:, points], self.a[:, points], None if self.basis is None else self.basis[:, points]
         )

@@ -6,7 +6,8 @@ import math
 import os
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import NamedTuple
+from threading import Lock
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -19,13 +20,15 @@ from ..common.frozen import read_only
 from ..common.quantities import Array, ComplexArray, DriverCoordinate
 from ..common.results import Tabular
 from ..engines.branch import Branch, out_of_branch
-from ..engines.engine import ClosedStates, Closure
+from ..engines.engine import ClosedStates, Closure, Engine, Jacobian
 from ..engines.joints import Axis, Slot, configuration
 from ..linkage.assembly import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage, SlideGuide
 from ..linkage.memo import per_linkage
 
 POINTS = 360  # states of a turn by default
+GRIDS_KEPT = 4  # grids of crank angles whose closures stay with a linkage
+MOST_KEPT = 2**15  # joint coordinates of such a grid: 4 megabytes with all that belongs to them
 MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
 
 
@@ -71,7 +74,7 @@ class Motion(Tabular):
     _guide: SlideGuide | None
     period_turns: int | None
     # Not taken over by dataclasses.replace: a motion with other positions must not keep the basis of this one.
-    _closed_as: tuple[Linkage, ComplexArray] | None = field(default=None, init=False)
+    _closed_as: tuple[Linkage, ComplexArray, Jacobian | None] | None = field(default=None, init=False)
 
     @property
     def title(self) -> str:
@@ -80,10 +83,17 @@ class Motion(Tabular):
         slide = "" if self._guide is None else f", slide at {self.slide_position.min():.6g} to {self.slide_position.max():.6g} m"
         return f"Motion of {self.linkage}: {len(self.crank_angle)} states, {first.part} at {low} to {high} {first.shown_unit}{slide}"
 
+    def __getstate__(self) -> dict[str, Any]:
+        """The state for copies and pickles, without the Jacobian."""
+        closed_as = self._closed_as
+        return vars(self) if closed_as is None else vars(self) | {"_closed_as": (*closed_as[:2], None)}
+
     def states(self, press: Linkage) -> ClosedStates:
-        """The states as an engine takes them. The basis is included where the planar engine closed them for this very linkage."""
-        basis = self._closed_as[1] if self._closed_as is not None and self._closed_as[0] is press else None
-        return ClosedStates(self.joint_position.T, self.v.T, self.a.T, basis)
+        """The states as an engine takes them. Basis and Jacobian are included where the planar engine closed them for this very linkage."""
+        closed_for, basis, jacobian = self._closed_as or (None, None, None)
+        if closed_for is not press:
+            return ClosedStates(self.joint_position.T, self.v.T, self.a.T)
+        return ClosedStates(self.joint_position.T, self.v.T, self.a.T, basis, jacobian)
 
     @property
     def time(self) -> Array:
@@ -318,7 +328,7 @@ def moved(
 ) -> Motion:
     """The motion with these driver angles, speeds and accelerations: (n,) along a ``branch``, where constant speeds may be one number and
     have the accelerations 0.0; (n, drivers) where there is no branch."""
-    closure = None if branch is None else closed(press.engine(engine), press.spatial_model, branch, angles, press.name)
+    closure = None if branch is None else _closed(press, branch, angles, press.engine(engine))
     with np.errstate(all="ignore"):  # what overflows is refused below
         if closure is None or branch is None:
             position = followed_from(press.engine(), press.spatial_model, press.closed, angles, press.name)
@@ -333,8 +343,50 @@ def moved(
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
     motion = of_states(press, position, v, a, gap, times, None if branch is None or branch.period is None else press.turns_until_back)
     if closure is not None and closure.basis is not None:
-        object.__setattr__(motion, "_closed_as", (press, closure.basis))
+        object.__setattr__(motion, "_closed_as", (press, closure.basis, closure.jacobian))
     return motion
+
+
+class _LastClosures:
+    """Closures of the grids of crank angles that were asked for last, because sweeps, ratings and reports ask for the same angles again and
+    again. Threads may share it; copies and pickles start empty."""
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._found: dict[tuple[str, int, bytes], Closure] = {}
+
+    def __reduce__(self) -> tuple[type[_LastClosures], tuple[()]]:
+        return _LastClosures, ()
+
+    def get(self, key: tuple[str, int, bytes]) -> Closure | None:
+        with self._lock:
+            closure = self._found.pop(key, None)
+            if closure is not None:
+                self._found[key] = closure  # the last one is dropped last
+            return closure
+
+    def keep(self, key: tuple[str, int, bytes], closure: Closure) -> None:
+        with self._lock:
+            self._found[key] = closure
+            if len(self._found) > GRIDS_KEPT:
+                del self._found[next(iter(self._found))]
+
+
+@per_linkage(of_geometry=True)
+def _last_closures(press: Linkage) -> _LastClosures:
+    return _LastClosures()
+
+
+def _closed(press: Linkage, branch: Branch, angles: Array, engine: Engine) -> Closure:
+    """`assembly.closed`, kept where the angles are few enough."""
+    if len(angles) * len(press.joints) > MOST_KEPT:
+        return closed(engine, press.spatial_model, branch, angles, press.name)
+    known, key = _last_closures(press), (engine.name, len(branch.change_points), angles.tobytes())
+    closure = known.get(key)
+    if closure is None:
+        closure = closed(engine, press.spatial_model, branch, angles, press.name)
+        known.keep(key, closure)
+    return closure
 
 
 def _rates(closure: Closure, speed: Array | float, acceleration: Array | float) -> tuple[Array, Array]:

@@ -42,8 +42,8 @@ class Bodies:
         open_tree: the rows of ``reduced``, of ``subtree_forces``, and of ``forces`` of the bodies that are ``on_guides``.
         spins: (nv, nv) joint accelerations to the joint efforts that the bodies' moments of inertia need [kg m2].
         on_guides: joints that prismatic joints carry, with these, tips first.
-        arms: rows over the basis, one group after the other: `Plane.closure`; of the joints ``on_guides`` the centres of mass from the
-            joint, then its origin from that of its parent; ``guided`` loops from their joints.
+        arms: rows over the basis, one group after the other: of the joints ``on_guides`` the centres of mass from the joint, then its
+            origin from that of its parent; ``guided`` loops from their joints.
         guided: pairs of a prismatic joint and a loop whose force has a moment on the joint's link.
         geared: joints that turn and are coupled.
         in_one_plane: whether all masses move, and all weights act, in one plane.
@@ -97,7 +97,6 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     parents = [max(plane.parents[j], 0) for j in on_guides]  # of a joint on the frame the arm is not needed
     guided = tuple((j, k) for j in plane.prismatic for k in plane.loops_of_joint[j])
     arms = [
-        plane.closure,
         plane.centers[on_guides],
         plane.origins[on_guides] - plane.origins[parents],
         plane.loop_points[[k for _, k in guided]] - plane.origins[[j for j, _ in guided]],
@@ -136,7 +135,6 @@ class OpenTree(NamedTuple):
         second: (nb, n) second derivative of the basis by time, its first row 1.
         subtree_force: (nv, n) inertia forces less weights and loads of all bodies that a joint carries: its force [N].
         joint_efforts: (nv, n) efforts that the joints would have to transmit along or about their axes [N or N m].
-        closure: (nl + columns, n) rows of `Plane.closure`.
         turning: by prismatic joint the moment (n,) about the normal that it would have to transmit [N m].
         guided: (pairs, n) points of the ``guided`` loops of `Bodies` from their joints [m].
     """
@@ -144,7 +142,6 @@ class OpenTree(NamedTuple):
     second: ComplexArray
     subtree_force: ComplexArray
     joint_efforts: Array
-    closure: ComplexArray
     turning: dict[int, Array]
     guided: ComplexArray
 

@@ -24,7 +24,7 @@ from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw,
 from ..joints import product
 from . import out_of_plane, statics
 from .bodies import Bodies, OpenTree
-from .kinematics import basis_acceleration, basis_at, factored, gaps, known_basis
+from .kinematics import basis_acceleration, basis_at, gaps, known_basis, known_jacobian
 from .model import Plane, put_in_plane, put_normal, to_complex
 
 
@@ -62,7 +62,7 @@ def bearing_loads(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedF
     """See `Engine.bearing_loads`; the states have their basis."""
     plane, basis, n = bodies.plane, known_basis(states), states.v.shape[1]
     open_tree = _solve_open_tree(bodies, states, loads)
-    system = _statics(bodies, open_tree, basis, None)
+    system = _statics(bodies, states, open_tree, None)
     forces, coupling_multipliers = np.empty((len(efforts), n), complex), np.zeros((len(plane.offsets), n))
     statics.balance(system, open_tree.joint_efforts - _resisted(plane, efforts), coupling_multipliers, forces)
     radial = np.stack([forces.real, forces.imag, np.zeros(forces.shape)], axis=2)
@@ -114,7 +114,7 @@ def _fill_with_all_bearings(
     plane, basis, n, loads = bodies.plane, known_basis(states), states.v.shape[1], conditions.loads
     open_tree = _solve_open_tree(bodies, states, loads)
     axial = out_of_plane.forces(bodies, loads, conditions.compliance, n) if _acts_out_of_plane(bodies, loads) else None
-    system = _statics(bodies, open_tree, basis, conditions.compliance)
+    system = _statics(bodies, states, open_tree, conditions.compliance)
     friction_efforts, joint_efforts = None, open_tree.joint_efforts
     if friction is not None:
         friction_efforts = _friction(plane, system, friction, joint_efforts, basis, axial)
@@ -146,16 +146,15 @@ def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[Appli
     plane, basis = bodies.plane, known_basis(states)
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
-    functions, count, closing = len(basis) - 1, len(plane.parents), plane.closure.shape[0]
+    functions, count, on_guides = len(basis) - 1, len(plane.parents), 2 * len(bodies.on_guides)
     found, arms = product(bodies.open_tree, second), product(bodies.arms, basis)
     work, subtree_force, own = found[:functions], found[functions : functions + count], found[functions + count :]
     for load in loads:
         if load.joint:
             subtree_force[plane.carriers(load.joint - 1)] -= to_complex(plane, load.force)
     efforts = _efforts(bodies, basis, states.a, work, loads)
-    on_guides = 2 * len(bodies.on_guides)
-    turning = _turning(bodies, arms[closing : closing + on_guides], own, subtree_force, states.a, basis, loads) if on_guides else {}
-    return OpenTree(second, subtree_force, efforts, arms[:closing], turning, arms[closing + on_guides :])
+    turning = _turning(bodies, arms[:on_guides], own, subtree_force, states.a, basis, loads) if on_guides else {}
+    return OpenTree(second, subtree_force, efforts, turning, arms[on_guides:])
 
 
 def _turning(
@@ -196,10 +195,10 @@ def _turning(
     return {joint: moments[places[joint]] for joint in plane.prismatic}
 
 
-def _statics(bodies: Bodies, open_tree: OpenTree, basis: ComplexArray, compliance: Array | None) -> statics.Statics:
+def _statics(bodies: Bodies, states: ClosedStates, open_tree: OpenTree, compliance: Array | None) -> statics.Statics:
     """The equations of loops and gear pairs; ``compliance`` as in `AppliedConditions`."""
-    plane, rows = bodies.plane, open_tree.closure
-    return statics.build(plane, rows, factored(plane, rows), open_tree.subtree_force, bodies.minus_incidence, basis, compliance)
+    plane, basis, (rows, factors) = bodies.plane, known_basis(states), known_jacobian(bodies.plane, states)
+    return statics.build(plane, rows, factors, open_tree.subtree_force, bodies.minus_incidence, basis, compliance)
 
 
 def _moments_about_normal(
@@ -281,9 +280,9 @@ def _fill_with_some_bearings(
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
     joint_efforts = _efforts(bodies, basis, states.a, product(bodies.reduced, second), loads)
-    rows = product(plane.closure, basis)
+    rows, factors = known_jacobian(plane, states)
     pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
-    statics.transmit(plane, rows, factored(plane, rows), joint_efforts, pins, result.coupling)
+    statics.transmit(plane, rows, factors, joint_efforts, pins, result.coupling)
     result.torque[0] = joint_efforts[plane.driver]
     if wanted:
         put_in_plane(plane, _wanted_forces(bodies, second, loads, pins, wanted), result.force)

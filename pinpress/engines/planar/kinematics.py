@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ...common.quantities import Array, ComplexArray
-from ..engine import ACCEPTED, MOST_NEWTON_STEPS, PIECE, ClosedStates, Closure
+from ..engine import ACCEPTED, MOST_NEWTON_STEPS, PIECE, ClosedStates, Closure, Jacobian
 from ..forces import RANK
 from ..joints import product
 from .model import Block, Plane, to_world
@@ -53,20 +53,27 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             solve(plane, rows, factored(plane, rows), [*gaps, *slips], step)
             x += step
             steps += 1
-        first, second = _influence(plane, basis, rows)
+        jacobian = Jacobian(rows, factored(plane, rows))
+        first, second = _influence(plane, basis, jacobian)
         margins = _margins(plane, rows) if with_margins else None
-    return Closure(x, first, second, gap, worst, steps, margins, basis)
+    return Closure(x, first, second, gap, worst, steps, margins, basis, jacobian)
 
 
 def influence(plane: Plane, basis: ComplexArray) -> tuple[Array, Array]:
     """First-order and second-order influence coefficients (nv, n) of closed configurations with this ``basis`` (nb, n)."""
     with np.errstate(all="ignore"):
-        return _influence(plane, basis, product(plane.closure, basis))
+        return _influence(plane, basis, jacobian_at(plane, basis))
 
 
-def _influence(plane: Plane, basis: ComplexArray, rows: ComplexArray) -> tuple[Array, Array]:
-    """Influence coefficients, given the ``rows`` of `Plane.closure` at these configurations."""
-    factors, shape = factored(plane, rows), (len(plane.parents), basis.shape[1])
+def jacobian_at(plane: Plane, basis: ComplexArray) -> Jacobian:
+    """The loop equations at configurations with this ``basis`` (nb, n)."""
+    rows = product(plane.closure, basis)
+    return Jacobian(rows, factored(plane, rows))
+
+
+def _influence(plane: Plane, basis: ComplexArray, jacobian: Jacobian) -> tuple[Array, Array]:
+    """Influence coefficients, given the loop equations at these configurations."""
+    (rows, factors), shape = jacobian, (len(plane.parents), basis.shape[1])
     first, second = np.empty(shape), np.empty(shape)
     first[plane.driver], second[plane.driver] = 1.0, 0.0
     driven: list[ComplexArray | Array | None] = [None if row is None else rows[row] for row in plane.driven]
@@ -103,6 +110,11 @@ def known_basis(states: ClosedStates) -> ComplexArray:
     """The basis (nb, n) of states that carry it."""
     assert states.basis is not None
     return states.basis
+
+
+def known_jacobian(plane: Plane, states: ClosedStates) -> Jacobian:
+    """The loop equations at states that carry their basis."""
+    return jacobian_at(plane, known_basis(states)) if states.jacobian is None else states.jacobian
 
 
 def openings(plane: Plane, x: Array) -> Array:
@@ -207,7 +219,7 @@ def _factored_dyads(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
 def solve(
     plane: Plane,
     rows: ComplexArray,
-    factors: list[Factor],
+    factors: Sequence[Factor],
     opening: Sequence[ComplexArray | Array | None],
     x: Array,
 ) -> None:

@@ -13,7 +13,7 @@ added.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +43,7 @@ class Statics:
 
     plane: Plane
     rows: ComplexArray
-    factors: list[Factor]
+    factors: Sequence[Factor]
     subtree_force: ComplexArray
     minus_incidence: Matrix
     idle: list[tuple[ComplexArray, Array]]
@@ -55,7 +55,7 @@ class Statics:
 def build(
     plane: Plane,
     rows: ComplexArray,
-    factors: list[Factor],
+    factors: Sequence[Factor],
     subtree_force: ComplexArray,
     minus_incidence: Matrix,
     basis: ComplexArray,
@@ -91,7 +91,7 @@ def balance(statics: Statics, joint_efforts: Array, coupling_multipliers: Array,
 
 
 def transmit(
-    plane: Plane, rows: ComplexArray, factors: list[Factor], joint_efforts: Array, pins: ComplexArray, coupling_multipliers: Array
+    plane: Plane, rows: ComplexArray, factors: Sequence[Factor], joint_efforts: Array, pins: ComplexArray, coupling_multipliers: Array
 ) -> None:
     """Fill in the forces of the pins (nl, n) and the multipliers of the couplings (nc, n), without the forces of the joints and without any
     idle force. ``rows`` and ``factors`` as in `Statics`, ``joint_efforts`` as in `balance`."""
@@ -107,7 +107,7 @@ def torques(plane: Plane, multipliers: Array) -> None:
 def _balance(
     plane: Plane,
     rows: ComplexArray,
-    factors: list[Factor],
+    factors: Sequence[Factor],
     joint_efforts: Array,
     pins: ComplexArray,
     coupling_multipliers: Array,
@@ -164,7 +164,7 @@ def _pass_on(plane: Plane, block: Block, rows: ComplexArray, pins: ComplexArray,
                 joint_efforts[joint] -= by * coupling_multipliers[coupling]
 
 
-def _idle(plane: Plane, rows: ComplexArray, factors: list[Factor]) -> Iterator[tuple[ComplexArray, Array]]:
+def _idle(plane: Plane, rows: ComplexArray, factors: Sequence[Factor]) -> Iterator[tuple[ComplexArray, Array]]:
     """`Statics.idle`: for every redundant equation of a block the forces that balance within the block, and those by which the earlier
     blocks balance them."""
     n = rows.shape[1]

@@ -1,0 +1,67 @@
+"""Closures of grids of crank angles that are kept with a press: they change no number, are bounded, and are dropped by copies."""
+
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+import pinpress as pp
+from pinpress.kinematics import motion as motions
+
+
+def closings(monkeypatch, press, calls):
+    """How many times the loops are closed while these functions of the press are called."""
+    count = []
+
+    def counted(*arguments):
+        count.append(arguments)
+        return closed(*arguments)
+
+    closed = motions.closed
+    with monkeypatch.context() as patch:
+        patch.setattr(motions, "closed", counted)
+        for call in calls:
+            call(press)
+    return len(count)
+
+
+def turn(points, speed=7.0, engine="auto"):
+    return lambda press: pp.cycle(press, speed, points=points, engine=engine)
+
+
+def test_the_same_angles_are_closed_once(monkeypatch):
+    press = pp.load("zxn2_3000b")
+    assert closings(monkeypatch, press, [turn(40), turn(40, 3.0), turn(40, -7.0), turn(40, engine="pinocchio")]) == 3
+    heavier = press.with_inertias([pin.Inertia(2 * i.mass, i.lever, 2 * i.inertia) for i in press.model.inertias])
+    assert closings(monkeypatch, heavier, [turn(40)]) == 0
+    assert closings(monkeypatch, press, [turn(n) for n in (41, 42, 43, 44, 40)]) == 5, "only the last few are kept"
+    assert closings(monkeypatch, press, [turn(8000), turn(8000)]) == 2, "large ones are not kept"
+    assert closings(monkeypatch, replace(press, zero="x"), [turn(40)]) == 1
+    assert closings(monkeypatch, pickle.loads(pickle.dumps(press)), [turn(40)]) == 1
+
+
+def test_kept_closures_change_no_number():
+    press = pp.load("jf75g_125_two_point")
+    pp.cycle(press, 5.0, points=60)
+    for speed in (2.0, 9.0):
+        again, new = pp.cycle(press, speed, points=60), pp.cycle(pp.load("jf75g_125_two_point"), speed, points=60)
+        for name in ("joint_position", "v", "a", "closure_error", "crank_angle"):
+            np.testing.assert_array_equal(getattr(again, name), getattr(new, name))
+            assert not getattr(again, name).flags.writeable
+        forces = [pp.inverse_dynamics(press, each) for each in (again, pickle.loads(pickle.dumps(again)))]
+        expected = pp.inverse_dynamics(press, new)
+        for each in forces:
+            for bearing in press.bearings:
+                np.testing.assert_allclose(each.bearing_force[bearing], expected.bearing_force[bearing], rtol=0, atol=1e-9)
+
+
+def test_threads_share_what_is_kept():
+    press = pp.load("crank_slide")
+    expected = {points: pp.cycle(press, 5.0, points=points).slide_acceleration for points in range(3, 13)}
+    with ThreadPoolExecutor(4) as pool:
+        for points, found in zip(
+            200 * list(expected), pool.map(lambda n: pp.cycle(press, 5.0, points=n), 200 * list(expected)), strict=True
+        ):
+            np.testing.assert_array_equal(found.slide_acceleration, expected[points])
