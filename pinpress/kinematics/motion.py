@@ -399,10 +399,7 @@ def _rates(closure: Closure, speed: Array | float, acceleration: Array | float) 
 
 def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None) -> tuple[Array, Array | float, Array | float, Array]:
     """Angles, speeds, accelerations and times (n,) of `cycle`; constant speeds and accelerations are one number."""
-    given = numbers("speed", speed, unit=f"{press.driver_coordinates[0].unit}/s")
-    if given.ndim:
-        raise PinpressError("speed is an array, but a turn at constant speed takes one number: write servo_cycle for a servo motion")
-    rate = float(given)
+    rate = speed if type(speed) is float and math.isfinite(speed) else _one_speed(press, speed)
     if not branch.coordinate.turns:
         return _there_and_back(branch, rate, points)
     if branch.period is None:  # a prescribed turn does not go through change points
@@ -414,6 +411,13 @@ def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None
     count = POINTS * turns if points is None else whole_number("points", points, 2, MOST_POINTS)
     angles: Array = np.arange(count, dtype=float) * (math.copysign(period, rate) / count)
     return angles, rate, 0.0, angles / rate
+
+
+def _one_speed(press: Linkage, speed: ArrayLike) -> float:
+    given = numbers("speed", speed, unit=f"{press.driver_coordinates[0].unit}/s")
+    if given.ndim:
+        raise PinpressError("speed is an array, but a turn at constant speed takes one number: write servo_cycle for a servo motion")
+    return float(given)
 
 
 def _there_and_back(branch: Branch, rate: float, points: int | None) -> tuple[Array, Array, Array, Array]:

@@ -151,8 +151,12 @@ def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: 
         return _closed_far_away(engine, spatial_model, branch, angles, name)
     if len(angles) <= PIECE:
         return _closed_piece(engine, spatial_model, angles, predict(branch, angles), name)
-    parts = [angles[start : start + PIECE] for start in range(0, len(angles), PIECE)]
-    return joined([_closed_piece(engine, spatial_model, part, predict(branch, part), name) for part in parts])
+    pieces = []
+    for start in range(0, len(angles), PIECE):
+        part = angles[start : start + PIECE]
+        piece = _closed_piece(engine, spatial_model, part, predict(branch, part), name)
+        pieces.append(replace(piece, jacobian=None))  # its memory serves the next piece
+    return joined(pieces)
 
 
 def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, angles: Array, name: str) -> Array:

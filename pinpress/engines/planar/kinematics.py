@@ -24,6 +24,7 @@ from ..joints import product
 from .model import Block, Plane, to_world
 
 NO_SLIPS = np.empty((0, 1))
+BOTH_SIGNS = np.array([[1.0], [-1.0]])
 
 
 def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
@@ -203,16 +204,12 @@ def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
 
 def _factored_dyads(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
     """The factors of all dyads, as many at a time as stay in the cache."""
-    n = rows.shape[1]
-    together = max(1, PIECE // n)
+    together = max(1, PIECE // rows.shape[1])
     for start in range(0, len(plane.dyad_columns), together):
-        first, second = plane.dyad_columns[start : start + together].T
-        a, b = rows[first], rows[second]
-        factors = np.empty((len(a), 2, n), complex)
-        np.conjugate(a, out=a)
-        scale = 1.0 / (a * b).imag
-        np.multiply(np.conjugate(b, out=b), scale, out=factors[:, 0])
-        np.multiply(a, np.negative(scale, out=scale), out=factors[:, 1])
+        factors = rows[plane.dyad_columns[start : start + together, ::-1]]  # b and a
+        scale = BOTH_SIGNS / (factors[:, 1].conj() * factors[:, 0]).imag[:, None]
+        np.conjugate(factors, out=factors)
+        factors *= scale
         yield from factors
 
 
