@@ -397,9 +397,11 @@ def _rates(closure: Closure, speed: Array | float, acceleration: Array | float) 
     return closure.first * speed, a
 
 
-def _period(press: Linkage, branch: Branch, speed: ArrayLike, points: int | None) -> tuple[Array, Array | float, Array | float, Array]:
+def _period(
+    press: Linkage, branch: Branch, speed: float | ArrayLike, points: int | None
+) -> tuple[Array, Array | float, Array | float, Array]:
     """Angles, speeds, accelerations and times (n,) of `cycle`; constant speeds and accelerations are one number."""
-    rate = speed if type(speed) is float and math.isfinite(speed) else _one_speed(press, speed)
+    rate = float(speed) if isinstance(speed, float) and math.isfinite(speed) else _one_speed(press, speed)
     if not branch.coordinate.turns:
         return _there_and_back(branch, rate, points)
     if branch.period is None:  # a prescribed turn does not go through change points

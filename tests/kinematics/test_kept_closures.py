@@ -9,6 +9,7 @@ import pinocchio as pin
 
 import pinpress as pp
 from pinpress.kinematics import motion as motions
+from pinpress.linkage import assembly
 
 
 def closings(monkeypatch, press, calls):
@@ -17,9 +18,8 @@ def closings(monkeypatch, press, calls):
 
     def counted(*arguments):
         count.append(arguments)
-        return closed(*arguments)
+        return assembly.closed(*arguments)
 
-    closed = motions.closed
     with monkeypatch.context() as patch:
         patch.setattr(motions, "closed", counted)
         for call in calls:
