@@ -3,7 +3,9 @@ shipped press, and of scenes with springs and friction.
 
 Run `python tests/benchmarks/benchmark_inverse_dynamics.py`; `--quick` for a fifth of the repeats. pytest does not collect this file.
 Every contestant starts from crank angles and the loaded press and ends with the driving torque and the force of every pin and
-guide as arrays. Contestants take turns within each repeat, so that whatever else the machine does meets all of them.
+guide as arrays. A press keeps its closures of the last few grids of crank angles: "new angles" takes another number of angles in each call,
+so that none are found, "other speed" the same angles at another speed. Contestants take turns within each repeat, so that whatever else
+the machine does meets all of them.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from __future__ import annotations
 import argparse
 import ctypes
 import gc
+import itertools
 import os
 import platform
 import statistics
@@ -35,6 +38,8 @@ SPEED = 70 * 2 * np.pi / 60  # [rad/s]
 TURN = 0.02  # seconds
 SUBSET = 720  # angles that the per-angle loop is timed on where the whole turn has more
 REPEATS = {360: 60, 36000: 15}
+GRIDS = 8  # numbers of angles that take turns where no grid may be known, more than a press keeps
+FEWEST = range(2, 24)  # numbers of angles for the fixed cost of a call
 
 Forces = dict[str, Array]
 # Name, number of angles timed, the work, and what takes torque and forces out of the work's result.
@@ -63,17 +68,25 @@ def contestants(n: int) -> list[Contestant]:
         print(f"pinpress is left out: {error}")
         return found
     press = load(ROOT / "urdf" / "zxn2_3000b.urdf")
+    sizes, speeds = itertools.cycle(range(n - GRIDS // 2, n + GRIDS // 2)), itertools.count(70.0, 1e-4)
 
-    def pinpress(engine: str, where: dict[str, str]) -> tuple[Array, Forces, Forces]:
-        motion = cycle(press, speed=70 * rpm, points=n, **where)
+    def pinpress(engine: str, where: dict[str, str], points: int = n, at: float = 70.0) -> tuple[Array, Forces, Forces]:
+        motion = cycle(press, speed=at * rpm, points=points, **where)
         result = solve(press, motion, engine=engine)
         forces = {name: result.bearing_force[name] for name in press.bearings}
         moments = {name: result.bearing_moment[name] for name in press.bearings}
         return result.driving_torque, forces, moments
 
-    found.append(("(c) pinpress, plane", n, lambda: pinpress("plane", {}), lambda r: r[:2]))
+    found.append(("(c) pinpress, plane, new angles", n, lambda: pinpress("plane", {}, next(sizes)), lambda _: pinpress("plane", {})[:2]))
     if n <= SUBSET:
-        found.append(("(d) pinpress, pinocchio", n, lambda: pinpress("pinocchio", {"engine": "pinocchio"}), lambda r: r[:2]))
+        other_speed: Contestant = (
+            "(d) pinpress, plane, other speed",
+            n,
+            lambda: pinpress("plane", {}, at=next(speeds)),
+            lambda _: pinpress("plane", {})[:2],
+        )
+        found.append(other_speed)
+        found.append(("(e) pinpress, pinocchio", n, lambda: pinpress("pinocchio", {"engine": "pinocchio"}), lambda r: r[:2]))
     return found
 
 
@@ -147,6 +160,25 @@ def print_speed(n: int, repeats: int) -> None:
         print(f"* timed and checked on {SUBSET} consecutive angles at the same spacing, and scaled to {n} points")
 
 
+def print_fixed_cost(repeats: int) -> None:
+    """Time calls with so few angles that hardly anything but the calls' own cost is left."""
+    import pinpress as pp
+
+    press, sizes = pp.load("zxn2_3000b"), itertools.cycle(FEWEST)
+
+    def few() -> pp.Reactions:
+        return pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=next(sizes)))
+
+    theta1 = 2 * np.pi * np.arange(12) / 12
+    entries: list[Contestant] = [
+        ("(a) hand script, NumPy", 12, lambda: six_bar(theta1, SPEED, 0.0), lambda r: r),
+        ("(c) pinpress, plane, new angles", 12, few, lambda r: r),
+    ]
+    print(f"\n{FEWEST[0]} to {FEWEST[-1]} crank angles, best times of a call")
+    for (name, *_), row in zip(entries, timed(entries, repeats), strict=True):
+        print(f"{name:34}{min(row) * 1e6:10.0f} us")
+
+
 def print_presses(n: int, repeats: int) -> None:
     """Time every shipped press at n crank angles, each beside the six-bar, and what springs, friction and stiffnesses add."""
     import pinpress as pp
@@ -154,16 +186,21 @@ def print_presses(n: int, repeats: int) -> None:
     def scene(press: pp.Linkage, engine: str = "auto", **more: Any) -> pp.Reactions:
         return pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=n, engine=engine), engine=engine, **more)
 
+    sizes = itertools.cycle(range(n - GRIDS // 2, n + GRIDS // 2 + 1))  # an odd number of them: none is known in the next turn
+
+    def new_angles(press: pp.Linkage, **more: Any) -> pp.Reactions:
+        return pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=next(sizes)), **more)
+
     presses = {name: pp.load(name) for name in pp.presses()}
-    entries: list[Contestant] = [(name, n, lambda press=press: scene(press), lambda r: r) for name, press in presses.items()]
+    entries: list[Contestant] = [(name, n, lambda press=press: new_angles(press), lambda r: r) for name, press in presses.items()]
     six, pair = presses["zxn2_3000b"], presses["jf75g_125_symmetric"]
     spring = [pp.loads.SpringDamper("frame", "slide", stiffness=1e5, damping=1e3, free_length=0.2, point1=(0.0, 0.0, 1.0))]
     rubbing = {name: pp.loads.Friction(0.06, None if "guide" in name else 0.06) for name in six.bearings}
     shares = dict.fromkeys(pair.bearings, 1e9)
     entries += [
-        ("zxn2_3000b, a spring to the slide", n, lambda: scene(six, loads=spring), lambda r: r),
-        ("zxn2_3000b, friction everywhere", n, lambda: scene(six, friction=rubbing), lambda r: r),
-        ("jf75g_125_symmetric, stiffnesses", n, lambda: scene(pair, stiffness=shares), lambda r: r),
+        ("zxn2_3000b, a spring to the slide", n, lambda: new_angles(six, loads=spring), lambda r: r),
+        ("zxn2_3000b, friction everywhere", n, lambda: new_angles(six, friction=rubbing), lambda r: r),
+        ("jf75g_125_symmetric, stiffnesses", n, lambda: new_angles(pair, stiffness=shares), lambda r: r),
     ]
     best = {name: min(row) / n * 1e6 for (name, _, _, _), row in zip(entries, timed(entries, repeats), strict=True)}
     base = best["zxn2_3000b"] / len(six.bearings)
@@ -241,6 +278,7 @@ def main() -> None:
     print(f"OPENBLAS_NUM_THREADS={os.environ.get('OPENBLAS_NUM_THREADS', '(not set)')}; BLAS threads in use: {blas_threads()}")
     for n, repeats in REPEATS.items():
         print_speed(n, max(3, repeats // 5) if quick else repeats)
+    print_fixed_cost(6 if quick else 30)
     print_presses(360, 5 if quick else 30)
     print_cold_start(3 if quick else 7)
 
