@@ -46,10 +46,11 @@ class Closure:
         widest: the largest gap of all configurations [m].
         iterations: number of Newton steps.
         margins: (blocks, n) distance of every block of loops from singularity: the smallest singular value of its Jacobian, whose columns
-            are scaled to unit length, with the sign of its determinant. It is zero where two assemblies meet. Pinocchio's engine has one
+            are scaled to unit length, with the sign of its determinant. It is zero where two assemblies meet. The engines in space have one
             block, and no sign. None unless asked for.
-        basis: (nb, n) the planar engine's basis functions, see `planar.model`; None from Pinocchio's engine.
+        basis: (nb, n) the planar engine's basis functions, see `planar.model`; None from the other engines.
         jacobian: of the planar engine's equations there; None where it is not kept.
+        solved: `space.equations.Solved`, what the engine in space keeps from closing; None from the other engines.
     """
 
     position: Array
@@ -61,6 +62,7 @@ class Closure:
     margins: Array | None = None
     basis: ComplexArray | None = None
     jacobian: Jacobian | None = None
+    solved: Any = None
 
 
 def joined(pieces: Sequence[Closure]) -> Closure:
@@ -97,6 +99,7 @@ class ClosedStates(NamedTuple):
         basis: (nb, n) the planar engine's basis functions, kept from closing these positions, see `planar.model`; None where the planar
             engine did not close them.
         jacobian: of the planar engine's equations there, where it is kept from closing these positions.
+        solved: what the engine in space keeps from closing these positions, see `Closure`; None where it did not close them all at once.
     """
 
     position: Array
@@ -104,6 +107,7 @@ class ClosedStates(NamedTuple):
     a: Array
     basis: ComplexArray | None = None
     jacobian: Jacobian | None = None
+    solved: Any = None
 
     def part(self, points: slice) -> ClosedStates:
         """The states of a part of the motion, without their Jacobian."""
@@ -145,7 +149,7 @@ class Engine(Protocol):
 
     @property
     def name(self) -> str:
-        """Name of the engine, "plane" or "pinocchio"."""
+        """Name of the engine, "plane", "space" or "pinocchio"."""
 
     @property
     def tolerance(self) -> float:

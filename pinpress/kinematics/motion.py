@@ -74,7 +74,7 @@ class Motion(Tabular):
     _guide: SlideGuide | None
     period_turns: int | None
     # Not taken over by dataclasses.replace: a motion with other positions must not keep the basis of this one.
-    _closed_as: tuple[Linkage, ComplexArray, Jacobian | None] | None = field(default=None, init=False)
+    _closed_as: tuple[Linkage, ComplexArray | None, Jacobian | None, Any] | None = field(default=None, init=False)
 
     @property
     def title(self) -> str:
@@ -84,16 +84,14 @@ class Motion(Tabular):
         return f"Motion of {self.linkage}: {len(self.crank_angle)} states, {first.part} at {low} to {high} {first.shown_unit}{slide}"
 
     def __getstate__(self) -> dict[str, Any]:
-        """The state for copies and pickles, without the Jacobian."""
+        """The state for copies and pickles, without what can be worked out again."""
         closed_as = self._closed_as
-        return vars(self) if closed_as is None else vars(self) | {"_closed_as": (*closed_as[:2], None)}
+        return vars(self) if closed_as is None else vars(self) | {"_closed_as": (*closed_as[:2], None, None)}
 
     def states(self, press: Linkage) -> ClosedStates:
-        """The states as an engine takes them. Basis and Jacobian are included where the planar engine closed them for this very linkage."""
-        closed_for, basis, jacobian = self._closed_as or (None, None, None)
-        if closed_for is not press:
-            return ClosedStates(self.joint_position.T, self.v.T, self.a.T)
-        return ClosedStates(self.joint_position.T, self.v.T, self.a.T, basis, jacobian)
+        """The states as an engine takes them, with what it kept when it closed them for this very linkage."""
+        closed_for, *kept = self._closed_as or (None,)
+        return ClosedStates(self.joint_position.T, self.v.T, self.a.T, *(kept if closed_for is press else ()))
 
     @property
     def time(self) -> Array:
@@ -342,8 +340,8 @@ def moved(
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
     motion = of_states(press, position, v, a, gap, times, None if branch is None or branch.period is None else press.turns_until_back)
-    if closure is not None and closure.basis is not None:
-        object.__setattr__(motion, "_closed_as", (press, closure.basis, closure.jacobian))
+    if closure is not None and (closure.basis is not None or closure.solved is not None):
+        object.__setattr__(motion, "_closed_as", (press, closure.basis, closure.jacobian, closure.solved))
     return motion
 
 

@@ -29,6 +29,7 @@ from ..engines.engine import ACCEPTED, PIECE, Closure, Engine, joined
 from ..engines.forces import RANK
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import moves, openings
+from ..engines.space.engine import SpaceEngine
 from ..engines.spatial.engine import SpatialEngine
 from ..engines.spatial.kinematics import PassiveJacobian, close, rank
 from ..engines.spatial.model import Rows, SpatialModel
@@ -71,7 +72,7 @@ def assembled(spatial_model: SpatialModel) -> Assembly:
         walked = _full_turn(planar, spatial_model, drawn) if planar.plane.redundant and not one_block else None
         fit = one_block or walked is not None or not planar.plane.redundant
         if fit and drawn.margins is not None and np.abs(drawn.margins).min(initial=1.0) > RANK:
-            engines: dict[str, Engine] = {planar.name: planar, spatial_engine.name: spatial_engine}
+            engines: dict[str, Engine] = {e.name: e for e in (planar, SpaceEngine(spatial_engine), spatial_engine)}
             return Assembly(engines, drawn, _planar_gaps(planar, start), moves(planar.plane, drawn), None, walked)
     return _in_space(spatial_engine, start)
 
@@ -258,7 +259,8 @@ def _in_space(spatial_engine: SpatialEngine, start: Array) -> Assembly:
         rows = equations.at(drawn.position[:, 0])
         mobility = spatial_model.model.nv - rank(rows.columns)
         determined = mobility == count and PassiveJacobian(rows.columns, spatial_model).rank == len(spatial_model.passive_joints)
-    return Assembly({spatial_engine.name: spatial_engine}, drawn, gaps, determined, rows, None)
+    engines: dict[str, Engine] = {engine.name: engine for engine in (SpaceEngine(spatial_engine), spatial_engine)}
+    return Assembly(engines, drawn, gaps, determined, rows, None)
 
 
 def _full_turn(planar: PlanarEngine, spatial_model: SpatialModel, drawn: Closure) -> Branch | None:

@@ -1,0 +1,1 @@
+"""The engine of linkages in space: all configurations at once, with NumPy; it takes any linkage."""

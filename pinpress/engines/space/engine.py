@@ -1,0 +1,117 @@
+"""The engine of linkages in space: all crank angles at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.quantities import Array
+from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
+from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from ..spatial.engine import SpatialEngine
+from . import bodies, equations, inverse_dynamics
+from .equations import Loops, build_loops
+
+FEW = 3  # up to so many configurations Pinocchio closes them faster, one at a time
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpaceEngine:
+    """The engine of a linkage in space; see `Engine`.
+
+    Attributes:
+        one_by_one: Pinocchio's engine of the linkage, which takes over where there are few configurations.
+    """
+
+    one_by_one: SpatialEngine
+
+    name = "space"
+
+    @cached_property
+    def loops(self) -> Loops:
+        """Constants of the linkage."""
+        return build_loops(self.one_by_one.spatial)
+
+    @property
+    def tolerance(self) -> float:
+        return self.one_by_one.tolerance
+
+    @property
+    def directions(self) -> Array:
+        return np.eye(3)
+
+    def turning_axes(self, joint: int = 0) -> Array:
+        return np.eye(3)
+
+    # ----------------------------------------------------------------------------------------------------------------- equations
+
+    def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
+        if len(angle) <= FEW:
+            return self.one_by_one.close(angle, guess, with_margins)
+        return equations.close(self.loops, angle[None], np.ones(1), guess, with_margins)
+
+    def closing_function(self) -> CloseDrivers:
+        close_few = self.one_by_one.closing_function()
+
+        def close(drivers: Array, along: Array, guess: Array) -> Closure:
+            if guess.shape[1] <= FEW:
+                return close_few(drivers, along, guess)
+            return equations.close(self.loops, drivers, along, guess, with_margins=True)
+
+        return close
+
+    def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+        if position.shape[1] <= FEW:
+            return self.one_by_one.rates(position, speed, acceleration)
+        return equations.rates(self.loops, position, speed, acceleration)
+
+    def gaps(self, position: Array) -> Array:
+        return equations.equations(self.loops, position).widest(len(self.loops.spatial.loops))
+
+    def redundant(self, x: Array) -> bool:
+        return self.one_by_one.redundant(x)
+
+    def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
+        return self.one_by_one.closing_order()
+
+    # -------------------------------------------------------------------------------------------------------------------- motion
+
+    def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
+        placed = bodies.placements(self.loops.bodies, states.position)
+        moved = bodies.velocities(self.loops.bodies, bodies.motion_axes(self.loops.bodies, placed), states.v)
+        at = placed.point(joint, point)
+        return at.T, moved.of_point(joint, at).T
+
+    def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
+        constants = self.loops.bodies
+        placed = bodies.placements(constants, states.position)
+        axes = bodies.motion_axes(constants, placed)
+        moved = bodies.velocities(constants, axes, states.v)
+        changed = bodies.accelerations(constants, axes, moved, states.v, states.a)
+        at = [placed.point(joint, point) for point in points]
+        shape = (len(points), states.v.shape[1], 3)
+        return (
+            np.array([place.T for place in at]).reshape(shape),
+            np.array([changed.of_point(moved, joint, place).T for place in at]).reshape(shape),
+        )
+
+    # ------------------------------------------------------------------------------------------------------------------ dynamics
+
+    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+        return inverse_dynamics.inverse_dynamics(self.loops, states, conditions, wanted)
+
+    def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+        return inverse_dynamics.bearing_loads(self.loops, states, loads, efforts, rates)
+
+    def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        return inverse_dynamics.indeterminate(self.loops, position, axes)
+
+    def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
+        return bodies.power_balance(self.loops.bodies, states, loads)
+
+    def energies(self, states: ClosedStates) -> EnergyRates:
+        return bodies.energies(self.loops.bodies, states)
