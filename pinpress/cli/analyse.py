@@ -66,7 +66,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     add_before_option(parser)
     add_points_option(parser)
     option(
-        "--engine", choices=("auto", "plane", "pinocchio"), default="auto", help="method of computation (default: the fastest that serves)"
+        "--engine",
+        choices=("auto", "plane", "space", "pinocchio"),
+        default="auto",
+        help="method of computation (default: the fastest that serves)",
     )
     add_press_options(parser)
     parser.set_defaults(run=run)

@@ -46,7 +46,7 @@ class Reactions(Tabular):
 
     Attributes:
         motion: the motion.
-        engine: "plane" or "pinocchio".
+        engine: "plane", "space" or "pinocchio".
         loads: the loads as they were given. In a pickled copy, one that cannot be pickled is its description.
         friction: the friction of bearings and guides as it was given.
         stiffness: the stiffnesses of bearings and guides as they were given [N/m].
@@ -241,8 +241,8 @@ def inverse_dynamics(
         stiffness: stiffnesses of bearings and guides, by their names [N/m]. Where rigid mechanics leaves open how bearings share a force,
             it is then shared with the least elastic energy (bearings without a stiffness count as rigid) instead of the least sum of
             squared bearing forces.
-        engine: "plane" (all crank angles at once), "pinocchio" (any linkage, one configuration at a time), or "auto": "plane" where the
-            linkage is planar.
+        engine: "plane" (a planar linkage), "space" (any linkage), "pinocchio" (any, by Pinocchio's own algorithms, one configuration at
+            a time), or "auto": "plane" where the linkage is planar, else "space".
         bearings: names of the bearings and guides whose force and moment are wanted; by default all, ``()`` for none. Torques, friction
             power and shaking force are available in any case. Leaving bearings out saves time, unless they are needed for the others: with
             friction, where bearings share redundant forces, and where a guide is wanted. Results agree with those of all bearings to

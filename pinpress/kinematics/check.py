@@ -80,7 +80,7 @@ class Facts(Record):
         rank: number of those that are independent in the drawn pose.
         held_spins: joints that are held, as their links could spin idly, see `Linkage.held_spins`.
         mobility: degrees of freedom.
-        engine: that computes it, "plane" or "pinocchio"; None where it cannot be loaded.
+        engine: that computes it, "plane" or "space"; None where it cannot be loaded.
         closings: loops, then gear pairs. Those of a planar linkage close in the order of the joints that they determine.
         bearings: joints and loops in the order of the drawing, see `Linkage.bearings_as_drawn`.
         data: stroke, dead centres, masses and the like.

@@ -185,7 +185,7 @@ def cycle(press: Linkage, speed: float | None = None, *, points: int | None = No
         press: the press, with one driver.
         speed: speed of the driver joint [rad/s or m/s]; negative to turn backwards, or to begin at the upper limit. It must be given.
         points: number of states; by default 360 for each turn, or for there and back.
-        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": "plane" where the linkage is planar.
+        engine: as of `inverse_dynamics`: "plane", "space", "pinocchio", or "auto", the fastest.
 
     Raises:
         PinpressError: there is no speed, or it is 0; fewer than two points; several drivers; the linkage is not back after many turns; the

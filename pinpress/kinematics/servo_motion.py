@@ -73,7 +73,7 @@ def servo_cycle(
             of the first state off the dead centres: through a state in a dead centre the crank goes on to the other flank, and where the
             slide turns back elsewhere the crank turns back too. A sequence has a word for each state. It is left out where the driver
             slides, which must move the slide all one way.
-        engine: "plane" (all crank angles at once), "pinocchio" (any linkage), or "auto": the plane where the linkage is planar.
+        engine: as of `inverse_dynamics`: "plane", "space", "pinocchio", or "auto", the fastest.
 
     Raises:
         PinpressError: what is given does not determine the motion, or contradicts itself, with the instant; a number is not finite, arrays

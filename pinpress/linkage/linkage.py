@@ -187,8 +187,8 @@ class Linkage(Frozen):
 
     @property
     def engines(self) -> tuple[str, ...]:
-        """Names of the engines that can compute the linkage, the fastest first: "pinocchio" can compute any, "plane" a planar linkage with
-        one driver and pins for loops whose equations fall into blocks."""
+        """Names of the engines that can compute the linkage, the fastest first: "plane" a planar linkage with one driver and pins for loops
+        whose equations fall into blocks; "space" and "pinocchio" any, "pinocchio" by Pinocchio's own algorithms, one state at a time."""
         return tuple(self._assembly.engines)
 
     def engine(self, name: str = "auto") -> Engine:
@@ -205,9 +205,9 @@ class Linkage(Frozen):
                 return engines[name]
             if name == "plane":
                 raise PinpressError(
-                    f"{self.name} is not a planar linkage with one driver and pins for loops: use engine='pinocchio' (or 'auto')"
+                    f"{self.name} is not a planar linkage with one driver and pins for loops: use engine='space' (or 'auto')"
                 )
-        raise PinpressError(f"unknown engine {shown(name)}: write 'auto', 'plane' or 'pinocchio'")
+        raise PinpressError(f"unknown engine {shown(name)}: write 'auto', 'plane', 'space' or 'pinocchio'")
 
     def plane_or_refuse(self, refusal: str) -> Plane:
         """The constants of the planar engine.

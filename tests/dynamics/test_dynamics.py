@@ -10,7 +10,7 @@ from support.generators.random_linkages import four_bar
 
 import pinpress as pp
 
-ENGINES = ("plane", "pinocchio")
+ENGINES = ("plane", "space", "pinocchio")
 SPEED = 70 * pp.RPM
 SERVO = {"angle": np.linspace(-7, 4, 23), "speed": 6 * np.cos(np.linspace(0, 5, 23)), "acceleration": 40 * np.sin(np.linspace(1, 8, 23))}
 

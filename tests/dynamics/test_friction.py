@@ -19,7 +19,7 @@ from support.texts import load, shipped
 
 import pinpress as pp
 
-ENGINES = ("plane", "pinocchio")
+ENGINES = ("plane", "space", "pinocchio")
 ANGLE = np.linspace(-7.0, 4.0, 31)
 SERVO = {"angle": ANGLE, "speed": 6 * np.cos(np.linspace(0, 5, 31)), "acceleration": 40 * np.sin(np.linspace(1, 8, 31))}
 LIFT = np.linspace(-2e5, 9e5, 31)
@@ -493,7 +493,7 @@ def test_friction_of_a_spherical_loop_is_in_its_moment():
 @examples(10)
 @given(spec=linkages(most=3, extra=False))
 def test_random_linkages(spec):
-    """Friction everywhere, loads across the plane: both engines the same to 1e-10 of the peaks, and lawful."""
+    """Friction everywhere, loads across the plane: all engines the same to 1e-10 of the peaks, and lawful."""
     drawing = drawn(spec)
     assume(drawing is not None)
     rng = np.random.default_rng(spec.seed + 3)
@@ -513,13 +513,14 @@ def test_random_linkages(spec):
     results = [pp.inverse_dynamics(press, motion, loads, friction=friction, engine=engine) for engine in ENGINES]
     for result in results:
         check(press, result, friction, loads, bound=1e-10)
-    plane, other = results
+    *batched, other = results
     force = max(np.abs(values).max() for values in other.bearing_force.values())
     moment = max(force * size, max(np.abs(values).max() for values in other.bearing_moment.values()))
-    for name in press.bearings:
-        assert np.abs(plane.bearing_force[name] - other.bearing_force[name]).max() <= 1e-10 * force
-        assert np.abs(plane.bearing_moment[name] - other.bearing_moment[name]).max() <= 1e-10 * moment
-    assert np.abs(plane.driving_torque - other.driving_torque).max() <= 1e-10 * moment
+    for one in batched:
+        for name in press.bearings:
+            assert np.abs(one.bearing_force[name] - other.bearing_force[name]).max() <= 1e-10 * force
+            assert np.abs(one.bearing_moment[name] - other.bearing_moment[name]).max() <= 1e-10 * moment
+        assert np.abs(one.driving_torque - other.driving_torque).max() <= 1e-10 * moment
 
 
 # -------------------------------------------------------------------------------------------------------------- none, and bad input

@@ -13,7 +13,7 @@ from support.texts import load, shipped
 
 import pinpress as pp
 
-ENGINES = ("plane", "pinocchio")
+ENGINES = ("plane", "space", "pinocchio")
 ANGLE = np.linspace(-0.6, 0.9, 7)
 SERVO = {"angle": ANGLE, "speed": 6 * np.cos(3 * ANGLE), "acceleration": 40 * np.sin(5 * ANGLE)}
 

@@ -13,7 +13,7 @@ import pinpress as pp
 from pinpress.engines.branch import predict
 from pinpress.engines.joints import configuration
 
-ENGINES = ("plane", "pinocchio")
+ENGINES = ("plane", "space", "pinocchio")
 STROKE = (-0.9596, -0.6582)  # the ZXN2-3000(B)'s slide, rounded outwards (Kong 2025) [m]
 # Joint coordinates of its other assembly, against the drawn one: rod folded back on the rocker's arm, F on D, slide at z = 0.
 FOLDED = {"E": -0.75 * np.pi + np.pi + 2.4872085419244342, "slide_guide": 0.9579409746502484}
@@ -161,9 +161,10 @@ def test_a_crank_longer_than_its_rod_locks():
         np.testing.assert_allclose(motion.slide_position, -r * np.cos(angle) - root, rtol=1e-12)
         slope = r * np.sin(angle) + r**2 * np.sin(angle) * np.cos(angle) / root
         np.testing.assert_allclose(motion.slide_velocity, direction * slope, rtol=1e-10, atol=1e-12)
-    # close to the lock both engines still say the same
-    one, other = (pp.servo_cycle(press, angle=[0.0, 0.9999 * lock], speed=1.0, engine=engine) for engine in ENGINES)
-    np.testing.assert_allclose(one.slide_velocity, other.slide_velocity, rtol=1e-9, atol=1e-12)
+    # close to the lock all engines still say the same
+    one, *others = (pp.servo_cycle(press, angle=[0.0, 0.9999 * lock], speed=1.0, engine=engine) for engine in ENGINES)
+    for other in others:
+        np.testing.assert_allclose(one.slide_velocity, other.slide_velocity, rtol=1e-9, atol=1e-12)
 
 
 def test_a_crank_as_long_as_its_rod_is_refused_where_two_assemblies_meet():
@@ -254,7 +255,7 @@ def test_a_drag_link_goes_round(bounded):
 
 
 @pytest.mark.one_in(2)
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_links_that_turn_fast_are_followed_in_shorter_steps(engine):
     """Far from any singularity, but the coupler turns so fast that the walk's ordinary steps predict it badly."""
     spec = Spec(groups=(Group("RRR", 0, (1, 0, 0)),), seed=4, tilted=True, stacked=False, solid=False, extra=False)

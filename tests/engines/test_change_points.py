@@ -114,7 +114,7 @@ def test_forces_at_the_change_point(equal):
     assert np.abs(result.power_residual).max() < 1e-10  # rounding of accelerations beside the point grows as 1 / distance^2
     start = math.pi / 2 - 1e-9
     still = pp.simulate(equal, 1e-12, angle=start, speed=8.0, flywheel=pp.drives.Flywheel(50.0), points=2)
-    for engine in ("plane", "pinocchio"):
+    for engine in ("plane", "space", "pinocchio"):
         with pytest.raises(pp.SingularityError, match="no value") as caught:
             pp.inverse_dynamics(equal, still, engine=engine)
         assert abs(caught.value.crank_angle - math.pi / 2) < 1e-8

@@ -13,6 +13,7 @@ import pinpress as pp
 from pinpress.engines.engine import ClosedStates, Engine
 from pinpress.engines.forces import AppliedConditions, AppliedForce
 from pinpress.engines.planar.engine import PlanarEngine
+from pinpress.engines.space.engine import SpaceEngine
 from pinpress.engines.spatial.engine import SpatialEngine
 
 PRESSES = ["crank_slide", "zxn2_3000b", "jf75g_125_symmetric", "thin_wall"]
@@ -31,11 +32,13 @@ def states(press):
     return ClosedStates(motion.joint_position.T, motion.v.T, motion.a.T)
 
 
-def both(press):
-    return press.engine("plane"), press.engine("pinocchio")
+@pytest.fixture(params=["plane", "space"])
+def both(request, press):
+    """An engine that works on all states at once, and Pinocchio's."""
+    return press.engine(request.param), press.engine("pinocchio")
 
 
-@pytest.mark.parametrize("kind", [PlanarEngine, SpatialEngine])
+@pytest.mark.parametrize("kind", [PlanarEngine, SpaceEngine, SpatialEngine])
 def test_an_engine_offers_what_the_interface_names_and_takes_the_same(kind):
     for name in OFFERED:
         offered, asked = getattr(kind, name), getattr(Engine, name)
@@ -46,7 +49,7 @@ def test_an_engine_offers_what_the_interface_names_and_takes_the_same(kind):
 
 
 def test_chosen_by_name(press):
-    assert press.engines == ("plane", "pinocchio")
+    assert press.engines == ("plane", "space", "pinocchio")
     assert press.engine() is press.engine("auto") is press.engine("plane")
     assert [press.engine(name).name for name in press.engines] == list(press.engines)
     assert press.engine("pinocchio") is press.engine("pinocchio")
@@ -55,38 +58,38 @@ def test_chosen_by_name(press):
             press.engine(wrong)
 
 
-def test_a_linkage_in_space_has_one():
+def test_a_linkage_in_space_has_two():
     press = texts.load(four_bar("fixed"))
-    assert press.engines == ("pinocchio",)
-    assert press.engine().name == "pinocchio"
+    assert press.engines == ("space", "pinocchio")
+    assert press.engine().name == "space"
     with pytest.raises(pp.PinpressError, match="not a planar linkage"):
         press.engine("plane")
     with pytest.raises(pp.PinpressError, match="because"):
         press.plane_or_refuse("because")
 
 
-def test_rates_and_gaps_agree(press, states):
+def test_rates_and_gaps_agree(press, states, both):
     speed, acceleration = np.full((1, 24), SPEED), np.full((1, 24), 2.0)
-    (v1, a1, gap1), (v2, a2, gap2) = (engine.rates(states.position, speed, acceleration) for engine in both(press))
+    (v1, a1, gap1), (v2, a2, gap2) = (engine.rates(states.position, speed, acceleration) for engine in both)
     np.testing.assert_allclose(v1, v2, rtol=0, atol=1e-9 * np.abs(v1).max())
     np.testing.assert_allclose(a1, a2, rtol=0, atol=1e-9 * np.abs(a1).max())
     assert max(gap1.max(), gap2.max()) < 1e-12
     np.testing.assert_allclose(v1, states.v, rtol=0, atol=1e-9 * np.abs(v1).max())
 
 
-def test_closing_along_a_way_is_closing_by_angle_in_other_units(press):
+def test_closing_along_a_way_is_closing_by_angle_in_other_units(press, both):
     start, along = press.closed[:, None], np.array([2.5])
-    for engine in both(press):
+    for engine in both:
         by_angle, by_way = engine.close(np.zeros(1), start), engine.closing_function()(np.zeros((1, 1)), along, start)
         np.testing.assert_array_equal(by_way.position, by_angle.position)
         np.testing.assert_allclose(by_way.first, 2.5 * by_angle.first, rtol=1e-12, atol=1e-12)
         np.testing.assert_allclose(by_way.second, 2.5**2 * by_angle.second, rtol=1e-9, atol=1e-9)
 
 
-def test_points_energies_and_power_agree(press, states):
+def test_points_energies_and_power_agree(press, states, both):
     joint, point = len(press.joints), np.array([0.03, 0.0, 0.07])
     load = AppliedForce(joint, point, np.tile([10.0, 0.0, -500.0], (24, 1)))
-    one, other = both(press)
+    one, other = both
     for first, second in (
         (one.point_motion(states, joint, point), other.point_motion(states, joint, point)),
         (one.point_accelerations(states, joint, point[None]), other.point_accelerations(states, joint, point[None])),
@@ -99,15 +102,15 @@ def test_points_energies_and_power_agree(press, states):
     np.testing.assert_allclose(mine.balance, theirs.balance, rtol=0, atol=1e-9 * theirs.total.max())
 
 
-def test_inverse_dynamics_agree(press, states):
+def test_inverse_dynamics_agree(press, states, both):
     conditions = AppliedConditions([], None, None, with_gear_torques=True)
-    (one, other) = (engine.inverse_dynamics(states, conditions, range(len(press.bearings))) for engine in both(press))
+    (one, other) = (engine.inverse_dynamics(states, conditions, range(len(press.bearings))) for engine in both)
     np.testing.assert_allclose(one.torque, other.torque, rtol=0, atol=1e-8 * np.abs(other.torque).max())
     np.testing.assert_allclose(one.force, other.force, rtol=0, atol=1e-8 * np.abs(other.force).max())
 
 
 def test_what_links_can_do_is_said_in_the_world_and_in_a_joint(press):
-    plane, space = both(press)
+    plane, space = press.engine("plane"), press.engine("space")
     np.testing.assert_array_equal(space.directions, np.eye(3))
     np.testing.assert_allclose(plane.directions @ plane.turning_axes()[0], 0.0, atol=1e-15)
     for joint in range(1, press.model.njoints):
@@ -115,8 +118,8 @@ def test_what_links_can_do_is_said_in_the_world_and_in_a_joint(press):
         assert np.linalg.norm(plane.turning_axes(joint)) == pytest.approx(1.0, abs=1e-14)
 
 
-def test_every_loop_is_closed_once(press):
-    for engine in both(press):
+def test_every_loop_is_closed_once(press, both):
+    for engine in both:
         order = list(engine.closing_order())
         assert sorted(k for k, _ in order) == list(range(len(press.loops) + len(press.couplings)))
 

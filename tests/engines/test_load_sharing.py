@@ -20,7 +20,7 @@ from support.texts import load
 
 import pinpress as pp
 
-ENGINES = ("plane", "pinocchio")
+ENGINES = ("plane", "space", "pinocchio")
 ZERO = 1e-9  # share of the largest below which a singular value, or a component of an idle force, is zero
 
 

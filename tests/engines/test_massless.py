@@ -65,7 +65,7 @@ def test_hooke_joint_keeps_its_energy(joint, method):
     np.testing.assert_allclose(energy, 0.1 * (1 + start[0] ** 2) * 81.0, rtol=1e-9)
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_rod_without_mass_pulls_along_itself(engine):
     """Of the textbook press: its force at either end is along the line of its pins, and the same."""
     press = large_linkages.load(without_mass(texts.shipped("crank_slide").text.decode(), "rod"))

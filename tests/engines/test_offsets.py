@@ -16,7 +16,7 @@ def train(mimic, mounted=0.0):
     return large_linkages.load(text.replace('<origin xyz="1 0 0"/>', f'<origin xyz="1 0 0" rpy="0 {-mounted!r} 0"/>'))
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_offset_is_a_shaft_mounted_turned(engine):
     angles = np.linspace(-4.0, 9.0, 11)
     presses = (

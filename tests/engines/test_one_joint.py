@@ -23,7 +23,7 @@ def loaded(folder, kind, turned="0 0 0"):
 def test_second_bearing_on_the_axis_changes_nothing(tmp_path, kind):
     press = loaded(tmp_path, kind)
     angle, acceleration = np.array([0.0, 0.3, 0.5]), np.array([4.0, 5.0, 6.0])
-    for engine in ("plane", "pinocchio"):
+    for engine in ("plane", "space", "pinocchio"):
         motion = pp.servo_cycle(press, speed=SPEED, angle=angle, acceleration=acceleration, engine=engine)
         result = pp.inverse_dynamics(press, motion, engine=engine)
         np.testing.assert_allclose(result.driving_torque, INERTIA * acceleration, rtol=1e-14)

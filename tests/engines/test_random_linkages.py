@@ -7,6 +7,8 @@ States are taken between the drawn pose, which is drawn clear of singularities, 
 away: that bounds the condition numbers, and with them what rounding may do.
 """
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -28,7 +30,7 @@ from support.generators.random_linkages import (
 
 import pinpress as pp
 
-ENGINES = ("plane", "pinocchio")
+ENGINES = ("plane", "space", "pinocchio")
 
 
 def largest_difference(one, other):
@@ -45,21 +47,22 @@ def check(press, states, loads):
     """Every comparison of one linkage."""
     weight = np.array([1.0 if axis.turns else 1.0 / press.size for axis in press.axes])  # lengths in lengths of the linkage
     motions = {engine: pp.servo_cycle(press, **states, engine=engine) for engine in ENGINES}
-    plane, other = (motions[engine] for engine in ENGINES)
-    for name in ("v", "a"):
+    *batched, other = (motions[engine] for engine in ENGINES)
+    for one, name in itertools.product(batched, ("v", "a")):
         expected = weight * getattr(other, name)
-        error = np.abs(weight * getattr(plane, name) - expected).max()
+        error = np.abs(weight * getattr(one, name) - expected).max()
         assert error <= 1e-11 * np.abs(expected).max(), name  # two Newton iterations stop at gaps of rounding, conditioned as the drawing
     for motion in motions.values():
         assert motion.closure_error.max() <= 1e3 * press.engine("pinocchio").tolerance
 
     results = {engine: pp.inverse_dynamics(press, motions[engine], loads, engine=engine) for engine in ENGINES}
     force_peak, moment_peak = peaks(press, results["pinocchio"])
-    same = pp.inverse_dynamics(press, plane, loads, engine="pinocchio")
-    for compared, bound in ((same, 1e-13), (results["pinocchio"], 1e-12)):  # of the same states; of states closed by the other engine
-        force_error, moment_error = largest_difference(results["plane"], compared)
-        assert force_error <= bound * force_peak
-        assert moment_error <= bound * moment_peak
+    for one in ENGINES[:-1]:
+        same = pp.inverse_dynamics(press, motions[one], loads, engine="pinocchio")
+        for compared, bound in ((same, 1e-13), (results["pinocchio"], 1e-12)):  # of the same states; of states closed by the other engine
+            force_error, moment_error = largest_difference(results[one], compared)
+            assert force_error <= bound * force_peak
+            assert moment_error <= bound * moment_peak
 
     for engine in ENGINES:
         result = results[engine]
@@ -73,7 +76,8 @@ def check(press, states, loads):
         assert np.abs(moments).max() <= 1e-12 * moment_peak
         assert np.abs(idle).max(initial=0.0) <= 1e-12 * moment_peak
     for name in press.bearings:
-        np.testing.assert_array_equal(results["plane"].indeterminate[name], results["pinocchio"].indeterminate[name], err_msg=name)
+        for one in ENGINES[:-1]:
+            np.testing.assert_array_equal(results[one].indeterminate[name], results["pinocchio"].indeterminate[name], err_msg=name)
 
 
 @examples(12)

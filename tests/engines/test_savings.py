@@ -33,7 +33,7 @@ from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
 
 LEAST = "lexicographic_least_squares"
 
-ENGINES = ("plane", "pinocchio")
+ENGINES = ("plane", "space", "pinocchio")
 SAME = 1e-12
 NAMES = ("crank_slide", "zxn2_3000b", "thin_wall", "jf75g_125", "flat_gears", *(name for name in LINKAGES if name not in NOT_PLANAR))
 SERVO = {"angle": np.array([-0.3, 0.1, 0.45]), "speed": np.array([-6.0, 4.0, 9.0]), "acceleration": np.array([30.0, -50.0, 10.0])}
@@ -189,7 +189,7 @@ def test_linkages_of_the_other_engine(make):
     else:
         motion = pp.cycle(press, speed=5.0, points=12)
     full = pp.inverse_dynamics(press, motion)
-    assert full.engine == "pinocchio"
+    assert full.engine == "space"
     for names in subsets(press):
         agree(pp.inverse_dynamics(press, motion, bearings=names), full)
 

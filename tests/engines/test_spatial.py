@@ -74,7 +74,7 @@ def test_the_planar_engine_is_refused(spatial):
     motion = pp.cycle(spatial, SPEED, points=4)
     with pytest.raises(pp.PinpressError, match="not a planar linkage"):
         pp.inverse_dynamics(spatial, motion, engine="plane")
-    assert pp.inverse_dynamics(spatial, motion).engine == "pinocchio"
+    assert pp.inverse_dynamics(spatial, motion).engine == "space"
 
 
 def test_slide_in_closed_form(spatial):
@@ -165,7 +165,7 @@ def test_forces(spatial):
 # ------------------------------------------------------------------------------------------------------------------------ redundant
 
 
-ENGINES = ["plane", "pinocchio"]
+ENGINES = ["plane", "space", "pinocchio"]
 
 
 @pytest.mark.one_in(2)
@@ -265,7 +265,7 @@ def test_no_moment_in_the_plane_is_open(open_components):
 
 
 @pytest.mark.one_in(3)
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize("name", ["zxn2_3000b", "crank_slide", "jf75g_125_symmetric"])
 def test_the_same_is_open_in_a_press_that_stands_askew(name, engine):
     """Flags are along the horizontal in the plane, the normal, and the way up in the plane: what is certain upright is certain askew."""
@@ -289,7 +289,7 @@ def test_the_same_is_open_in_a_press_that_stands_askew(name, engine):
     assert certain >= len(upright.bearings)
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize("press_name", ["zxn2_3000b", "crank_slide"])
 def test_only_forces_across_an_ordinary_press_are_open(press_name, engine):
     """In-plane forces and moments are certain; along the normal, world y, the loops may share a force as they like."""

@@ -15,7 +15,7 @@ from support import texts
 
 import pinpress as pp
 
-ENGINES = ("plane", "pinocchio")
+ENGINES = ("plane", "space", "pinocchio")
 METHODS = ("reduced", "constraint")
 EPS = float(np.finfo(float).eps)
 ROUNDING = 1e-12

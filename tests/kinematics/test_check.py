@@ -223,7 +223,7 @@ def test_a_weld_is_held_in_the_plane_too(check):
     assert [finding.problem for finding in report.notes if "engine" in finding.problem] == [
         "engine 'pinocchio' computes it, one configuration at a time: loop 'W' is a weld"
     ]
-    assert report.facts.engine == "pinocchio"
+    assert report.facts.engine == "space"
 
 
 @pytest.mark.exhaustive
@@ -276,7 +276,7 @@ def test_rounded_axes(check):
     (finding,) = report.warnings
     assert "the axis of joint 'O_right' is 0.00573 deg off the normal of the plane in which joint 'O_left' turns" in finding.problem
     assert finding.remedy.startswith("axes are up to 0.0001 rad from parallel: write angles in full")
-    assert report.facts.engine == "pinocchio"
+    assert report.facts.engine == "space"
 
 
 # ------------------------------------------------------------------------------------------------------------------------- joint limits
@@ -449,7 +449,7 @@ def test_several_drivers(check):
     text = changed((GEAR, ""), (TRANSMISSION, TRANSMISSION + '<transmission><joint name="G"/></transmission>'))
     report = check(text)
     assert report.errors == report.warnings == ()
-    assert (report.facts.drivers, report.facts.mobility, report.facts.engine) == (("O", "G"), 2, "pinocchio")
+    assert (report.facts.drivers, report.facts.mobility, report.facts.engine) == (("O", "G"), 2, "space")
     assert "there are 2 drivers" in report.notes[-1].problem
     assert "none        2 drivers move the slide" in str(report)
 

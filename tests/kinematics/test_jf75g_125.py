@@ -21,7 +21,7 @@ SHAKING = REFERENCE["shaking"]
 G = 9.80665
 FLYWHEEL = 940.0  # [kg], on the frame in the reference, not in the URDF files
 SPEED = 300 * pp.RPM
-ENGINES = ("plane", "pinocchio")
+ENGINES = ("plane", "space", "pinocchio")
 PRESSES = ("jf75g_125_plain", "jf75g_125", "jf75g_125_symmetric", "jf75g_125_two_point")
 COUNTERWEIGHTED = PRESSES[1:]
 A, B = 0.25, 0.30  # [m] shafts at x = -A and A of the symmetric press, main rods at y = -B and B of the double-point one

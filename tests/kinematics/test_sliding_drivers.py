@@ -28,7 +28,7 @@ def test_a_cylinder_turns_a_bell_crank_by_the_law_of_cosines(bell):
     np.testing.assert_allclose(motion.joint_position[:, lever], lever_angle(travel), rtol=0, atol=1e-13)
     rate = (lever_angle(travel + 1e-5) - lever_angle(travel - 1e-5)) / 2e-5
     np.testing.assert_allclose(motion.v[:, lever], 0.2 * rate, rtol=1e-7)
-    assert (bell.engines, bell.driver_coordinates) == (("plane", "pinocchio"), (RAM,))
+    assert (bell.engines, bell.driver_coordinates) == (("plane", "space", "pinocchio"), (RAM,))
 
 
 def test_the_force_of_a_resting_cylinder_is_the_slope_of_the_potential_energy(bell):

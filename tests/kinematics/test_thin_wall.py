@@ -27,7 +27,7 @@ def press():
     return texts.shipped("thin_wall")
 
 
-@pytest.fixture(params=["plane", "pinocchio"])
+@pytest.fixture(params=["plane", "space", "pinocchio"])
 def engine(request):
     return request.param
 

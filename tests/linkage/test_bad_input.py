@@ -323,7 +323,7 @@ def locking(tmp_path_factory):
     return pp.load(path), math.acos((0.3**2 + 0.4**2 - 0.45**2) / (2 * 0.3 * 0.4))
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_linkage_that_locks(locking, engine, sign):
     linkage, lock = locking
@@ -454,7 +454,7 @@ def test_slide_of_a_linkage_without_one(locking):
 # Loads and reactions
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize(
     ("load", "problem"),
     [
@@ -518,7 +518,7 @@ def test_motion_of_another_press(press, motion):
         pp.inverse_dynamics(other, motion)
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize("edit", [(ROD_END, ROD_END.replace("0.400", "0.390")), ('<origin xyz="0.100 0 0"/>', '<origin xyz="0.090 0 0"/>')])
 def test_motion_of_another_lengths(tmp_path, motion, engine, edit):
     with pytest.warns(pp.PinpressWarning, match="W.*it is 10 mm apart as drawn"):
@@ -554,7 +554,7 @@ def test_frame_without_pandas(monkeypatch, motion, result):
             thing.to_frame()
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_results_cannot_be_written_to(press, engine):
     motion = pp.cycle(press, 7.0, points=3, engine=engine)
     result = pp.inverse_dynamics(press, motion, engine=engine)
@@ -641,7 +641,7 @@ def test_no_column_is_lost_in_mat(tmp_path, names):
 # Overflow: numbers out of floating point's range are refused, not handed back as inf or nan
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize(
     "given",
     [
@@ -661,7 +661,7 @@ HUGE = (1e308, 1e308, 1e308)
 FAR = (1e5, 1e5, 1e5)
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 @pytest.mark.parametrize(
     "load",
     [
@@ -674,13 +674,13 @@ def test_load_out_of_range(press, motion, engine, load):
         _ = pp.inverse_dynamics(press, motion, loads=[load], engine=engine).shaking_moment  # all that a load on the frame reaches
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_load_out_of_range_is_refused_without_warnings(press, motion, engine):
     with pytest.raises(pp.PinpressError, match="not finite"):
         pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", HUGE, FAR)], engine=engine)
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_power_out_of_range_is_not_balanced(press, engine):
     with pytest.warns(pp.PinpressWarning, match="rad/s, .* r/min"):
         motion = pp.cycle(press, 1e140, points=12)

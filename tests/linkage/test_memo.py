@@ -36,7 +36,7 @@ CHANGES = [heavier, longer, on_the_moon, with_armature]
 def used(press: pp.Linkage) -> pp.Motion:
     """A turn of a press of which everything was asked before."""
     motion = pp.cycle(press, speed=7.0, points=12)
-    for engine in ("plane", "pinocchio"):
+    for engine in ("plane", "space", "pinocchio"):
         pp.inverse_dynamics(press, motion, engine=engine)
     pp.simulate(press, 0.05, speed=7.0)
     pp.dead_centres(press)

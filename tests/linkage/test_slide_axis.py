@@ -36,7 +36,7 @@ def test_the_slide_moves_alike(both):
     assert ends.top_position > ends.bottom_position
 
 
-@pytest.mark.parametrize("engine", ["plane", "pinocchio"])
+@pytest.mark.parametrize("engine", ["plane", "space", "pinocchio"])
 def test_loads_act_at_the_lower_end(both, engine):
     load = pp.loads.DeepDrawing(1e5, 0.02), pp.loads.ElasticDie(0.005, 1e7, 1e4), pp.loads.TimeForce(lambda time: 1e3 + 0.0 * time)
     motions = [pp.cycle(press, speed=7.0, points=36) for press in both]

@@ -153,13 +153,17 @@ def cross(one: Array, other: Array) -> Array:
 
 def turned(rotation: Array, vectors: Array) -> Array:
     """Rotations (..., 3, 3, n) times vectors (..., 3, n)."""
-    return np.asarray(rotation[..., 0, :] * vectors[..., :1, :] + rotation[..., 1, :] * vectors[..., 1:2, :] + rotation[..., 2, :] * vectors[..., 2:, :])
+    return np.asarray(
+        rotation[..., 0, :] * vectors[..., :1, :] + rotation[..., 1, :] * vectors[..., 1:2, :] + rotation[..., 2, :] * vectors[..., 2:, :]
+    )
 
 
 def turned_back(rotation: Array, vectors: Array) -> Array:
     """Inverse rotations (..., 3, 3, n) times vectors (..., 3, n)."""
     return np.asarray(
-        rotation[..., 0, :, :] * vectors[..., :1, :] + rotation[..., 1, :, :] * vectors[..., 1:2, :] + rotation[..., 2, :, :] * vectors[..., 2:, :]
+        rotation[..., 0, :, :] * vectors[..., :1, :]
+        + rotation[..., 1, :, :] * vectors[..., 1:2, :]
+        + rotation[..., 2, :, :] * vectors[..., 2:, :]
     )
 
 

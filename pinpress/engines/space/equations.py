@@ -179,9 +179,7 @@ def _fill_rotation_rows(loops: Loops, placed: Placements, gaps: Array, columns: 
 
 def _logarithm(rotations: Array) -> Array:
     """Rotation vectors (3, n) of rotations (3, 3, n)."""
-    twice = np.stack(
-        [rotations[2, 1] - rotations[1, 2], rotations[0, 2] - rotations[2, 0], rotations[1, 0] - rotations[0, 1]]
-    )
+    twice = np.stack([rotations[2, 1] - rotations[1, 2], rotations[0, 2] - rotations[2, 0], rotations[1, 0] - rotations[0, 1]])
     sine, cosine = 0.5 * np.sqrt((twice * twice).sum(axis=0)), 0.5 * (np.einsum("iin->n", rotations) - 1.0)
     angle = np.arctan2(sine, cosine)
     vectors = 0.5 * twice * np.where(sine > 0.0, angle / np.where(sine > 0.0, sine, 1.0), 1.0)
@@ -378,5 +376,3 @@ def loop_spins(loops: Loops, placed: Placements, v: Array) -> Array:
     """Angular velocities (nl, 3, n) of body 2 against body 1 of the loops [rad/s], at joint rates (nv, n)."""
     turning = np.where(loops.bodies.turns[:, None, None], placed.axis, 0.0) * v[:, None]
     return np.einsum("jl,jin->lin", loops.spatial.incidence, turning)
-
-

@@ -65,7 +65,10 @@ def indeterminate(loops: Loops, position: Array, axes: Array) -> tuple[NDArray[n
             if not part.idle.shape[2] or not len(part.idle):
                 continue
             forces, moments, _ = _parts(loops, found, part.states, part.idle)
-            for place, vectors, unit in ((0, _of_bearings(loops, forces), 1.0), (3, _moments(loops, found, part.states, forces, moments), spatial.size)):
+            for place, vectors, unit in (
+                (0, _of_bearings(loops, forces), 1.0),
+                (3, _moments(loops, found, part.states, forces, moments), spatial.size),
+            ):
                 marks[:, place : place + 3] |= np.abs(np.einsum("ai,mbik->mbak", axes, vectors)).max(axis=(0, 3)) > RANK * unit
             couplings |= np.abs(part.idle[:, loops.rows - len(couplings) :]).max(axis=(0, 2)) > RANK
     return marks, couplings
