@@ -66,7 +66,7 @@ class Closure:
 
 
 def joined(pieces: Sequence[Closure]) -> Closure:
-    """One closure from those of consecutive crank angles, without margins."""
+    """One closure from those of consecutive crank angles."""
 
     def along(name: str) -> Array:
         return np.concatenate([getattr(piece, name) for piece in pieces], axis=-1)
@@ -78,6 +78,7 @@ def joined(pieces: Sequence[Closure]) -> Closure:
         gap=along("gap"),
         widest=max(piece.widest for piece in pieces),
         iterations=max(piece.iterations for piece in pieces),
+        margins=None if pieces[0].margins is None else along("margins"),
         basis=None if pieces[0].basis is None else np.concatenate([p.basis for p in pieces if p.basis is not None], axis=1),
     )
 

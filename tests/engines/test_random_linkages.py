@@ -57,10 +57,10 @@ def check(press, states, loads):
 
     results = {engine: pp.inverse_dynamics(press, motions[engine], loads, engine=engine) for engine in ENGINES}
     force_peak, moment_peak = peaks(press, results["pinocchio"])
-    for one in ENGINES[:-1]:
-        same = pp.inverse_dynamics(press, motions[one], loads, engine="pinocchio")
+    for engine in ENGINES[:-1]:
+        same = pp.inverse_dynamics(press, motions[engine], loads, engine="pinocchio")
         for compared, bound in ((same, 1e-13), (results["pinocchio"], 1e-12)):  # of the same states; of states closed by the other engine
-            force_error, moment_error = largest_difference(results[one], compared)
+            force_error, moment_error = largest_difference(results[engine], compared)
             assert force_error <= bound * force_peak
             assert moment_error <= bound * moment_peak
 
@@ -76,8 +76,8 @@ def check(press, states, loads):
         assert np.abs(moments).max() <= 1e-12 * moment_peak
         assert np.abs(idle).max(initial=0.0) <= 1e-12 * moment_peak
     for name in press.bearings:
-        for one in ENGINES[:-1]:
-            np.testing.assert_array_equal(results[one].indeterminate[name], results["pinocchio"].indeterminate[name], err_msg=name)
+        for engine in ENGINES[:-1]:
+            np.testing.assert_array_equal(results[engine].indeterminate[name], results["pinocchio"].indeterminate[name], err_msg=name)
 
 
 @examples(12)

@@ -410,7 +410,7 @@ def test_points_are_not_clipped(press):
         ({"angle": None, "speed": None, "height": [0.1], "time": [0.0, 1.0], "flank": "up"}, "time has shape .*, but height has"),
         ({"angle": None, "speed": None, "height": [0.1, 0.1], "time": [0.0, 1.0], "flank": 5}, "flank is 5: give"),
         ({"angle": None, "speed": None, "height": [0.1, 0.1], "time": [0.0, 1.0]}, "flank is None: give"),
-        ({"engine": "mujoco"}, "unknown engine 'mujoco': write 'auto', 'plane' or 'pinocchio'"),
+        ({"engine": "mujoco"}, "unknown engine 'mujoco': write 'auto', 'plane', 'space' or 'pinocchio'"),
         ({"engine": None}, "unknown engine None"),
     ],
 )
@@ -429,7 +429,7 @@ def test_plane_engine_where_the_linkage_is_not_planar(tmp_path):
     press = pp.load(written(tmp_path, edited((LOOP, weld), (ROD_END, ""), ("</robot>", head + "</robot>"))))
     motion = pp.cycle(press, 7.0, points=3)
     for call in (lambda: pp.cycle(press, 7.0, engine="plane"), lambda: pp.inverse_dynamics(press, motion, engine="plane")):
-        with pytest.raises(pp.PinpressError, match=r"not a planar linkage.*: use engine='pinocchio'"):
+        with pytest.raises(pp.PinpressError, match=r"not a planar linkage.*: use engine='space'"):
             call()
 
 

@@ -136,7 +136,7 @@ class Accelerations(NamedTuple):
 
     def of_point(self, velocities: Velocities, body: int, at: Array) -> Array:
         """Acceleration (3, n) of a body's point that is at world positions (3, n) [m/s2]."""
-        return self.linear[body] + cross(self.turning[body], at) + cross(velocities.spin[body], velocities.of_point(body, at))
+        return np.asarray(self.linear[body] + cross(self.turning[body], at) + cross(velocities.spin[body], velocities.of_point(body, at)))
 
 
 def cross(one: Array, other: Array) -> Array:

@@ -70,7 +70,7 @@ class SpaceEngine:
         return equations.rates(self.loops, position, speed, acceleration)
 
     def gaps(self, position: Array) -> Array:
-        return equations.equations(self.loops, position).widest(len(self.loops.spatial.loops))
+        return equations.gaps(self.loops, position)
 
     def redundant(self, x: Array) -> bool:
         return self.one_by_one.redundant(x)

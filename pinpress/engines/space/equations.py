@@ -18,12 +18,13 @@ from numpy.typing import NDArray
 
 from ...common.frozen import Frozen
 from ...common.quantities import Array
-from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure
+from ..engine import ACCEPTED, MOST_NEWTON_STEPS, PIECE, Closure, joined
 from ..forces import RANK
 from ..spatial.model import PARALLEL_TO_ROUNDING, SpatialModel
 from .bodies import Bodies, Placements, accelerations, build_bodies, cross, motion_axes, placements, velocities
 
 CERTAINLY = 1e-5  # smallest singular value that is certainly above this shows full rank; so does RANK, but rounding is closer there
+JACOBIANS = 500_000  # entries of the Jacobians of all configurations that are worked through at a time
 HALF_TURN = -0.99  # cosine of an angle from which on the logarithm of a rotation needs care
 
 
@@ -56,6 +57,11 @@ class Loops(Frozen):
     coupled: Array
     offsets: Array
     rows: int
+
+    @cached_property
+    def piece(self) -> int:
+        """Number of configurations that are worked through at a time, so that their Jacobians take a few megabytes."""
+        return max(8, min(PIECE, JACOBIANS // max(1, self.rows * len(self.bodies.parents))))
 
     @cached_property
     def pair_sign(self) -> Array:
@@ -188,6 +194,12 @@ def _logarithm(rotations: Array) -> Array:
     return vectors
 
 
+def gaps(loops: Loops, position: Array) -> Array:
+    """See `Engine.gaps`."""
+    pieces = (position[:, k : k + loops.piece] for k in range(0, position.shape[1], loops.piece))
+    return np.concatenate([np.zeros(0), *(equations(loops, some).widest(len(loops.spatial.loops)) for some in pieces)])
+
+
 def drift(loops: Loops, found: Equations, axes: Array, v: Array) -> Array:
     """Second derivative (rows, n) of the gaps at joint rates (nv, n) and no joint acceleration; ``axes``: of `motion_axes`."""
     spatial, count = loops.spatial, len(loops.spatial.loops)
@@ -318,8 +330,11 @@ def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins
         guess: (nv, n) joint coordinates from which Newton's method starts.
         with_margins: whether margins are wanted.
     """
+    n, step = guess.shape[1], loops.piece
     with np.errstate(all="ignore"):
-        return _close(loops, drivers, along, guess, with_margins)
+        if n <= step:
+            return _close(loops, drivers, along, guess, with_margins)
+        return joined([_close(loops, drivers[:, k : k + step], along, guess[:, k : k + step], with_margins) for k in range(0, n, step)])
 
 
 def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool) -> Closure:
@@ -362,6 +377,11 @@ def _solved(loops: Loops, x: Array) -> tuple[Equations, Array, int]:
 
 def rates(loops: Loops, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
     """See `Engine.rates`."""
+    n, step = position.shape[1], loops.piece
+    if n > step:
+        parts = [rates(loops, *(values[:, k : k + step] for values in (position, speed, acceleration))) for k in range(0, n, step)]
+        v, a, gaps = (np.concatenate(values, axis=-1) for values in zip(*parts, strict=True))
+        return v, a, gaps
     moving, found = list(loops.spatial.drivers), equations(loops, position)
     passive, columns = PassiveColumns(loops, found.columns), found.columns[:, moving]
     v = passive.rates(-np.einsum("rdn,dn->rn", columns, speed))
@@ -375,4 +395,4 @@ def rates(loops: Loops, position: Array, speed: Array, acceleration: Array) -> t
 def loop_spins(loops: Loops, placed: Placements, v: Array) -> Array:
     """Angular velocities (nl, 3, n) of body 2 against body 1 of the loops [rad/s], at joint rates (nv, n)."""
     turning = np.where(loops.bodies.turns[:, None, None], placed.axis, 0.0) * v[:, None]
-    return np.einsum("jl,jin->lin", loops.spatial.incidence, turning)
+    return np.asarray(np.einsum("jl,jin->lin", loops.spatial.incidence, turning))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..engine import LOOSEST, PIECE, ClosedStates, other_linkage
+from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
 from ..joints import product
 from .bodies import accelerations, cross, inertia_forces, motion_axes, velocities
@@ -26,9 +26,9 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
     spatial, n, law = loops.spatial, states.v.shape[1], conditions.law
     result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), spatial.model.nv + len(spatial.loops), n, len(wanted))
     speeds = None if law is None else law.moving(_speeds(loops, states.position, states.v))
-    for start in range(0, n, PIECE):
-        some = slice(start, start + PIECE)
-        balance = _Balance(loops, states if n <= PIECE else states.part(some), [load.part(some) for load in conditions.loads])
+    for start in range(0, n, loops.piece):
+        some = slice(start, start + loops.piece)
+        balance = _Balance(loops, states if n <= loops.piece else states.part(some), [load.part(some) for load in conditions.loads])
         if law is None or speeds is None:
             # the driving torque does not depend on how idle forces are shared
             shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))
@@ -45,8 +45,8 @@ def bearing_loads(loops: Loops, states: ClosedStates, loads: Sequence[AppliedFor
     """See `Engine.bearing_loads`; the speeds of loops are magnitudes."""
     n = states.v.shape[1]
     speed, radial = np.empty_like(efforts), np.empty((*efforts.shape, 3))
-    for start in range(0, n, PIECE):
-        some = slice(start, start + PIECE)
+    for start in range(0, n, loops.piece):
+        some = slice(start, start + loops.piece)
         balance = _Balance(loops, states.part(some), [load.part(some) for load in loads])
         speed[:, some], directions = balance.ways(rates[:, some])
         multipliers = balance.multipliers(balance.friction(efforts[:, some], directions), None)
@@ -59,8 +59,8 @@ def indeterminate(loops: Loops, position: Array, axes: Array) -> tuple[NDArray[n
     any of the positions (nv, n); see `Engine.indeterminate`."""
     spatial = loops.spatial
     marks, couplings = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
-    for start in range(0, position.shape[1], PIECE):
-        found = equations(loops, position[:, start : start + PIECE])
+    for start in range(0, position.shape[1], loops.piece):
+        found = equations(loops, position[:, start : start + loops.piece])
         for part in PassiveColumns(loops, found.columns).parts:
             if not part.idle.shape[2] or not len(part.idle):
                 continue
@@ -120,7 +120,7 @@ class _Balance:
         self.force = carried[:, 0]
         self.moment = carried[:, 1] - cross(placed.origin[1:], self.force)  # about the joints' origins
         along = np.where(bodies.turns[:, None, None], self.moment, self.force)
-        self.effort = (placed.axis * along).sum(axis=1)
+        self.effort = np.asarray((placed.axis * along).sum(axis=1))
         self.turning = np.where(bodies.turns[:, None, None], placed.axis, 0.0)
         self.size = spatial.size
 
@@ -204,7 +204,7 @@ class _Balance:
 
     def _needed(self, friction: _Friction) -> Array:
         """Efforts (nv, n) that loops, couplings and drives have to supply: those of the open tree less friction."""
-        needed = self.effort - friction.efforts
+        needed: Array = self.effort - friction.efforts
         if friction.couples.any():
             needed -= np.einsum("jl,jin,lin->jn", self.loops.spatial.incidence, self.turning, friction.couples, optimize=True)
         return needed
@@ -274,8 +274,8 @@ class _Balance:
 def _speeds(loops: Loops, position: Array, v: Array) -> Array:
     """Speeds (bearings, n) of all bearings at joint rates (nv, n), those of loops as magnitudes."""
     sizes = np.empty((len(loops.spatial.loops), v.shape[1]))
-    for start in range(0, v.shape[1], PIECE):
-        some = slice(start, start + PIECE)
+    for start in range(0, v.shape[1], loops.piece):
+        some = slice(start, start + loops.piece)
         spins = loop_spins(loops, equations(loops, position[:, some]).placed, v[:, some])
         sizes[:, some] = np.sqrt((spins * spins).sum(axis=1))
     return np.concatenate([v, sizes])
