@@ -119,21 +119,21 @@ def measured(contestants: Sequence[Contestant], repeats: int, done: Callable[[],
 
 
 def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: Sequence[Peer]) -> Contest:
-    """The contest of both engines and the peers.
+    """The contest of the engines and the peers.
 
-    The engines of a planar press share no equation and judge each other. The torque of a press in space is judged by forward dynamics,
-    which gives the accelerations back under it.
+    Pinocchio's engine judges the others, and the fastest one judges it: in the plane they share no equation. The torque of a press in space
+    is judged by forward dynamics, which gives the accelerations back under it.
     """
-    engines, planar = press.engines, len(press.engines) > 1
+    engines, planar = press.engines, press.engines[0] == "plane"
     answers = {engine: _solved(press, speed, points, engine) for engine in engines}
     spatial, first = answers["pinocchio"], answers[engines[0]]
     peak_torque, largest_force = peak_of(spatial.driving_torque), peak_force(spatial.bearing_force)
-    returned = 0.0 if planar else _returned(press, spatial)
+    returned = {} if planar else {engine: _returned(press, answer) for engine, answer in answers.items()}
 
     def errors(judge: Reactions, answer: Reactions) -> Errors:
         return Errors(
-            _off(answer.driving_torque, judge.driving_torque, peak_torque) if planar else returned,
-            force_error(answer.bearing_force, judge, largest_force) if planar else None,
+            _off(answer.driving_torque, judge.driving_torque, peak_torque) if planar else returned[answer.engine],
+            force_error(answer.bearing_force, judge, largest_force),
             float(answer.motion.closure_error.max()),
             float(np.abs(answer.power_residual).max()),
             points,
@@ -145,8 +145,10 @@ def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: S
 
     contestant = partial(Contestant, INVERSE_DYNAMICS, setting=f"{points} crank angles", number=points)
     entries = [
-        contestant(engine, work=partial(_solved, press, speed, points, engine), errors=partial(errors, judge))
-        for engine, judge in zip(engines, (spatial, first), strict=False)
+        contestant(
+            engine, work=partial(_solved, press, speed, points, engine), errors=partial(errors, first if answer is spatial else spatial)
+        )
+        for engine, answer in answers.items()
     ]
     entries += [
         contestant(peer.name, work=partial(peer.inverse_dynamics, first.motion.crank_angle, speed), errors=errors_of_peer)
@@ -154,7 +156,7 @@ def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: S
         if peer.inverse
     ]
     if not planar:
-        return Contest(INVERSE_DYNAMICS, tuple(entries), returned, "torque and forward dynamics under it")
+        return Contest(INVERSE_DYNAMICS, tuple(entries), max(returned.values()), "torque and forward dynamics under it")
     agreement = errors(spatial, first)
     return Contest(INVERSE_DYNAMICS, tuple(entries), max(agreement.error, agreement.force_error or 0.0), "engines plane and pinocchio")
 

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike
 from ..common.arguments import number, numbers, positive
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
-from ..common.numerics import bracketed_roots, sign_change
+from ..common.numerics import sign_change
 from ..common.quantities import Array
 from ..common.results import Tabular
 
@@ -41,7 +41,7 @@ PERIODS = 6  # periods of vibration after the force is gone
 CALM = 1e-24  # a kinetic energy below this share of the elastic energy is rounding
 TOUCHING = 1e-13  # a slide closer to an edge of the clearance than this share of the deflection F / k is on it
 MOST = 20_000  # segments of half a period
-ROUNDING = 4 * float(np.finfo(float).eps)  # share of a time; a smaller step of a root is rounding
+ROUNDING = 4 * float(np.finfo(float).eps)  # share of a span; a smaller step of a root is rounding
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -282,15 +282,10 @@ class ResponseSegment:
         """Time within the span during which x is positive for any phase of the vibration, in contact with a spring that is slack at 0."""
         decay, _, c, d = self._wave
 
-        def least(s: Array) -> tuple[Array, Array]:  # concave, so that it is positive up to some time, or to the end
-            place, rate = self._particular(s)
-            wave = math.hypot(c, d) * np.exp(-decay * s)
-            return place - wave, rate + decay * wave
+        def least(s: float) -> float:  # concave, so that it is positive up to some time, or to the end
+            return float(self._particular(s)[0] - math.hypot(c, d) * math.exp(-decay * s))
 
-        begin, end = np.zeros(1), np.array([span])
-        if least(end)[0] > 0.0:
-            return span
-        return float(bracketed_roots(least, begin, end, relative=ROUNDING)[0]) if least(begin)[0] > 0.0 else 0.0
+        return span if least(span) > 0.0 else sign_change(least, 0.0, span, ROUNDING * span) if least(0.0) > 0.0 else 0.0
 
     def acceleration(self, s: Any) -> Any:
         """Acceleration x'' at a time s or (n,) times [m/s2]."""
@@ -357,12 +352,7 @@ def turning(segment: ResponseSegment, span: float) -> list[float]:
     times = np.linspace(0.0, span, STEPS + 1)
     speeds = segment.at(times)[1]
     signs = np.flatnonzero(speeds[:-1] * speeds[1:] < 0.0)
-
-    def rates(s: Array) -> tuple[Array, Array]:
-        return segment.at(s)[1], segment.acceleration(s)
-
-    found: list[float] = bracketed_roots(rates, times[signs], times[signs + 1], relative=ROUNDING).tolist() if len(signs) else []
-    return found
+    return [sign_change(lambda s: float(segment.at(s)[1]), float(times[i]), float(times[i + 1]), ROUNDING * span) for i in signs]
 
 
 class Leaving(NamedTuple):
@@ -475,10 +465,8 @@ def _leaving(segment: ResponseSegment, span: float, side: int) -> Leaving | None
                 if way * (places[i - 1] - edge) >= 0.0:  # on the edge already
                     return Leaving(float(begin), edge, after)
 
-                def beyond(s: Array, edge: float = edge) -> tuple[Array, Array]:
-                    x, v = segment.at(s)
-                    return x - edge, v
+                def beyond(s: float, edge: float = edge) -> float:
+                    return float(segment.at(s)[0]) - edge
 
-                found = bracketed_roots(beyond, times[i - 1 : i], times[i : i + 1], relative=ROUNDING)
-                return Leaving(float(found[0]), edge, after)
+                return Leaving(sign_change(beyond, float(begin), float(times[i]), ROUNDING * span), edge, after)
     return None
