@@ -281,7 +281,7 @@ def test_a_problem_is_said():
 
 @pytest.mark.exhaustive
 def test_a_spatial_linkage(alone, tmp_path):
-    """Both engines in space: their torque gives the accelerations back under forward dynamics. Bennett's linkage has redundant rows in space."""
+    """The torque gives the accelerations back under forward dynamics. Bennett's linkage has redundant rows in space."""
     file = tmp_path / "bennett.urdf"
     file.write_text(spatial_linkages.bennett(), encoding="utf-8")
     measured = pp.accuracy.compare(pp.load(file), 10.0, duration=0.05, points=12, repeats=1, scenes=[FREE_RUN, DIE])
