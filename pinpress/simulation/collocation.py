@@ -234,6 +234,7 @@ class CollocationSolution:
         friction_torque: (q, p, S) part of the force that comes from friction in the bearings [N m]; None for none.
         speed_free: whether no force depends on the speed, so that W is right beyond a stop too.
         stiffness: (p,) e-folds by which a disturbance of W dies away on half a panel; 0 where the drive is not stiff.
+        exponent: (S,) e-folds by which a disturbance of a periodic W grows in a period; 0 of any other W.
         settled: (S,) number of panels on which Newton's method has found W: all, or those before the crank nearly stops.
         added: inertia of flywheel and drive, of the first scenario [kg m2].
         evaluations: number of nodes at which the forces were computed, each time counted.
@@ -249,6 +250,7 @@ class CollocationSolution:
     friction_torque: Array | None
     speed_free: bool
     stiffness: Array
+    exponent: Array
     settled: Indices
     added: float
     evaluations: int
@@ -303,7 +305,7 @@ class _Newton:
         self.added = float(np.ravel(driven.inertia)[0])
         # from the guess alone, because W may rise without bounds far from the solution
         self.floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
-        self.stiffness = np.zeros(len(mesh.kinds))
+        self.stiffness, self.exponent = np.zeros(len(mesh.kinds)), np.zeros(len(energy))
         self.everywhere = np.full(len(energy), len(mesh.kinds))
 
     def solve(self, work: Array) -> CollocationSolution:
@@ -326,6 +328,7 @@ class _Newton:
                     continue
                 rate = change / (2 * BESIDE * above)
                 self.stiffness = self._stiffness(rate)
+                self.exponent = _over_panels(self.mesh, rate).sum(axis=0) if self.periodic else self.exponent
             before = work
             work, ends, force = self._round(total, rate, before)
             if not np.isfinite(work.sum()):
@@ -382,6 +385,7 @@ class _Newton:
             friction_torque=forces.friction_torque,
             speed_free=speed_free,
             stiffness=self.stiffness,
+            exponent=self.exponent,
             settled=settled,
             added=self.added,
             evaluations=forces.asked * work.size,
@@ -411,6 +415,7 @@ def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: Prescrib
         friction_torque=friction_torque,
         speed_free=True,
         stiffness=np.zeros(len(mesh.kinds)),
+        exponent=np.zeros(1),
         settled=np.full(1, len(mesh.kinds)),
         added=float(driven.inertia),
         evaluations=work.size,
@@ -598,8 +603,12 @@ def _panel_by_panel(gained: Array, final: Array, energy: Array, periodic: bool) 
 
 def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
     """Integrals (p, S) of a rate (q, p, S) by the angle travelled, over each panel."""
+    return _over_panels(solution.mesh, rate)
+
+
+def _over_panels(mesh: Mesh, rate: Array) -> Array:
     q, p, count = rate.shape
-    return np.asarray((gauss_rule().weights @ (rate * solution.mesh.measure[:, :, None]).reshape(q, -1)).reshape(p, count))
+    return np.asarray((gauss_rule().weights @ (rate * mesh.measure[:, :, None]).reshape(q, -1)).reshape(p, count))
 
 
 # --------------------------------------------------------------------------------------------------------------------------- refinement

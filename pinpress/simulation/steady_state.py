@@ -27,11 +27,10 @@ from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
 from . import collocation
 from .angle_solver import angle_segment
-from .collocation import CollocationSolution, build_mesh, cuts, interpolate_onto, mesh_borders, stopping_panels
+from .collocation import CollocationSolution, Indices, Mesh, build_mesh, cuts, interpolate_onto, mesh_borders, stopping_panels
 from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
 from .failures import failure
 from .law_trials import asked_drive
-from .reduced_model import INERTIA
 from .run import Run, as_run, state_count
 from .simulate import checked_tolerance
 from .solvers import SimulationProblem, crank_sizes, reduced_system
@@ -41,7 +40,8 @@ MOST_CUTS = 30  # most rounds of cutting panels
 # Periods that a drive with states of its own first gets to come near the steady state, and most periods in all.
 PERIODS, MOST_PERIODS = 3, 60
 BESIDE = 1e-6  # relative change of speed and states by which their effect after a period is found
-SHARES = np.geomspace(0.25, 4.0, 33)  # multiples of the given speed that are tried first
+SHARES = np.geomspace(0.25, 4.0, 33)  # multiples of the given speed among which the steady state is searched
+NEARBY = SHARES[14:19]  # those that are tried first
 NARROWED = 3  # the range of speeds is narrowed so often, to a 32nd each time
 CLOSER = 4  # Newton steps to the end of a period
 PATIENCE = 20.0  # a period is given up after as much time as so many periods take at the first speed
@@ -125,31 +125,66 @@ def _refuse_without_steady_state(driven: DrivenPress, given: object) -> None:
 
 
 def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: float) -> Trajectory | None:
-    """The periodic solution over the crank angle; None where it is not found: the drive may be too stiff, or there may be none."""
+    """The periodic solution over the crank angle; None where it is not found: the drive may be too stiff, or there may be none.
+
+    Raises:
+        SimulationError: nothing depends on the speed.
+    """
     model, direction = driven.model, 1 if speed > 0 else -1
     assert model.period is not None
-    inertia = float(model.at(np.array([angle]))[0][INERTIA, 0]) + driven.inertia
-    borders = mesh_borders(driven, angle, direction, model.period)
-    near = _speed_near(driven, borders, angle, speed)
-    if near is None:
+    mesh = build_mesh(driven, angle, direction, mesh_borders(driven, angle, direction, model.period))
+    found = _found_nearby(driven, mesh, speed, tolerance)
+    if found is None:
+        energy = _energy_near(driven, mesh, speed)
+        if energy is None:
+            return None
+        # the guess must have the course of the speed: a drive's torque may have no slope at the mean speed
+        found = _periodic(driven, mesh, energy, collocation.solve(driven, mesh, energy).energy, tolerance)
+    return None if found is None else _as_trajectory(driven, found, angle)
+
+
+def _found_nearby(driven: DrivenPress, mesh: Mesh, speed: float, tolerance: float) -> CollocationSolution | None:
+    """The periodic solution from few speeds about the given one; None where it takes a search among all speeds."""
+    tried = collocation.solve(driven, mesh, _energies(driven, mesh, speed * NEARBY))
+    bounds = _bounds(tried, speed * NEARBY, speed)
+    if bounds is None or tried.speed_free:  # at speeds further off a force may depend on the speed
         return None
-    energy, solution = np.array([0.5 * inertia * near**2]), None
+    gained, starts = (tried.ends[-1] - tried.ends[0])[bounds], tried.ends[0, bounds]
+    weights = np.array([-gained[1], gained[0]]) / (gained[0] - gained[1])  # between the bounds nothing is gained
+    found = _periodic(driven, mesh, (starts @ weights)[None], (tried.energy[:, :, bounds] @ weights)[:, :, None], tolerance)
+    # between the bounds may also lie a periodic motion that the press leaves when it is disturbed
+    good = found is not None and starts.min() <= found.ends[0, 0] <= starts.max() and found.exponent[0] < 0
+    return found if good else None
+
+
+def _as_trajectory(driven: DrivenPress, solution: CollocationSolution, angle: float) -> Trajectory:
+    mesh = solution.mesh
+    speed = float(mesh.direction * np.sqrt(2 * solution.ends[0, 0] / (mesh.inertia_ends[0] + driven.inertia)))
+    return Trajectory([angle_segment(driven, solution, len(mesh.kinds), State(0.0, angle, speed, np.zeros(len(INTEGRALS))))])
+
+
+def _periodic(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array, tolerance: float) -> CollocationSolution | None:
+    """The periodic solution on as many panels as it takes; None where it is not found.
+
+    Args:
+        driven: what is simulated.
+        mesh: the first panels.
+        energy: (1,) kinetic energy at the start, near that of the steady state [J].
+        guess: (q, p, 1) kinetic energy over the mesh [J].
+        tolerance: as in `simulate`.
+    """
     for _ in range(MOST_CUTS):
-        mesh = build_mesh(driven, angle, direction, borders)
-        guess = None if solution is None else interpolate_onto(solution, mesh)
-        if guess is None:  # the guess must have the course of the speed: a drive's torque may have no slope at the mean speed
-            guess = collocation.solve(driven, mesh, energy).energy
         solution = collocation.solve(driven, mesh, energy, guess, periodic=True)
         if stopping_panels(solution).any() or not solution.ends[0, 0] > 0:
             return None
         energy = solution.ends[0]
         coarse = cuts(solution, len(mesh.kinds), 0.1 * tolerance, driven.corners)
         if not len(coarse):
-            if not _comes_back(solution):
-                return None
-            state = State(0.0, angle, float(direction * np.sqrt(2 * energy[0] / inertia)), np.zeros(len(INTEGRALS)))
-            return Trajectory([angle_segment(driven, solution, len(mesh.kinds), state)])
-        borders = np.sort(np.concatenate([borders, coarse]))
+            return solution if _comes_back(solution) else None
+        mesh = build_mesh(driven, mesh.start, mesh.direction, np.sort(np.concatenate([mesh.borders, coarse])))
+        finer = interpolate_onto(solution, mesh)
+        assert finer is not None  # no panel starts or ends at rest
+        guess = finer
     return None
 
 
@@ -158,28 +193,46 @@ def _comes_back(solution: CollocationSolution) -> bool:
     return abs(float(solution.ends[-1, 0] - solution.ends[0, 0])) / float(solution.ends.max()) < COMES_BACK
 
 
-def _speed_near(driven: DrivenPress, borders: Array, angle: float, speed: float) -> float | None:
-    """A speed close to that of the steady state nearest to ``speed``, between one from which a period speeds the press up and a higher one
-    from which it slows the press down; None where there is none.
+def _energy_near(driven: DrivenPress, mesh: Mesh, speed: float) -> Array | None:
+    """Kinetic energy (1,) at the start of a period, close to that of the steady state nearest to ``speed`` [J]; None where there is none.
 
     Raises:
         SimulationError: nothing depends on the speed.
     """
     speeds = speed * SHARES
     for _ in range(NARROWED):
-        mesh = build_mesh(driven, angle, 1 if speed > 0 else -1, borders)
-        energies = 0.5 * (mesh.inertia_ends[0] + driven.inertia) * speeds**2
-        solution = collocation.solve(driven, mesh, energies)
-        if solution.speed_free:  # no speed is better than another
+        tried = collocation.solve(driven, mesh, _energies(driven, mesh, speeds))
+        if tried.speed_free:  # no speed is better than another
             raise _no_steady_state(speed)
-        good = np.flatnonzero(~stopping_panels(solution).any(axis=0))
-        gained = (solution.ends[-1] - energies)[good]
-        found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
-        if not len(found):
+        bounds = _bounds(tried, speeds, speed)
+        if bounds is None:
             return None
-        low = int(found[np.abs(np.log(speeds[good[found]] / speed)).argmin()])
-        speeds = np.linspace(speeds[good[low]], speeds[good[low + 1]], len(SHARES))
-    return float(speeds[len(speeds) // 2])
+        speeds = np.linspace(float(speeds[bounds[0]]), float(speeds[bounds[1]]), len(SHARES))
+    return _energies(driven, mesh, speeds[len(speeds) // 2, None])
+
+
+def _energies(driven: DrivenPress, mesh: Mesh, speeds: Array) -> Array:
+    """Kinetic energies (n,) at the start of a mesh [J] at speeds (n,) [rad/s]."""
+    return np.asarray(0.5 * (mesh.inertia_ends[0] + driven.inertia) * speeds**2)
+
+
+def _bounds(tried: CollocationSolution, speeds: Array, speed: float) -> Indices | None:
+    """Indices (2,) of the two speeds about the steady state nearest to ``speed``; None where there are none.
+
+    From the lower one a period speeds the press up, from the higher one it slows the press down.
+
+    Args:
+        tried: a period from each of the speeds.
+        speeds: (n,) in rising size [rad/s].
+        speed: near which the steady state is searched [rad/s].
+    """
+    good = np.flatnonzero(~stopping_panels(tried).any(axis=0))
+    gained = (tried.ends[-1] - tried.ends[0])[good]
+    found = np.flatnonzero((gained[:-1] > 0) & (gained[1:] <= 0))
+    if not len(found):
+        return None
+    low = int(found[np.abs(np.log(speeds[good[found]] / speed)).argmin()])
+    return good[low : low + 2]
 
 
 # -------------------------------------------------------------------------------------------------------------------------------- over time

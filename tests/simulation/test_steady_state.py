@@ -439,6 +439,21 @@ def disc(tmp_path):
     return load
 
 
+class Wavering(Own):
+    """A drive of one's own without torque at three speeds close together, of which a disc leaves the middle one when it is disturbed."""
+
+    def torque(self, speed, angle=0.0, time=0.0, state=()):
+        return -self.a * (speed - 30.5) * (speed - 31.5) * (speed - 32.5)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_disc_does_not_stay_at_a_speed_that_it_leaves(disc, way):
+    drive, press = Wavering(0.2, 0.0), disc(0.0)
+    for speed in (30.0, 30.4):
+        run = pp.steady_state(press, way * speed, drive=drive if way > 0 else pp.drives.Geared(drive, -1.0))
+        assert min(abs(abs(run.crank_speed[0]) - stays) for stays in (30.5, 32.5)) < 1e-8
+
+
 def test_constant_inertia_and_a_linear_drive(disc):
     """w = a / b, and nothing else."""
     run = pp.steady_state(disc(0.0), 10.0, drive=Own(60.0, 5.0), flywheel=pp.drives.Flywheel(4.0))
