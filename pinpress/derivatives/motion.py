@@ -185,7 +185,7 @@ class States(NamedTuple):
     plane: Plane
     basis: ComplexArray
     rows: ComplexArray
-    factors: list[Any]
+    factors: Sequence[Any]
 
     @staticmethod
     def of(plane: Plane, position: Array) -> States:

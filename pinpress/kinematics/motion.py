@@ -17,10 +17,10 @@ from ..common import plausibility, tables
 from ..common.arguments import numbers, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
-from ..common.quantities import Array, ComplexArray, DriverCoordinate
+from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
 from ..engines.branch import Branch, out_of_branch
-from ..engines.engine import ClosedStates, Closure, Engine, Jacobian
+from ..engines.engine import ClosedStates, Closure, Engine
 from ..engines.joints import Axis, Slot, configuration
 from ..linkage.assembly import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage, SlideGuide
@@ -30,6 +30,16 @@ POINTS = 360  # states of a turn by default
 GRIDS_KEPT = 4  # grids of crank angles whose closures stay with a linkage
 MOST_KEPT = 2**15  # joint coordinates of such a grid: 4 megabytes with all that belongs to them
 MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
+
+
+class _KeptFromClosing:
+    """What an engine kept when it closed the states of a motion, and the linkage that it closed. Copies and pickles start without it."""
+
+    def __init__(self, press: Linkage | None = None, *kept: Any) -> None:
+        self.press, self.kept = press, read_only(kept)
+
+    def __reduce__(self) -> tuple[type[_KeptFromClosing], tuple[()]]:
+        return _KeptFromClosing, ()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,7 +84,7 @@ class Motion(Tabular):
     _guide: SlideGuide | None
     period_turns: int | None
     # Not taken over by dataclasses.replace: a motion with other positions must not keep the basis of this one.
-    _closed_as: tuple[Linkage, ComplexArray | None, Jacobian | None, Any] | None = field(default=None, init=False)
+    _closed_as: _KeptFromClosing | None = field(default=None, init=False)
 
     @property
     def title(self) -> str:
@@ -83,15 +93,11 @@ class Motion(Tabular):
         slide = "" if self._guide is None else f", slide at {self.slide_position.min():.6g} to {self.slide_position.max():.6g} m"
         return f"Motion of {self.linkage}: {len(self.crank_angle)} states, {first.part} at {low} to {high} {first.shown_unit}{slide}"
 
-    def __getstate__(self) -> dict[str, Any]:
-        """The state for copies and pickles, without what can be worked out again."""
-        closed_as = self._closed_as
-        return vars(self) if closed_as is None else vars(self) | {"_closed_as": (*closed_as[:2], None, None)}
-
     def states(self, press: Linkage) -> ClosedStates:
         """The states as an engine takes them, with what it kept when it closed them for this very linkage."""
-        closed_for, *kept = self._closed_as or (None,)
-        return ClosedStates(self.joint_position.T, self.v.T, self.a.T, *(kept if closed_for is press else ()))
+        closed_as = self._closed_as
+        kept = closed_as.kept if closed_as is not None and closed_as.press is press else ()
+        return ClosedStates(self.joint_position.T, self.v.T, self.a.T, *kept)
 
     @property
     def time(self) -> Array:
@@ -340,8 +346,9 @@ def moved(
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
     motion = of_states(press, position, v, a, gap, times, None if branch is None or branch.period is None else press.turns_until_back)
-    if closure is not None and (closure.basis is not None or closure.solved is not None):
-        object.__setattr__(motion, "_closed_as", (press, closure.basis, closure.jacobian, closure.solved))
+    if closure is not None:
+        kept = _KeptFromClosing(press, closure.basis, closure.jacobian, closure.solved)
+        object.__setattr__(motion, "_closed_as", kept)
     return motion
 
 

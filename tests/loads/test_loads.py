@@ -646,7 +646,7 @@ def test_bad_load_of_inverse_dynamics():
     with pytest.raises(pp.PinpressError, match=r"loads is one Blanking: give a list, loads=\[...\]"):
         pp.inverse_dynamics(press, motion, BLANKING)
     with pytest.raises(pp.PinpressError, match="not finite"):
-        pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=64), [DeepDrawing(1e308, 0.03)])
+        pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=64), 2 * [DeepDrawing(1e308, 0.03)])
 
 
 @pytest.mark.parametrize("name", LOADS)

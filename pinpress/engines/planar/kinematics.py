@@ -184,7 +184,7 @@ def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
 Factor = Any  # see `factored`
 
 
-def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
+def factored(plane: Plane, rows: ComplexArray) -> tuple[Factor, ...]:
     """The Jacobians of all blocks, ready to be solved: (2, n) conj(b) / D and -conj(a) / D of a dyad, in the terms of the module,
     -conj(a) / |a|^2 of a lever with column a, the coefficient of a coupling, the matrix of a dense block."""
     dyads = _factored_dyads(plane, rows)
@@ -199,7 +199,7 @@ def factored(plane: Plane, rows: ComplexArray) -> list[Factor]:
             result.append(plane.coupling_rows[block.couplings[0]][block.joints[0]])
         else:
             result.append(block_matrix(plane, block, rows))
-    return result
+    return tuple(result)
 
 
 def _factored_dyads(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
