@@ -236,7 +236,7 @@ def _walk(
     raise AssemblyError("the drawn assembly moves too fast to be followed", 0.0, 0.0, 0, follower.coordinate)
 
 
-def walk_beside(close: Close, branch: Branch, size: float, tolerance: float, nodes: int | None = None) -> Branch | None:
+def walk_beside(close: Close, branch: Branch, size: float, tolerance: float) -> Branch | None:
     """The branch of a linkage whose lengths are nearly those of another one, found without a walk: all nodes of the other one's table are
     closed at once.
 
@@ -248,14 +248,13 @@ def walk_beside(close: Close, branch: Branch, size: float, tolerance: float, nod
         branch: the branch of the other one, over a period or a travel.
         size: length of the linkage [m].
         tolerance: gap at which a loop counts as closed [m].
-        nodes: of a coarse table, an odd number; by default those of the other one.
 
     Returns:
         The branch; None where the lengths are too different, and it has to be walked.
     """
     if any(branch.locks) or branch.change_points or (branch.period is None and branch.coordinate.turns) or len(branch.angles) % 2 == 0:
         return None
-    angles = branch.angles if nodes is None else np.linspace(branch.angles[0], branch.angles[-1], nodes)
+    angles = branch.angles
     closure = close(angles, predict(branch, angles))
     if not closure.widest <= tolerance:
         return None
@@ -267,7 +266,7 @@ def walk_beside(close: Close, branch: Branch, size: float, tolerance: float, nod
     gained = closure.position[:, -1] - closure.position[:, 0] - branch.gain_per_period if branch.period else np.zeros(1)
     if angles[begin] or not max(missed, np.abs(gained).max(), np.abs(closure.position[:, begin]).max()) <= accepted:
         return None
-    return replace(branch, angles=angles, coefficients=hermite(angles, *columns))
+    return replace(branch, coefficients=hermite(angles, *columns))
 
 
 def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> Array | SingularPosition:

@@ -98,7 +98,7 @@ def followed(
     return walk(close_angle, start, returning, spatial_model.size, tolerance, smallest_margin, gap, begin, _travel(spatial_model))
 
 
-def followed_beside(engine: Engine, spatial_model: SpatialModel, branch: Branch, nodes: int | None = None) -> Branch | None:
+def followed_beside(engine: Engine, spatial_model: SpatialModel, branch: Branch) -> Branch | None:
     """The assembly of a linkage with one driver, found from that of one with nearly the same lengths; see `engines.branch.walk_beside`."""
     close_drivers, along, travel = engine.closing_function(), np.ones(1), _travel(spatial_model)
     if travel is not None and (travel.lower, travel.upper) != (branch.angles[0], branch.angles[-1]):
@@ -107,7 +107,7 @@ def followed_beside(engine: Engine, spatial_model: SpatialModel, branch: Branch,
     def close_angle(angle: Array, guess: Array) -> Closure:
         return close_drivers(angle[None], along, guess)
 
-    return walk_beside(close_angle, branch, spatial_model.size, ACCEPTED * engine.tolerance, nodes)
+    return walk_beside(close_angle, branch, spatial_model.size, ACCEPTED * engine.tolerance)
 
 
 def _travel(spatial_model: SpatialModel) -> Travel | None:

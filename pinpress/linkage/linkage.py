@@ -304,17 +304,11 @@ class Linkage(Frozen):
             raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: give angle, speed and acceleration of all, (n, drivers)")
         return self._assembly.branch or followed(self.engine(), self.spatial_model, self.closed)
 
-    def follow_beside(self, other: Linkage, nodes: int | None = None) -> None:
+    def follow_beside(self, other: Linkage) -> None:
         """Find the branch of this linkage from that of another one with the same joints and nearly the same lengths, which takes a tenth of
-        the time of walking it. Where they differ too much nothing is found, and the branch is walked when it is needed.
-
-        Args:
-            other: the other linkage.
-            nodes: of a coarse branch, an odd number, which is found the sooner and of which Newton's method has to start farther away; what
-                is read off the branch itself, such as dead centres, is then less exact.
-        """
+        the time of walking it. Where they differ too much nothing is found, and the branch is walked when it is needed."""
         if self.joints == other.joints and self.drivers == other.drivers and len(self.drivers) == 1:
-            found = followed_beside(self.engine(), self.spatial_model, other.branch, nodes)
+            found = followed_beside(self.engine(), self.spatial_model, other.branch)
             if found is not None:
                 keep_geometry_of(vars(Linkage)["branch"].fget, self, found)
 

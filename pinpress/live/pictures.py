@@ -150,8 +150,7 @@ def suitable(press: Linkage, operation: Operation) -> Operation:
     operation = replace(operation, swings=locks(press))
     if isinstance(press.engine(), PlanarEngine):
         return operation
-    fewest = replace(operation, points=FEWEST)
-    took = picture(press, fewest, picture(press, fewest, None).links).took  # once it is walked
+    took = picture(press, replace(operation, points=FEWEST), None).took
     return replace(operation, points=int(np.clip(FEWEST * QUICK / took, FEWEST, POINTS)))
 
 

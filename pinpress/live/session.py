@@ -1,10 +1,10 @@
 """What all windows of a press share: the press as it is now, and what is answered to a message of a window.
 
-Messages are JSON objects with a ``type``. A window sends ``set`` (values of all dimensions, the speed, whether it wants the shapes of the
-links anew, which take longest, and whether the slider has been let go), ``move`` (the driver that is to move while the others stand),
-``save`` (the name of a file, and whether an old one may be replaced) and ``ready`` (what it has drawn last). Whatever else comes is
-refused. A window is sent ``opened`` (everything), ``picture`` (the press with other values), ``refused`` (they make no press: the last
-good one stays), ``broken`` (the file cannot be read as it is now), ``saved``, ``exists`` and ``unsaved``.
+Messages are JSON objects with a ``type``. A window sends ``set`` (values of all dimensions, the speed, and whether it wants the shapes of
+the links anew, which take longest), ``move`` (the driver that is to move while the others stand), ``save`` (the name of a file, and
+whether an old one may be replaced) and ``ready`` (what it has drawn last). Whatever else comes is refused. A window is sent ``opened``
+(everything), ``picture`` (the press with other values), ``refused`` (they make no press: the last good one stays), ``broken`` (the file
+cannot be read as it is now), ``saved``, ``exists`` and ``unsaved``.
 """
 
 from __future__ import annotations
@@ -16,21 +16,18 @@ from typing import Any
 
 from ..common.errors import PinpressError, cautions_collected
 from ..common.quantities import RPM, Array, DriverCoordinate
-from ..engines.planar.engine import PlanarEngine
-from ..linkage.linkage import Linkage
 from .drivers import default_speed
 from .pictures import Operation, Picture, colours, picture, suitable
 from .sources import MovingDriver, Source, checked_name, finite
 
 Message = dict[str, Any]
 KEYS = {
-    "set": {"values", "speed", "shapes", "final"},
+    "set": {"values", "speed", "shapes"},
     "move": {"driver"},
     "save": {"name", "replace"},
     "ready": {"version"},
 }  # of messages, besides their type
 LONGEST = 1 << 16  # bytes of a message
-COARSE = 121  # nodes of the branch of a linkage in space while a slider moves, where walking it takes longer than all else
 MOST_NOTES = 5  # warnings that are shown
 
 
@@ -81,7 +78,6 @@ class Session:
         self.broken: str | None = None
         self._operation: Operation
         self._picture: Picture
-        self._followed: Linkage  # the last press that was followed from its drawn pose
         self._hastened = 1.0  # speed that a window has chosen, as a share of the one that was given
         self._values: list[float] = []
         self._before: list[Message] = []  # curves of the press as it was opened
@@ -108,7 +104,7 @@ class Session:
             self.broken = str(error)
             raise
         self._given, self._opened, self._operation, self._picture = given, opened, operation, first
-        self.broken, self._notes, self._followed = None, notes, first.press
+        self.broken, self._notes = None, notes
         self._values = [each.value for each in opened.source.dimensions]
         self._before, self._colours = first.data["curves"], colours(first.links)
         self.version += 1
@@ -188,7 +184,6 @@ class Session:
             self._moving = moving
             return Answer(sender={"type": "refused", "text": str(error)})
         self._opened, self._operation, self._picture, self._notes = opened, operation, now, notes
-        self._followed = now.press
         self._before, self._hastened = before.data["curves"], operation.speed / opened.operation.speed
         self.version += 1
         return Answer(everyone=self.whole())
@@ -202,9 +197,8 @@ class Session:
             operation = replace(self._operation, speed=shown * (RPM if self.coordinate.turns else 1e-3))
             with cautions_collected() as notes:
                 press = source.changed(values)
-                coarse = not message["final"] and not isinstance(press.engine(), PlanarEngine)
                 if press is not self._picture.press and press is not source.press:
-                    press.follow_beside(self._picture.press if coarse else self._followed, COARSE if coarse else None)
+                    press.follow_beside(self._picture.press)
                 kept = None if message["shapes"] else self._picture.links
                 now = picture(press, operation, kept, self._made_up(values))
                 if operation.speed != self._operation.speed:
@@ -212,7 +206,6 @@ class Session:
         except PinpressError as error:
             return Answer(sender={"type": "refused", "text": str(error)})
         self._values, self._operation, self._picture, self._notes = values, operation, now, notes
-        self._followed = self._followed if coarse else press
         self._hastened = operation.speed / self._opened.operation.speed
         self.version += 1
         return Answer(everyone=self._message("picture", now))
@@ -260,7 +253,7 @@ def _understood(text: str | bytes) -> Message:
     kind = message.get("type") if isinstance(message, dict) else None
     if not isinstance(kind, str) or kind not in KEYS or set(message) != KEYS[kind] | {"type"}:
         raise RefusedMessageError("no message that is known")
-    for flag in ("shapes", "final", "replace"):
+    for flag in ("shapes", "replace"):
         if not isinstance(message.get(flag, False), bool):
             raise RefusedMessageError(f"{flag} is neither true nor false")
     return dict(message)

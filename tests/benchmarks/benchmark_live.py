@@ -72,7 +72,7 @@ def changing(session: Session, whole: dict[str, Any]) -> Callable[[int], None]:
         values = list(whole["values"])
         place = k % len(values)
         values[place] += whole["dimensions"][place]["step"] * (1 + k % 3)
-        session.answer(json.dumps({"type": "set", "values": values, "speed": whole["speed"], "shapes": False, "final": False}))
+        session.answer(json.dumps({"type": "set", "values": values, "speed": whole["speed"], "shapes": False}))
 
     return change
 

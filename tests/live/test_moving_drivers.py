@@ -76,7 +76,7 @@ def test_another_driver_moves(session: Session, path: Path) -> None:
     assert whole["driver"]["name"] == "A"
     values = [*whole["values"]]
     values[0] = 20.0
-    assert ask(session, "set", values=values, speed=30.0, shapes=False, final=True).everyone["curves"] != whole["curves"]
+    assert ask(session, "set", values=values, speed=30.0, shapes=False).everyone["curves"] != whole["curves"]
     moved = ask(session, "move", driver="B").everyone
     assert (moved["moving"], moved["values"], moved["speed"]) == ("B", values, 30.0)
     press = with_moving(pp.build(path), "B", (np.radians(20.0), 0.0))
@@ -103,10 +103,10 @@ def test_where_a_driver_cannot_stand_is_said(tmp_path: Path) -> None:
     session.open()
     values = [*session.whole()["values"]]
     values[1] = -20.0
-    assert ask(session, "set", values=values, speed=30.0, shapes=False, final=True).sender is None
+    assert ask(session, "set", values=values, speed=30.0, shapes=False).sender is None
     good = list(values)
     values[1] = 20.0
-    assert "two_servos locks between" in ask(session, "set", values=values, speed=30.0, shapes=False, final=True).sender["text"]
+    assert "two_servos locks between" in ask(session, "set", values=values, speed=30.0, shapes=False).sender["text"]
     assert session.whole()["values"] == good
 
 

@@ -136,7 +136,7 @@ def test_it_listens_on_this_machine_alone(window: Any) -> None:
 def test_values_are_answered(window: Any) -> None:
     origin = "http://{0.hostname}:{0.port}".format(urlsplit(window.url))
     values = [101.0, 400.0, 0, 0, 0, 0, 0]
-    (picture,) = talk(window.url, json.dumps({"type": "set", "values": values, "speed": 30, "shapes": True, "final": True}), Origin=origin)
+    (picture,) = talk(window.url, json.dumps({"type": "set", "values": values, "speed": 30, "shapes": True}), Origin=origin)
     assert picture["type"] == "picture"
     assert picture["values"] == values
 
@@ -150,9 +150,7 @@ def test_what_is_no_message_ends_the_window(window: Any, message: str | bytes) -
 def test_several_windows_share_the_press(window: Any) -> None:
     async def both() -> tuple[Any, Any]:
         one, two = [await websocket_connect(window.url.replace("http", "ws") + "socket") for _ in range(2)]
-        await one.write_message(
-            json.dumps({"type": "set", "values": [99.0, 400, 0, 0, 0, 0, 0], "speed": 30, "shapes": False, "final": True})
-        )
+        await one.write_message(json.dumps({"type": "set", "values": [99.0, 400, 0, 0, 0, 0, 0], "speed": 30, "shapes": False}))
         found = [json.loads(await asyncio.wait_for(each.read_message(), 10)) for each in (one, two)]
         await hang_up(one)
         await hang_up(two)

@@ -50,7 +50,7 @@ def ask(session: Session, kind: str, **more: Any) -> Any:
 
 
 def change(session: Session, speed: float = 70.0, **changed: float) -> Any:
-    return ask(session, "set", values=values(session, **changed), speed=speed, shapes=False, final=True)
+    return ask(session, "set", values=values(session, **changed), speed=speed, shapes=False)
 
 
 def series(text: str, columns: int = 1) -> Any:
@@ -117,19 +117,6 @@ def test_notes_come_with_a_picture_and_not_as_warnings() -> None:
     assert "1.2e+05" in change(session, speed=120000.0).everyone["notes"][0] or change(session, speed=120000.0).everyone["notes"]
 
 
-@pytest.mark.exhaustive
-def test_in_space_a_moving_slider_shows_what_is_shown_when_it_is_let_go() -> None:
-    session = of_table(TEMPLATES / "rssp.yaml")
-    whole = session.whole()
-    changed = [*whole["values"]]
-    changed[0] += 2 * whole["dimensions"][0]["step"]
-    moving, let_go = (
-        ask(session, "set", values=changed, speed=whole["speed"], shapes=False, final=final).everyone for final in (False, True)
-    )
-    for one, other in zip(moving["curves"], let_go["curves"], strict=True):
-        assert_allclose(series(one["values"]), series(other["values"]), rtol=0, atol=1e-5 * np.abs(series(other["values"])).max())
-
-
 def test_a_driver_that_slides() -> None:
     session = session_of(lambda: opened(str(TEMPLATES / "toggle.yaml"), pp.load, {}), speed=0.1)
     whole = session.whole()
@@ -142,7 +129,7 @@ def test_a_driver_that_slides() -> None:
 
 
 def good(**other: Any) -> str:
-    return json.dumps({"type": "set", "values": [0.0] * 7, "speed": 60.0, "shapes": False, "final": True} | other)
+    return json.dumps({"type": "set", "values": [0.0] * 7, "speed": 60.0, "shapes": False} | other)
 
 
 @pytest.mark.parametrize(

@@ -315,7 +315,7 @@ function ask() {
   if (waiting || !wanted || socket.readyState !== WebSocket.OPEN) return;
   const speed = Number(element("speed").value);
   const shapes = wanted.final || (!hurried() && performance.now() - shapesAt > 5 * shapesTook + 50);  // at most a sixth of the time goes into them
-  socket.send(JSON.stringify({ type: "set", values, speed: Number.isFinite(speed) ? speed : data.speed, shapes, final: wanted.final }));
+  socket.send(JSON.stringify({ type: "set", values, speed: Number.isFinite(speed) ? speed : data.speed, shapes }));
   waiting = wanted.final ? "final" : "on the way";
   wanted = null;
 }
