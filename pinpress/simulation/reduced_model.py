@@ -440,8 +440,11 @@ class BearingStates:
             free = free + self.parts[BY_LOADS + row, :, :, None] * force
         viscous = law.viscous[:, None, None] * lever * speed
         efforts, change = viscous if start is None else start, np.full(speed.shape, np.inf)
+        count, size = len(efforts), speed.size
+        # einsum is slow where its last axis is short, as that of one scenario
+        flat = np.broadcast_to(responses, (count, *free.shape)).reshape(count, -1, size)
         for _ in range(MOST_ITERATIONS):
-            radial = free + np.einsum("kcns,kns->cns", responses, efforts)
+            radial = free + np.einsum("kcm,km->cm", flat, efforts.reshape(count, size)).reshape(free.shape)
             pressing = np.sqrt(np.tensordot(self.model.owners, radial * radial, axes=1))
             following = viscous + law.arm[:, None, None] * pressing
             before, change, largest = change, np.abs(following - efforts).max(axis=0), np.abs(following).max(axis=0)

@@ -140,7 +140,8 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
             return None
         # the guess must have the course of the speed: a drive's torque may have no slope at the mean speed
         found = _periodic(driven, mesh, energy, collocation.solve(driven, mesh, energy).energy, tolerance)
-    return None if found is None else _as_trajectory(driven, found, angle)
+    # Newton's method may also end at a motion that the press leaves when it is disturbed
+    return None if found is None or found.exponent[0] >= 0 else _as_trajectory(driven, found, angle)
 
 
 def _found_nearby(driven: DrivenPress, mesh: Mesh, speed: float, tolerance: float) -> CollocationSolution | None:
