@@ -1,5 +1,5 @@
 """Inverse dynamics of the ZXN2-3000(B) press at 70 r/min: pinpress beside a hand-written script and a plain Pinocchio loop; then of every
-shipped press, and of scenes with springs and friction.
+shipped press, of scenes with springs and friction, and of linkages in space.
 
 Run `python tests/benchmarks/benchmark_inverse_dynamics.py`; `--quick` for a fifth of the repeats. pytest does not collect this file.
 Every contestant starts from crank angles and the loaded press and ends with the driving torque and the force of every pin and
@@ -20,7 +20,10 @@ import statistics
 import subprocess
 import sys
 import time
+import warnings
 from collections.abc import Callable
+from functools import partial
+from importlib.metadata import files
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +33,9 @@ import pinocchio as pin
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 sys.path.insert(0, str(ROOT / "tests"))
+from support import texts  # noqa: E402
+from support.generators import spatial_linkages  # noqa: E402
+from support.oracles import cassie  # noqa: E402
 from support.oracles.pinocchio_loop import PinocchioLoop, inverse_dynamics  # noqa: E402
 
 from pinpress.accuracy.peers.six_bar_script import Array, six_bar, world_forces  # noqa: E402
@@ -86,7 +92,11 @@ def contestants(n: int) -> list[Contestant]:
             lambda _: pinpress("plane", {})[:2],
         )
         found.append(other_speed)
-        found.append(("(e) pinpress, pinocchio", n, lambda: pinpress("pinocchio", {"engine": "pinocchio"}), lambda r: r[:2]))
+        anew: dict[str, Any] = {"engine": "space"}
+        found.append(
+            ("(e) pinpress, space, new angles", n, lambda: pinpress("space", anew, next(sizes)), lambda _: pinpress("space", anew)[:2])
+        )
+        found.append(("(f) pinpress, pinocchio", n, lambda: pinpress("pinocchio", {"engine": "pinocchio"}), lambda r: r[:2]))
     return found
 
 
@@ -222,6 +232,59 @@ def print_presses(n: int, repeats: int) -> None:
         print(line)
 
 
+def print_space(n: int, repeats: int) -> None:
+    """Time linkages in space, new angles in every call: engine `space` beside `pinocchio`. Of Cassie, whose twelve drivers have to be
+    followed from angle to angle, inverse dynamics alone."""
+    import pinpress as pp
+
+    def swung(press: pp.Linkage, engine: str, shift: float) -> pp.Reactions:
+        low, high = (0.0, 2 * np.pi) if press.branch.period else press.branch.angles[[0, -1]]
+        angle = 0.5 * (low + high) + 0.4 * (high - low) * np.sin(np.linspace(shift, 6.0, n))
+        motion = pp.servo_cycle(press, angle=angle, speed=np.cos(angle), acceleration=np.sin(angle), engine=engine)
+        return pp.inverse_dynamics(press, motion, engine=engine)
+
+    shifts = itertools.count(0.0, 1e-5)
+    rssp = Path(pp.__file__).parent / "pin_table" / "templates" / "rssp.yaml"
+    presses = {
+        "crank, ball-ended rod, slide": pp.build(rssp),
+        "Bennett, 4 pins": texts.load(spatial_linkages.bennett()),
+        "Bricard, 6 pins": texts.load(spatial_linkages.bricard()),
+        "four-bar with a weld": texts.load(spatial_linkages.four_bar("fixed")),
+    }
+    works: dict[str, Callable[[str, float], pp.Reactions]] = {name: partial(swung, press) for name, press in presses.items()}
+    robot = _cassie()
+    sway = 0.005 * np.sin(np.linspace(0.0, 6.0, n)[:, None] + np.arange(len(robot.drivers)))
+    moved = pp.servo_cycle(robot, angle=sway, speed=sway, acceleration=-sway)
+    works["Cassie, 12 drivers, forces alone"] = lambda engine, _: pp.inverse_dynamics(robot, moved, engine=engine)
+    entries: list[Contestant] = [
+        (f"{name}|{engine}", n, lambda work=work, engine=engine: work(engine, next(shifts)), lambda r: r)
+        for name, work in works.items()
+        for engine in ("space", "pinocchio")
+    ]
+    best = {name: min(row) / n * 1e6 for (name, _, _, _), row in zip(entries, timed(entries, repeats), strict=True)}
+    print(f"\nLinkages in space, {n} states, {repeats} repeats, best times; errors against engine 'pinocchio', relative to the peak")
+    print(f"{'':36}{'us/state':>10}{'us/state':>10}{'ratio':>8}{'torque':>10}{'force':>10}")
+    print(f"{'':36}{'space':>10}{'pinocchio':>10}{'':>8}{'error':>10}{'error':>10}")
+    for name, work in works.items():
+        ours, judge = work("space", 0.0), work("pinocchio", 0.0)
+        torque = np.abs(ours.driving_torque - judge.driving_torque).max() / np.abs(judge.driving_torque).max()
+        peak = max(np.abs(force).max() for force in judge.bearing_force.values())
+        force = max(np.abs(ours.bearing_force[b] - judge.bearing_force[b]).max() for b in judge.bearing_force) / peak
+        fast, slow = best[f"{name}|space"], best[f"{name}|pinocchio"]
+        print(f"{name:36}{fast:10.2f}{slow:10.1f}{slow / fast:8.1f}{torque:10.1e}{force:10.1e}")
+
+
+def _cassie() -> Any:
+    """The robot of example-robot-data, its motors and its knees' springs as drivers."""
+    import pinpress as pp
+
+    file = next(path.locate() for path in files("example-robot-data") or () if path.name == "cassie_v2.sdf")
+    drivers = [f"{side}-{joint}" for side in ("left", "right") for joint in (*cassie.MOTORS, "knee-shin-joint")]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pp.PinpressWarning)  # its springs are not read
+        return pp.load(file, driver=drivers)
+
+
 def print_cold_start(repeats: int) -> None:
     """Wall time of fresh interpreters, taking turns."""
     statements = [
@@ -280,6 +343,7 @@ def main() -> None:
         print_speed(n, max(3, repeats // 5) if quick else repeats)
     print_fixed_cost(6 if quick else 30)
     print_presses(360, 5 if quick else 30)
+    print_space(360, 3 if quick else 10)
     print_cold_start(3 if quick else 7)
 
 
