@@ -10,6 +10,7 @@ mu the iterations do not converge.
 """
 
 import gc
+import itertools
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -33,6 +34,7 @@ from .peers.peer import Answer, Peer
 
 TURN = 0.02  # duration of a contestant's turn; its first call finds data and code evicted from the cache [s]
 PATIENCE = 2.0  # time after which a contestant that has been timed gets no more turns [s]
+GRIDS = 8  # numbers of crank angles that take turns, more than a press keeps
 STATES = 48  # states of a period in which forward dynamics gives the accelerations back
 PARAMETERS = (0.0, *(10.0**k for k in range(-14, -1)))
 ITERATIONS = (1, 5, 20)
@@ -145,9 +147,7 @@ def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: S
 
     contestant = partial(Contestant, INVERSE_DYNAMICS, setting=f"{points} crank angles", number=points)
     entries = [
-        contestant(
-            engine, work=partial(_solved, press, speed, points, engine), errors=partial(errors, first if answer is spatial else spatial)
-        )
+        contestant(engine, work=_solved_anew(press, speed, points, engine), errors=partial(errors, first if answer is spatial else spatial))
         for engine, answer in answers.items()
     ]
     entries += [
@@ -290,6 +290,13 @@ def _measurement(contestant: Contestant, errors: Errors | None, problem: str, se
 
 def _solved(press: Linkage, speed: float, points: int, engine: str) -> Reactions:
     return inverse_dynamics(press, cycle(press, speed=speed, points=points, engine=engine), engine=engine)
+
+
+def _solved_anew(press: Linkage, speed: float, points: int, engine: str) -> Callable[[], Reactions]:
+    """A function that solves ``points`` crank angles when it is first called, and then a few more, another number each time: a press keeps
+    what belongs to the last few grids of crank angles, and who is timed shall not find it there."""
+    counts = itertools.chain([points], itertools.cycle(range(points + 1, points + 1 + GRIDS)))
+    return lambda: _solved(press, speed, next(counts), engine)
 
 
 def _off(torque: Array, expected: Array, peak: float) -> float:
