@@ -161,7 +161,7 @@ class _Balance:
             PinpressError: friction locks the linkage.
         """
         _, directions = self.ways(self.states.v)
-        directions[self.count :, :][np.broadcast_to((speeds[self.count :] == 0)[:, None], directions[self.count :].shape)] = 0.0
+        directions[self.count :] *= (speeds[self.count :] != 0)[:, None]
 
         def radial(efforts: Array) -> Array:
             vectors = self.radial(self.multipliers(self.friction(efforts, directions), compliance), directions)
