@@ -13,7 +13,7 @@ from ...common.quantities import Array
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..spatial.engine import SpatialEngine
-from . import bodies, equations, inverse_dynamics
+from . import bodies, equations
 from .equations import Loops, build_loops
 
 FEW = 3  # up to so many configurations Pinocchio closes them faster, one at a time
@@ -102,12 +102,18 @@ class SpaceEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+        from . import inverse_dynamics  # not needed to load
+
         return inverse_dynamics.inverse_dynamics(self.loops, states, conditions, wanted)
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+        from . import inverse_dynamics  # not needed to load
+
         return inverse_dynamics.bearing_loads(self.loops, states, loads, efforts, rates)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        from . import inverse_dynamics  # not needed to load
+
         return inverse_dynamics.indeterminate(self.loops, position, axes)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
