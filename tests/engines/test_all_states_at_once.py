@@ -25,8 +25,9 @@ LINKAGES = {
 }
 
 
-def moved(press, middle, swing, engine="auto"):
+def moved(case, engine="auto"):
     """A servo motion of a linkage, its drivers out of step with each other."""
+    press, middle, swing = case
     count = len(press.drivers)
     phase = np.linspace(0.3, 2.9, N)[:, None] + 0.4 * np.arange(count)
     angle, speed, acceleration = middle + swing * np.sin(phase), swing * np.cos(phase), -swing * np.sin(phase)
@@ -52,7 +53,7 @@ def agree(ours, judge, bound):
 
 
 def test_motion(case):
-    ours, theirs = (moved(*case, engine) for engine in ("space", "pinocchio"))
+    ours, theirs = (moved(case, engine) for engine in ("space", "pinocchio"))
     for name in ("joint_position", "v", "a"):
         one, other = getattr(ours, name), getattr(theirs, name)
         assert np.abs(one - other).max() <= 1e-12 * (1 + np.abs(other).max()), name
@@ -60,7 +61,7 @@ def test_motion(case):
 
 def test_forces(case):
     press = case[0]
-    motion = moved(*case)
+    motion = moved(case)
     loads = [pp.loads.PointForce(press.links[-1], (30.0, -40.0, 20.0), (0.02, -0.05, 0.01))]
     welds = {loop.name for loop in press.loops if loop.type == "fixed"}
     rubbing = {name: pp.loads.Friction(0.05, radius=0.02) for name in press.bearings if name not in welds}
@@ -76,19 +77,19 @@ def test_forces(case):
 
 
 def test_in_pieces_as_at_once(case, monkeypatch):
-    whole = moved(*case, "space")
+    whole = moved(case, "space")
     forces = pp.inverse_dynamics(case[0], whole, engine="space")
     monkeypatch.setattr(equations, "JACOBIANS", 1)
     press = replace(case[0])  # with constants of its own
     assert press.engine("space").loops.piece == 8 < N
-    parts = moved(press, *case[1:], "space")
+    parts = moved((press, *case[1:]), "space")
     np.testing.assert_allclose(parts.a, whole.a, rtol=0, atol=1e-12 * np.abs(whole.a).max())
     agree(pp.inverse_dynamics(press, parts, engine="space"), forces, 1e-11)
 
 
 def test_few_states_are_like_many(case):
     engine = case[0].engine("space")
-    position = moved(*case).joint_position.T
+    position = moved(case).joint_position.T
     drivers = len(case[0].drivers)
     speed = np.ones((drivers, N))
     many = engine.rates(position, speed, 0 * speed)
