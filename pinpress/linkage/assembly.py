@@ -156,7 +156,7 @@ def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: 
     for start in range(0, len(angles), PIECE):
         part = angles[start : start + PIECE]
         piece = _closed_piece(engine, spatial_model, part, predict(branch, part), name)
-        pieces.append(replace(piece, jacobian=None))  # its memory serves the next piece
+        pieces.append(replace(piece, jacobian=None, solved=None))  # its memory serves the next piece
     return joined(pieces)
 
 

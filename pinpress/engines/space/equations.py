@@ -8,7 +8,7 @@ configurations get a singular value decomposition, which finds the rank. Arrays 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -334,7 +334,8 @@ def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins
     with np.errstate(all="ignore"):
         if n <= step:
             return _close(loops, drivers, along, guess, with_margins)
-        return joined([_close(loops, drivers[:, k : k + step], along, guess[:, k : k + step], with_margins) for k in range(0, n, step)])
+        pieces = (_close(loops, drivers[:, k : k + step], along, guess[:, k : k + step], with_margins) for k in range(0, n, step))
+        return joined([replace(piece, solved=None) for piece in pieces])  # its memory serves the next piece
 
 
 def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool) -> Closure:
@@ -369,7 +370,7 @@ def _solved(loops: Loops, x: Array) -> tuple[Equations, Array, int]:
         open_states = np.flatnonzero(~((gap <= tolerance) | stalled) & np.isfinite(gap))
         if not len(open_states) or steps == MOST_NEWTON_STEPS:
             return found, gap, steps
-        before = np.where(np.isin(np.arange(len(gap)), open_states), gap, before)
+        before[open_states] = gap[open_states]
         passive = PassiveColumns(loops, found.columns[:, :, open_states])
         x[:, open_states] += passive.rates(-found.gaps[:, open_states])
         steps += 1

@@ -121,7 +121,6 @@ class _Balance:
         self.moment = carried[:, 1] - cross(placed.origin[1:], self.force)  # about the joints' origins
         along = np.where(bodies.turns[:, None, None], self.moment, self.force)
         self.effort = np.asarray((placed.axis * along).sum(axis=1))
-        self.turning = np.where(bodies.turns[:, None, None], placed.axis, 0.0)
         self.size = spatial.size
 
     def _refuse_open(self, found: Equations) -> None:
@@ -206,7 +205,8 @@ class _Balance:
         """Efforts (nv, n) that loops, couplings and drives have to supply: those of the open tree less friction."""
         needed: Array = self.effort - friction.efforts
         if friction.couples.any():
-            needed -= np.einsum("jl,jin,lin->jn", self.loops.spatial.incidence, self.turning, friction.couples, optimize=True)
+            turning = np.where(self.loops.bodies.turns[:, None, None], self.found.placed.axis, 0.0)
+            needed -= np.einsum("jl,jin,lin->jn", self.loops.spatial.incidence, turning, friction.couples, optimize=True)
         return needed
 
     def _objectives(
