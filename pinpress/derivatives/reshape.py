@@ -23,8 +23,8 @@ from ..engines.joints import Coupling
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import close
 from ..engines.planar.model import Plane
-from ..engines.spatial.kinematics import PassiveJacobian
-from ..engines.spatial.kinematics import close as close_drivers
+from ..engines.pinocchio.kinematics import PassiveJacobian
+from ..engines.pinocchio.kinematics import close as close_drivers
 from ..linkage.linkage import Linkage
 from .motion import Displacements, Pivots, Shift, States, displaced, shift, shifted
 

@@ -50,7 +50,7 @@ class Closure:
             block, and no sign. None unless asked for.
         basis: (nb, n) the planar engine's basis functions, see `planar.model`; None from the other engines.
         jacobian: of the planar engine's equations there; None where it is not kept.
-        solved: `space.equations.Solved`, what the engine in space keeps from closing; None from the other engines.
+        solved: `spatial.equations.Solved`, what the engine in space keeps from closing; None from the other engines.
     """
 
     position: Array

@@ -29,10 +29,10 @@ from ..engines.engine import ACCEPTED, PIECE, Closure, Engine, joined
 from ..engines.forces import RANK
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import moves, openings
-from ..engines.space.engine import SpaceEngine
 from ..engines.spatial.engine import SpatialEngine
-from ..engines.spatial.kinematics import PassiveJacobian, close, rank
-from ..engines.spatial.model import Rows, SpatialModel
+from ..engines.pinocchio.engine import PinocchioEngine
+from ..engines.pinocchio.kinematics import PassiveJacobian, close, rank
+from ..engines.pinocchio.model import Rows, SpatialModel
 
 CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
 TRAVELLED = 20.0  # a driver that slides is followed as far [lengths of the linkage]
@@ -46,7 +46,7 @@ class Assembly(NamedTuple):
     Attributes:
         engines: the engines that can compute the linkage, by their names, the fastest first.
         drawn: the drawn pose, closed as far as Newton's method could.
-        gaps: (rows,) of the equations of loops and couplings as drawn, see `engines.spatial.model`.
+        gaps: (rows,) of the equations of loops and couplings as drawn, see `engines.pinocchio.model`.
         determined: whether the drivers determine how all joints move there.
         rows: the equations in the closed pose; None where they have not been computed yet.
         branch: the assembly over the crank angle; None where it has not been followed yet.
@@ -62,7 +62,7 @@ class Assembly(NamedTuple):
 
 def assembled(spatial_model: SpatialModel) -> Assembly:
     """The drawn pose of a linkage, closed by the fastest engine that can compute it."""
-    start, spatial_engine = as_drawn(spatial_model), SpatialEngine(spatial_model)
+    start, spatial_engine = as_drawn(spatial_model), PinocchioEngine(spatial_model)
     for one_block in (False, True) if len(spatial_model.drivers) == 1 else ():
         planar = PlanarEngine.of(spatial_model, one_block)
         if planar is None:
@@ -72,7 +72,7 @@ def assembled(spatial_model: SpatialModel) -> Assembly:
         walked = _full_turn(planar, spatial_model, drawn) if planar.plane.redundant and not one_block else None
         fit = one_block or walked is not None or not planar.plane.redundant
         if fit and drawn.margins is not None and np.abs(drawn.margins).min(initial=1.0) > RANK:
-            engines: dict[str, Engine] = {e.name: e for e in (planar, SpaceEngine(spatial_engine), spatial_engine)}
+            engines: dict[str, Engine] = {e.name: e for e in (planar, SpatialEngine(spatial_engine), spatial_engine)}
             return Assembly(engines, drawn, _planar_gaps(planar, start), moves(planar.plane, drawn), None, walked)
     return _in_space(spatial_engine, start)
 
@@ -248,7 +248,7 @@ def as_drawn(spatial_model: SpatialModel) -> Array:
     return position
 
 
-def _in_space(spatial_engine: SpatialEngine, start: Array) -> Assembly:
+def _in_space(spatial_engine: PinocchioEngine, start: Array) -> Assembly:
     """The drawn pose of any linkage from joint coordinates (nv,)."""
     spatial_model = spatial_engine.spatial
     count, equations = len(spatial_model.drivers), spatial_model.equations()
@@ -259,7 +259,7 @@ def _in_space(spatial_engine: SpatialEngine, start: Array) -> Assembly:
         rows = equations.at(drawn.position[:, 0])
         mobility = spatial_model.model.nv - rank(rows.columns)
         determined = mobility == count and PassiveJacobian(rows.columns, spatial_model).rank == len(spatial_model.passive_joints)
-    engines: dict[str, Engine] = {engine.name: engine for engine in (SpaceEngine(spatial_engine), spatial_engine)}
+    engines: dict[str, Engine] = {engine.name: engine for engine in (SpatialEngine(spatial_engine), spatial_engine)}
     return Assembly(engines, drawn, gaps, determined, rows, None)
 
 

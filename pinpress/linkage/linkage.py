@@ -21,14 +21,14 @@ from ..engines.engine import Closure, Engine
 from ..engines.joints import Axis, Coupling, LoopJoint, Slot, configuration
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.model import Plane
-from ..engines.spatial.kinematics import rank
-from ..engines.spatial.model import Rows, SpatialModel, build_spatial_model, constraint_models
+from ..engines.pinocchio.kinematics import rank
+from ..engines.pinocchio.model import Rows, SpatialModel, build_spatial_model, constraint_models
 from .assembly import Assembly, as_drawn, assembled, closed, followed, followed_beside, followed_from, refuse_far, through_change_points
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .urdf.document import Document
 
 if TYPE_CHECKING:
-    from ..engines.spatial.forward_dynamics import ForwardDynamics
+    from ..engines.pinocchio.forward_dynamics import ForwardDynamics
 
 UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which it goes up and down
 SHOWN = np.pi / 3  # crank angle at which a linkage is drawn in notebooks: a drawn pose is often a dead centre [rad]
@@ -233,7 +233,7 @@ class Linkage(Frozen):
 
     @property
     def drawn_gaps(self) -> Array:
-        """(rows,) gaps of the equations of loops and couplings as drawn, see `engines.spatial.model`."""
+        """(rows,) gaps of the equations of loops and couplings as drawn, see `engines.pinocchio.model`."""
         return self._assembly.gaps
 
     @property
@@ -462,7 +462,7 @@ class Linkage(Frozen):
         Raises:
             PinpressError: an armature of another shape, or not finite.
         """
-        from ..engines.spatial.forward_dynamics import ForwardDynamics  # only simulation over time needs it, and it is slow to import
+        from ..engines.pinocchio.forward_dynamics import ForwardDynamics  # only simulation over time needs it, and it is slow to import
 
         return ForwardDynamics(self.spatial_model, self.closed, self.rank, armature, self.name)
 

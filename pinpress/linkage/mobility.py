@@ -12,8 +12,8 @@ import pinocchio as pin
 from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint, data_of, drawn_placements
 from ..engines.planar.model import PARALLEL
-from ..engines.spatial.kinematics import PassiveJacobian, rank
-from ..engines.spatial.model import Rows
+from ..engines.pinocchio.kinematics import PassiveJacobian, rank
+from ..engines.pinocchio.model import Rows
 from .linkage import Linkage
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it
@@ -66,7 +66,7 @@ class Redundancy(NamedTuple):
 
 
 def constraints(press: Linkage) -> list[Constraint]:
-    """All loops, then couplings, with the indices of their equations (see `engines.spatial.model`)."""
+    """All loops, then couplings, with the indices of their equations (see `engines.pinocchio.model`)."""
     result, row = [], 3 * len(press.loops)
     for k, loop in enumerate(press.loops):
         result.append(Constraint(loop, (3 * k, 3 * k + 1, 3 * k + 2), tuple(range(row, row + loop.held_rotations))))

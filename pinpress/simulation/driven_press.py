@@ -31,7 +31,7 @@ from .law_trials import check_drive, check_load
 from .reduced_model import COORDINATES, BearingModel, ReducedModel, build_bearing_model, build_reduced_model, reduced_model_of, roots
 
 if TYPE_CHECKING:
-    from ..engines.spatial.forward_dynamics import ForwardDynamics
+    from ..engines.pinocchio.forward_dynamics import ForwardDynamics
 
 THIN = 1e-8  # thinnest interval of a load that crank angles tell apart [lengths of the linkage]
 

@@ -21,7 +21,7 @@ from .failures import failure
 from .reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel
 
 if TYPE_CHECKING:
-    from ..engines.spatial.forward_dynamics import ForwardDynamics
+    from ..engines.pinocchio.forward_dynamics import ForwardDynamics
 
 LOOSE = 1e-6  # rounding of many turns by which an angle may lie outside the range of a reduced model [rad]
 STANDING = 1e-6  # speed of a joint up to which it stands [m/s]

@@ -13,8 +13,8 @@ import pinpress as pp
 from pinpress.engines.engine import ClosedStates, Engine
 from pinpress.engines.forces import AppliedConditions, AppliedForce
 from pinpress.engines.planar.engine import PlanarEngine
-from pinpress.engines.space.engine import SpaceEngine
 from pinpress.engines.spatial.engine import SpatialEngine
+from pinpress.engines.pinocchio.engine import PinocchioEngine
 
 PRESSES = ["crank_slide", "zxn2_3000b", "jf75g_125_symmetric", "thin_wall"]
 SPEED = 7.0
@@ -38,7 +38,7 @@ def both(request, press):
     return press.engine(request.param), press.engine("pinocchio")
 
 
-@pytest.mark.parametrize("kind", [PlanarEngine, SpaceEngine, SpatialEngine])
+@pytest.mark.parametrize("kind", [PlanarEngine, SpatialEngine, PinocchioEngine])
 def test_an_engine_offers_what_the_interface_names_and_takes_the_same(kind):
     for name in OFFERED:
         offered, asked = getattr(kind, name), getattr(Engine, name)

@@ -29,7 +29,7 @@ from pinpress.dynamics import inverse_dynamics as reactions
 from pinpress.engines.forces import FrictionLaw
 from pinpress.engines.planar import bodies, out_of_plane, statics
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
-from pinpress.engines.spatial import inverse_dynamics as spatial_dynamics
+from pinpress.engines.pinocchio import inverse_dynamics as spatial_dynamics
 
 LEAST = "lexicographic_least_squares"
 

@@ -14,7 +14,7 @@ from ...common.quantities import Array, ComplexArray
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..joints import product
-from ..spatial.model import SpatialModel
+from ..pinocchio.model import SpatialModel
 from . import kinematics
 from .bodies import Bodies, build_bodies, energies, power_balance
 from .model import Plane, build_plane, to_world
@@ -117,7 +117,7 @@ class PlanarEngine:
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         # slow to import, and not needed to load
-        from ..spatial.inverse_dynamics import indeterminate as indeterminate_in_space
+        from ..pinocchio.inverse_dynamics import indeterminate as indeterminate_in_space
         from .out_of_plane import indeterminate
 
         if self.plane.redundant:

@@ -1,1 +1,1 @@
-"""Pinocchio's engine computes any linkage, one configuration at a time."""
+"""The engine of linkages in space: all configurations at once, with NumPy; it takes any linkage."""

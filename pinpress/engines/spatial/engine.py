@@ -1,9 +1,10 @@
-"""Pinocchio's engine: any linkage, one configuration at a time."""
+"""The engine of linkages in space: all crank angles at once."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,25 +12,33 @@ from numpy.typing import NDArray
 from ...common.quantities import Array
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
-from . import kinematics
-from .model import SpatialModel
+from ..pinocchio.engine import PinocchioEngine
+from . import bodies, equations
+from .equations import Loops, build_loops
+
+FEW = 3  # up to so many configurations Pinocchio closes them faster, one at a time
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SpatialEngine:
-    """Pinocchio's engine for one linkage; see `Engine`.
+    """The engine of a linkage in space; see `Engine`.
 
     Attributes:
-        spatial: constants of the linkage.
+        one_by_one: Pinocchio's engine of the linkage, which takes over where there are few configurations.
     """
 
-    spatial: SpatialModel
+    one_by_one: PinocchioEngine
 
-    name = "pinocchio"
+    name = "space"
+
+    @cached_property
+    def loops(self) -> Loops:
+        """Constants of the linkage."""
+        return build_loops(self.one_by_one.spatial)
 
     @property
     def tolerance(self) -> float:
-        return self.spatial.tolerance
+        return self.one_by_one.tolerance
 
     @property
     def directions(self) -> Array:
@@ -41,57 +50,74 @@ class SpatialEngine:
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        return kinematics.close(self.spatial, self.spatial.equations(), angle[None], np.ones(1), guess)
+        if len(angle) <= FEW:
+            return self.one_by_one.close(angle, guess, with_margins)
+        return equations.close(self.loops, angle[None], np.ones(1), guess, with_margins)
 
     def closing_function(self) -> CloseDrivers:
-        equations = self.spatial.equations()
+        close_few = self.one_by_one.closing_function()
 
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            return kinematics.close(self.spatial, equations, drivers, along, guess)
+            if guess.shape[1] <= FEW:
+                return close_few(drivers, along, guess)
+            return equations.close(self.loops, drivers, along, guess, with_margins=True)
 
         return close
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-        return kinematics.rates(self.spatial, position, speed, acceleration)
+        if position.shape[1] <= FEW:
+            return self.one_by_one.rates(position, speed, acceleration)
+        return equations.rates(self.loops, position, speed, acceleration)
 
     def gaps(self, position: Array) -> Array:
-        equations = self.spatial.equations()
-        return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
+        return equations.gaps(self.loops, position)
 
     def redundant(self, x: Array) -> bool:
-        return kinematics.redundant(self.spatial, x)
+        return self.one_by_one.redundant(x)
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
-        loops, couplings = self.spatial.joints_of_loop, self.spatial.couplings
-        yield from enumerate([*map(tuple, loops), *((pair.follower, pair.leader) for pair in couplings)])
+        return self.one_by_one.closing_order()
 
     # -------------------------------------------------------------------------------------------------------------------- motion
 
     def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
-        return kinematics.point_motion(self.spatial, states, joint, point)
+        placed = bodies.placements(self.loops.bodies, states.position)
+        moved = bodies.velocities(self.loops.bodies, bodies.motion_axes(self.loops.bodies, placed), states.v)
+        at = placed.point(joint, point)
+        return at.T, moved.of_point(joint, at).T
 
     def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
-        return kinematics.point_accelerations(self.spatial, states, joint, points)
+        constants = self.loops.bodies
+        placed = bodies.placements(constants, states.position)
+        axes = bodies.motion_axes(constants, placed)
+        moved = bodies.velocities(constants, axes, states.v)
+        changed = bodies.accelerations(constants, axes, moved, states.v, states.a)
+        at = [placed.point(joint, point) for point in points]
+        shape = (len(points), states.v.shape[1], 3)
+        return (
+            np.array([place.T for place in at]).reshape(shape),
+            np.array([changed.of_point(moved, joint, place).T for place in at]).reshape(shape),
+        )
 
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-        from . import inverse_dynamics  # slow to import, and not needed to load
+        from . import inverse_dynamics  # not needed to load
 
-        return inverse_dynamics.inverse_dynamics(self.spatial, states, conditions, wanted)
+        return inverse_dynamics.inverse_dynamics(self.loops, states, conditions, wanted)
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
-        from . import inverse_dynamics  # slow to import, and not needed to load
+        from . import inverse_dynamics  # not needed to load
 
-        return inverse_dynamics.bearing_loads(self.spatial, states, loads, efforts, rates)
+        return inverse_dynamics.bearing_loads(self.loops, states, loads, efforts, rates)
 
     def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        from . import inverse_dynamics  # slow to import, and not needed to load
+        from . import inverse_dynamics  # not needed to load
 
-        return inverse_dynamics.indeterminate(self.spatial, position, axes)
+        return inverse_dynamics.indeterminate(self.loops, position, axes)
 
     def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
-        return kinematics.power_balance(self.spatial, states, loads)
+        return bodies.power_balance(self.loops.bodies, states, loads)
 
     def energies(self, states: ClosedStates) -> EnergyRates:
-        return kinematics.energies(self.spatial, states)
+        return bodies.energies(self.loops.bodies, states)

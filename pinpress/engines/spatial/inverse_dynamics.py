@@ -1,251 +1,327 @@
-"""Inverse dynamics of any linkage, one configuration at a time, by Pinocchio's recursive Newton-Euler algorithm.
+"""Inverse dynamics of linkages in space, all configurations at once: driving torque and the wrenches of the bearings.
 
-There are three steps: the efforts and wrenches of the open tree; the multipliers of the equations, which balance the efforts of the passive
-joints less their friction (`engines.forces` says how redundant forces are shared); the tree once more, under the wrenches of the loops.
-
-Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2.
+The forces of the open tree are sums over the bodies that a joint carries. The multipliers of the equations balance the efforts of its
+passive joints; what they leave open is shared as `engines.forces` says. A bearing's force is that of the open tree less the loop forces
+that cross it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
-from ..joints import configuration
-from .kinematics import PassiveJacobian
-from .model import Equations, Rows, SpatialModel
-
-Wrench = tuple[int, Array, Array, Array]
-"""Joint, point in its frame [m], force and couple in world axes [N, N m]."""
+from ..joints import product
+from .bodies import accelerations, cross, inertia_forces, motion_axes, velocities
+from .equations import Equations, Loops, PassiveColumns, equations, loop_spins
 
 
-def inverse_dynamics(spatial: SpatialModel, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
     """Driving torque and the wrenches of joints and loops; see `Engine.inverse_dynamics`."""
-    n, count, law = states.v.shape[1], spatial.model.nv, conditions.law
-    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), count + len(spatial.loops), n, len(wanted))
-    # the driving torque does not depend on how idle forces are shared
-    shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))
-    equations = spatial.equations()
-    spins = None if law is None else _loop_spins(spatial, equations, states.position, states.v)
-    speeds = None if law is None or spins is None else law.moving(np.concatenate([states.v, np.linalg.norm(spins, axis=2)]))
-    for i in range(n):
-        applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in conditions.loads]
-        state = _State(spatial, equations, states.position[:, i], states.v[:, i].copy(), states.a[:, i].copy(), applied)
-        efforts, couples = np.zeros(count), np.zeros((len(spatial.loops), 3))
-        if law is None or spins is None or speeds is None:
-            multipliers = state.multipliers(efforts, couples, conditions.compliance, shared)
+    spatial, n, law = loops.spatial, states.v.shape[1], conditions.law
+    result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), spatial.model.nv + len(spatial.loops), n, len(wanted))
+    speeds = None if law is None else law.moving(_speeds(loops, states.position, states.v))
+    for start in range(0, n, loops.piece):
+        some = slice(start, start + loops.piece)
+        balance = _Balance(loops, states if n <= loops.piece else states.part(some), [load.part(some) for load in conditions.loads])
+        if law is None or speeds is None:
+            # the driving torque does not depend on how idle forces are shared
+            shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))
+            friction = balance.no_friction()
+            multipliers = balance.multipliers(friction, conditions.compliance, shared)
         else:
-            multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], spins[:, i], conditions.compliance)
-            result.friction[:, i] = lost
-        state.fill(result, i, multipliers, efforts, couples, wanted)
+            multipliers, friction, lost = balance.with_friction(law, speeds[:, some], conditions.compliance)
+            result.friction[:, some] = lost
+        balance.fill(result.part(some), multipliers, friction, wanted)
     return result
 
 
-def bearing_loads(spatial: SpatialModel, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+def bearing_loads(loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
     """See `Engine.bearing_loads`; the speeds of loops are magnitudes."""
-    n, count, equations = states.v.shape[1], spatial.model.nv, spatial.equations()
-    spins = _loop_spins(spatial, equations, states.position, rates)
-    speed = np.concatenate([rates, np.linalg.norm(spins, axis=2)])
-    radial = np.zeros((*efforts.shape, 3))
-    for i in range(n):
-        applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in loads]
-        state = _State(spatial, equations, states.position[:, i], states.v[:, i].copy(), states.a[:, i].copy(), applied)
-        directions = state.directions(spins[:, i], speed[count:, i])
-        multipliers = state.multipliers(efforts[:count, i], efforts[count:, i, None] * directions[count:], None)
-        radial[:, i] = state.radial(multipliers, directions)
+    n = states.v.shape[1]
+    speed, radial = np.empty_like(efforts), np.empty((*efforts.shape, 3))
+    for start in range(0, n, loops.piece):
+        some = slice(start, start + loops.piece)
+        balance = _Balance(loops, states.part(some), [load.part(some) for load in loads])
+        speed[:, some], directions = balance.ways(rates[:, some])
+        multipliers = balance.multipliers(balance.friction(efforts[:, some], directions), None)
+        radial[:, some] = balance.radial(multipliers, directions).transpose(0, 2, 1)
     return BearingLoads(speed, radial)
 
 
-def indeterminate(spatial: SpatialModel, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def indeterminate(loops: Loops, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Force and moment components (bearings, 6) along the rows of ``axes`` (3, 3), and coupling torques (nc,), that idle forces change in
     any of the positions (nv, n); see `Engine.indeterminate`."""
-    equations = spatial.equations()
+    spatial = loops.spatial
     marks, couplings = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
-    for x in position.T:
-        rows = equations.at(x)
-        idle = PassiveJacobian(rows.columns, spatial).idle
-        if idle.shape[1]:
-            forces, moments, _ = _parts(spatial, rows, idle)
-            moments = _moments(spatial, equations.placements, forces, moments)
-            forces_shared = spatial.share @ idle[: 3 * len(spatial.loops)]
-            for place, vectors, unit in ((0, forces_shared, 1.0), (3, moments, spatial.size)):
-                along = axes @ vectors.reshape(len(marks), 3, -1)
-                marks[:, place : place + 3] |= np.abs(along).max(axis=2) > RANK * unit
-            couplings |= np.abs(idle[len(idle) - len(couplings) :]).max(axis=1) > RANK
+    for start in range(0, position.shape[1], loops.piece):
+        found = equations(loops, position[:, start : start + loops.piece])
+        for part in PassiveColumns(loops, found.columns).parts:
+            if not part.idle.shape[2] or not len(part.idle):
+                continue
+            forces, moments, _ = _parts(loops, found, part.states, part.idle)
+            for place, vectors, unit in (
+                (0, _of_bearings(loops, forces), 1.0),
+                (3, _moments(loops, found, part.states, forces, moments), spatial.size),
+            ):
+                marks[:, place : place + 3] |= np.abs(np.einsum("ai,mbik->mbak", axes, vectors)).max(axis=(0, 3)) > RANK * unit
+            couplings |= np.abs(part.idle[:, loops.rows - len(couplings) :]).max(axis=(0, 2)) > RANK
     return marks, couplings
 
 
-class _State:
-    """One configuration under its loads: the efforts of the open tree, and the multipliers of the equations that balance them."""
+class _Friction(NamedTuple):
+    """Friction of the bearings.
 
-    def __init__(self, spatial: SpatialModel, equations: Equations, x: Array, v: Array, a: Array, applied: list[Wrench]) -> None:
-        self.spatial, self.equations, self.applied = spatial, equations, applied
-        self.x, self.v, self.a = x, v, a
-        self.rows = equations.at(x)
-        if not np.abs(self.rows.gaps).max(initial=0.0) <= LOOSEST * spatial.size:
-            raise other_linkage(float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps), spatial.coordinates[0])
-        self.passive = PassiveJacobian(self.rows.columns, spatial)
-        self.placements, self.wrenches = equations.placements, equations.wrenches
-        self.rotations = [placement.rotation for placement in self.placements]
-        self.effort = pin.rnea(spatial.model, equations.data, self.rows.q, v, a, self._external(applied)).copy()
+    Attributes:
+        efforts: (nv, n) of the joints [N m or N].
+        couples: (nl, 3, n) moments of the loops, world axes [N m].
+    """
 
-    def multipliers(self, efforts: Array, couples: Array, compliance: Array | None, shared: bool = True) -> Array:
-        """Multipliers (rows,) of the equations.
+    efforts: Array
+    couples: Array
 
-        Args:
-            efforts: (nv,) friction efforts of the joints [N m or N].
-            couples: (nl, 3) friction moments of the loops, world axes [N m].
-            compliance: (bearings,) as in `AppliedConditions`.
-            shared: whether to share idle forces as `engines.forces` says; else the multipliers are those of least norm.
+
+class _Balance:
+    """States under their loads: the efforts of the open tree, and the multipliers of the equations that balance them."""
+
+    def __init__(self, loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce]) -> None:
+        """Work out the forces of the open tree.
+
+        Raises:
+            AssemblyError: a state leaves the loops open, because it belongs to another linkage.
         """
-        found, idle = self.passive.multipliers(self._needed(efforts, couples)), self.passive.idle
-        if not (shared and idle.shape[1]):
-            return found
-        return found + idle @ lexicographic_least_squares(self._objectives(found, idle, couples, compliance))
+        self.loops, self.states = loops, states
+        spatial, bodies = loops.spatial, loops.bodies
+        self.count, self.n = states.v.shape
+        if states.solved is None:
+            self.found = equations(loops, states.position)
+            self._refuse_open(self.found)
+            self.passive = PassiveColumns(loops, self.found.columns)
+        else:
+            self.found, self.passive = states.solved
+        found = self.found
+        placed = found.placed
+        axes = motion_axes(bodies, placed)
+        moved = velocities(bodies, axes, states.v)
+        needed = inertia_forces(bodies, placed, moved, accelerations(bodies, axes, moved, states.v, states.a))
+        own = np.empty((self.count, 2, 3, self.n))
+        own[:, 0], own[:, 1] = needed.force, needed.couple + cross(needed.center, needed.force)
+        for load in loads:
+            if load.joint:
+                force = load.force.T
+                own[load.joint - 1, 0] -= force
+                own[load.joint - 1, 1] -= cross(placed.point(load.joint, load.point), force)
+        carried = product(bodies.carrying, own.reshape(self.count, -1)).reshape(own.shape)
+        self.force = carried[:, 0]
+        self.moment = carried[:, 1] - cross(placed.origin[1:], self.force)  # about the joints' origins
+        along = np.where(bodies.turns[:, None, None], self.moment, self.force)
+        self.effort = np.asarray((placed.axis * along).sum(axis=1))
+        self.size = spatial.size
 
-    def with_friction(self, law: FrictionLaw, speeds: Array, spins: Array, compliance: Array | None) -> tuple[Array, Array, Array, Array]:
-        """Multipliers (rows,), friction efforts (nv,) of the joints, friction couples (nl, 3) of the loops, and power lost (bearings,) [W].
+    def _refuse_open(self, found: Equations) -> None:
+        spatial = self.loops.spatial
+        wrong = ~(np.abs(found.gaps).max(axis=0, initial=0.0) <= LOOSEST * spatial.size)
+        if wrong.any():
+            i = int(np.argmax(wrong))
+            gap = float(found.widest(len(spatial.loops))[i])
+            raise other_linkage(float(self.states.position[spatial.drivers[0], i]), gap, spatial.coordinates[0])
+
+    # -------------------------------------------------------------------------------------------------------------------- friction
+
+    def no_friction(self) -> _Friction:
+        return _Friction(np.zeros((self.count, self.n)), np.zeros((len(self.loops.spatial.loops), 3, self.n)))
+
+    def friction(self, efforts: Array, directions: Array) -> _Friction:
+        """Friction of efforts (bearings, n) about directions (bearings, 3, n)."""
+        return _Friction(efforts[: self.count], efforts[self.count :, None] * directions[self.count :])
+
+    def ways(self, rates: Array) -> tuple[Array, Array]:
+        """Speeds (bearings, n) at joint rates (nv, n), of loops their magnitudes, and the axes (bearings, 3, n) about or along which the
+        bearings move, world axes; zero of a loop that does not turn."""
+        spins = loop_spins(self.loops, self.found.placed, rates)
+        sizes = np.sqrt((spins * spins).sum(axis=1))
+        directions = np.concatenate([self.found.placed.axis, spins / np.where(sizes == 0, 1.0, sizes)[:, None]])
+        return np.concatenate([rates, sizes]), directions
+
+    def with_friction(self, law: FrictionLaw, speeds: Array, compliance: Array | None) -> tuple[Array, _Friction, Array]:
+        """Multipliers (rows, n), friction, and the power lost (bearings, n) [W].
 
         Args:
             law: friction of the bearings.
-            speeds: (bearings,) of the bearings; those of loops are the magnitudes of their ``spins``.
-            spins: (nl, 3) angular velocity of body 2 against body 1, world axes [rad/s].
+            speeds: (bearings, n) of the bearings, zero where they are rounding.
             compliance: (bearings,) as in `AppliedConditions`.
 
         Raises:
             PinpressError: friction locks the linkage.
         """
-        count = len(self.effort)
-        directions = self.directions(spins, speeds[count:])
-
-        def multipliers(efforts: Array) -> Array:
-            return self.multipliers(efforts[:count], efforts[count:, None] * directions[count:], compliance)
+        _, directions = self.ways(self.states.v)
+        directions[self.count :] *= (speeds[self.count :] != 0)[:, None]
 
         def radial(efforts: Array) -> Array:
-            return np.asarray(np.linalg.norm(self.radial(multipliers(efforts[:, 0]), directions), axis=1)[:, None])
+            vectors = self.radial(self.multipliers(self.friction(efforts, directions), compliance), directions)
+            return np.asarray(np.sqrt((vectors * vectors).sum(axis=1)))
 
-        driver = self.x[self.spatial.drivers[0]][None]
-        efforts = law.efforts(speeds[:, None], radial, driver, self.spatial.coordinates[0])[:, 0]
-        return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * speeds
-
-    def directions(self, spins: Array, sizes: Array) -> Array:
-        """Axes (bearings, 3) about or along which the bearings move, world axes; those of loops are of ``spins`` (nl, 3) of these sizes
-        (nl,), and zero where one does not turn."""
-        axes = [self.rotations[j + 1] @ axis.direction for j, axis in enumerate(self.spatial.axes)]
-        return np.concatenate([np.array(axes), spins / np.where(sizes == 0, 1.0, sizes)[:, None]])
+        spatial = self.loops.spatial
+        efforts = law.efforts(speeds, radial, self.states.position[spatial.drivers[0]], spatial.coordinates[0])
+        friction = self.friction(efforts, directions)
+        return self.multipliers(friction, compliance), friction, -efforts * speeds
 
     def radial(self, multipliers: Array, directions: Array) -> Array:
-        """Vectors (bearings, 3) across the axes of the bearings, whose lengths are the radial forces [N]."""
-        forces = self.spatial.share @ multipliers[: 3 * len(self.spatial.loops)]
-        forces[: 3 * len(self.effort)] += self._tree_forces()
-        return np.asarray(np.cross(forces.reshape(-1, 3), directions))
+        """Vectors (bearings, 3, n) across the axes of the bearings, whose lengths are the radial forces [N]."""
+        forces = _of_bearings(self.loops, self._loop_forces(multipliers)[..., None])[..., 0].transpose(1, 2, 0)
+        forces[: self.count] += self.force
+        return cross(forces, directions)
 
-    def fill(self, result: Wrenches, i: int, multipliers: Array, efforts: Array, couples: Array, wanted: Sequence[int]) -> None:
-        """Write the wrenches of this configuration into the result, as its state i."""
-        spatial, count = self.spatial, len(self.effort)
-        forces, moments, torques = _parts(spatial, self.rows, multipliers)
-        moments = moments + couples
-        driving = self._needed(efforts, couples) - self.rows.columns.T @ multipliers
-        result.torque[:, i] = driving[list(spatial.drivers)]
-        result.coupling[:, i] = torques
-        joints, loops = [j for j in wanted if j < count], [k - count for k in wanted if k >= count]
-        result.force[len(joints) :, i], result.moment[len(joints) :, i] = forces[loops], moments[loops]
-        if not joints:
-            return
-        on2 = [(loop.joint2, loop.point2, forces[k], moments[k]) for k, loop in enumerate(spatial.loops)]
-        on1 = [(loop.joint1, loop.point1, -forces[k], -moments[k]) for k, loop in enumerate(spatial.loops)]
-        pin.rnea(spatial.model, self.equations.data, self.rows.q, self.v, self.a, self._external(on2 + on1 + self.applied))
-        for place, j in enumerate(joints):
-            wrench = self.wrenches[j + 1]
-            result.force[place, i] = self.rotations[j + 1] @ wrench.linear
-            result.moment[place, i] = self.rotations[j + 1] @ wrench.angular
+    def _loop_forces(self, multipliers: Array) -> Array:
+        """Forces (n, nl, 3) of the loops from multipliers (rows, n)."""
+        count = len(self.loops.spatial.loops)
+        return multipliers[: 3 * count].T.reshape(self.n, count, 3)
 
-    def _needed(self, efforts: Array, couples: Array) -> Array:
-        """Efforts (nv,) that loops, couplings and drives have to supply: those of the open tree less friction."""
-        needed: Array = self.effort - efforts
-        if couples.any():
-            turning = self.equations.data.J.reshape(6, -1)[3:]
-            for couple, signs in zip(couples, self.spatial.incidence.T, strict=True):
-                needed -= (turning * signs).T @ couple
+    # ----------------------------------------------------------------------------------------------------------------- multipliers
+
+    def multipliers(self, friction: _Friction, compliance: Array | None, shared: bool = True) -> Array:
+        """Multipliers (rows, n) of the equations.
+
+        Args:
+            friction: of the bearings.
+            compliance: (bearings,) as in `AppliedConditions`.
+            shared: whether to share idle forces as `engines.forces` says; else the multipliers are those of least norm.
+        """
+        found = self.passive.multipliers(self._needed(friction))
+        if not shared:
+            return found
+        for part in self.passive.parts:
+            if part.idle.shape[2] and len(part.idle):
+                y = lexicographic_least_squares(self._objectives(found, part.states, part.idle, friction, compliance))
+                found[:, part.states] += (part.idle @ y[..., None])[..., 0].T
+        return found
+
+    def _needed(self, friction: _Friction) -> Array:
+        """Efforts (nv, n) that loops, couplings and drives have to supply: those of the open tree less friction."""
+        needed: Array = self.effort - friction.efforts
+        if friction.couples.any():
+            turning = np.where(self.loops.bodies.turns[:, None, None], self.found.placed.axis, 0.0)
+            needed -= np.einsum("jl,jin,lin->jn", self.loops.spatial.incidence, turning, friction.couples, optimize=True)
         return needed
 
-    def _tree_forces(self) -> Array:
-        """Forces (3 nv,) of the joints of the open tree, world axes [N]."""
-        forces: list[Array] = [self.rotations[j + 1] @ self.wrenches[j + 1].linear for j in range(len(self.effort))]
-        return np.concatenate(forces)
-
-    def _objectives(self, found: Array, idle: Array, couples: Array, compliance: Array | None) -> Iterator[Objective]:
-        """The objectives by which idle forces are shared. The generator works out the next one only where the ones before leave something
-        open."""
-        spatial, count, k = self.spatial, 3 * len(self.spatial.loops), idle.shape[1]
-        forces = spatial.share @ np.concatenate([idle[:count], found[:count, None]], axis=1)
-        forces[: 3 * len(self.effort), k] += self._tree_forces()
-        self._remove_free_components(forces, turning=False)
+    def _objectives(
+        self, found: Array, states: NDArray[np.intp] | slice, idle: Array, friction: _Friction, compliance: Array | None
+    ) -> Iterator[Objective]:
+        """The objectives by which idle forces of some states are shared. The generator works out the next one only where the ones before
+        leave something open."""
+        k = idle.shape[2]
+        columns = np.concatenate([idle, found[:, states].T[:, :, None]], axis=2)
+        loop_forces, loop_moments, _ = _parts(self.loops, self.found, states, columns)
+        forces = _of_bearings(self.loops, loop_forces)
+        forces[:, : self.count, :, k] += self.force[:, :, states].transpose(2, 0, 1)
+        forces = self._across(forces, states, turning=False)
         if compliance is not None:
             weights = np.repeat(np.sqrt(compliance), 3)[:, None]
-            yield Objective(weights * forces[:, :k], weights[:, 0] * forces[:, k], float(weights.max()))
-        yield Objective(forces[:, :k], forces[:, k], 1.0)
-        loop_forces, loop_moments, _ = _parts(spatial, self.rows, np.concatenate([idle, found[:, None]], axis=1))
-        loop_moments[:, :, k] += couples
-        moments = _moments(spatial, self.placements, loop_forces, loop_moments)
-        for j in range(len(self.effort)):
-            moments[3 * j : 3 * j + 3, k] += self.rotations[j + 1] @ self.wrenches[j + 1].angular
-        self._remove_free_components(moments, turning=True)
-        yield Objective(moments[:, :k], moments[:, k], spatial.size)
+            yield Objective(weights * forces[..., :k], weights[:, 0] * forces[..., k], float(weights.max()))
+        yield Objective(forces[..., :k], forces[..., k], 1.0)
+        loop_moments[..., k] += friction.couples[:, :, states].transpose(2, 0, 1)
+        moments = _moments(self.loops, self.found, states, loop_forces, loop_moments)
+        moments[:, : self.count, :, k] += self.moment[:, :, states].transpose(2, 0, 1)
+        moments = self._across(moments, states, turning=True)
+        yield Objective(moments[..., :k], moments[..., k], self.size)
 
-    def _remove_free_components(self, vectors: Array, turning: bool) -> None:
-        """Subtract from vectors (3 bearings, ...) their components along the axes of the joints that turn, or of those that slide."""
-        for j, axis in enumerate(self.spatial.axes):
-            if axis.turns == turning:
-                direction, own = self.rotations[j + 1] @ axis.direction, vectors[3 * j : 3 * j + 3]
-                own -= np.outer(direction, direction @ own)
+    def _across(self, vectors: Array, states: NDArray[np.intp] | slice, turning: bool) -> Array:
+        """Vectors (m, bearings, 3, k) without their components along the axes of the joints that turn, or of those that slide, as
+        (m, 3 bearings, k)."""
+        some = np.flatnonzero(self.loops.bodies.turns == turning)
+        if len(some):
+            axis = self.found.placed.axis[some][:, :, states].transpose(2, 0, 1)[..., None]
+            own = vectors[:, some]
+            vectors[:, some] = own - axis * (axis * own).sum(axis=2, keepdims=True)
+        return vectors.reshape(len(vectors), -1, vectors.shape[-1])
 
-    def _external(self, wrenches: Sequence[Wrench]) -> pin.StdVec_Force:
-        """Wrenches on the joints' bodies as Pinocchio's external forces, in joint frames."""
-        totals = [np.zeros(6) for _ in self.rotations]
-        for joint, point, force, couple in wrenches:
-            local = self.rotations[joint].T @ force
-            totals[joint][:3] += local
-            totals[joint][3:] += pin.skew(point) @ local + self.rotations[joint].T @ couple
-        return pin.StdVec_Force([pin.Force(w) for w in totals])
+    # -------------------------------------------------------------------------------------------------------------------- result
+
+    def fill(self, result: Wrenches, multipliers: Array, friction: _Friction, wanted: Sequence[int]) -> None:
+        """Write the wrenches of these states into the result."""
+        loops, spatial, count = self.loops, self.loops.spatial, self.count
+        driving = list(spatial.drivers)
+        result.torque[:] = self._needed(friction)[driving] - np.einsum("rdn,rn->dn", self.found.columns[:, driving], multipliers)
+        held = len(spatial.loops)
+        units = np.array([spatial.size if spatial.axes[pair.follower].turns else 1.0 for pair in spatial.couplings])
+        result.coupling[:] = units[:, None] * multipliers[loops.rows - len(units) :]
+        if not len(wanted):
+            return
+        forces, moments = np.empty((count + held, 3, self.n)), np.empty((count + held, 3, self.n))
+        forces[count:], moments[count:] = multipliers[: 3 * held].reshape(held, 3, self.n), friction.couples
+        row = 3 * held
+        for k, loop in enumerate(spatial.loops):
+            if loop.held_rotations:
+                own = multipliers[row : row + loop.held_rotations]
+                moments[count + k] += spatial.size * np.einsum("ihn,hn->in", self.found.held[k], own)
+                row += loop.held_rotations
+        arms = self.found.ends[0][loops.pair_loop] - self.found.placed.origin[loops.pair_joint + 1]
+        crossing = np.empty((len(arms), 2, 3, self.n))
+        crossing[:, 0] = forces[count + loops.pair_loop]
+        crossing[:, 1] = moments[count + loops.pair_loop] + cross(arms, crossing[:, 0])
+        crossed = product(loops.crossing, crossing.reshape(len(arms), 6 * self.n)).reshape(count, 2, 3, self.n)
+        np.subtract(self.force, crossed[:, 0], out=forces[:count])
+        np.subtract(self.moment, crossed[:, 1], out=moments[:count])
+        kept = slice(None) if len(wanted) == len(forces) else list(wanted)
+        result.force[:], result.moment[:] = forces[kept].transpose(0, 2, 1), moments[kept].transpose(0, 2, 1)
 
 
-def _parts(spatial: SpatialModel, rows: Rows, multipliers: Array) -> tuple[Array, Array, Array]:
-    """Forces and moments (nl, 3) of the loops and torques (nc,) of the couplings from multipliers (rows,); from multipliers (rows, k) all
-    have k as a last axis."""
-    loops, last = len(spatial.loops), multipliers.shape[1:]
-    forces, moments = multipliers[: 3 * loops].reshape(loops, 3, *last), np.zeros((loops, 3, *last))
-    row = 3 * loops
-    for k, loop in enumerate(spatial.loops):
+def _speeds(loops: Loops, position: Array, v: Array) -> Array:
+    """Speeds (bearings, n) of all bearings at joint rates (nv, n), those of loops as magnitudes."""
+    sizes = np.empty((len(loops.spatial.loops), v.shape[1]))
+    for start in range(0, v.shape[1], loops.piece):
+        some = slice(start, start + loops.piece)
+        spins = loop_spins(loops, equations(loops, position[:, some]).placed, v[:, some])
+        sizes[:, some] = np.sqrt((spins * spins).sum(axis=1))
+    return np.concatenate([v, sizes])
+
+
+def _parts(loops: Loops, found: Equations, states: NDArray[np.intp] | slice, multipliers: Array) -> tuple[Array, Array, Array]:
+    """Forces and moments (m, nl, 3, k) of the loops, and torques (m, nc, k) of the couplings, from multipliers (m, rows, k)."""
+    spatial, (m, _, k) = loops.spatial, multipliers.shape
+    count = len(spatial.loops)
+    forces, moments = multipliers[:, : 3 * count].reshape(m, count, 3, k), np.zeros((m, count, 3, k))
+    row = 3 * count
+    for index, loop in enumerate(spatial.loops):
         if loop.held_rotations:
-            moments[k] = spatial.size * rows.held_directions[k] @ multipliers[row : row + loop.held_rotations]
+            own = multipliers[:, row : row + loop.held_rotations]
+            moments[:, index] = spatial.size * found.held[index][:, :, states].transpose(2, 0, 1) @ own
             row += loop.held_rotations
-    units = np.array([spatial.size if spatial.axes[c.follower].turns else 1.0 for c in spatial.couplings])
-    return forces, moments, units.reshape(-1, *[1] * len(last)) * multipliers[row:]
+    units = np.array([spatial.size if spatial.axes[pair.follower].turns else 1.0 for pair in spatial.couplings])
+    return forces, moments, units[:, None] * multipliers[:, row:]
 
 
-def _moments(spatial: SpatialModel, placements: pin.StdVec_SE3, forces: Array, moments: Array) -> Array:
-    """What forces and moments (nl, 3, k) of the loops add to the moments (3 bearings, k) of all bearings, world axes."""
-    count, k = spatial.model.nv, forces.shape[2]
-    joints = np.zeros((count, 3, k))
-    for loop, signs, force, moment in zip(spatial.loops, spatial.incidence.T, forces, moments, strict=True):
-        point = placements[loop.joint1].act(loop.point1)
-        for j in map(int, np.flatnonzero(signs)):
-            joints[j] -= signs[j] * (moment + pin.skew(point - placements[j + 1].translation) @ force)
-    return np.concatenate([joints, moments]).reshape(-1, k)
+def _of_bearings(loops: Loops, forces: Array) -> Array:
+    """What forces (m, nl, 3, k) of the loops add to the forces (m, bearings, 3, k) of joints and loops."""
+    m, count, _, k = forces.shape
+    nv = len(loops.bodies.parents)
+    result = np.empty((m, nv + count, 3, k))
+    result[:, :nv] = (-loops.spatial.incidence @ forces.reshape(m, count, 3 * k)).reshape(m, nv, 3, k)
+    result[:, nv:] = forces
+    return result
 
 
-def _loop_spins(spatial: SpatialModel, equations: Equations, position: Array, v: Array) -> Array:
-    """Angular velocities (nl, n, 3) of body 2 against body 1 of the loops, world axes [rad/s]."""
-    result = np.zeros((len(spatial.loops), v.shape[1], 3))
-    q = configuration(spatial.slots, position)
-    for i in range(v.shape[1]):
-        turning = pin.computeJointJacobians(spatial.model, equations.data, np.ascontiguousarray(q[:, i]))[3:]
-        result[:, i] = (turning @ (spatial.incidence * v[:, i, None])).T
+def _moments(loops: Loops, found: Equations, states: NDArray[np.intp] | slice, forces: Array, moments: Array) -> Array:
+    """What forces and moments (m, nl, 3, k) of the loops add to the moments (m, bearings, 3, k) of joints, about their origins, and
+    loops."""
+    (m, count, _, k), nv = forces.shape, len(loops.bodies.parents)
+    result = np.zeros((m, nv + count, 3, k))
+    result[:, nv:] = moments
+    points, origins = found.ends[0][:, :, states], found.placed.origin[1:][:, :, states]
+    for loop, joint, sign in zip(loops.pair_loop.tolist(), loops.pair_joint.tolist(), loops.pair_sign.ravel().tolist(), strict=True):
+        arm, force = (points[loop] - origins[joint]).T[:, :, None], forces[:, loop]
+        turning = np.stack(
+            [
+                arm[:, 1] * force[:, 2] - arm[:, 2] * force[:, 1],
+                arm[:, 2] * force[:, 0] - arm[:, 0] * force[:, 2],
+                arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0],
+            ],
+            axis=1,
+        )
+        result[:, joint] -= sign * (moments[:, loop] + turning)
     return result

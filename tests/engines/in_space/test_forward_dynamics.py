@@ -16,8 +16,8 @@ from support.oracles.cut_free import gears
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
-from pinpress.engines.spatial import forward_dynamics
-from pinpress.engines.spatial.forward_dynamics import ForwardDynamics
+from pinpress.engines.pinocchio import forward_dynamics
+from pinpress.engines.pinocchio.forward_dynamics import ForwardDynamics
 
 TIMES = np.linspace(0.0, 2.0, 7)
 

@@ -20,7 +20,7 @@ from ...common.quantities import Array
 from ..engine import ClosedStates, EnergyRates, PowerBalance
 from ..forces import AppliedForce
 from ..joints import Matrix, matrix, product
-from ..spatial.model import SpatialModel
+from ..pinocchio.model import SpatialModel
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -11,7 +11,7 @@ from support.oracles import cassie
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
-from pinpress.engines.space import equations
+from pinpress.engines.spatial import equations
 
 N = 11
 SWING = {name: {"knee-op": 0.1, "knee-shin-joint": 0.1}.get(name.partition("-")[2], 0.3) for name in cassie.DRIVERS}

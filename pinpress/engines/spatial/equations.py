@@ -1,6 +1,6 @@
 """The equations of loops and couplings in space at all configurations at once, and what follows from them: closing, rates, accelerations.
 
-Equations, their order and their scaling are those of `spatial.model`. Their Jacobian's columns of passive joints are brought to unit length
+Equations, their order and their scaling are those of `pinocchio.model`. Their Jacobian's columns of passive joints are brought to unit length
 and factorised. Where an orthogonal triangularisation shows that all these columns are far from dependent, it serves; the other
 configurations get a singular value decomposition, which finds the rank. Arrays for LAPACK have the configurations first.
 """
@@ -20,7 +20,7 @@ from ...common.frozen import Frozen
 from ...common.quantities import Array
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS, PIECE, Closure, joined
 from ..forces import RANK
-from ..spatial.model import PARALLEL_TO_ROUNDING, SpatialModel
+from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel
 from .bodies import Bodies, Placements, accelerations, build_bodies, cross, motion_axes, placements, velocities
 
 CERTAINLY = 1e-5  # smallest singular value that is certainly above this shows full rank; so does RANK, but rounding is closer there

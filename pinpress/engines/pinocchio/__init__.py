@@ -1,0 +1,1 @@
+"""Pinocchio's engine computes any linkage, one configuration at a time."""

@@ -1,0 +1,97 @@
+"""Pinocchio's engine: any linkage, one configuration at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.quantities import Array
+from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
+from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
+from . import kinematics
+from .model import SpatialModel
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PinocchioEngine:
+    """Pinocchio's engine for one linkage; see `Engine`.
+
+    Attributes:
+        spatial: constants of the linkage.
+    """
+
+    spatial: SpatialModel
+
+    name = "pinocchio"
+
+    @property
+    def tolerance(self) -> float:
+        return self.spatial.tolerance
+
+    @property
+    def directions(self) -> Array:
+        return np.eye(3)
+
+    def turning_axes(self, joint: int = 0) -> Array:
+        return np.eye(3)
+
+    # ----------------------------------------------------------------------------------------------------------------- equations
+
+    def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
+        return kinematics.close(self.spatial, self.spatial.equations(), angle[None], np.ones(1), guess)
+
+    def closing_function(self) -> CloseDrivers:
+        equations = self.spatial.equations()
+
+        def close(drivers: Array, along: Array, guess: Array) -> Closure:
+            return kinematics.close(self.spatial, equations, drivers, along, guess)
+
+        return close
+
+    def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+        return kinematics.rates(self.spatial, position, speed, acceleration)
+
+    def gaps(self, position: Array) -> Array:
+        equations = self.spatial.equations()
+        return np.array([equations.widest(equations.at(x).gaps) for x in position.T])
+
+    def redundant(self, x: Array) -> bool:
+        return kinematics.redundant(self.spatial, x)
+
+    def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:
+        loops, couplings = self.spatial.joints_of_loop, self.spatial.couplings
+        yield from enumerate([*map(tuple, loops), *((pair.follower, pair.leader) for pair in couplings)])
+
+    # -------------------------------------------------------------------------------------------------------------------- motion
+
+    def point_motion(self, states: ClosedStates, joint: int, point: Array) -> tuple[Array, Array]:
+        return kinematics.point_motion(self.spatial, states, joint, point)
+
+    def point_accelerations(self, states: ClosedStates, joint: int, points: Array) -> tuple[Array, Array]:
+        return kinematics.point_accelerations(self.spatial, states, joint, points)
+
+    # ------------------------------------------------------------------------------------------------------------------ dynamics
+
+    def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+        from . import inverse_dynamics  # slow to import, and not needed to load
+
+        return inverse_dynamics.inverse_dynamics(self.spatial, states, conditions, wanted)
+
+    def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
+        from . import inverse_dynamics  # slow to import, and not needed to load
+
+        return inverse_dynamics.bearing_loads(self.spatial, states, loads, efforts, rates)
+
+    def indeterminate(self, position: Array, axes: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        from . import inverse_dynamics  # slow to import, and not needed to load
+
+        return inverse_dynamics.indeterminate(self.spatial, position, axes)
+
+    def power_balance(self, states: ClosedStates, loads: Sequence[AppliedForce]) -> PowerBalance:
+        return kinematics.power_balance(self.spatial, states, loads)
+
+    def energies(self, states: ClosedStates) -> EnergyRates:
+        return kinematics.energies(self.spatial, states)

@@ -1,1 +1,0 @@
-"""The engine of linkages in space: all configurations at once, with NumPy; it takes any linkage."""
