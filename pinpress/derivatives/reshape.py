@@ -20,11 +20,11 @@ from ..common.quantities import Array
 from ..engines.branch import SingularPosition, follow
 from ..engines.engine import ACCEPTED, Closure, Engine
 from ..engines.joints import Coupling
+from ..engines.pinocchio.kinematics import PassiveJacobian
+from ..engines.pinocchio.kinematics import close as close_drivers
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import close
 from ..engines.planar.model import Plane
-from ..engines.pinocchio.kinematics import PassiveJacobian
-from ..engines.pinocchio.kinematics import close as close_drivers
 from ..linkage.linkage import Linkage
 from .motion import Displacements, Pivots, Shift, States, displaced, shift, shifted
 

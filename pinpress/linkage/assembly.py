@@ -27,12 +27,12 @@ from ..engines.branch import (
 )
 from ..engines.engine import ACCEPTED, PIECE, Closure, Engine, joined
 from ..engines.forces import RANK
-from ..engines.planar.engine import PlanarEngine
-from ..engines.planar.kinematics import moves, openings
-from ..engines.spatial.engine import SpatialEngine
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.kinematics import PassiveJacobian, close, rank
 from ..engines.pinocchio.model import Rows, SpatialModel
+from ..engines.planar.engine import PlanarEngine
+from ..engines.planar.kinematics import moves, openings
+from ..engines.spatial.engine import SpatialEngine
 
 CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
 TRAVELLED = 20.0  # a driver that slides is followed as far [lengths of the linkage]

@@ -16,9 +16,9 @@ from ..common.quantities import Array
 from ..engines.branch import MOST_TURNS, Branch, predict
 from ..engines.engine import ACCEPTED
 from ..engines.joints import LoopJoint, configuration, data_of, drawn_placements
-from ..engines.planar.model import PARALLEL
 from ..engines.pinocchio.kinematics import PassiveJacobian, rank, singular_values
 from ..engines.pinocchio.model import Rows
+from ..engines.planar.model import PARALLEL
 from . import mobility
 from .linkage import UPRIGHT, Linkage
 from .urdf import element_checks, units

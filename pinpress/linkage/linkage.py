@@ -19,10 +19,10 @@ from ..engines import branch
 from ..engines.branch import Branch
 from ..engines.engine import Closure, Engine
 from ..engines.joints import Axis, Coupling, LoopJoint, Slot, configuration
-from ..engines.planar.engine import PlanarEngine
-from ..engines.planar.model import Plane
 from ..engines.pinocchio.kinematics import rank
 from ..engines.pinocchio.model import Rows, SpatialModel, build_spatial_model, constraint_models
+from ..engines.planar.engine import PlanarEngine
+from ..engines.planar.model import Plane
 from .assembly import Assembly, as_drawn, assembled, closed, followed, followed_beside, followed_from, refuse_far, through_change_points
 from .memo import Model, keep_geometry, keep_geometry_of, per_linkage
 from .urdf.document import Document

@@ -11,9 +11,9 @@ import pinocchio as pin
 
 from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint, data_of, drawn_placements
-from ..engines.planar.model import PARALLEL
 from ..engines.pinocchio.kinematics import PassiveJacobian, rank
 from ..engines.pinocchio.model import Rows
+from ..engines.planar.model import PARALLEL
 from .linkage import Linkage
 
 TAKES_PART = 1e-6  # share of a unit null vector above which a joint or an equation takes part in it

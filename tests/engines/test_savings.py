@@ -27,9 +27,9 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.dynamics import inverse_dynamics as reactions
 from pinpress.engines.forces import FrictionLaw
+from pinpress.engines.pinocchio import inverse_dynamics as spatial_dynamics
 from pinpress.engines.planar import bodies, out_of_plane, statics
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
-from pinpress.engines.pinocchio import inverse_dynamics as spatial_dynamics
 
 LEAST = "lexicographic_least_squares"
 

@@ -1,7 +1,7 @@
 """The equations of loops and couplings in space at all configurations at once, and what follows from them: closing, rates, accelerations.
 
-Equations, their order and their scaling are those of `pinocchio.model`. Their Jacobian's columns of passive joints are brought to unit length
-and factorised. Where an orthogonal triangularisation shows that all these columns are far from dependent, it serves; the other
+Equations, their order and their scaling are those of `pinocchio.model`. Their Jacobian's columns of passive joints are brought to unit
+length and factorised. Where an orthogonal triangularisation shows that all these columns are far from dependent, it serves; the other
 configurations get a singular value decomposition, which finds the rank. Arrays for LAPACK have the configurations first.
 """
 
