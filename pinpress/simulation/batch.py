@@ -31,12 +31,15 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
-from . import collocation
-from .angle_solver import MOST_PERIODS, drive_torque, nearly_at_rest, place_at
-from .collocation import CollocationSolution, Indices, build_mesh, cuts, interpolate_onto, mesh_borders, panel_integrals, stopping_panels
 from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
 from .failures import failure
 from .law_trials import asked_drive
+from .over_angle import collocation
+from .over_angle.angle_solver import MOST_PERIODS
+from .over_angle.collocation import CollocationSolution, panel_integrals
+from .over_angle.mesh import Indices, build_mesh, mesh_borders
+from .over_angle.refinement import cuts, interpolate_onto, stopping_panels
+from .over_angle.segment import drive_torque, nearly_at_rest, place_at
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
 from .run import Run, allowed_error, energy_error, state_count
 from .simulate import checked_tolerance, refuse_many_turns, simulate

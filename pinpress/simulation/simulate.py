@@ -39,11 +39,12 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
-from .angle_solver import MOST_PERIODS, NEAR, AngleSegment, nearly_at_rest
 from .driven_press import DrivenPress, driven_press, press_with_drives, refuse_unlisted_loads
 from .failures import failure, told_of
 from .hybrid_system import HOLDING
 from .law_trials import asked_drive
+from .over_angle.angle_solver import MOST_PERIODS
+from .over_angle.segment import NEAR, AngleSegment, nearly_at_rest
 from .reduced_model import INERTIA, POTENTIAL, WEIGHT, ReducedModel, reduced_model_of
 from .run import Run, as_run, state_count
 from .solvers import SimulationProblem, march

@@ -16,12 +16,13 @@ from ..common.quantities import Array
 from ..kinematics.motion import motion_through_change_points
 from ..kinematics.servo_motion import servo_cycle
 from ..loads.caller_laws import LawError
-from .angle_solver import AngleSegment, AngleSolver
-from .collocation import LEAST
 from .driven_press import DrivenPress
 from .equations_of_motion import FullDynamics, ReducedDynamics
 from .failures import failure
 from .hybrid_system import HybridSystem, Mode
+from .over_angle.angle_solver import AngleSolver
+from .over_angle.collocation import LEAST
+from .over_angle.segment import AngleSegment
 from .reduced_model import INERTIA, POTENTIAL, lock_reached
 from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
 

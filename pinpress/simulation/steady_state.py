@@ -25,12 +25,14 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
-from . import collocation
-from .angle_solver import angle_segment
-from .collocation import CollocationSolution, Indices, Mesh, build_mesh, cuts, interpolate_onto, mesh_borders, stopping_panels
 from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
 from .failures import failure
 from .law_trials import asked_drive
+from .over_angle import collocation
+from .over_angle.collocation import CollocationSolution
+from .over_angle.mesh import Indices, Mesh, build_mesh, mesh_borders
+from .over_angle.refinement import cuts, interpolate_onto, stopping_panels
+from .over_angle.segment import angle_segment
 from .run import Run, as_run, state_count
 from .simulate import checked_tolerance
 from .solvers import SimulationProblem, crank_sizes, reduced_system

@@ -17,8 +17,8 @@ from support.oracles import crank_slide_equation as equation
 from support.time_limit import within
 
 import pinpress as pp
-from pinpress.simulation import collocation
 from pinpress.simulation.batch import RunBatch
+from pinpress.simulation.over_angle import collocation
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 

@@ -9,14 +9,15 @@ from support import texts
 
 import pinpress as pp
 from pinpress.kinematics.motion import motion_through_change_points
-from pinpress.simulation import collocation, time_solver
-from pinpress.simulation.angle_solver import angle_segment
+from pinpress.simulation import time_solver
 from pinpress.simulation.batch import BatchSolver
-from pinpress.simulation.collocation import build_mesh, mesh_borders
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.equations_of_motion import ReducedDynamics
 from pinpress.simulation.events import CoordinateTurns, CornerPassed, CouplingGrips
 from pinpress.simulation.hybrid_system import HybridSystem
+from pinpress.simulation.over_angle import collocation, refinement
+from pinpress.simulation.over_angle.mesh import build_mesh, mesh_borders
+from pinpress.simulation.over_angle.segment import angle_segment
 from pinpress.simulation.reduced_model import energies
 from pinpress.simulation.trajectory import DRIVE_WORK, INTEGRALS, State
 
@@ -66,8 +67,8 @@ def test_a_panel_is_cut_where_the_crank_passes_a_corner_of_the_torque(press):
     solution = solved(driven, 0.9 * corner)
     assert solution.speed.min() < corner < solution.speed.max()
     count = len(solution.mesh.kinds)
-    assert not len(collocation.cuts(solution, count, 1.0))
-    passed = collocation.cuts(solution, count, 1.0, driven.corners)
+    assert not len(refinement.cuts(solution, count, 1.0))
+    passed = refinement.cuts(solution, count, 1.0, driven.corners)
     assert len(passed)
     along = solution.mesh.angle.T.ravel()
     np.testing.assert_allclose(np.interp(passed, along, solution.speed[:, :, 0].T.ravel()), corner, rtol=1e-3)

@@ -1,37 +1,23 @@
 """One press solved over the crank angle, period after period. Where it stops and no force depends on its speed, it is followed back."""
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..common.numerics import gauss_rule, horner, polynomial_root, polynomial_values, values_and_slopes
-from ..common.quantities import Array
-from ..drives.protocol import Drive
-from ..loads.caller_laws import LawError
+from ...common.numerics import gauss_rule, horner, polynomial_root
+from ...common.quantities import Array
+from ...loads.caller_laws import LawError
+from ..driven_press import DrivenPress
+from ..failures import failure
+from ..reduced_model import INERTIA, WEIGHT, lock_reached
+from ..trajectory import RepetitionSegment, Segment, State, Trajectory
 from . import collocation
-from .collocation import (
-    SAME,
-    STEADY,
-    TO_REST,
-    CollocationSolution,
-    Indices,
-    Mesh,
-    angle_to,
-    build_mesh,
-    cuts,
-    interpolate_onto,
-    mesh_borders,
-    range_ahead,
-    stopping_panels,
-)
-from .driven_press import DrivenPress
-from .failures import failure
-from .reduced_model import COORDINATES, INERTIA, WEIGHT, lock_reached
-from .trajectory import INTEGRALS, RepetitionSegment, Sample, Segment, State, Trajectory
+from .collocation import CollocationSolution
+from .mesh import SAME, STEADY, TO_REST, Mesh, angle_to, build_mesh, mesh_borders, range_ahead
+from .refinement import cuts, interpolate_onto, stopping_panels
+from .segment import angle_segment
 
 SMALL = 1e-2  # shorter swings are followed over time: their forces are small differences [rad]
 REST = 0.2  # angle before a stop that is solved over its square root [rad]
@@ -42,9 +28,6 @@ MOST_PERIODS = 200_000  # most periods of one run: each takes some memory
 NOTICED = 1e-6  # share of a swing: two stops further apart are different places
 MOST_CUTS = 40  # most rounds of cutting panels
 MOST_KEPT = 150  # panels beyond those of the model that are taken over into the next period
-# A crank is nearly at rest where its kinetic energy, and what the potential energy may still rise, are below this share of the latter's
-# range.
-NEAR = 1e-5
 
 
 # --------------------------------------------------------------------------------------------------------------------- from stop to stop
@@ -292,177 +275,3 @@ def _stop_in(solution: CollocationSolution, panel: int) -> float:
     low = -1.0 if first == 0 else float(samples[first - 1])
     # a stop on the border itself may not show: W is rounding there
     return polynomial_root(polynomial, low, float(samples[first])) if horner(polynomial[::-1], low) > 0 else low
-
-
-# ------------------------------------------------------------------------------------------------------------------------------ in time
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class AngleSegment:
-    """Panels of a `CollocationSolution` of one scenario, as functions of time.
-
-    Attributes:
-        driven: what is simulated.
-        mesh: of the solution.
-        count: number of panels that are right.
-        begin: the state at the start.
-        times: (count + 1,) at the borders [s].
-        elapsed: (q + 1, count) coefficients in x of the time since a panel's start.
-        summed: (k, q + 1, count) coefficients in x of the first `INTEGRALS` since a panel's start: three, with friction all four.
-        integrals: (k, count + 1) the same since the segment's start, at the borders.
-        final_speed: of the crank at the end, from its kinetic energy: the polynomial of the time is less exact [rad/s].
-        evaluations: see `CollocationSolution`.
-        slow: crank angles at which the crank is `nearly_at_rest` [rad].
-    """
-
-    driven: DrivenPress
-    mesh: Mesh
-    count: int
-    begin: State
-    times: Array
-    elapsed: Array
-    summed: Array
-    integrals: Array
-    final_speed: float
-    evaluations: int
-    slow: Array
-    solvers = ("angle",)
-    standing = None
-
-    @property
-    def start(self) -> float:
-        return self.begin.time
-
-    @property
-    def end(self) -> float:
-        return float(self.times[-1])
-
-    @property
-    def steps(self) -> int:
-        return self.count
-
-    @property
-    def travelled(self) -> float:
-        return float(self.mesh.borders[self.count])
-
-    def at(self, times: Array, complete: bool = True) -> Sample:
-        mesh = self.mesh
-        panel = np.clip(self.times.searchsorted(times, side="right") - 1, 0, self.count - 1)
-        elapsed = self.elapsed[:, panel]
-        x = place_at(elapsed, times - self.times[panel], self.times[panel + 1] - self.times[panel])
-        _, slope = values_and_slopes(elapsed, x)
-        travelled, measure = mesh.travelled(panel, x)
-        integrals = np.zeros((len(INTEGRALS), len(times)))
-        integrals[: len(self.summed)] = self.integrals[:, panel] + polynomial_values(self.summed[:, :, panel], x)
-        integrals += self.begin.integrals[:, None]
-        angle, speed = mesh.start + mesh.direction * travelled, mesh.direction * measure / slope
-        torque, acceleration = self._dynamics(panel, angle, speed)
-        drive = self.driven.drive
-        motor = torque if drive is None else np.asarray(drive.motor_torque(speed) + np.zeros_like(speed))
-        return Sample(angle[None], speed[None], acceleration[None], torque, motor, speed, integrals)
-
-    def _dynamics(self, panel: Indices, angle: Array, speed: Array) -> tuple[Array, Array]:
-        """Torque of the drive and acceleration of the crank (n,) at states on panels (n,)."""
-        values, slopes = self.driven.model.at(angle)
-        torque = np.zeros_like(speed)
-        if self.driven.drive is not None:
-            torque = torque + self.driven.drive.torque(speed)
-        total = torque - values[WEIGHT] - 0.5 * slopes[INERTIA] * speed**2
-        along: dict[int, Array] = {}
-        for force in self.mesh.forces:
-            mine = np.flatnonzero(np.isin(panel, force.panels))
-            if len(mine):
-                lever = slopes[COORDINATES + force.row, mine]
-                size = force.interval.force(values[COORDINATES + force.row, mine] - force.datum, lever * speed[mine])
-                size = np.maximum(size, 0.0) if force.interval.one_sided else size
-                total[mine] += lever * size
-                along.setdefault(force.row, np.zeros_like(speed))[mine] += size
-        inertia = values[INERTIA] + self.driven.inertia
-        if self.driven.bearing_model is not None:
-            way, held = self.mesh.direction, self.driven.prescribed is not None
-            columns = {row: force[:, None] for row, force in along.items()}
-            resisting = np.full_like(inertia, np.inf) if held else inertia
-            bearings = self.driven.bearing_model.at(angle)
-            total += way * bearings.torque(way, way * speed[:, None], way * total[:, None], resisting[:, None], columns)[0][:, 0]
-        if self.driven.prescribed is not None:
-            return -total, np.zeros_like(total)
-        return torque, total / inertia
-
-    def last(self) -> State:
-        """The state at the end."""
-        angle = self.mesh.start + self.mesh.direction * float(self.mesh.borders[self.count])
-        integrals = self.begin.integrals.copy()
-        integrals[: len(self.summed)] += self.integrals[:, -1]
-        return State(self.end, angle, self.final_speed, integrals)
-
-
-def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int, begin: State) -> AngleSegment:
-    """The first ``count`` panels of a solution of one scenario, as functions of time."""
-    rule, mesh = gauss_rule(), solution.mesh
-    measure, speed = mesh.measure[:, :count], solution.speed[:, :count, 0]
-    elapsed = rule.integral(measure / speed)
-    driving, motor = _drive_torques(driven, solution, count)
-    rates = [driving, -solution.resisting[:, :count, 0], motor * motor / speed]
-    rates += [] if solution.friction_torque is None else [-solution.friction_torque[:, :count, 0]]
-    summed = np.array([rule.integral(rate * measure) for rate in rates])
-    final_inertia = float(mesh.inertia_ends[count]) + driven.inertia
-    nearly = nearly_at_rest(solution.energy[:, :count, 0], solution.force[:, :count, 0], driven.model.potential_range)
-    return AngleSegment(
-        driven=driven,
-        mesh=mesh,
-        count=count,
-        begin=begin,
-        times=np.concatenate([[begin.time], begin.time + elapsed.sum(axis=0).cumsum()]),  # x = 1: the sum of the coefficients
-        elapsed=elapsed,
-        summed=summed,
-        integrals=np.concatenate([np.zeros((len(summed), 1)), summed.sum(axis=1).cumsum(axis=1)], axis=1),
-        final_speed=mesh.direction * math.sqrt(2 * max(0.0, float(solution.ends[count, 0])) / final_inertia),
-        evaluations=solution.evaluations,
-        slow=mesh.angle[:, :count][nearly],
-    )
-
-
-def _drive_torques(driven: DrivenPress, solution: CollocationSolution, count: int) -> tuple[Array, Array]:
-    """Torque of the drive along the travel, and of its motor at the motor's own shaft, (q, count) each, of one scenario [N m]."""
-    drive, driving = driven.drive, solution.driving[:, :count, 0]
-    if drive is not None:
-        motor = np.asarray(drive.motor_torque(solution.mesh.direction * solution.speed[:, :count, 0]))
-        return drive_torque(drive, solution)[:, :count, 0], motor
-    return driving, np.zeros_like(driving) if driven.prescribed is None else driving
-
-
-def drive_torque(drive: Drive, solution: CollocationSolution) -> Array:
-    """Torque (q, p, S) of a drive along the travel at the speeds of a solution. It is computed again from these speeds, so that the energy
-    balance tells whether they are right."""
-    direction, speed = solution.mesh.direction, solution.speed
-    return np.asarray(direction * drive.torque(direction * speed) + np.zeros_like(speed))
-
-
-def nearly_at_rest(energy: Array, force: Array, span: float) -> NDArray[np.bool_]:
-    """Whether cranks are nearly at rest.
-
-    Args:
-        energy: kinetic energies (...) [J].
-        force: net torques (...) on the cranks [N m].
-        span: range of the potential energy [J].
-    """
-    found = np.asarray(energy < NEAR * span)
-    return found & (energy + force**2 / (2 * span) < NEAR * span) if found.any() else found
-
-
-def place_at(elapsed: Array, since: Array, took: Array) -> Array:
-    """Places x (n,), from -1 to 1 on n panels, at given times.
-
-    Args:
-        elapsed: (k, n) coefficients in x of the time since a panel's start.
-        since: (n,) times since the panels' starts [s].
-        took: (n,) durations of the panels [s].
-    """
-    x = 2 * np.clip(since / took, 0.0, 1.0) - 1
-    for _ in range(8):
-        value, slope = values_and_slopes(elapsed, x)
-        step = (value - since) / slope
-        x = np.clip(x - step, -1.0, 1.0)
-        if np.abs(step).max(initial=0.0) < 1e-13:
-            break
-    return np.where(since > 0, x, -1.0)  # a press that starts from rest stands still there, without rounding

@@ -1,0 +1,1 @@
+"""A crank that turns, solved over its angle."""

@@ -1,0 +1,158 @@
+"""Which panels of a solution are too coarse, where they are cut, and the solution on the panels that follow from that.
+
+The last terms of its polynomials tell whether the panels resolve the solution. Where the crank passes a corner of the drive's torque, or a
+contact is lost, a panel is cut at that place; any other panel that is too coarse is cut in its middle.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.numerics import gauss_rule, horner, polynomial_root
+from ...common.quantities import Array
+from .collocation import FLOOR, LEAST, CollocationSolution
+from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
+
+BEYOND = 10.0  # guesses of the energy are limited to this multiple of the largest energy that is known
+NARROWEST = 1e-9  # narrowest panel that is cut [rad]
+ROUNDED = 5e-14  # last terms of a polynomial up to this share of the whole may be rounding, which no cut reduces
+LAYER = 10.0  # e-folds of half a panel that holds what dies away at its start under a stiff drive
+
+
+def stopping_panels(solution: CollocationSolution) -> NDArray[np.bool_]:
+    """On which panels (p, S) the crank stops, or comes so near to a stop that time may not be resolved. All that follows them has no
+    meaning."""
+    lowest = np.minimum(solution.energy.min(axis=0), solution.ends[1:])
+    known = np.arange(len(solution.ends))[:, None] <= solution.settled
+    least = 0.0 if solution.speed_free else LEAST * np.where(known, solution.ends, 0.0).max(axis=0)
+    found = (lowest <= least) | (np.arange(len(lowest))[:, None] >= solution.settled)
+    if solution.mesh.kinds[-1] == TO_REST:
+        found[-1] = (solution.energy[:, -1] <= 0).any(axis=0)
+    return np.asarray(found)
+
+
+def cuts(
+    solution: CollocationSolution, upto: int, tolerance: float, corners: Sequence[float] = (), which: Indices | slice = slice(None)
+) -> Array:
+    """Angles travelled at which to cut panels that do not resolve energy or time.
+
+    A polynomial's last terms tell what it misses; the errors of Gauss's rule are far smaller. Of a single scenario, panels are cut where
+    the crank passes a corner or a contact is lost; all others are cut in their middle.
+
+    Args:
+        solution: the solution.
+        upto: panels from this index on are left as they are.
+        tolerance: last terms accepted, as a share of the whole.
+        corners: speeds at which the drive's torque is not smooth [rad/s].
+        which: scenarios that count.
+    """
+    mesh = solution.mesh
+    bad = _coarse(solution, upto, max(tolerance, ROUNDED), which) & (np.diff(mesh.borders[: upto + 1]) > NARROWEST)
+    if solution.stiffness.any():  # under a stiff drive an unresolved panel disturbs those that follow it
+        bad[1:] &= (solution.stiffness[1:upto] <= LAYER) | ~bad[:-1]
+    found = {panel: _cut_within(solution, panel) for panel in np.flatnonzero(bad).tolist()}
+    if solution.ends[:, which].shape[1] == 1:
+        found |= _corners_passed(solution, upto, corners)
+        for force in mesh.forces:
+            found |= {panel: at for panel, at in _contact_lost(solution, force) if panel < upto}
+    return np.array(list(found.values()))
+
+
+def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: Indices | slice) -> NDArray[np.bool_]:
+    """Whether the first panels (upto,) are too coarse for energy or time of any scenario."""
+    rule, measure = gauss_rule(), solution.mesh.measure[:, :upto, None]
+    force, speed, ends = solution.force[:, :upto, which], solution.speed[:, :upto, which], solution.ends[: upto + 1, which]
+    q, _, count = force.shape
+
+    def missed(integrand: Array, whole: Array) -> NDArray[np.bool_]:
+        tail = np.abs(rule.legendre[-2:] @ (integrand * measure).reshape(q, -1)).max(axis=0).reshape(upto, count)
+        return np.asarray((tail > tolerance * whole).any(axis=1), dtype=np.bool_)
+
+    slowness = 1 / speed
+    taken = (rule.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0)
+    return np.asarray(missed(force, ends.max(axis=0)) | missed(slowness, taken))
+
+
+def _cut_within(solution: CollocationSolution, panel: int) -> float:
+    """Where a panel is cut: in the middle of its x; under a stiff drive behind the layer at its start, where that is not cut off yet."""
+    mesh, stiffness = solution.mesh, solution.stiffness
+    low, high = mesh.borders[panel : panel + 2]
+    share = {STEADY: 0.5, FROM_REST: 0.25, TO_REST: 0.75}[int(mesh.kinds[panel])]
+    if stiffness[panel] > 2 * LAYER and (panel == 0 or stiffness[panel - 1] > 2 * LAYER):
+        share = LAYER / float(stiffness[panel])
+    return float(low + share * (high - low))
+
+
+def _border_speeds(solution: CollocationSolution) -> Array:
+    """Speed of the crank (p + 1,) at the borders, of one scenario."""
+    mesh = solution.mesh
+    inertia = np.maximum(mesh.inertia_ends + solution.added, np.finfo(float).tiny)
+    return np.asarray(mesh.direction * np.sqrt(2 * np.maximum(solution.ends[:, 0], 0.0) / inertia))
+
+
+def _corners_passed(solution: CollocationSolution, upto: int, corners: Sequence[float]) -> dict[int, float]:
+    """Panels on which the crank passes one of the corners, and the place, even where that shows at no node."""
+    mesh, found = solution.mesh, {}
+    if corners:
+        ends = _border_speeds(solution)
+        speeds = np.concatenate([ends[None, :-1], mesh.direction * solution.speed[:, :, 0], ends[None, 1:]])[:, :upto]
+        for corner in corners:
+            for panel in np.flatnonzero((speeds.min(axis=0) < corner) & (speeds.max(axis=0) > corner)).tolist():
+                at = _place_of(mesh, panel, gauss_rule().polynomial(speeds[1:-1, panel]).tolist(), corner)
+                if at is not None:
+                    found[panel] = at
+    return found
+
+
+def _contact_lost(solution: CollocationSolution, force: PanelForce) -> list[tuple[int, float]]:
+    """Panels on which the law of a contact changes its sign, and the place as angle travelled, of one scenario."""
+    mesh, found, border_speeds = solution.mesh, [], _border_speeds(solution)
+    for panel in force.panels.tolist() if force.interval.one_sided else []:
+        ends = slice(panel, panel + 2)
+        rates = [
+            mesh.lever[force.row][:, panel] * mesh.direction * solution.speed[:, panel, 0],
+            mesh.lever_ends[force.row, ends] * border_speeds[ends],
+        ]
+        position = np.concatenate([mesh.position[force.row][:, panel], mesh.position_ends[force.row, ends]])
+        law = np.asarray(force.interval.force(position - force.datum, np.concatenate(rates)))
+        if law.min() < 0 < law.max():
+            at = _place_of(mesh, panel, gauss_rule().polynomial(law[:-2]).tolist(), 0.0)
+            if at is not None:
+                found.append((panel, at))
+    return found
+
+
+def _place_of(mesh: Mesh, panel: int, polynomial: list[float], level: float) -> float | None:
+    """Angle travelled at which a polynomial in the x of a panel passes a level; None where it does not, or only at the panel's borders."""
+    polynomial = [polynomial[0] - level, *polynomial[1:]]
+    samples = np.linspace(-1.0, 1.0, 2 * len(polynomial)).tolist()
+    values = [horner(polynomial[::-1], x) for x in samples]
+    for k in range(len(samples) - 1):
+        if (values[k] > 0) != (values[k + 1] > 0):
+            x = polynomial_root(polynomial, samples[k], samples[k + 1])
+            at = float(mesh.travelled(np.array([panel]), np.array([x]))[0][0])
+            if mesh.borders[panel] + SAME < at < mesh.borders[panel + 1] - SAME:
+                return at
+    return None
+
+
+def interpolate_onto(solution: CollocationSolution, mesh: Mesh) -> Array | None:
+    """The kinetic energy (q, p, S) of a solution at the nodes of another mesh over the same angles; None where one of the meshes starts or
+    ends at rest."""
+    old = solution.mesh
+    if old.kinds.any() or mesh.kinds.any():
+        return None
+    along = (mesh.angle - mesh.start) * mesh.direction
+    panel = np.clip(old.borders.searchsorted(along, side="right") - 1, 0, len(old.kinds) - 1)
+    low, high = old.borders[panel], old.borders[panel + 1]
+    x = (2 * (along - low) / (high - low) - 1)[:, :, None]
+    q, p, count = solution.energy.shape
+    coefficients = gauss_rule().polynomial(solution.energy.reshape(q, -1)).reshape(q, p, count)
+    value = coefficients[-1][panel]
+    for k in range(q - 2, -1, -1):
+        value = value * x + coefficients[k][panel]
+    # the energy has no meaning on panels on which Newton's method has not settled, and must not enter the largest energy
+    known = np.arange(len(old.kinds))[:, None] < solution.settled
+    highest = np.maximum(np.where(known, solution.energy.max(axis=0), 0.0).max(axis=0), solution.ends[0])
+    return np.asarray(np.clip(value, FLOOR * solution.ends[0], BEYOND * highest))
