@@ -165,7 +165,7 @@ def test_blocks_by_their_graph(system):
     couplings = [Coupling(str(one), one, other, 1.0, 0.0, 0) for one, other in pairs]
     tried = ordered_blocks(owners, len(loops), couplings, 0, joints, one_block=False)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("pinpress.engines.planar.model.FEW", 0)
+        patch.setattr("pinpress.engines.blocks.FEW", 0)
         found = ordered_blocks(owners, len(loops), couplings, 0, joints, one_block=False)
     if 2 * len(loops) + len(couplings) == joints - 1:
         assert (found is None) == (tried is None)
