@@ -20,6 +20,11 @@ PIECE = 2048  # crank angles that are worked through at a time: their arrays sta
 MOST_NEWTON_STEPS = 12  # of one closure: from a good guess it takes one or two
 ACCEPTED = 1e3  # multiples of the tolerance of rounding: a loop with a larger gap is open
 LOOSEST = 1e-6  # gap, in lengths of the linkage, above which a motion belongs to another linkage
+KEPT = 1 << 24  # freed memory of a process up to which it is kept for the next call [bytes]
+
+# The GNU C library gives freed memory above a limit back to the system, and the next call takes it again page by page, which costs up to a
+# third of its time. The limit rises to the largest block that was ever freed; this one is never touched, and so takes no memory.
+np.empty(KEPT, dtype=np.uint8)
 
 
 class Jacobian(NamedTuple):

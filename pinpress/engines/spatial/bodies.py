@@ -1,15 +1,15 @@
 """Bodies in space: where they are, how they move, and what accelerates them, at all configurations at once.
 
 Arrays have the configurations last: rotations (nv + 1, 3, 3, n), vectors (nv + 1, 3, n), with the frame as body 0, so that Pinocchio's
-indices of joints serve. All vectors are in world axes. Velocities and accelerations of a body are those of its point at the world origin,
-and moments are taken about the world origin, so that sums over bodies need no transformation.
+indices of joints serve. In memory the components come first, so that one component of all bodies is one row of numbers: products of vectors
+then take a third of the time. All vectors are in world axes. Velocities and accelerations of a body are those of its point at the world
+origin, and moments are taken about the world origin, so that sums over bodies need no transformation.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +19,6 @@ from ...common.frozen import Frozen
 from ...common.quantities import Array
 from ..engine import ClosedStates, EnergyRates, PowerBalance
 from ..forces import AppliedForce
-from ..joints import Matrix, matrix, product
 from ..pinocchio.model import SpatialModel
 
 
@@ -30,11 +29,10 @@ class Bodies(Frozen):
     Attributes:
         parents: (nv,) Pinocchio's indices of the parents of the joints, 0 for the frame.
         turns: (nv,) whether a joint turns.
-        offset: (nv, 3) origin of a joint in its parent's frame, where it slides at zero [m].
-        slide: (nv, 3) direction in which it slides, in its parent's frame; zero where it turns.
-        rotation: (nv, 9, 3) factors of 1, sine and cosine of the coordinate in the rotation from joint to parent.
-        axis: (nv, 3) axis in the joint's own frame.
-        carried: (nv, nv) 1 where the joint of a column carries the body of a row.
+        placement: (nv, 4, 3) of a joint in its parent's frame: the axes of its frame, of `aligned` where there is one, then its origin [m].
+        along: (nv,) which of these axes the joint has.
+        aligned: (nv, 3, 3) the joint's frame from the frame of its placement, where the joint has none of its own frame's axes; None where
+            it has.
         mass: (nv,) masses [kg].
         lever: (nv, 3) centres of mass in the joint's frame [m].
         inertia: (nv, 3, 3) moments of inertia about the centre of mass, axes of the joint's frame [kg m2].
@@ -43,50 +41,44 @@ class Bodies(Frozen):
 
     parents: tuple[int, ...]
     turns: NDArray[np.bool_]
-    offset: Array
-    slide: Array
-    rotation: Array
-    axis: Array
-    carried: Matrix
+    placement: Array
+    along: tuple[int, ...]
+    aligned: tuple[Array | None, ...]
     mass: Array
     lever: Array
     inertia: Array
     gravity: Array
 
-    @cached_property
-    def carrying(self) -> Matrix:
-        """(nv, nv) ``carried`` transposed: sums over the bodies that a joint carries."""
-        return np.ascontiguousarray(self.carried.T) if isinstance(self.carried, np.ndarray) else self.carried.T.tocsr()
-
 
 def build_bodies(spatial: SpatialModel) -> Bodies:
     """The constants of a linkage."""
-    model, count = spatial.model, spatial.model.nv
-    parents = tuple(int(parent) for parent in list(model.parents)[1:])
-    placements, inertias = list(model.jointPlacements)[1:], list(model.inertias)[1:]
-    fixed = np.array([placement.rotation for placement in placements])
-    axis, turns = np.array([a.direction for a in spatial.axes]), np.array([a.turns for a in spatial.axes])
-    x, y, z = axis.T
-    zero = np.zeros(count)
-    skew = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1) * turns[:, None, None]
-    squared = skew @ skew
-    factors = np.stack([fixed @ (np.eye(3) + squared), fixed @ skew, -fixed @ squared], axis=-1)
-    paths: list[dict[int, complex]] = []
-    for joint, parent in enumerate(parents):
-        paths.append({**(paths[parent - 1] if parent else {}), joint: 1.0})
+    model = spatial.model
+    inertias, placement, along, aligned = list(model.inertias)[1:], [], [], []
+    for place, axis in zip(list(model.jointPlacements)[1:], spatial.axes, strict=True):
+        own = int(np.argmax(axis.direction))
+        turned_frame = None if np.array_equal(axis.direction, np.eye(3)[own]) else _frame_with(axis.direction)
+        frame = place.rotation if turned_frame is None else place.rotation @ turned_frame
+        placement.append(np.vstack([frame.T, place.translation]))
+        along.append(own if turned_frame is None else 2)
+        aligned.append(turned_frame)
     return Bodies(
-        parents=parents,
-        turns=turns,
-        offset=np.array([placement.translation for placement in placements]),
-        slide=np.where(turns[:, None], 0.0, (fixed @ axis[:, :, None])[:, :, 0]),
-        rotation=factors.reshape(count, 9, 3),
-        axis=axis,
-        carried=matrix(paths, count, count, float),
+        parents=tuple(int(parent) for parent in list(model.parents)[1:]),
+        turns=np.array([axis.turns for axis in spatial.axes]),
+        placement=np.array(placement),
+        along=tuple(along),
+        aligned=tuple(aligned),
         mass=np.array([inertia.mass for inertia in inertias]),
         lever=np.array([inertia.lever for inertia in inertias]),
         inertia=np.array([inertia.inertia for inertia in inertias]),
         gravity=np.array(model.gravity.linear),
     )
+
+
+def _frame_with(axis: Array) -> Array:
+    """Axes (3, 3), as columns, of a frame whose third axis is a unit vector (3,)."""
+    first = np.cross(axis, np.eye(3)[np.abs(axis).argmin()])
+    first /= np.linalg.norm(first)
+    return np.column_stack([first, np.cross(axis, first), axis])
 
 
 class Placements(NamedTuple):
@@ -141,64 +133,72 @@ class Accelerations(NamedTuple):
 
 def cross(one: Array, other: Array) -> Array:
     """The vector product of vectors (..., 3, n)."""
-    a, b, c = one[..., 0, :], one[..., 1, :], one[..., 2, :]
-    x, y, z = other[..., 0, :], other[..., 1, :], other[..., 2, :]
-    result = np.empty(np.broadcast_shapes(one.shape, other.shape))
-    for row, first, second, third, fourth in ((0, b, z, c, y), (1, c, x, a, z), (2, a, y, b, x)):
-        own = result[..., row, :]
-        np.multiply(first, second, out=own)
-        own -= third * fourth
-    return result
+    shape = np.broadcast_shapes(one.shape, other.shape)
+    result = np.empty((3, *shape[:-2], shape[-1]))
+    less = np.empty(result.shape[1:])
+    for own, first, second in zip(result, (1, 2, 0), (2, 0, 1), strict=True):
+        np.multiply(one[..., first, :], other[..., second, :], out=own)
+        np.multiply(one[..., second, :], other[..., first, :], out=less)
+        own -= less
+    return np.moveaxis(result, 0, -2)
 
 
 def turned(rotation: Array, vectors: Array) -> Array:
     """Rotations (..., 3, 3, n) times vectors (..., 3, n)."""
-    return np.asarray(
-        rotation[..., 0, :] * vectors[..., :1, :] + rotation[..., 1, :] * vectors[..., 1:2, :] + rotation[..., 2, :] * vectors[..., 2:, :]
-    )
+    return np.asarray(np.einsum("...ijn,...jn->...in", rotation, vectors))
 
 
 def turned_back(rotation: Array, vectors: Array) -> Array:
     """Inverse rotations (..., 3, 3, n) times vectors (..., 3, n)."""
-    return np.asarray(
-        rotation[..., 0, :, :] * vectors[..., :1, :]
-        + rotation[..., 1, :, :] * vectors[..., 1:2, :]
-        + rotation[..., 2, :, :] * vectors[..., 2:, :]
-    )
+    return np.asarray(np.einsum("...jin,...jn->...in", rotation, vectors))
+
+
+def components_first(count: int, n: int, *before: int) -> Array:
+    """Room for vectors (..., count, 3, n), in memory with their components first."""
+    return np.empty((*before, 3, count, n)).swapaxes(-3, -2)
 
 
 def placements(bodies: Bodies, x: Array) -> Placements:
     """Where the bodies are at joint coordinates (nv, n)."""
     count, n = x.shape
-    powers = np.empty((count, 3, n))
-    powers[:, 0] = 1.0
-    np.sin(x, out=powers[:, 1])
-    np.cos(x, out=powers[:, 2])
-    local = np.matmul(bodies.rotation, powers).reshape(count, 3, 3, n)
-    rotation, origin = np.empty((count + 1, 3, 3, n)), np.empty((count + 1, 3, n))
-    rotation[0], origin[0] = np.eye(3)[:, :, None], 0.0
+    sines, cosines = np.sin(x), np.cos(x)
+    rotation, origin, axis = np.empty((3, 3, count + 1, n)), np.empty((3, count + 1, n)), np.empty((3, count, n))
+    rotation[:, :, 0], origin[:, 0] = np.eye(3)[:, :, None], 0.0
+    less = np.empty((3, n))
     for joint, parent in enumerate(bodies.parents):
-        place = bodies.offset[joint][:, None]
+        # axes of the frame before the joint moves, and its origin, from the parent's
+        frame = np.matmul(bodies.placement[joint], rotation[:, :, parent])  # (3, 4, n)
+        own, place, along = rotation[:, :, joint + 1], origin[:, joint + 1], bodies.along[joint]
+        np.add(origin[:, parent], frame[:, 3], out=place)
+        axis[:, joint] = frame[:, along]
         if not bodies.turns[joint]:
-            place = place + bodies.slide[joint][:, None] * x[joint]
-        if parent == 0:
-            rotation[joint + 1], origin[joint + 1] = local[joint], place
-            continue
-        above, own = rotation[parent], rotation[joint + 1]
-        np.multiply(above[:, :1], local[joint, 0], out=own)
-        own += above[:, 1:2] * local[joint, 1]
-        own += above[:, 2:] * local[joint, 2]
-        np.add(origin[parent], turned(above, place), out=origin[joint + 1])
-    return Placements(rotation, origin, np.einsum("jikn,jk->jin", rotation[1:], bodies.axis))
+            place += axis[:, joint] * x[joint]
+            own[:] = frame[:, :3]
+        else:
+            sine, cosine = sines[joint], cosines[joint]
+            one, other = (along + 1) % 3, (along + 2) % 3
+            first, second = own[:, one], own[:, other]
+            np.multiply(frame[:, one], cosine, out=first)
+            np.multiply(frame[:, other], sine, out=less)
+            first += less
+            np.multiply(frame[:, other], cosine, out=second)
+            np.multiply(frame[:, one], sine, out=less)
+            second -= less
+            own[:, along] = frame[:, along]
+        aligned = bodies.aligned[joint]
+        if aligned is not None:
+            own[:] = np.matmul(aligned, own)
+    return Placements(rotation.transpose(2, 0, 1, 3), origin.swapaxes(0, 1), axis.swapaxes(0, 1))
 
 
 def motion_axes(bodies: Bodies, placed: Placements) -> Array:
     """(nv, 2, 3, n) angular velocity of the bodies that a joint carries, and their velocity at the world origin, at unit rate."""
-    turns = bodies.turns[:, None, None]
-    linear = cross(placed.origin[1:], placed.axis)
-    if bodies.turns.all():
-        return np.stack([placed.axis, linear], axis=1)
-    return np.stack([np.where(turns, placed.axis, 0.0), np.where(turns, linear, placed.axis)], axis=1)
+    axes = components_first(*placed.axis.shape[::2], 2)
+    axes[0], axes[1] = placed.axis, cross(placed.origin[1:], placed.axis)
+    if not bodies.turns.all():
+        slides = ~bodies.turns
+        axes[0, slides], axes[1, slides] = 0.0, placed.axis[slides]
+    return axes.swapaxes(0, 1)
 
 
 def velocities(bodies: Bodies, axes: Array, v: Array) -> Velocities:
@@ -209,7 +209,9 @@ def velocities(bodies: Bodies, axes: Array, v: Array) -> Velocities:
 def accelerations(bodies: Bodies, axes: Array, moved: Velocities, v: Array, a: Array | None) -> Accelerations:
     """How the motion of the bodies changes at joint rates and accelerations (nv, n); None: none."""
     spin, linear = moved.spin[1:], moved.linear[1:]
-    own = np.stack([cross(spin, axes[:, 0]), cross(spin, axes[:, 1]) + cross(linear, axes[:, 0])], axis=1)
+    own = components_first(*spin.shape[::2], 2).swapaxes(0, 1)
+    own[:, 0] = cross(spin, axes[:, 0])
+    np.add(cross(spin, axes[:, 1]), cross(linear, axes[:, 0]), out=own[:, 1])
     own *= v[:, None, None]
     if a is not None:
         own += axes * a[:, None, None]
@@ -219,9 +221,19 @@ def accelerations(bodies: Bodies, axes: Array, moved: Velocities, v: Array, a: A
 def _with_frame(bodies: Bodies, own: Array) -> Array:
     """Sums (2, nv + 1, 3, n) over the joints that carry a body, of what each adds (nv, 2, 3, n); zero for the frame."""
     count, n = len(own), own.shape[-1]
-    result = np.zeros((2, count + 1, 3, n))
-    result[:, 1:] = product(bodies.carried, own.reshape(count, -1)).reshape(count, 2, 3, n).swapaxes(0, 1)
+    result = components_first(count + 1, n, 2)
+    result[:, 0], result[:, 1:] = 0.0, own.swapaxes(0, 1)
+    for joint, parent in enumerate(bodies.parents):
+        if parent:
+            result[:, joint + 1] += result[:, parent]
     return result
+
+
+def sum_carried(bodies: Bodies, own: Array) -> None:
+    """Add to vectors of all bodies (..., nv, 3, n) those of the bodies that they carry, from the tips of the tree to the frame."""
+    for joint in range(len(bodies.parents) - 1, -1, -1):
+        if parent := bodies.parents[joint]:
+            own[..., parent - 1, :, :] += own[..., joint, :, :]
 
 
 class InertiaForces(NamedTuple):
@@ -242,13 +254,23 @@ def inertia_forces(bodies: Bodies, placed: Placements, moved: Velocities, change
     """The forces and couples that accelerate the bodies, and with ``weights`` carry them."""
     rotation, center = placed.rotation[1:], centers(bodies, placed)
     spin, turning = moved.spin[1:], changed.turning[1:]
-    acceleration = changed.linear[1:] + cross(turning, center) + cross(spin, moved.linear[1:] + cross(spin, center))
+    force = cross(spin, center)
+    force += moved.linear[1:]
+    force = cross(spin, force)
+    force += cross(turning, center)
+    force += changed.linear[1:]
     if weights:
-        acceleration -= bodies.gravity[:, None]
+        force -= bodies.gravity[:, None]
+    force *= bodies.mass[:, None, None]
     own_spin, own_turning = turned_back(rotation, spin), turned_back(rotation, turning)
-    inertia = bodies.inertia[..., None]
-    couple = turned(rotation, turned(inertia, own_turning) + cross(own_spin, turned(inertia, own_spin)))
-    return InertiaForces(center, bodies.mass[:, None, None] * acceleration, couple)
+    couple = cross(own_spin, _with_constants(bodies.inertia, own_spin))
+    couple += _with_constants(bodies.inertia, own_turning)
+    return InertiaForces(center, force, turned(rotation, couple))
+
+
+def _with_constants(matrices: Array, vectors: Array) -> Array:
+    """Constant matrices (nv, 3, 3) of all bodies times vectors (nv, 3, n)."""
+    return np.asarray(np.matmul(matrices, vectors, out=components_first(*vectors.shape[::2])))
 
 
 def centers(bodies: Bodies, placed: Placements) -> Array:
@@ -262,7 +284,7 @@ def energies(bodies: Bodies, states: ClosedStates) -> EnergyRates:
     moved = velocities(bodies, motion_axes(bodies, placed), states.v)
     center, spin = centers(bodies, placed), turned_back(placed.rotation[1:], moved.spin[1:])
     velocity = moved.linear[1:] + cross(moved.spin[1:], center)
-    turning = (spin * turned(bodies.inertia[..., None], spin)).sum(axis=(0, 1))
+    turning = (spin * _with_constants(bodies.inertia, spin)).sum(axis=(0, 1))
     kinetic = 0.5 * (bodies.mass @ (velocity * velocity).sum(axis=1) + turning)
     along = bodies.mass[:, None] * bodies.gravity  # weights [N]
     return EnergyRates(kinetic, -np.einsum("ji,jin->n", along, center), -np.einsum("ji,jin->n", along, velocity))

@@ -17,7 +17,7 @@ from ...common.quantities import Array
 from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
 from ..joints import product
-from .bodies import accelerations, cross, inertia_forces, motion_axes, velocities
+from .bodies import accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
 from .equations import Equations, Loops, PassiveColumns, equations, loop_spins
 
 
@@ -109,18 +109,19 @@ class _Balance:
         axes = motion_axes(bodies, placed)
         moved = velocities(bodies, axes, states.v)
         needed = inertia_forces(bodies, placed, moved, accelerations(bodies, axes, moved, states.v, states.a))
-        own = np.empty((self.count, 2, 3, self.n))
-        own[:, 0], own[:, 1] = needed.force, needed.couple + cross(needed.center, needed.force)
+        carried = components_first(self.count, self.n, 2)
+        carried[0], carried[1] = needed.force, needed.couple
+        carried[1] += cross(needed.center, needed.force)
         for load in loads:
             if load.joint:
                 force = load.force.T
-                own[load.joint - 1, 0] -= force
-                own[load.joint - 1, 1] -= cross(placed.point(load.joint, load.point), force)
-        carried = product(bodies.carrying, own.reshape(self.count, -1)).reshape(own.shape)
-        self.force = carried[:, 0]
-        self.moment = carried[:, 1] - cross(placed.origin[1:], self.force)  # about the joints' origins
-        along = np.where(bodies.turns[:, None, None], self.moment, self.force)
-        self.effort = np.asarray((placed.axis * along).sum(axis=1))
+                carried[0, load.joint - 1] -= force
+                carried[1, load.joint - 1] -= cross(placed.point(load.joint, load.point), force)
+        sum_carried(bodies, carried)
+        self.force, self.moment = carried
+        self.moment -= cross(placed.origin[1:], self.force)  # about the joints' origins
+        along = self.moment if bodies.turns.all() else np.where(bodies.turns[:, None, None], self.moment, self.force)
+        self.effort = np.einsum("jin,jin->jn", placed.axis, along)
         self.size = spatial.size
 
     def _refuse_open(self, found: Equations) -> None:
