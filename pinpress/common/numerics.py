@@ -78,8 +78,10 @@ def values_and_slopes(coefficients: Array, x: Array) -> tuple[Array, Array]:
     """Values and derivatives (n,) at places x (n,) of polynomials with coefficients (k, n) of rising powers."""
     value, slope = coefficients[-1].copy(), np.zeros_like(x)
     for k in range(len(coefficients) - 2, -1, -1):
-        slope = slope * x + value
-        value = value * x + coefficients[k]
+        slope *= x
+        slope += value
+        value *= x
+        value += coefficients[k]
     return value, slope
 
 

@@ -96,6 +96,11 @@ class ReducedModel:
         inertia = np.append(self.coefficients[:, INERTIA, 0], self.at(self.borders[:-1])[0][INERTIA])
         return float(inertia.min()), float(angles[int(inertia.argmin())])
 
+    @cached_property
+    def _by_power(self) -> Array:
+        """(q, rows, p) coefficients, those of each power side by side."""
+        return np.ascontiguousarray(self.coefficients.transpose(2, 1, 0))
+
     def local(self, angle: Array) -> Array:
         """Crank angles moved by whole periods into the model's range.
 
@@ -116,15 +121,15 @@ class ReducedModel:
         panel = np.clip(self.borders.searchsorted(local, side="right") - 1, 0, len(self.borders) - 2)
         half = 0.5 * (self.borders[panel + 1] - self.borders[panel])
         x = (local - self.borders[panel]) / half - 1.0
-        picked = np.moveaxis(self.coefficients[panel], (-2, -1), (0, 1))  # (rows, q, ...)
-        value = picked[:, -1].copy()
+        picked = self._by_power.take(panel, axis=-1)  # (q, rows, ...)
+        value = picked[-1]
         slope = np.zeros_like(value)
-        for k in range(picked.shape[1] - 2, -1, -1):
+        for coefficients in picked[-2::-1]:
             if derivative:
                 slope *= x
                 slope += value
             value *= x
-            value += picked[:, k]
+            value += coefficients
         return value, slope / half
 
 

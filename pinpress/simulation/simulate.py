@@ -299,7 +299,7 @@ def _sensitivity(problem: SimulationProblem, trajectory: Trajectory, model: Redu
 def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
     """Whether the crank comes close to an unstable rest."""
     if isinstance(segment, AngleSegment):
-        return bool((_bend(reduced_model_of(press), segment.slow) < 0).any())
+        return bool(len(segment.slow)) and bool((_bend(reduced_model_of(press), segment.slow) < 0).any())
     if isinstance(segment, StandstillSegment | RepetitionSegment):
         return False
     system, n = segment.system, segment.system.dynamics.size

@@ -1,6 +1,7 @@
 """What the solvers over angle and time do for accuracy, each for itself: a run as a whole would hide its lack behind smaller steps."""
 
 import dataclasses
+import math
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.equations_of_motion import ReducedDynamics
 from pinpress.simulation.events import CoordinateTurns, CornerPassed, CouplingGrips
 from pinpress.simulation.hybrid_system import HybridSystem
-from pinpress.simulation.over_angle import collocation, refinement
+from pinpress.simulation.over_angle import angle_solver, collocation, refinement
 from pinpress.simulation.over_angle.mesh import build_mesh, mesh_borders
 from pinpress.simulation.over_angle.segment import angle_segment
 from pinpress.simulation.reduced_model import energies
@@ -72,6 +73,20 @@ def test_a_panel_is_cut_where_the_crank_passes_a_corner_of_the_torque(press):
     assert len(passed)
     along = solution.mesh.angle.T.ravel()
     np.testing.assert_allclose(np.interp(passed, along, solution.speed[:, :, 0].T.ravel()), corner, rtol=1e-3)
+
+
+@pytest.mark.parametrize("loads", [[], [pp.loads.Blanking(1e3, 0.03, 0.01)]])
+def test_several_periods_at_once_are_those_one_by_one(press, loads, monkeypatch):
+    """Backwards too, and with fewer periods than were solved together at the end."""
+    how: dict[str, Any] = {"angle": 1.0, "speed": -9.0, "flywheel": pp.drives.Flywheel(20.0), "loads": loads, "points": 300}
+    together = pp.simulate(press, 9.0, **how)
+    assert len(together.trajectory.segments) == 2
+    monkeypatch.setattr(angle_solver, "AT_ONCE", 1)
+    alone = pp.simulate(press, 9.0, **how)
+    assert len(alone.trajectory.segments) == math.ceil(alone.trajectory.turns) < 14
+    np.testing.assert_allclose(together.crank_angle, alone.crank_angle, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(together.load_work, alone.load_work, rtol=1e-11, atol=1e-11)
+    assert together.stats.energy_error < 1e-12
 
 
 @pytest.mark.parametrize("method", [time_solver.EXPLICIT, time_solver.IMPLICIT])

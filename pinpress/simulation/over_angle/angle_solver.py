@@ -1,5 +1,6 @@
 """One press solved over the crank angle, period after period. Where it stops and no force depends on its speed, it is followed back."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -15,7 +16,7 @@ from ..reduced_model import INERTIA, WEIGHT, lock_reached
 from ..trajectory import RepetitionSegment, Segment, State, Trajectory
 from . import collocation
 from .collocation import CollocationSolution
-from .mesh import SAME, STEADY, TO_REST, Mesh, angle_to, build_mesh, mesh_borders, range_ahead
+from .mesh import SAME, STEADY, TO_REST, Mesh, angle_to, build_mesh, mesh_borders, range_ahead, repeated
 from .refinement import cuts, interpolate_onto, stopping_panels
 from .segment import angle_segment
 
@@ -28,6 +29,7 @@ MOST_PERIODS = 200_000  # most periods of one run: each takes some memory
 NOTICED = 1e-6  # share of a swing: two stops further apart are different places
 MOST_CUTS = 40  # most rounds of cutting panels
 MOST_KEPT = 150  # panels beyond those of the model that are taken over into the next period
+AT_ONCE = 8  # most periods solved at once: more would hardly save anything
 
 
 # --------------------------------------------------------------------------------------------------------------------- from stop to stop
@@ -49,7 +51,7 @@ class AngleSolver:
     """Follows a press that turns, from a state to a time or to a place where it may stop.
 
     Attributes:
-        segments: found so far, one for each period.
+        segments: found so far, of one period or several each.
         state: of the press at their end.
     """
 
@@ -72,18 +74,19 @@ class AngleSolver:
         # Growing angles would be rounded differently in each period, and a period must begin with exactly what the one before ended with.
         # The equation is therefore solved over the same angles from the ``anchor`` on, and the crank's own angle is counted separately.
         self.anchor, self.first, self.periods = begin.angle, begin.angle, 0
+        self.solved = 0  # periods in all
 
     def run(self, progress: Callable[[float], None] | None = None) -> Stop | None:
         """Add segments up to the end, or to a place where the press may stop. Returns why it ended there, None at the end.
 
         Args:
-            progress: called with the time reached [s] after every period.
+            progress: called with the time reached [s] after every segment.
 
         Raises:
             SimulationError: the press runs against a lock.
         """
         while self.state.time < self.until:
-            if len(self.segments) == MOST_PERIODS:
+            if self.solved >= MOST_PERIODS:
                 raise failure("too many periods", self.state.time, self.state.angle, most=MOST_PERIODS)
             direction = _direction(self.driven, self.state)
             if direction == 0:
@@ -107,8 +110,9 @@ class AngleSolver:
         segment = angle_segment(self.driven, own, count, self.state)
         self.segments.append(segment)
         self.state = segment.last()
-        if self.model.period is not None and segment.travelled == self.model.period:
-            self.periods += 1
+        self.solved += solution.mesh.periods
+        if self.model.period is not None and segment.travelled == solution.mesh.periods * self.model.period:
+            self.periods += solution.mesh.periods
             self.state = self.state._replace(angle=self.first + solution.mesh.direction * self.periods * self.model.period)
         else:
             self.anchor += solution.mesh.direction * segment.travelled
@@ -129,12 +133,12 @@ class AngleSolver:
             return False
         elif self.model.period is None and self.state.time < self.until:
             raise lock_reached(self.model, self.state.angle, self.state.time)
-        elif kinds[0] == STEADY and len(kinds) < len(self.model.borders) + MOST_KEPT:
+        elif kinds[0] == STEADY and len(kinds) < solution.mesh.periods * len(self.model.borders) + MOST_KEPT:
             self.before = solution
         return True
 
     def _period(self, direction: int) -> tuple[CollocationSolution, int] | None:
-        """The solution of a period from the anchor on, or of a shorter range up to a stop, and how many of its panels are right.
+        """The solution of a period or several from the anchor on, or of a shorter range up to a stop, and how many of its panels are right.
 
         None where the crank would stop, or has to start, under a force that depends on its speed.
         """
@@ -148,7 +152,25 @@ class AngleSolver:
         if self.before is not None:
             return self._resolved(self.before.mesh, energy, self.before.energy)
         borders = mesh_borders(driven, anchor, direction, extent)
-        return self._resolved(build_mesh(driven, anchor, direction, borders, (self.state.speed == 0, False)), energy, None)
+        mesh = build_mesh(driven, anchor, direction, borders, (self.state.speed == 0, False))
+        periods = self._periods_ahead(mesh, float(energy[0]))
+        return self._resolved(repeated(mesh, periods) if periods > 1 else mesh, energy, None)
+
+    def _periods_ahead(self, mesh: Mesh, energy: float) -> int:
+        """How many periods to solve at once: where no force depends on the speed, those that are left, or equal parts of them.
+
+        Args:
+            mesh: of one period.
+            energy: kinetic energy at its start [J].
+        """
+        if self.model.period is None or self.state.speed == 0 or not self.driven.speed_free:
+            return 1
+        left = energy - mesh.lifted  # what the loads take away is not in it: the periods grow longer
+        if left.min() <= 0:
+            return 1
+        lasts = float((gauss_rule().weights @ (mesh.measure * np.sqrt((mesh.inertia + self.driven.inertia) / (2 * left)))).sum())
+        ahead = (self.until - self.state.time) / lasts
+        return math.ceil(ahead / math.ceil(ahead / AT_ONCE))
 
     def _resolved(self, mesh: Mesh, energy: Array, guess: Array | None) -> tuple[CollocationSolution, int] | None:
         """Solve a period over a mesh, and cut that where it is too coarse. Returns as `_period`.
@@ -180,7 +202,7 @@ class AngleSolver:
                     return None
             else:
                 return solution, count
-            mesh = build_mesh(driven, anchor, direction, borders, (from_rest, to_rest))
+            mesh = build_mesh(driven, anchor, direction, borders, (from_rest, to_rest), mesh.periods)
             guess = interpolate_onto(solution, mesh)
         # some panels are still not resolved: there the crank nearly stops, or the drive switches again and again
         right = 0 if to_rest or not len(coarse) else int(mesh.borders.searchsorted(coarse.min())) - 1
@@ -188,7 +210,10 @@ class AngleSolver:
 
     def _energy(self) -> Array:
         """(1,) kinetic energy of the state [J]."""
-        inertia = float(self.model.at(np.array([self.anchor]))[0][INERTIA, 0]) + self.driven.inertia
+        if self.before is not None:
+            inertia = float(self.before.mesh.inertia_ends[0]) + self.driven.inertia
+        else:
+            inertia = float(self.model.at(np.array([self.anchor]))[0][INERTIA, 0]) + self.driven.inertia
         if not inertia > 0:
             raise failure("no inertia", self.state.time, self.state.angle, inertia=inertia)
         return np.array([0.5 * inertia * self.state.speed**2])

@@ -5,7 +5,7 @@ A panel that starts or ends at rest runs over the square root of the angle, in w
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -62,6 +62,7 @@ class Mesh:
         lever_ends: (coordinates, p + 1) c' at the borders [m].
         forces: intervals of forces, each with the panels on which it acts.
         bearings: the bearings with friction at the q p nodes, node by node; None for none.
+        periods: of the press over which it goes, 1 where that has no period.
     """
 
     start: float
@@ -82,6 +83,7 @@ class Mesh:
     lever_ends: Array
     forces: tuple[PanelForce, ...]
     bearings: BearingStates | None
+    periods: int = 1
 
     def travelled(self, panel: Indices, x: Array) -> tuple[Array, Array]:
         """Angle travelled at places x (n,), from -1 to 1 on panels (n,), and its derivative by x."""
@@ -110,7 +112,9 @@ def range_ahead(model: ReducedModel, start: float, direction: int) -> float:
     return float(model.borders[-1] - start if direction > 0 else start - model.borders[0])
 
 
-def build_mesh(driven: DrivenPress, start: float, direction: int, borders: Array, rests: tuple[bool, bool] = (False, False)) -> Mesh:
+def build_mesh(
+    driven: DrivenPress, start: float, direction: int, borders: Array, rests: tuple[bool, bool] = (False, False), periods: int = 1
+) -> Mesh:
     """The mesh with these borders.
 
     Args:
@@ -119,6 +123,7 @@ def build_mesh(driven: DrivenPress, start: float, direction: int, borders: Array
         direction: +1 or -1.
         borders: (p + 1,) angle travelled [rad].
         rests: whether the crank starts from rest in the first panel, and comes to rest in the last.
+        periods: see `Mesh`.
     """
     kinds = _kinds(len(borders) - 1, *rests)
     along, measure = _run(borders, kinds, np.arange(len(kinds)), gauss_rule().nodes[:, None])
@@ -149,6 +154,42 @@ def build_mesh(driven: DrivenPress, start: float, direction: int, borders: Array
         lever_ends=slopes_ends[COORDINATES:],
         forces=_panel_forces(driven, at_middle[COORDINATES:], slopes_middle[COORDINATES:] * direction > 0),
         bearings=None if driven.bearing_model is None else driven.bearing_model.at(angle.ravel()),
+        periods=periods,
+    )
+
+
+def repeated(mesh: Mesh, periods: int) -> Mesh:
+    """The mesh of a period of the press, over as many periods one after the other. It has no rests, and no bearings with friction."""
+    assert not mesh.kinds.any()
+    assert mesh.bearings is None
+    period, count = float(mesh.borders[-1]), len(mesh.kinds)
+    begun = np.repeat(period * np.arange(periods), count)
+
+    def again(values: Array) -> Array:
+        return np.tile(values, periods)
+
+    def at_borders(values: Array) -> Array:
+        return np.concatenate([again(values[..., :-1]), values[..., -1:]], axis=-1)
+
+    first = count * np.arange(periods)[:, None]
+    return replace(
+        mesh,
+        borders=np.append(again(mesh.borders[:-1]) + begun, periods * period),
+        kinds=np.full(periods * count, STEADY),
+        measure=again(mesh.measure),
+        angle=again(mesh.angle) + mesh.direction * begun,
+        inertia=again(mesh.inertia),
+        slope=again(mesh.slope),
+        weight=again(mesh.weight),
+        lifted=again(mesh.lifted),
+        lifted_ends=at_borders(mesh.lifted_ends),
+        inertia_ends=at_borders(mesh.inertia_ends),
+        position=again(mesh.position),
+        lever=again(mesh.lever),
+        position_ends=at_borders(mesh.position_ends),
+        lever_ends=at_borders(mesh.lever_ends),
+        forces=tuple(force._replace(panels=(first + force.panels).ravel()) for force in mesh.forces),
+        periods=periods,
     )
 
 

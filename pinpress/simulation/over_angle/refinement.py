@@ -70,7 +70,7 @@ def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: I
         return np.asarray((tail > tolerance * whole).any(axis=1), dtype=np.bool_)
 
     slowness = 1 / speed
-    taken = (rule.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0)
+    taken = (rule.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0) / solution.mesh.periods
     return np.asarray(missed(force, ends.max(axis=0)) | missed(slowness, taken))
 
 
