@@ -171,7 +171,7 @@ def proximal_contest(press: Linkage, speed: float, flywheel: float) -> Contest:
     armature = np.zeros(press.model.nv)
     armature[crank] = flywheel
     dynamics = press.forward_dynamics(armature)
-    if dynamics.quick is None or press.couplings:
+    if dynamics.quick is None or dynamics.quick.least is not None or press.couplings:  # forces at loops that hold each other are open
         return Contest(PROXIMAL, (), 0.0, "", (SKIPPED,))
     turn = cycle(press, speed=speed, points=PROXIMAL_STATES)
     states = list(zip(turn.joint_position.copy(), turn.v.copy(), strict=True))

@@ -7,6 +7,7 @@ reduced model of `reduced_model`; all joints are those of Pinocchio's constraint
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from ..common.errors import PinpressError
 from ..common.numerics import horner
 from ..common.quantities import Array
+from ..common.results import Record
 from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage
 from .driven_press import Coordinate
@@ -172,6 +174,30 @@ class LinkageState(NamedTuple):
     v: Array
 
 
+@dataclass(frozen=True, repr=False)
+class ConstraintSolution(Record, units={"mu": "1/kg", "tolerance": "N"}):
+    """What found the accelerations of a run by method "constraint".
+
+    Attributes:
+        algorithm: "constraintDynamics", which is Pinocchio's; "null space" of the constraints, which is ours, with Pinocchio's mass matrix
+            and forces; or both, the more frequent one first.
+        reason: why that algorithm serves the linkage; a state in which `constraintDynamics` would lose digits takes the null space.
+        by_constraint_dynamics: number of states whose accelerations `constraintDynamics` found, those of the result among them.
+        by_null_space: number of states whose accelerations the null space found.
+        mu: Pinocchio's proximal parameter; None without `constraintDynamics`, as are the next two.
+        iterations: most proximal iterations.
+        tolerance: change of the multipliers at which iterations end.
+    """
+
+    algorithm: str
+    reason: str
+    by_constraint_dynamics: int
+    by_null_space: int
+    mu: float | None = None
+    iterations: int | None = None
+    tolerance: float | None = None
+
+
 class FullDynamics:
     """All joints, one state at a time by `ForwardDynamics`; loops are kept closed by projection after every step."""
 
@@ -259,6 +285,19 @@ class FullDynamics:
         pairs = [self.loops.project(x, v)[:2] for x, v in zip(position.T.copy(), speed.T.copy(), strict=True)]
         states = np.array(pairs).transpose(1, 2, 0)
         return states[0], states[1]
+
+    def solution(self) -> ConstraintSolution:
+        """What has found the accelerations so far."""
+        quick, reason = self.loops.quick, self.loops.why
+        by_algorithm = {
+            "constraintDynamics": sum(each.quickly for each in self.dynamics.values()),
+            "null space": sum(each.generally for each in self.dynamics.values()),
+        }
+        used = sorted((name for name in by_algorithm if by_algorithm[name]), key=lambda name: -by_algorithm[name])
+        algorithm = ", ".join(used) or ("null space" if quick is None else "constraintDynamics")
+        settings = None if quick is None else quick.settings
+        proximal = () if settings is None else (float(settings.mu), int(settings.max_iter), float(settings.relative_accuracy))
+        return ConstraintSolution(algorithm, reason, *by_algorithm.values(), *proximal)
 
     def energy(self, y: Array) -> float:
         """Kinetic energy [J]; ``y``: positions, followed by speeds."""

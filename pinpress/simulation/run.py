@@ -6,7 +6,7 @@ import itertools
 import math
 import time as clock
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -25,10 +25,15 @@ from ..linkage.linkage import Linkage
 from ..loads.caller_laws import as_given
 from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointPosition
+from .equations_of_motion import ConstraintSolution
 from .failures import failure
 from .law_trials import confirm_torques
 from .solvers import SimulationProblem
 from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
+
+if TYPE_CHECKING:
+    from .equations_of_motion import FullDynamics
+    from .time_solver import TimeSegment
 
 POINTS = 120  # states returned per turn of the crank, and at least
 MOST_POINTS = 1_000_000  # most states returned by default
@@ -84,6 +89,7 @@ class Run(Motion):
         motor_squared: (n,) integral of the motor torque squared over time since the start [N2 m2 s].
         problem: what was simulated.
         trajectory: the whole solution; ``trajectory.at(times)`` gives the states at any times (m,).
+        constraint_solution: which algorithm found the accelerations, why, and its settings; None where the crank alone was integrated.
     """
 
     stats: Stats
@@ -95,10 +101,12 @@ class Run(Motion):
     motor_squared: Array
     problem: SimulationProblem
     trajectory: Trajectory
+    constraint_solution: ConstraintSolution | None = None
 
     @property
     def title(self) -> str:
-        return f"Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, method {self.stats.method!r}"
+        by = "" if self.constraint_solution is None else f" by {self.constraint_solution.algorithm}"
+        return f"Run of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, method {self.stats.method!r}{by}"
 
     @property
     def _pictured(self) -> tuple[str, ...]:
@@ -260,9 +268,18 @@ def _as_run(problem: SimulationProblem, trajectory: Trajectory, motion: Motion, 
         **integrals,
         problem=problem,
         trajectory=trajectory,
+        constraint_solution=_constraint_solution(problem, trajectory),
     )
     object.__setattr__(run, "_closed_as", motion._closed_as)
     return run
+
+
+def _constraint_solution(problem: SimulationProblem, trajectory: Trajectory) -> ConstraintSolution | None:
+    """What has found the accelerations of all joints; None where the crank alone was integrated."""
+    if problem.equations != "constraint":
+        return None
+    segment = cast("TimeSegment", trajectory.segments[0])
+    return cast("FullDynamics", segment.system.dynamics).solution()
 
 
 def allowed_error(tolerance: float) -> float:
@@ -486,7 +503,8 @@ def inputs_of(reactions: Reactions) -> inputs.Inputs:
         given.append(("flywheels and drives", f"inertia {', '.join(inertias)}"))
     if not several and parts["drive"] is None:
         given.insert(0, ("drive", "none"))
-    how = f", method {stats.method!r} by {', '.join(stats.solvers)}, " + (
+    by = stats.solvers if run.constraint_solution is None else (*stats.solvers, run.constraint_solution.algorithm)
+    how = f", method {stats.method!r} by {', '.join(by)}, " + (
         f"tolerance {run.problem.tolerance:g}" if run.problem.step is None else f"step {run.problem.step:g} s"
     )
     return inputs.inputs(reactions, start, given, how)

@@ -6,8 +6,8 @@ Two sets of equations give the same run. ``"reduced"`` integrates the one-degree
 angle, all of a period at once, while the crank turns. It integrates over time where the crank may stop, or where a clutch, a drive's own
 states or forces in time demand it. ``"implicit"`` integrates the same equation over time alone, by Radau IIA.
 ``"constraint"`` integrates all joints, with the loops closed again after every step: any linkage. Its accelerations are those of
-Pinocchio's constraint dynamics, except with more than two gear pairs, links without mass or loops that hold each other: see
-`forward_dynamics`.
+Pinocchio's constraint dynamics, except with more than two gear pairs, gear pairs that depend on the loops, or links without mass: see
+`forward_dynamics`, and `Run.constraint_solution`, which says what found them.
 ``"auto"`` is ``"reduced"`` for one driver, else ``"constraint"``. Over time each method takes explicit steps, or implicit ones where forces
 are so stiff that these are faster: `Stats.solvers` says which.
 

@@ -13,15 +13,21 @@ minimises Gauss's constraint (a - a_free)' M (a - a_free) (Gauss 1829). This way
 that are redundant in closed states only, and bodies without mass on joints that others move.
 
 Pinocchio's `constraintDynamics` solves the problem with multipliers (the proximal iterations of Carpentier, Budhiraja and Mansard, Proximal
-and sparse resolution of constrained dynamic equations, 2021) in a third of the time. It is tried first where it suits: no rows may become
-independent when a loop opens a little, because it would hold these rows and lock the linkage. It has no gear pairs. Accelerations are
-linear in efforts, so the torques of gear pairs are found as those that keep the ratios, with one more call for each pair to see what the
-linkage answers to its torque. The pivots are checked each time, and where one is near zero that should not be, or digits would be lost, the
-general way decides.
+and sparse resolution of constrained dynamic equations, 2021) in a third to a ninth of the time. It is tried first where every joint moves a
+mass. The pivots are checked each time, and where one is near zero that should not be, or digits would be lost, the general way decides.
+
+Loops that hold each other have rows that depend on others in closed states only. In a state that is open by e such a row demands a force of
+about 1/e, and moves the linkage by 1: it would be locked. Each proximal iteration brings a row with the eigenvalue s of J M^-1 J' nearer to
+its demand by the share mu / (mu + s), and s is e^2 for these rows. So a mu that is far above e^2 and far below all other eigenvalues lets
+them go, and holds the others to rounding.
+
+Pinocchio has no constraint model of a gear pair. Accelerations are linear in efforts, so the torques of gear pairs are found as those that
+keep the ratios, with one more call for each pair to see what the linkage answers to its torque.
 """
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import Any, NamedTuple
 
@@ -44,6 +50,9 @@ PROXIMAL = 1e-10
 # Change of the multipliers at which the quick way stops [N], as a share of the weight where the linkage weighs less than 1 N.
 SETTLED = 1e-13
 ITERATIONS = 6  # most iterations of the quick way: redundant multipliers never settle, though the accelerations have
+# The same where loops hold each other: in all 8 iterations the error falls by (HELD_PROXIMAL / HELD_CLEAR)^8 = 1e-12 at least, and loops
+# that are a little open, as inside a step, disturb in proportion to their gap (see docs/pinocchio.md).
+HELD_PROXIMAL, HELD_CLEAR, HELD_ITERATIONS = 1e-5, 3e-4, 8
 MOST_GEAR_PAIRS = 2  # with more the general way is the faster one
 CANCELLED = 1e-2  # share of the accelerations without gear pairs, and of what these answer to a torque, below which digits are lost
 OPENED = 1e-2  # by which joints are moved to see whether rows become independent [lengths of the linkage]
@@ -52,6 +61,12 @@ OPENED = 1e-2  # by which joints are moved to see whether rows become independen
 class ForwardDynamics:
     """Forward dynamics of one linkage. It holds Pinocchio's data, which are made anew for a copy or a pickle; one thread may use it at a
     time.
+
+    Attributes:
+        quick: the quick way; None where it does not suit the linkage.
+        why: words why it does or does not.
+        quickly: number of accelerations so far that it found.
+        generally: number of those that the null space found.
 
     States are joint coordinates x (nv,) (see `engines.joints`: angles unwrapped [rad], travels [m]) and rates v (nv,) [rad/s, m/s]. Efforts
     (nv,) act along the joints, positive as v [N m, N]. Arrays must be float64 of this shape, which is not checked. Results are new arrays.
@@ -82,7 +97,8 @@ class ForwardDynamics:
         self._make_rows(spatial, [len(held) for held in by_loop])
         mass = pin.crba(self.model, self.data, closed)
         self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
-        self.quick = self._quick(closed, ends, mass)
+        self.quick, self.why = self._quick(closed, ends, mass)
+        self.quickly = self.generally = 0
 
     def _make_tree(self, spatial: SpatialModel, armature: Array) -> None:
         """Pinocchio's model of the tree with the armature, and its data."""
@@ -119,7 +135,7 @@ class ForwardDynamics:
         # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
         from scipy.linalg import lapack
 
-        self.geqp3, self.orgqr, self.trtrs, self.posv = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv
+        self.geqp3, self.orgqr, self.trtrs, self.posv, self.syev = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv, lapack.dsyev
         self.units = np.array([self.size if axis.turns else 1.0 for axis in spatial.axes])
         self.per_unit, self.back_per_unit, self.column = 1 / self.units, -1 / self.units, (1 / self.units)[:, None]
         # a joint that carries both ends moves them by rounding, and by an open gap
@@ -146,19 +162,31 @@ class ForwardDynamics:
             PinpressError: no mass resists a motion, or a state or effort is not finite.
         """
         if self.quick is not None:
-            clear, data, points, data_of_points, settings, pivots, bounds, gears = self.quick
+            _, data, points, data_of_points, settings, _, _, gears, _ = self.quick
             result: Array = pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings)
-            if np.count_nonzero(np.abs(pivots) > bounds) == clear and math.isfinite(result.dot(result)):
+            if self._held_clearly() and math.isfinite(result.dot(result)):
                 geared = self._geared(x, result) if len(gears) else result
                 if geared is not None:
+                    self.quickly += 1
                     return geared
+        self.generally += 1
         return self.acceleration_in_null_space(x, v, efforts)
+
+    def _held_clearly(self) -> bool:
+        """Whether as many rows were held as the closed linkage has equations, all of them clearly."""
+        assert self.quick is not None
+        clear, data, _, _, _, pivots, bounds, _, least = self.quick
+        if least is None:
+            return bool(np.count_nonzero(np.abs(pivots) > bounds) == clear)
+        # a row that others hold may have a pivot of any size; eigenvalues are those of the whole matrix
+        eigenvalues, _, failed = self.syev(data.constraint_chol.getInverseOperationalSpaceInertiaMatrix(), compute_v=0)
+        return not failed and bool(np.count_nonzero(eigenvalues > least) == clear)
 
     def _geared(self, x: Array, without: Array) -> Array | None:
         """Joint accelerations (nv,) that keep the ratios of gear pairs, from those ``without`` gear pairs; None where rounding would be
         seen in them."""
         assert self.quick is not None
-        _, data, points, data_of_points, settings, _, _, gears = self.quick
+        _, data, points, data_of_points, settings, _, _, gears, _ = self.quick
         answers = np.array(
             [pin.constraintDynamics(self.weightless, data, x, self.still, gear, points, data_of_points, settings) for gear in gears]
         )
@@ -348,47 +376,66 @@ class ForwardDynamics:
         mass = sum(float(inertia.mass) for inertia in self.model.inertias)
         return mass * (float(np.linalg.norm(self.model.gravity.linear)) or self.size)
 
-    def _quick(self, closed: Array, ends: list[PointPair], mass: Array) -> _Quick | None:
-        """The quick way, None where it does not suit the linkage."""
-        if not ends or len(self.offsets) > MOST_GEAR_PAIRS or not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
-            return None
+    def _quick(self, closed: Array, ends: list[PointPair], mass: Array) -> tuple[_Quick | None, str]:
+        """The quick way, None where it does not suit the linkage, and why."""
+        if not ends:
+            return None, "no loops"
+        if not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
+            return None, "a joint moves no mass"
         data, (points, data_of_points) = data_of(self.model), _contacts(self.model, ends)
         opened = closed + OPENED * self.size * self.per_unit * np.random.default_rng(0).uniform(-1, 1, len(closed))
         rows, opened_rows = (_contact_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
-        values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)
+        if len(self.offsets) > MOST_GEAR_PAIRS:
+            return None, f"more than {MOST_GEAR_PAIRS} gear pairs, of which Pinocchio has no constraint model"
         rank = self.rank - len(self.offsets)  # of the points' rows, where gear pairs add equations of their own
-        if values[rank:].max(initial=0.0) > SMALLEST_MARGIN * values[0]:
-            return None
+        if len(self.offsets) and self._rank_of_points(closed, data, points, data_of_points) != rank:
+            return None, "a gear pair whose ratio the loops keep too, as its torque is then undetermined"
+        values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)
+        hold_each_other = bool(values[rank:].max(initial=0.0) > SMALLEST_MARGIN * values[0])
+        proximal, iterations = (HELD_PROXIMAL, HELD_ITERATIONS) if hold_each_other else (PROXIMAL, ITERATIONS)
         try:
             largest = float((rows @ np.linalg.solve(mass, rows.T)).diagonal().max())
             answers = (self.coupled @ np.linalg.solve(mass, self.coupled.T)).diagonal()
         except np.linalg.LinAlgError:
-            return None
+            return None, "an inertia that is zero to rounding"
         if not 0 < largest < math.inf:
-            return None
+            return None, "an inertia that is zero to rounding"
         # Its pivots come in the order of the rows. Each point's frame is turned so that the direction in which the point moves least comes
         # last: else a row may be a combination of others with large coefficients, whose pivot would not look like rounding.
         lefts = np.linalg.svd(rows.reshape(-1, 3, len(closed)))[0]
         turned = [pin.SE3(left * np.linalg.det(left), end[1].translation) for left, end in zip(lefts, ends, strict=True)]
         points, data_of_points = _contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
         pin.initConstraintDynamics(self.model, data, points, data_of_points)
-        return _Quick(
-            clear=rank + len(closed),
+        quick = _Quick(
+            clear=rank if hold_each_other else rank + len(closed),
             data=data,
             points=points,
             data_of_points=data_of_points,
-            settings=pin.ProximalSettings(0.0, SETTLED * min(1.0, self._weight()), PROXIMAL * largest, ITERATIONS),
+            settings=pin.ProximalSettings(0.0, SETTLED * min(1.0, self._weight()), proximal * largest, iterations),
             pivots=data.constraint_chol.D,
             bounds=CLEAR * np.concatenate([np.full(self.point_rows, largest), mass.diagonal()]),
             gears=self.coupled / np.sqrt(answers)[:, None],
+            least=HELD_CLEAR * largest if hold_each_other else None,
         )
+        reasons = ["loops that hold each other, with a larger mu" if hold_each_other else "independent loops"]
+        if len(self.offsets):
+            reasons.append("gear pairs by their torques")
+        return quick, ", ".join(reasons)
+
+    def _rank_of_points(self, closed: Array, data: pin.Data, points: Any, data_of_points: Any) -> int:
+        """Rank of the points' rows in closed states, without gear pairs."""
+        beside = closed + OPENED * self.size * self.per_unit * np.random.default_rng(1).uniform(-1, 1, len(closed))
+        with contextlib.suppress(PinpressError):  # the drawn pose may be a dead centre, where gear pairs hold what loops hold elsewhere
+            closed = self.project(beside, self.still)[0]
+        values = np.linalg.svd(_contact_rows(self.model, data, points, data_of_points, closed) * self.per_unit, compute_uv=False)
+        return int(np.count_nonzero(values > SMALLEST_MARGIN * values[0]))
 
 
 class _Quick(NamedTuple):
     """The quick way: arguments of `constraintDynamics`, and how its pivots are checked.
 
     Attributes:
-        clear: number of pivots that must be above their bounds.
+        clear: number of pivots that must be above their bounds, or of eigenvalues above the least.
         data: Pinocchio's workspace.
         points: constraint models of the loops' points.
         data_of_points: their constraint data.
@@ -397,6 +444,7 @@ class _Quick(NamedTuple):
             inertias of the open tree.
         bounds: (point rows + nv,) above which a pivot is clearly not zero.
         gears: (couplings, nv) efforts of the gear pairs, to which they answer with an acceleration of 1 in the open tree.
+        least: eigenvalue of J M^-1 J' above which a row is clearly held, where loops hold each other [1 / kg]; None where pivots decide.
     """
 
     clear: int
@@ -407,6 +455,7 @@ class _Quick(NamedTuple):
     pivots: Array
     bounds: Array
     gears: Array
+    least: float | None
 
 
 def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:
