@@ -17,8 +17,8 @@ import pinocchio as pin
 from ..common.arguments import typed
 from ..common.errors import AssemblyError, SingularityError
 from ..common.quantities import Array
-from ..engines.branch import SingularPosition, follow
 from ..engines.engine import ACCEPTED, Closure, Engine
+from ..engines.following import SingularPosition, follow
 from ..engines.joints import Coupling
 from ..engines.pinocchio.kinematics import PassiveJacobian
 from ..engines.pinocchio.kinematics import close as close_drivers
@@ -118,7 +118,7 @@ def _closed_by(engine: Engine, press: Linkage, moved: Displacements) -> Array:
 
     def close_part_way(share: Array, guess: Array) -> Closure:
         here = _placed(press, moved, float(share[0])).spatial_model
-        closure = close_drivers(here, here.equations(), drivers, np.zeros(len(press.drivers)), guess)
+        closure = close_drivers(here, here.equations(), drivers, np.zeros_like(drivers), guess)
         if not np.isfinite(closure.widest):
             return closure
         start, rows = press.equations(closure.position[:, 0]), here.equations().at(closure.position[:, 0])

@@ -23,7 +23,8 @@ from ..common.errors import PinpressError, SingularityError, UnknownNameError, s
 from ..common.frozen import FrozenMapping, NamedArrays, read_only
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..engines.branch import Branch, at_change_point
+from ..engines.branch import Branch
+from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
 from ..engines.forces import AppliedConditions, AppliedForce, Wrenches, compliances
 from ..kinematics.motion import Motion

@@ -91,8 +91,8 @@ def joined(pieces: Sequence[Closure]) -> Closure:
 Close = Callable[[Array, Array], Closure]
 """(crank angles (n,), guesses (nv, n)) -> Closure with its margins. It never raises: the caller judges gap and margins."""
 CloseDrivers = Callable[[Array, Array, Array], Closure]
-"""(driver positions (drivers, n), driver rates (drivers,) to which the influence coefficients belong, guesses (nv, n)) -> Closure with its
-margins. It never raises: the caller judges gap and margins."""
+"""(driver positions (drivers, n), driver rates (drivers, n) to which the influence coefficients belong, guesses (nv, n)) -> Closure
+with its margins. It never raises: the caller judges gap and margins."""
 
 
 class ClosedStates(NamedTuple):

@@ -12,20 +12,10 @@ import numpy as np
 
 from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..common.quantities import Array, DriverCoordinate
-from ..engines.branch import (
-    LARGEST_CORRECTION,
-    SMALLEST_MARGIN,
-    Branch,
-    Gap,
-    Returning,
-    SingularPosition,
-    Travel,
-    follow,
-    predict,
-    walk,
-    walk_beside,
-)
+from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, predict, walk, walk_beside
+from ..engines.change_points import Gap
 from ..engines.engine import ACCEPTED, PIECE, Closure, Engine, joined
+from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
 from ..engines.forces import RANK
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.kinematics import PassiveJacobian, close, rank
@@ -88,10 +78,10 @@ def followed(
 ) -> Branch:
     """The assembly of a linkage with one driver, followed over the crank angle from a closed pose (nv,); see `engines.branch.walk`.
     A driver that slides goes as far as the limits of its joint."""
-    close_drivers, along = engine.closing_function(), np.ones(1)
+    close_drivers = engine.closing_function()
 
     def close_angle(angle: Array, guess: Array) -> Closure:
-        return close_drivers(angle[None], along, guess)
+        return close_drivers(angle[None], np.ones((1, len(angle))), guess)
 
     returning = Returning(spatial_model.on_loop, np.array([axis.turns for axis in spatial_model.axes]))
     tolerance = ACCEPTED * engine.tolerance
@@ -100,12 +90,12 @@ def followed(
 
 def followed_beside(engine: Engine, spatial_model: SpatialModel, branch: Branch) -> Branch | None:
     """The assembly of a linkage with one driver, found from that of one with nearly the same lengths; see `engines.branch.walk_beside`."""
-    close_drivers, along, travel = engine.closing_function(), np.ones(1), _travel(spatial_model)
+    close_drivers, travel = engine.closing_function(), _travel(spatial_model)
     if travel is not None and (travel.lower, travel.upper) != (branch.angles[0], branch.angles[-1]):
         return None
 
     def close_angle(angle: Array, guess: Array) -> Closure:
-        return close_drivers(angle[None], along, guess)
+        return close_drivers(angle[None], np.ones((1, len(angle))), guess)
 
     return walk_beside(close_angle, branch, spatial_model.size, ACCEPTED * engine.tolerance)
 
@@ -175,25 +165,40 @@ def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, ang
         PinpressError: a driver slides beyond the limits of its joint.
     """
     _refuse_beyond_limits(spatial_model, angles)
-    close_drivers, tolerance, coordinates = engine.closing_function(), ACCEPTED * engine.tolerance, spatial_model.coordinates
-    lengths = np.array([1.0 if each.turns else spatial_model.size for each in coordinates])  # counted as 1 rad
-    position, before, positions = start, np.zeros(len(spatial_model.drivers)), []
-    for after in angles:
-        distance = float(np.linalg.norm((after - before) / lengths))
-        along = (after - before) / distance if distance else np.zeros_like(after)
+    close_drivers, tolerance = engine.closing_function(), ACCEPTED * engine.tolerance
+    path, here, pieces, tried = np.concatenate([np.zeros_like(angles[:1]), angles]), start, [], PIECE
+    while len(path) > 1:
+        ahead = path_between(path[: 1 + tried], _counted_as_angle(spatial_model), PIECE)
+        found = follow_at_once(close_drivers, here, ahead, spatial_model.size, tolerance)
+        tried = min(PIECE, max(1, 2 * found.shape[1]))
+        if not found.shape[1]:
+            found = _followed_to(engine, spatial_model, here, path[0], path[1], name)[:, None]
+        pieces.append(found)
+        path, here = path[found.shape[1] :], found[:, -1]
+    return np.concatenate(pieces, axis=1)
 
-        def close(at: Array, guess: Array, before: Array = before, along: Array = along) -> Closure:
-            drivers = before[:, None] + np.multiply.outer(along, at)
-            return close_drivers(drivers, along, guess)
 
-        end = follow(close, position, distance, spatial_model.size, tolerance)
-        if isinstance(end, SingularPosition):
-            here, there = (", ".join(c.shown(float(x)) for c, x in zip(coordinates, at, strict=True)) for at in (before, after))
-            problem = f"{name} locks between the driver positions {here} and {there}"
-            raise SingularityError(problem, float((before + end.angle * along)[0]), end.margin, coordinates[0])
-        positions.append(end)
-        position, before = end, after
-    return np.array(positions).T
+def _followed_to(engine: Engine, spatial_model: SpatialModel, start: Array, before: Array, after: Array, name: str) -> Array:
+    """Closed position (nv,) of a linkage with several drivers, walked to from a closed position (nv,) between two driver positions
+    (drivers,); raises SingularityError."""
+    close_drivers, coordinates = engine.closing_function(), spatial_model.coordinates
+    distance = float(np.linalg.norm((after - before) / _counted_as_angle(spatial_model)))
+    along = (after - before) / distance if distance else np.zeros_like(after)
+
+    def close(at: Array, guess: Array) -> Closure:
+        return close_drivers(before[:, None] + np.multiply.outer(along, at), np.repeat(along[:, None], len(at), axis=1), guess)
+
+    end = follow(close, start, distance, spatial_model.size, ACCEPTED * engine.tolerance)
+    if isinstance(end, SingularPosition):
+        here, there = (", ".join(c.shown(float(x)) for c, x in zip(coordinates, at, strict=True)) for at in (before, after))
+        problem = f"{name} locks between the driver positions {here} and {there}"
+        raise SingularityError(problem, float((before + end.angle * along)[0]), end.margin, coordinates[0])
+    return end
+
+
+def _counted_as_angle(spatial_model: SpatialModel) -> Array:
+    """(drivers,) what counts as 1 rad of each driver [rad or m]."""
+    return np.array([1.0 if each.turns else spatial_model.size for each in spatial_model.coordinates])
 
 
 def _refuse_beyond_limits(spatial_model: SpatialModel, angles: Array) -> None:
@@ -252,8 +257,7 @@ def _in_space(spatial_engine: PinocchioEngine, start: Array) -> Assembly:
     """The drawn pose of any linkage from joint coordinates (nv,)."""
     spatial_model = spatial_engine.spatial
     count, equations = len(spatial_model.drivers), spatial_model.equations()
-    along = np.array([1.0] + [0.0] * (count - 1))
-    drawn = close(spatial_model, equations, np.zeros((count, 1)), along, start[:, None])
+    drawn = close(spatial_model, equations, np.zeros((count, 1)), np.eye(count)[:, :1], start[:, None])
     gaps, rows, determined = equations.at(start).gaps, None, False
     if np.isfinite(drawn.position).all():
         rows = equations.at(drawn.position[:, 0])

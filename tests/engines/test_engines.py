@@ -78,7 +78,7 @@ def test_rates_and_gaps_agree(press, states, both):
 
 
 def test_closing_along_a_way_is_closing_by_angle_in_other_units(press, both):
-    start, along = press.closed[:, None], np.array([2.5])
+    start, along = press.closed[:, None], np.array([[2.5]])
     for engine in both:
         by_angle, by_way = engine.close(np.zeros(1), start), engine.closing_function()(np.zeros((1, 1)), along, start)
         np.testing.assert_array_equal(by_way.position, by_angle.position)

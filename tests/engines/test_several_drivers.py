@@ -6,11 +6,13 @@ from support import texts
 from support.oracles import cassie
 
 import pinpress as pp
+from pinpress.linkage import assembly
 from pinpress.simulation.run import inputs_of
 
 
-def five_bar():
-    """Two driven cranks of 0.1 m, 0.5 m apart, and two couplers of 0.25 m, drawn with all four pins on the ground line and C above them."""
+def five_bar(height=0.2):
+    """Two driven cranks of 0.1 m, 0.5 m apart, and two couplers, of 0.25 m if C is 0.2 m above the ground line, on which the other
+    four pins are drawn."""
     inertial = '<inertial><mass value="1"/><inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>'
 
     def pin(name, parent, child, x):
@@ -21,7 +23,9 @@ def five_bar():
     {"".join(f'<link name="{link}">{inertial}</link>' for link in ("crank_1", "crank_2", "coupler_1", "coupler_2"))}
     {pin("A", "frame", "crank_1", 0)}{pin("B", "frame", "crank_2", 0.5)}
     {pin("P", "crank_1", "coupler_1", 0.1)}{pin("Q", "crank_2", "coupler_2", -0.1)}
-    <loop_joint name="C" type="spherical"><link1 link="coupler_1" xyz="0.15 0 0.2"/><link2 link="coupler_2" xyz="-0.15 0 0.2"/></loop_joint>
+    <loop_joint name="C" type="spherical">
+      <link1 link="coupler_1" xyz="0.15 0 {height}"/><link2 link="coupler_2" xyz="-0.15 0 {height}"/>
+    </loop_joint>
     <transmission name="a"><joint name="A"/></transmission><transmission name="b"><joint name="B"/></transmission></robot>"""
     return texts.load(text)
 
@@ -47,6 +51,43 @@ def test_where_two_drivers_pull_the_linkage_straight():
 @pytest.fixture(scope="module")
 def legs():
     return texts.load(cassie.urdf())
+
+
+def walked(press, path):
+    """Closed positions (nv, n), each walked to from the one before."""
+    here, before, found = press.closed, np.zeros(path.shape[1]), []
+    for after in path:
+        here, before = assembly._followed_to(press.engine("pinocchio"), press.spatial_model, here, before, after, "press"), after
+        found.append(here)
+    return np.array(found).T
+
+
+@pytest.mark.parametrize(
+    ("height", "path"),
+    [
+        (0.37, np.linspace(0.0, 1.0, 5)[:, None] * [6 * np.pi, -8 * np.pi]),  # so far that Newton's method needs several beginnings
+        (0.37, np.repeat([[0.5, 0.2], [0.5, 0.2 + 1e-14], [-3.0, 0.1]], 2, axis=0)),  # rests, and turns back
+        (0.22, [[0.57, 2.93], [-2.17, -0.8], [-4.36, -0.49], [-6.36, -1.72]]),  # here Newton's method comes to the other assembly
+        (0.37, [[-0.57, -1.31], [-2.15, -2.01], [-0.52, -2.22], [-1.59, -2.85]]),
+    ],
+)
+def test_a_path_closed_at_once_is_the_path_walked(height, path):
+    press, path = five_bar(height), np.array(path)  # its cranks turn fully
+    found = assembly.followed_from(press.engine(), press.spatial_model, press.closed, path, "press")
+    np.testing.assert_allclose(found, walked(press, path), rtol=0, atol=1e-10)
+    np.testing.assert_array_equal(found[list(press.driver_indices)].T, path)
+
+
+def test_a_path_of_legs_is_closed_at_once(legs, monkeypatch):
+    path = 0.3 * np.sin(np.linspace(0.1, 2.0, 9)[:, None]) * [any(word in name for word in ("roll", "yaw")) for name in legs.drivers]
+    expected = walked(legs, path)
+
+    def refuse(*_):
+        raise AssertionError("walked")
+
+    monkeypatch.setattr(assembly, "_followed_to", refuse)
+    found = assembly.followed_from(legs.engine(), legs.spatial_model, legs.closed, path, "press")
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
 
 
 @pytest.mark.exhaustive

@@ -41,7 +41,7 @@ class PinocchioEngine:
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        return kinematics.close(self.spatial, self.spatial.equations(), angle[None], np.ones(1), guess)
+        return kinematics.close(self.spatial, self.spatial.equations(), angle[None], np.ones((1, len(angle))), guess)
 
     def closing_function(self) -> CloseDrivers:
         equations = self.spatial.equations()

@@ -38,8 +38,8 @@ from numpy.typing import NDArray
 from ...common.arguments import suitable_numbers
 from ...common.errors import AssemblyError, PinpressError, SingularityError
 from ...common.quantities import Array
-from ..branch import SMALLEST_MARGIN
 from ..engine import ACCEPTED, MOST_NEWTON_STEPS
+from ..following import SMALLEST_MARGIN
 from ..joints import Axis, data_of
 from .model import PointPair, SpatialModel, held_points
 

@@ -39,7 +39,7 @@ def close(spatial: SpatialModel, equations: Equations, drivers: Array, along: Ar
         spatial: constants of the linkage.
         equations: its equations.
         drivers: (drivers, n) driver positions [rad].
-        along: (drivers,) rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
+        along: (drivers, n) rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
         guess: (nv, n) joint coordinates from which Newton's method starts.
     """
     results = []
@@ -50,8 +50,8 @@ def close(spatial: SpatialModel, equations: Equations, drivers: Array, along: Ar
         passive = PassiveJacobian(rows.columns, spatial) if np.isfinite(gap) else None
         first = second = np.full_like(x, np.nan)
         if passive is not None:
-            first = passive.rates(-rows.columns[:, spatial.drivers] @ along)
-            first[list(spatial.drivers)] = along
+            first = passive.rates(-rows.columns[:, spatial.drivers] @ along[:, i])
+            first[list(spatial.drivers)] = along[:, i]
             second = passive.rates(-equations.drift(rows, first))
         results.append((x, first, second, gap, steps, 0.0 if passive is None else passive.margin()))
     position, first, second = (np.array([r[k] for r in results]).T.reshape(guess.shape) for k in range(3))

@@ -63,8 +63,8 @@ class PlanarEngine:
 
     def closing_function(self) -> CloseDrivers:
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            found, rate = kinematics.close(self.plane, drivers[0], guess, with_margins=True), float(along[0])
-            return found if rate == 1.0 else replace(found, first=rate * found.first, second=rate**2 * found.second)
+            found, rate = kinematics.close(self.plane, drivers[0], guess, with_margins=True), along[0]
+            return found if np.all(rate == 1.0) else replace(found, first=rate * found.first, second=rate**2 * found.second)
 
         return close
 

@@ -52,7 +52,7 @@ class SpatialEngine:
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
         if len(angle) <= FEW:
             return self.one_by_one.close(angle, guess, with_margins)
-        return equations.close(self.loops, angle[None], np.ones(1), guess, with_margins)
+        return equations.close(self.loops, angle[None], np.ones((1, len(angle))), guess, with_margins)
 
     def closing_function(self) -> CloseDrivers:
         close_few = self.one_by_one.closing_function()

@@ -326,7 +326,7 @@ def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins
     Args:
         loops: constants of the equations.
         drivers: (drivers, n) driver positions [rad or m].
-        along: (drivers,) rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
+        along: (drivers, n) rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
         guess: (nv, n) joint coordinates from which Newton's method starts.
         with_margins: whether margins are wanted.
     """
@@ -334,7 +334,8 @@ def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins
     with np.errstate(all="ignore"):
         if n <= step:
             return _close(loops, drivers, along, guess, with_margins)
-        pieces = (_close(loops, drivers[:, k : k + step], along, guess[:, k : k + step], with_margins) for k in range(0, n, step))
+        parts = (slice(k, k + step) for k in range(0, n, step))
+        pieces = (_close(loops, drivers[:, some], along[:, some], guess[:, some], with_margins) for some in parts)
         return joined([replace(piece, solved=None) for piece in pieces])  # its memory serves the next piece
 
 
@@ -347,9 +348,8 @@ def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margin
     if failed.any():
         found.columns[:, :, failed] = 0.0
     passive = PassiveColumns(loops, found.columns)
-    driven = np.broadcast_to(along[:, None], drivers.shape)
-    first = passive.rates(-np.einsum("rdn,dn->rn", found.columns[:, moving], driven))
-    first[moving] = driven
+    first = passive.rates(-np.einsum("rdn,dn->rn", found.columns[:, moving], along))
+    first[moving] = along
     axes = motion_axes(loops.bodies, found.placed)
     second = passive.rates(-drift(loops, found, axes, first))
     first[:, failed] = second[:, failed] = np.nan

@@ -1,0 +1,282 @@
+"""An assembly followed from one closed configuration to the next, in steps so small that another assembly cannot be reached.
+
+One driver's assembly is walked step by step. A path of several drivers is closed all at once where the steps between its positions are as
+short as those of a walk: a step of a path counts only where it would count in a walk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.quantities import CRANK, Array, DriverCoordinate
+from .engine import Close, CloseDrivers, Closure
+from .joints import product
+
+COARSE_STEP = 2 * np.pi / 64  # longest step of the walk, unless the linkage moves too fast for it [rad]
+FIRST_STEP = 1e-3  # first step of the walk, which shows how the margins change [rad]
+SMALLEST_STEP = 1e-10  # the walk ends where it would need a shorter one: the linkage locks there [rad]
+SMALLEST_MARGIN = 1e-6  # the walk ends at a smaller margin, where rounding of the loop equations decides between two assemblies
+TURNED_OFF = 0.5  # cosine between two ways of a path below which its direction is a new one
+ROUNDING = 1e-12  # of a joint's position [rad, lengths of the linkage]
+
+
+class SingularPosition(NamedTuple):
+    """Where a walk ended because the linkage locks or two assemblies meet.
+
+    Attributes:
+        angle: crank angle [rad].
+        margin: smallest margin at the last node before it, see `Closure`.
+    """
+
+    angle: float
+    margin: float
+
+
+class Follower(NamedTuple):
+    """How a branch is followed.
+
+    Attributes:
+        close: closes the loops.
+        size: length of the linkage [m].
+        tolerance: gap at which a loop is closed [m].
+        longest: longest step of the walk [rad].
+        smallest_margin: margin below which the walk ends.
+        unit: travel of a driver that slides, counted as 1 rad [m].
+        coordinate: of the driver.
+    """
+
+    close: Close
+    size: float
+    tolerance: float
+    longest: float = COARSE_STEP
+    smallest_margin: float = SMALLEST_MARGIN
+    unit: float = 1.0
+    coordinate: DriverCoordinate = CRANK
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Node:
+    """A closed configuration of a walk. All attributes but the angle are columns of a `Closure`.
+
+    Attributes:
+        angle: crank angle [rad].
+        position: (nv,) joint coordinates [rad or m].
+        first: (nv,) first-order influence coefficients.
+        second: (nv,) second-order influence coefficients.
+        margins: (blocks,) margins, see `Closure`.
+    """
+
+    angle: float
+    position: Array
+    first: Array
+    second: Array
+    margins: Array
+
+    @staticmethod
+    def of(angle: float, closure: Closure) -> Node:
+        assert closure.margins is not None
+        return Node(angle, closure.position[:, 0], closure.first[:, 0], closure.second[:, 0], closure.margins[:, 0])
+
+
+def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> Array | SingularPosition:
+    """Follow an assembly along a path, and return its configuration (nv,) at the end, or the place where it locks on the way.
+
+    Args:
+        close: closing function that takes distances along the path in place of crank angles.
+        start: (nv,) closed configuration at the beginning of the path.
+        distance: length of the path, counted as an angle [rad].
+        size: length of the linkage [m].
+        tolerance: gap at which a loop counts as closed [m].
+    """
+    nodes = [Node.of(0.0, close(np.zeros(1), start[:, None]))]
+    locked = extend_walk(Follower(close, size, tolerance), nodes, distance)
+    return nodes[-1].position if locked is None else locked
+
+
+def extend_walk(follower: Follower, nodes: list[Node], target: float) -> SingularPosition | None:
+    """Append nodes up to the crank angle ``target``. Returns where the linkage locks before it, None if it does not."""
+    direction = 1.0 if target > nodes[-1].angle else -1.0
+    step = FIRST_STEP
+    weight = 1.0 / (1.0 + follower.size)
+    while abs(target - nodes[-1].angle) > 0:
+        last = nodes[-1]
+        ahead = _singularity_ahead(nodes[-2], last) if len(nodes) > 1 else np.inf
+        margin = float(np.abs(last.margins).min(initial=1.0))
+        if margin < follower.smallest_margin:
+            return SingularPosition(last.angle + direction * min(ahead, follower.longest), margin)
+        step = min(step, 0.5 * ahead)
+        remaining = abs(target - last.angle)
+        # the last step of a turn is stretched or cut to end on it exactly
+        angle = target if remaining <= 1.01 * step else last.angle + direction * step
+        h = angle - last.angle
+        guess = last.position + h * (last.first + 0.5 * h * last.second)
+        closure = follower.close(np.array([angle]), guess[:, None])
+        if _belongs(closure, guess, last, h, weight, follower.tolerance):
+            nodes.append(Node.of(angle, closure))
+            step = min(2 * step, follower.longest)
+        else:
+            step = min(step, abs(h)) / 2
+            if step < SMALLEST_STEP:
+                return SingularPosition(last.angle, margin)
+    return None
+
+
+def _singularity_ahead(before: Node, last: Node) -> float:
+    """Crank angle after which the first of the margins would reach zero if all went on falling as between these nodes [rad].
+
+    Nothing but such a margin shows a change point that the linkage runs through smoothly.
+    """
+    margins, fallen = np.abs(last.margins), np.abs(before.margins) - np.abs(last.margins)
+    share = np.max(fallen / margins, initial=0.0)
+    return float(abs(last.angle - before.angle) / share) if share > 0 else np.inf
+
+
+def _belongs(closure: Closure, guess: Array, last: Node, h: float, weight: float, tolerance: float) -> bool:
+    """Whether a closed configuration continues the assembly of the last node, and is not another assembly.
+
+    Newton's method must have corrected the prediction by little, compared with the step. Every margin must have kept its sign and half its
+    value, because it passes through zero where assemblies meet.
+
+    Args:
+        closure: the configuration.
+        guess: (nv,) its prediction.
+        last: the last node.
+        h: step from it [rad].
+        weight: factor by which corrections of joints are multiplied [rad or m], 1 / (1 + size).
+        tolerance: gap at which a loop counts as closed [m].
+    """
+    assert closure.margins is not None
+    if not closure.gap[0] <= tolerance or not np.all(np.isfinite(closure.second)):
+        return False
+    before, margins = np.abs(last.margins), closure.margins[:, 0] * np.sign(last.margins)
+    if np.any(margins < 0.5 * before) or np.any(margins > 2.0 * np.maximum(before, 0.25)):
+        return False
+    correction = weight * np.abs(closure.position[:, 0] - guess).max()
+    return bool(correction <= 0.1 * abs(h) * (1.0 + weight * np.abs(last.first).max()))
+
+
+# ------------------------------------------------------------------------------------------------------------- a path of several drivers
+
+
+class Path(NamedTuple):
+    """Positions of several drivers, one after the other, and the stations between them at which the linkage is closed.
+
+    Attributes:
+        stations: (s + 1, drivers) driver positions [rad or m]; the first one is where the path begins.
+        steps: (s,) distances between them [rad].
+        along: (s + 1, drivers) rates of the drivers by this distance, from each station to the next.
+        ends: (n,) indices of the stations that are the positions.
+    """
+
+    stations: Array
+    steps: Array
+    along: Array
+    ends: NDArray[np.intp]
+
+
+def path_between(positions: Array, lengths: Array, most: int) -> Path:
+    """The path through positions, in steps no longer than those of a walk. Where it begins or turns off, a short step shows how the margins
+    change.
+
+    Args:
+        positions: (n + 1, drivers) of the drivers [rad or m].
+        lengths: (drivers,) what counts as 1 rad of each.
+        most: number of steps after which the path ends, at the last position before.
+    """
+    ways = np.diff(positions, axis=0)
+    distances = np.linalg.norm(ways / lengths, axis=1)
+    directions = ways / lengths / np.where(distances, distances, 1.0)[:, None]
+    turns_off = np.append(True, (directions[1:] * directions[:-1]).sum(axis=1) < TURNED_OFF) & (distances > 2 * FIRST_STEP)
+    equal_steps = np.ceil(distances / COARSE_STEP).astype(int)
+    counts = equal_steps + turns_off
+    ends = np.cumsum(counts)
+    ends = ends[ends <= most]
+    way = np.repeat(np.arange(len(ends)), counts[: len(ends)])
+    place = (
+        np.arange(len(way)) - (ends - counts[: len(ends)])[way] + 1 - turns_off[way]
+    )  # among the equal steps of its way; 0: the short one
+    share = np.where(place == 0, FIRST_STEP / np.where(distances, distances, 1.0)[way], place / equal_steps[way])[:, None]
+    stations = np.where(share == 1.0, positions[1:][way], positions[way] + share * ways[way])
+    stations = np.concatenate([positions[:1], stations])
+    steps = np.linalg.norm(np.diff(stations, axis=0) / lengths, axis=1)
+    along = np.zeros_like(stations)
+    along[:-1] = np.diff(stations, axis=0) / steps[:, None]
+    return Path(stations, steps, along, ends)
+
+
+def follow_at_once(close: CloseDrivers, start: Array, path: Path, size: float, tolerance: float) -> Array:
+    """Configurations (nv, k) at the first k positions of a path, as many as are found by closing all its stations at once.
+
+    Newton's method starts from where the joints would be if all went on moving as they do at the start. What it finds counts as far as each
+    station continues the assembly of the one before it, by the measures of a walk.
+
+    Args:
+        close: closing function for positions of all drivers.
+        start: (nv,) closed configuration at the beginning of the path.
+        path: the path.
+        size: length of the linkage [m].
+        tolerance: gap at which a loop counts as closed [m].
+    """
+    begin, count = path.stations[0], path.stations.shape[1]
+    alike = close(np.repeat(begin[:, None], count, axis=1), np.eye(count), np.repeat(start[:, None], count, axis=1)).first
+    guess = start[:, None] + product(alike, (path.stations - begin).T)
+    closure = close(path.stations.T, path.along.T, guess)
+    good = _continuous(closure, path.steps, 1.0 / (1.0 + size), tolerance)
+    reached = len(good) if good.all() else int(np.argmin(good))
+    return np.asarray(closure.position[:, path.ends[path.ends <= reached]])
+
+
+def _continuous(closure: Closure, steps: Array, weight: float, tolerance: float) -> NDArray[np.bool_]:
+    """Whether each of s steps between s + 1 configurations stays on one assembly; see `_belongs` and `_singularity_ahead`."""
+    assert closure.margins is not None
+    closed = (closure.gap <= tolerance) & np.isfinite(closure.second).all(axis=0)
+    last, first, second = closure.position[:, :-1], closure.first[:, :-1], closure.second[:, :-1]
+    with np.errstate(all="ignore"):  # of configurations that are not closed
+        corrections = weight * np.abs(closure.position[:, 1:] - last - steps * (first + 0.5 * steps * second)).max(axis=0)
+        near = corrections <= 0.1 * steps * (1.0 + weight * np.abs(first).max(axis=0)) + ROUNDING
+        before, after = np.abs(closure.margins[:, :-1]), closure.margins[:, 1:] * np.sign(closure.margins[:, :-1])
+        kept = (before >= SMALLEST_MARGIN) & (after >= 0.5 * before) & (after <= 2.0 * np.maximum(before, 0.25))
+        # no margin would reach zero within twice the next step, nor within twice the one before if the path were followed back
+        ahead = np.max((before - after) / after, axis=0, initial=0.0) / steps
+        behind = np.max((after - before) / before, axis=0, initial=0.0) / steps
+        near[1:] &= 2.0 * steps[1:] * ahead[:-1] <= 1.0
+        near[:-1] &= 2.0 * steps[:-1] * behind[1:] <= 1.0
+    return np.asarray(closed[:-1] & closed[1:] & near & kept.all(axis=0))
+
+
+# -------------------------------------------------------------------------------------------------- polynomials through the nodes of a walk
+
+
+def hermite(angles: Array, position: Array, first: Array, second: Array) -> Array:
+    """Coefficients (m, 6, nv) of the quintics that have these values and derivatives (m + 1, nv) at both ends of m intervals.
+
+    They are written out, because importing SciPy's BPoly takes longer than everything else that a first cycle does.
+    """
+    h = np.diff(angles)[:, None]
+    value = position[1:] - position[:-1] - h * (first[:-1] + 0.5 * h * second[:-1])
+    slope = h * (first[1:] - first[:-1] - h * second[:-1])
+    bend = 0.5 * h**2 * (second[1:] - second[:-1])
+    powers = [
+        position[:-1],
+        first[:-1],
+        0.5 * second[:-1],
+        (10 * value - 4 * slope + bend) / h**3,
+        (-15 * value + 7 * slope - 2 * bend) / h**4,
+        (6 * value - 3 * slope + bend) / h**5,
+    ]
+    return np.ascontiguousarray(np.stack(powers, axis=1))  # so that a prediction copies a few rows and not the table
+
+
+def hermite_at(nodes: Sequence[Node], angle: Array) -> Array:
+    """Joint coordinates (nv, n) at crank angles (n,) from the quintics through nodes in the order of a walk."""
+    rising = sorted(nodes, key=lambda node: node.angle)
+    borders = np.array([node.angle for node in rising])
+    coefficients = hermite(borders, *(np.array([getattr(node, name) for node in rising]) for name in ("position", "first", "second")))
+    interval = borders[1:-1].searchsorted(angle, side="right")
+    powers = np.vander(angle - borders[interval], 6, increasing=True)
+    return np.asarray(np.einsum("nkj,nk->jn", coefficients[interval], powers))
