@@ -22,7 +22,9 @@ from ..engines.pinocchio.kinematics import PassiveJacobian, close, rank
 from ..engines.pinocchio.model import Rows, SpatialModel
 from ..engines.planar.engine import PlanarEngine
 from ..engines.planar.kinematics import moves, openings
+from ..engines.spatial.closing import regular
 from ..engines.spatial.engine import SpatialEngine
+from ..engines.spatial.equations import equations
 
 CLEAR = 1e-2  # smallest margin of a redundant linkage over a turn; below it all its equations are solved in one block
 TRAVELLED = 20.0  # a driver that slides is followed as far [lengths of the linkage]
@@ -256,14 +258,20 @@ def as_drawn(spatial_model: SpatialModel) -> Array:
 def _in_space(spatial_engine: PinocchioEngine, start: Array) -> Assembly:
     """The drawn pose of any linkage from joint coordinates (nv,)."""
     spatial_model = spatial_engine.spatial
-    count, equations = len(spatial_model.drivers), spatial_model.equations()
-    drawn = close(spatial_model, equations, np.zeros((count, 1)), np.eye(count)[:, :1], start[:, None])
-    gaps, rows, determined = equations.at(start).gaps, None, False
+    count, engine = len(spatial_model.drivers), SpatialEngine(spatial_engine)
+    engines: dict[str, Engine] = {engine.name: engine, spatial_engine.name: spatial_engine}
+    zero, along = np.zeros((count, 1)), np.eye(count)[:, :1]
+    if engine.few == 0:
+        drawn = engine.closing_function()(zero, along, start[:, None])
+        if drawn.widest <= ACCEPTED * engine.tolerance and regular(engine.loops, drawn.position[:, 0]):
+            return Assembly(engines, drawn, equations(engine.loops, start[:, None]).gaps[:, 0], True, None, None)
+    one_by_one = spatial_model.equations()
+    drawn = close(spatial_model, one_by_one, zero, along, start[:, None])
+    gaps, rows, determined = one_by_one.at(start).gaps, None, False
     if np.isfinite(drawn.position).all():
-        rows = equations.at(drawn.position[:, 0])
+        rows = one_by_one.at(drawn.position[:, 0])
         mobility = spatial_model.model.nv - rank(rows.columns)
         determined = mobility == count and PassiveJacobian(rows.columns, spatial_model).rank == len(spatial_model.passive_joints)
-    engines: dict[str, Engine] = {engine.name: engine for engine in (SpatialEngine(spatial_engine), spatial_engine)}
     return Assembly(engines, drawn, gaps, determined, rows, None)
 
 

@@ -282,12 +282,20 @@ def _extent(model: pin.Model, loops: tuple[LoopJoint, ...]) -> tuple[float, floa
     return size or 1.0, float(np.linalg.norm(cloud, axis=1).max())
 
 
+def coupling_equations(spatial: SpatialModel) -> tuple[list[dict[int, float]], Array]:
+    """Coefficients by joints of the coupling equations, and their right-hand sides (nc,)."""
+    rows, offsets = [], np.zeros(len(spatial.couplings))
+    for k, coupling in enumerate(spatial.couplings):
+        unit = spatial.size if spatial.axes[coupling.follower].turns else 1.0
+        rows.append({coupling.follower: unit, coupling.leader: -unit * coupling.multiplier})
+        offsets[k] = unit * coupling.offset
+    return rows, offsets
+
+
 def _coupled(spatial: SpatialModel) -> tuple[Array, Array]:
     """Coefficients (nc, nv) and right-hand sides (nc,) of the coupling equations."""
-    rows, offsets = np.zeros((len(spatial.couplings), spatial.model.nv)), np.zeros(len(spatial.couplings))
-    for row, coupling in enumerate(spatial.couplings):
-        unit = spatial.size if spatial.axes[coupling.follower].turns else 1.0
-        rows[row, coupling.follower] += unit
-        rows[row, coupling.leader] -= unit * coupling.multiplier
-        offsets[row] = unit * coupling.offset
+    entries, offsets = coupling_equations(spatial)
+    rows = np.zeros((len(entries), spatial.model.nv))
+    for row, coefficients in zip(rows, entries, strict=True):
+        row[list(coefficients)] = list(coefficients.values())
     return rows, offsets

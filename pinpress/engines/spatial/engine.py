@@ -13,8 +13,8 @@ from ...common.quantities import Array
 from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.engine import PinocchioEngine
-from . import bodies, equations
-from .equations import Loops, build_loops
+from . import bodies, closing, equations
+from .equations import MANY, Loops, build_loops
 
 FEW = 3  # up to so many configurations Pinocchio closes them faster, one at a time
 
@@ -36,6 +36,12 @@ class SpatialEngine:
         """Constants of the linkage."""
         return build_loops(self.one_by_one.spatial)
 
+    @cached_property
+    def few(self) -> int:
+        """Up to so many configurations Pinocchio closes faster, one at a time."""
+        many = self.one_by_one.spatial.model.nv >= MANY
+        return 0 if many and self.loops.large else FEW
+
     @property
     def tolerance(self) -> float:
         return self.one_by_one.tolerance
@@ -50,29 +56,31 @@ class SpatialEngine:
     # ----------------------------------------------------------------------------------------------------------------- equations
 
     def close(self, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
-        if len(angle) <= FEW:
+        if len(angle) <= self.few:
             return self.one_by_one.close(angle, guess, with_margins)
-        return equations.close(self.loops, angle[None], np.ones((1, len(angle))), guess, with_margins)
+        return closing.close(self.loops, angle[None], np.ones((1, len(angle))), guess, with_margins)
 
     def closing_function(self) -> CloseDrivers:
-        close_few = self.one_by_one.closing_function()
+        close_few = self.one_by_one.closing_function() if self.few else None
 
         def close(drivers: Array, along: Array, guess: Array) -> Closure:
-            if guess.shape[1] <= FEW:
+            if close_few is not None and guess.shape[1] <= self.few:
                 return close_few(drivers, along, guess)
-            return equations.close(self.loops, drivers, along, guess, with_margins=True)
+            return closing.close(self.loops, drivers, along, guess, with_margins=True)
 
         return close
 
     def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-        if position.shape[1] <= FEW:
+        if position.shape[1] <= self.few:
             return self.one_by_one.rates(position, speed, acceleration)
-        return equations.rates(self.loops, position, speed, acceleration)
+        return closing.rates(self.loops, position, speed, acceleration)
 
     def gaps(self, position: Array) -> Array:
         return equations.gaps(self.loops, position)
 
     def redundant(self, x: Array) -> bool:
+        if self.few == 0 and closing.regular(self.loops, x):
+            return False
         return self.one_by_one.redundant(x)
 
     def closing_order(self) -> Iterator[tuple[int, Sequence[int]]]:

@@ -1,16 +1,13 @@
-"""The equations of loops and couplings in space at all configurations at once, and what follows from them: closing, rates, accelerations.
+"""The equations of loops and couplings in space at all configurations at once.
 
-Equations, their order and their scaling are those of `pinocchio.model`. Their Jacobian's columns of passive joints are brought to unit
-length and factorised. Where an orthogonal triangularisation shows that all these columns are far from dependent, it serves; the other
-configurations get a singular value decomposition, which finds the rank. Arrays for LAPACK have the configurations first.
+Equations, their order and their scaling are those of `pinocchio.model`. Of their Jacobian only the entries are computed that can differ
+from zero: a joint moves only the loops that it is on.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -18,12 +15,13 @@ from numpy.typing import NDArray
 
 from ...common.frozen import Frozen
 from ...common.quantities import Array
-from ..engine import ACCEPTED, MOST_NEWTON_STEPS, PIECE, Closure, joined
-from ..forces import RANK
-from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel
-from .bodies import Bodies, Placements, accelerations, build_bodies, cross, motion_axes, placements, velocities
+from ..engine import PIECE
+from ..joints import Matrix, matrix, product
+from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel, coupling_equations
+from .blocks import Blocks, build_blocks
+from .bodies import Bodies, Placements, accelerations, build_bodies, cross, placements, velocities
 
-CERTAINLY = 1e-5  # smallest singular value that is certainly above this shows full rank; so does RANK, but rounding is closer there
+MANY = 64  # joints from which on all that is done with a linkage has to grow no faster than they do
 JACOBIANS = 500_000  # entries of the Jacobians of all configurations that are worked through at a time
 HALF_TURN = -0.99  # cosine of an angle from which on the logarithm of a rotation needs care
 
@@ -43,6 +41,8 @@ class Loops(Frozen):
         pair_end: (np,) the end that it carries, 0 for end 1, 1 for end 2.
         coupled: (nc, nv) coefficients of the couplings.
         offsets: (nc,) their right-hand sides.
+        entries: (2, ne) equation and joint of every entry of the Jacobian that can differ from zero: three for each pair, then those of
+            the rotations that bearings prevent, loop by loop and joint by joint, then those of the couplings.
         rows: number of equations.
     """
 
@@ -54,14 +54,56 @@ class Loops(Frozen):
     pair_loop: NDArray[np.intp]
     pair_joint: NDArray[np.intp]
     pair_end: NDArray[np.intp]
-    coupled: Array
+    coupled: Matrix
     offsets: Array
+    entries: NDArray[np.intp]
     rows: int
 
     @cached_property
     def piece(self) -> int:
         """Number of configurations that are worked through at a time, so that their Jacobians take a few megabytes."""
-        return max(8, min(PIECE, JACOBIANS // max(1, self.rows * len(self.bodies.parents))))
+        size = 9 * self.entries.shape[1] if self.large else self.rows * len(self.bodies.parents)
+        return max(8, min(PIECE, JACOBIANS // max(1, size)))
+
+    @cached_property
+    def large(self) -> bool:
+        """Whether there are many joints, and the equations fall into several blocks."""
+        return len(self.bodies.parents) >= MANY and self.blocks is not None and len(self.blocks.blocks) > 1
+
+    @cached_property
+    def blocks(self) -> Blocks | None:
+        """The order in which the equations are solved; None where there are fewer of them than passive joints."""
+        spatial, count = self.spatial, len(self.spatial.loops)
+        held = np.repeat(np.arange(count), [loop.held_rotations for loop in spatial.loops])
+        members = np.concatenate([np.repeat(np.arange(count), 3), held, count + np.arange(len(self.offsets))])
+        irregular = np.where(self.bodies.turns, 0.2, 0.2 * spatial.size) * np.sin(1.0 + 1.7 * np.arange(len(self.bodies.turns)))
+        return build_blocks(self.entries, equations(self, irregular[:, None]).entries[:-1, 0], members, self.passive)
+
+    @cached_property
+    def driving_places(self) -> NDArray[np.intp]:
+        """(rows, drivers) see `places_in`."""
+        return self.places_in(np.array(self.spatial.drivers, dtype=np.intp))
+
+    @cached_property
+    def passive_places(self) -> NDArray[np.intp]:
+        """(rows, passive joints) see `places_in`."""
+        return self.places_in(self.passive)
+
+    def places_in(self, joints: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Places (rows, k) of the numbers in the columns of k joints among the Jacobian's entries; where they are zero that of an entry
+        more, which is zero."""
+        column = np.full(len(self.bodies.parents), -1)
+        column[joints] = np.arange(len(joints))
+        own = np.flatnonzero(column[self.entries[1]] >= 0)
+        result = np.full((self.rows, len(joints)), self.entries.shape[1])
+        result[self.entries[0, own], column[self.entries[1, own]]] = own
+        return result
+
+    @cached_property
+    def fixed_entries(self) -> Array:
+        """(entries of couplings, 1) the entries of the Jacobian that do not change."""
+        own = self.entries[:, self.entries[0] >= self.rows - len(self.offsets)]
+        return np.array([[self.coupled[row - self.rows + len(self.offsets), joint]] for row, joint in own.T]).reshape(-1, 1)
 
     @cached_property
     def pair_sign(self) -> Array:
@@ -69,11 +111,19 @@ class Loops(Frozen):
         return np.asarray(2.0 * self.pair_end[:, None, None] - 1.0)
 
     @cached_property
-    def crossing(self) -> Array:
+    def crossing(self) -> Matrix:
         """(nv, np) sums over the pairs of a joint, with the signs of their loop forces on it."""
-        result = np.zeros((len(self.bodies.parents), len(self.pair_joint)))
-        result[self.pair_joint, np.arange(len(self.pair_joint))] = self.pair_sign.ravel()
-        return result
+        count = len(self.bodies.parents)
+        rows: list[dict[int, complex]] = [{} for _ in range(count)]
+        for pair, (joint, sign) in enumerate(zip(self.pair_joint.tolist(), self.pair_sign.ravel().tolist(), strict=True)):
+            rows[joint][pair] = sign
+        return matrix(rows, len(self.pair_joint), count, float)
+
+    @cached_property
+    def spinning(self) -> Matrix:
+        """(nl, nv) sums over the joints on a loop, +1 where a joint carries only its end 2, -1 where only its end 1."""
+        count = len(self.bodies.parents)
+        return matrix([dict(joints) for joints in self.spatial.joints_of_loop], count, count, float)
 
     @cached_property
     def pair_turns(self) -> NDArray[np.bool_]:
@@ -83,65 +133,78 @@ class Loops(Frozen):
 
 def build_loops(spatial: SpatialModel) -> Loops:
     """The constants of a linkage."""
-    loops = spatial.loops
+    loops, bodies = spatial.loops, build_bodies(spatial)
     pairs = [(k, joint, int(sign > 0)) for k, joints in enumerate(spatial.joints_of_loop) for joint, sign in joints.items()]
     pair_loop, pair_joint, pair_end = np.array(pairs, dtype=np.intp).reshape(-1, 3).T.copy()
-    equations = spatial.equations()
+    coupled, offsets = coupling_equations(spatial)
+    entries = [(3 * k + row, joint) for k, joint, _ in pairs for row in range(3)]
+    row = 3 * len(loops)
+    for loop, joints in zip(loops, spatial.joints_of_loop, strict=True):
+        entries += [(row + held, joint) for joint in joints if bodies.turns[joint] for held in range(loop.held_rotations)]
+        row += loop.held_rotations
+    entries += [(row + k, joint) for k, coupling in enumerate(coupled) for joint in coupling]
     return Loops(
         spatial=spatial,
-        bodies=build_bodies(spatial),
+        bodies=bodies,
         joint=np.array([[loop.joint1 for loop in loops], [loop.joint2 for loop in loops]], dtype=np.intp),
         point=np.array([[loop.point1 for loop in loops], [loop.point2 for loop in loops]]).reshape(2, len(loops), 3),
         passive=np.array(spatial.passive_joints, dtype=np.intp),
         pair_loop=pair_loop,
         pair_joint=pair_joint,
         pair_end=pair_end,
-        coupled=equations.coupled,
-        offsets=equations.offsets,
-        rows=equations.rows,
+        coupled=matrix(coupled, spatial.model.nv, spatial.model.nv, float),
+        offsets=offsets,
+        entries=np.array(entries, dtype=np.intp).reshape(-1, 2).T.copy(),
+        rows=row + len(offsets),
     )
 
 
-class Equations(NamedTuple):
+@dataclass(eq=False, repr=False)
+class Equations:
     """The equations at n configurations.
 
     Attributes:
+        loops: constants of the equations.
         placed: where the bodies are.
         ends: (2, nl, 3, n) world positions of the ends of the loops [m].
         gaps: (rows, n) what each equation misses [m].
-        columns: (rows, nv, n) Jacobian of the gaps.
+        entries: (ne + 1, n) entries of the Jacobian of the gaps, see `Loops.entries`, then zero.
         held: for every loop (3, 0 to 3, n) world axes, as columns, of the rotations that its bearing prevents.
     """
 
+    loops: Loops
     placed: Placements
     ends: Array
     gaps: Array
-    columns: Array
+    entries: Array
     held: list[Array]
 
-    def widest(self, loops: int) -> Array:
+    @cached_property
+    def driving(self) -> Array:
+        """(rows, drivers, n) columns of the drivers in the Jacobian."""
+        return self.entries.take(self.loops.driving_places, axis=0)
+
+    def widest(self) -> Array:
         """Largest gaps (n,) of a loop or coupling [m]."""
-        n = self.gaps.shape[1]
+        loops, n = self.ends.shape[1], self.gaps.shape[1]
         points = np.sqrt((self.gaps[: 3 * loops].reshape(loops, 3, n) ** 2).sum(axis=1)).max(axis=0, initial=0.0)
         return np.asarray(np.maximum(points, np.abs(self.gaps[3 * loops :]).max(axis=0, initial=0.0)))
 
 
 def equations(loops: Loops, x: Array) -> Equations:
     """The equations at joint coordinates (nv, n)."""
-    bodies, n = loops.bodies, x.shape[1]
-    placed = placements(bodies, x)
+    n, count, pairs = x.shape[1], loops.joint.shape[1], len(loops.pair_loop)
+    placed = placements(loops.bodies, x)
     ends = placed.origin[loops.joint] + np.einsum("elikn,elk->elin", placed.rotation[loops.joint], loops.point)
-    gaps, columns = np.empty((loops.rows, n)), np.zeros((loops.rows, *x.shape))
-    count = loops.joint.shape[1]
+    gaps, entries = np.empty((loops.rows, n)), np.empty((loops.entries.shape[1] + 1, n))
     gaps[: 3 * count] = (ends[1] - ends[0]).reshape(3 * count, n)
-    moving = _moving_pairs(loops, placed, ends)
-    for row in range(3):
-        columns[3 * loops.pair_loop + row, loops.pair_joint] = moving[:, row]
-    held = _fill_rotation_rows(loops, placed, gaps, columns)
+    entries[: 3 * pairs] = _moving_pairs(loops, placed, ends).reshape(3 * pairs, n)
+    held = _fill_rotation_rows(loops, placed, gaps, entries[3 * pairs :])
+    entries[-1] = 0.0
     if len(loops.offsets):
-        columns[-len(loops.offsets) :] = loops.coupled[:, :, None]
+        entries[-1 - len(loops.fixed_entries) : -1] = loops.fixed_entries
         gaps[-len(loops.offsets) :] = loops.coupled @ x - loops.offsets[:, None]
-    return Equations(placed, ends, gaps, columns, held)
+    return Equations(loops, placed, ends, gaps, entries, held)
 
 
 def _moving_pairs(loops: Loops, placed: Placements, ends: Array) -> Array:
@@ -154,10 +217,10 @@ def _moving_pairs(loops: Loops, placed: Placements, ends: Array) -> Array:
     return moved
 
 
-def _fill_rotation_rows(loops: Loops, placed: Placements, gaps: Array, columns: Array) -> list[Array]:
-    """Fill in the rows of the rotations that bearings prevent, and return their world axes."""
+def _fill_rotation_rows(loops: Loops, placed: Placements, gaps: Array, entries: Array) -> list[Array]:
+    """Fill in the gaps and the ``entries`` of the rotations that bearings prevent, and return their world axes."""
     spatial, n = loops.spatial, gaps.shape[1]
-    row, held = 3 * len(spatial.loops), []
+    row, entry, held = 3 * len(spatial.loops), 0, []
     for k, loop in enumerate(spatial.loops):
         if not loop.held_rotations:
             held.append(np.empty((3, 0, n)))
@@ -177,7 +240,8 @@ def _fill_rotation_rows(loops: Loops, placed: Placements, gaps: Array, columns: 
             if loops.bodies.turns[joint]:
                 along = np.einsum("ihn,in->hn", prevented, sign * placed.axis[joint])
                 along[np.abs(along) < PARALLEL_TO_ROUNDING] = 0.0
-                columns[rows, joint] = spatial.size * along
+                np.multiply(spatial.size, along, out=entries[entry : entry + loop.held_rotations])
+                entry += loop.held_rotations
         held.append(prevented)
         row += loop.held_rotations
     return held
@@ -197,7 +261,7 @@ def _logarithm(rotations: Array) -> Array:
 def gaps(loops: Loops, position: Array) -> Array:
     """See `Engine.gaps`."""
     pieces = (position[:, k : k + loops.piece] for k in range(0, position.shape[1], loops.piece))
-    return np.concatenate([np.zeros(0), *(equations(loops, some).widest(len(loops.spatial.loops)) for some in pieces)])
+    return np.concatenate([np.zeros(0), *(equations(loops, some).widest() for some in pieces)])
 
 
 def drift(loops: Loops, found: Equations, axes: Array, v: Array) -> Array:
@@ -221,179 +285,8 @@ def drift(loops: Loops, found: Equations, axes: Array, v: Array) -> Array:
     return result
 
 
-class PassiveColumns:
-    """The columns of the passive joints in the Jacobian of the equations, scaled to unit length, and factorised, at n configurations."""
-
-    def __init__(self, loops: Loops, columns: Array) -> None:
-        self.loops, (self.rows, _, self.n) = loops, columns.shape
-        passive = columns[:, loops.passive]
-        lengths = np.sqrt((passive * passive).sum(axis=0))
-        still = lengths <= RANK * lengths.max(axis=0, initial=0.0)  # rounding: these joints move nothing here
-        self.lengths = np.where(still, 1.0, lengths)
-        self.scaled = np.where(still, 0.0, passive / self.lengths).transpose(2, 0, 1).copy()  # (n, rows, k)
-        self.count = len(loops.passive)
-        self.parts = list(self._factorised())
-
-    def _factorised(self) -> Sequence[_Factors]:
-        every = np.arange(self.n)
-        if not 0 < self.count <= self.rows:
-            return self._decomposed(every)
-        left, right = np.linalg.qr(self.scaled, mode="complete")
-        square = right[:, : self.count]
-        diagonal = np.abs(np.einsum("nii->ni", square)).min(axis=1)
-        good = diagonal > CERTAINLY
-        if not good.any():
-            return self._decomposed(every)
-        if good.all():
-            inverse = np.linalg.inv(square)
-        else:
-            inverse = np.zeros_like(square)
-            inverse[good] = np.linalg.inv(square[good])
-        good &= CERTAINLY * np.sqrt(np.einsum("nij,nij->n", inverse, inverse)) < 1.0
-        if good.all():
-            return [_Factors(slice(None), left[:, :, : self.count], inverse, left[:, :, self.count :])]
-        parts = self._decomposed(every[~good])
-        if good.any():
-            parts = [_Factors(every[good], left[good, :, : self.count], inverse[good], left[good, :, self.count :]), *parts]
-        return parts
-
-    def _decomposed(self, states: NDArray[np.intp]) -> list[_Factors]:
-        left, values, right = np.linalg.svd(self.scaled[states], full_matrices=True)
-        rank = np.count_nonzero(values > RANK * np.maximum(1.0, values.max(axis=1, initial=0.0))[:, None], axis=1)
-        parts = []
-        for r in np.unique(rank):
-            some = rank == r
-            inverse = right[some, :r].swapaxes(1, 2) / values[some, None, :r]
-            parts.append(_Factors(states[some], left[some, :, :r], inverse, left[some, :, r:]))
-        return parts
-
-    def rates(self, target: Array) -> Array:
-        """Joint rates (nv, n), those of drivers zero, that change the gaps by ``target`` (rows, n) in the least-squares sense."""
-        result = np.zeros((self.loops.spatial.model.nv, self.n))
-        wanted, found = target.T[:, :, None], np.empty((self.n, self.count))
-        for part in self.parts:
-            found[part.states] = (part.inverse @ (part.left.swapaxes(1, 2) @ wanted[part.states]))[:, :, 0]
-        result[self.loops.passive] = found.T / self.lengths
-        return result
-
-    def multipliers(self, effort: Array) -> Array:
-        """Multipliers (rows, n) of least norm that balance the efforts (nv, n) of the passive joints."""
-        wanted, found = (effort[self.loops.passive] / self.lengths).T[:, :, None], np.empty((self.n, self.rows))
-        for part in self.parts:
-            found[part.states] = (part.left @ (part.inverse.swapaxes(1, 2) @ wanted[part.states]))[:, :, 0]
-        return found.T
-
-    def margins(self) -> Array:
-        """(n,) smallest singular values, see `Closure.margins`."""
-        if self.count == 0:
-            return np.ones(self.n)
-        if self.count > self.rows:
-            return np.zeros(self.n)
-        return np.asarray(np.linalg.svd(self.scaled, compute_uv=False)[:, self.count - 1])
-
-
-class Solved(NamedTuple):
-    """The equations at closed configurations, kept for inverse dynamics.
-
-    Attributes:
-        equations: the equations.
-        passive: their columns of the passive joints, factorised.
-    """
-
-    equations: Equations
-    passive: PassiveColumns
-
-
-class _Factors(NamedTuple):
-    """The factors at some of the configurations, of one rank r.
-
-    Attributes:
-        states: which configurations, m of them.
-        left: (m, rows, r) orthonormal basis of the columns.
-        inverse: (m, columns, r) from components in this basis to the shortest combination of the columns.
-        idle: (m, rows, rows - r) orthonormal basis of the multipliers that balance each other on the passive joints.
-    """
-
-    states: NDArray[np.intp] | slice
-    left: Array
-    inverse: Array
-    idle: Array
-
-
-def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool) -> Closure:
-    """Close all loops by Newton's method at all configurations. It never raises: the caller judges gap and margins.
-
-    Args:
-        loops: constants of the equations.
-        drivers: (drivers, n) driver positions [rad or m].
-        along: (drivers, n) rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
-        guess: (nv, n) joint coordinates from which Newton's method starts.
-        with_margins: whether margins are wanted.
-    """
-    n, step = guess.shape[1], loops.piece
-    with np.errstate(all="ignore"):
-        if n <= step:
-            return _close(loops, drivers, along, guess, with_margins)
-        parts = (slice(k, k + step) for k in range(0, n, step))
-        pieces = (_close(loops, drivers[:, some], along[:, some], guess[:, some], with_margins) for some in parts)
-        return joined([replace(piece, solved=None) for piece in pieces])  # its memory serves the next piece
-
-
-def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool) -> Closure:
-    moving = list(loops.spatial.drivers)
-    x = guess.copy()
-    x[moving] = drivers
-    found, gap, steps = _solved(loops, x)
-    failed = ~np.isfinite(gap)
-    if failed.any():
-        found.columns[:, :, failed] = 0.0
-    passive = PassiveColumns(loops, found.columns)
-    first = passive.rates(-np.einsum("rdn,dn->rn", found.columns[:, moving], along))
-    first[moving] = along
-    axes = motion_axes(loops.bodies, found.placed)
-    second = passive.rates(-drift(loops, found, axes, first))
-    first[:, failed] = second[:, failed] = np.nan
-    margins = np.where(failed, 0.0, passive.margins())[None] if with_margins else None
-    return Closure(x, first, second, gap, float(gap.max(initial=0.0)), steps, margins, solved=Solved(found, passive))
-
-
-def _solved(loops: Loops, x: Array) -> tuple[Equations, Array, int]:
-    """The equations where Newton's method ends, from joint coordinates (nv, n), which it changes; their largest gaps (n,) [m], not finite
-    where it failed; and the number of steps."""
-    tolerance, count = loops.spatial.tolerance, len(loops.spatial.loops)
-    before, steps = np.full(x.shape[1], np.inf), 0
-    while True:
-        found = equations(loops, x)
-        gap = found.widest(count)
-        gap[~np.isfinite(found.columns).all(axis=(0, 1))] = np.inf
-        stalled = (gap > 0.5 * before) & (gap < ACCEPTED * tolerance)
-        open_states = np.flatnonzero(~((gap <= tolerance) | stalled) & np.isfinite(gap))
-        if not len(open_states) or steps == MOST_NEWTON_STEPS:
-            return found, gap, steps
-        before[open_states] = gap[open_states]
-        passive = PassiveColumns(loops, found.columns[:, :, open_states])
-        x[:, open_states] += passive.rates(-found.gaps[:, open_states])
-        steps += 1
-
-
-def rates(loops: Loops, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-    """See `Engine.rates`."""
-    n, step = position.shape[1], loops.piece
-    if n > step:
-        parts = [rates(loops, *(values[:, k : k + step] for values in (position, speed, acceleration))) for k in range(0, n, step)]
-        v, a, gaps = (np.concatenate(values, axis=-1) for values in zip(*parts, strict=True))
-        return v, a, gaps
-    moving, found = list(loops.spatial.drivers), equations(loops, position)
-    passive, columns = PassiveColumns(loops, found.columns), found.columns[:, moving]
-    v = passive.rates(-np.einsum("rdn,dn->rn", columns, speed))
-    v[moving] = speed
-    axes = motion_axes(loops.bodies, found.placed)
-    a = passive.rates(-np.einsum("rdn,dn->rn", columns, acceleration) - drift(loops, found, axes, v))
-    a[moving] = acceleration
-    return v, a, found.widest(len(loops.spatial.loops))
-
-
 def loop_spins(loops: Loops, placed: Placements, v: Array) -> Array:
     """Angular velocities (nl, 3, n) of body 2 against body 1 of the loops [rad/s], at joint rates (nv, n)."""
     turning = np.where(loops.bodies.turns[:, None, None], placed.axis, 0.0) * v[:, None]
-    return np.asarray(np.einsum("jl,jin->lin", loops.spatial.incidence, turning))
+    count, _, n = turning.shape
+    return np.asarray(product(loops.spinning, turning.reshape(count, 3 * n)).reshape(-1, 3, n))

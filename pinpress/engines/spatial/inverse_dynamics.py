@@ -18,7 +18,8 @@ from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
 from ..joints import product
 from .bodies import accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
-from .equations import Equations, Loops, PassiveColumns, equations, loop_spins
+from .closing import PassiveColumns
+from .equations import Equations, Loops, equations, loop_spins
 
 
 def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
@@ -61,7 +62,7 @@ def indeterminate(loops: Loops, position: Array, axes: Array) -> tuple[NDArray[n
     marks, couplings = np.zeros((spatial.model.nv + len(spatial.loops), 6), dtype=bool), np.zeros(len(spatial.couplings), dtype=bool)
     for start in range(0, position.shape[1], loops.piece):
         found = equations(loops, position[:, start : start + loops.piece])
-        for part in PassiveColumns(loops, found.columns).parts:
+        for part in PassiveColumns(loops, found.entries).parts:
             if not part.idle.shape[2] or not len(part.idle):
                 continue
             forces, moments, _ = _parts(loops, found, part.states, part.idle)
@@ -101,7 +102,7 @@ class _Balance:
         if states.solved is None:
             self.found = equations(loops, states.position)
             self._refuse_open(self.found)
-            self.passive = PassiveColumns(loops, self.found.columns)
+            self.passive = PassiveColumns(loops, self.found.entries)
         else:
             self.found, self.passive = states.solved
         found = self.found
@@ -129,7 +130,7 @@ class _Balance:
         wrong = ~(np.abs(found.gaps).max(axis=0, initial=0.0) <= LOOSEST * spatial.size)
         if wrong.any():
             i = int(np.argmax(wrong))
-            gap = float(found.widest(len(spatial.loops))[i])
+            gap = float(found.widest()[i])
             raise other_linkage(float(self.states.position[spatial.drivers[0], i]), gap, spatial.coordinates[0])
 
     # -------------------------------------------------------------------------------------------------------------------- friction
@@ -247,7 +248,7 @@ class _Balance:
         """Write the wrenches of these states into the result."""
         loops, spatial, count = self.loops, self.loops.spatial, self.count
         driving = list(spatial.drivers)
-        result.torque[:] = self._needed(friction)[driving] - np.einsum("rdn,rn->dn", self.found.columns[:, driving], multipliers)
+        result.torque[:] = self._needed(friction)[driving] - np.einsum("rdn,rn->dn", self.found.driving, multipliers)
         held = len(spatial.loops)
         units = np.array([spatial.size if spatial.axes[pair.follower].turns else 1.0 for pair in spatial.couplings])
         result.coupling[:] = units[:, None] * multipliers[loops.rows - len(units) :]

@@ -1,0 +1,234 @@
+"""Closing loops in space at all configurations at once, and the rates and accelerations of all joints.
+
+The columns of the passive joints in the equations' Jacobian are factorised block by block. Configurations at which a block is not certainly
+regular get a singular value decomposition of the whole, which finds the rank.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common.quantities import Array
+from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure, joined
+from ..forces import RANK
+from .blocks import InBlocks
+from .bodies import motion_axes
+from .equations import Equations, Loops, drift, equations
+
+
+class PassiveColumns:
+    """The columns of the passive joints in the Jacobian of the equations, factorised, at n configurations.
+
+    Attributes:
+        regular: whether all columns are certainly independent, at all configurations.
+    """
+
+    def __init__(self, loops: Loops, entries: Array) -> None:
+        self.loops, self.n, self._entries = loops, entries.shape[1], entries
+        self._blocks = None if loops.blocks is None else InBlocks(loops.blocks, entries)
+        self._others = np.arange(self.n) if self._blocks is None else np.flatnonzero(~self._blocks.regular)
+        self.regular = not len(self._others)
+
+    @cached_property
+    def _decomposed(self) -> _Decomposed:
+        """The configurations at which some columns may be dependent."""
+        return _Decomposed(self.loops, self._entries[:, self._others])
+
+    @cached_property
+    def parts(self) -> list[Part]:
+        """The idle multipliers, in parts of equal rank."""
+        found = []
+        if self._blocks is not None and self._blocks.regular.any() and self.loops.rows > len(self.loops.passive):
+            states = slice(None) if self.regular else np.flatnonzero(self._blocks.regular)
+            found.append(Part(states, self._blocks.idle[states]))
+        if not self.regular:
+            found += [Part(self._others[part.states], part.left[:, :, part.rank :]) for part in self._decomposed.parts]
+        return found
+
+    def rates(self, target: Array) -> Array:
+        """Joint rates (nv, n), those of drivers zero, that change the gaps by ``target`` (rows, n) in the least-squares sense."""
+        result = np.zeros((self.loops.spatial.model.nv, self.n))
+        if self._blocks is not None:
+            self._blocks.rates(target, result)
+        if not self.regular:
+            result[np.ix_(self.loops.passive, self._others)] = self._decomposed.rates(target[:, self._others])
+        return result
+
+    def multipliers(self, effort: Array) -> Array:
+        """Multipliers (rows, n) of least norm that balance the efforts (nv, n) of the passive joints."""
+        result = np.empty((self.loops.rows, self.n)) if self._blocks is None else self._blocks.multipliers(effort)
+        if not self.regular:
+            result[:, self._others] = self._decomposed.multipliers(effort[np.ix_(self.loops.passive, self._others)])
+        return result
+
+    def margins(self) -> Array:
+        """(blocks, n), see `Closure.margins`."""
+        if self.loops.large and self._blocks is not None:
+            return self._blocks.margins()
+        count = len(self.loops.passive)
+        if count == 0:
+            return np.ones((1, self.n))
+        if count > self.loops.rows:
+            return np.zeros((1, self.n))
+        return np.asarray(np.linalg.svd(_scaled(self.loops, self._entries)[0], compute_uv=False)[None, :, count - 1])
+
+
+def regular(loops: Loops, x: Array) -> bool:
+    """Whether there are as many equations as passive joints, and certainly determine these at joint coordinates (nv,)."""
+    return loops.rows == len(loops.passive) and PassiveColumns(loops, equations(loops, x[:, None]).entries).regular
+
+
+class Part(NamedTuple):
+    """Idle multipliers of some of the configurations.
+
+    Attributes:
+        states: which configurations, m of them.
+        idle: (m, rows, k) orthonormal basis of the multipliers that balance each other on the passive joints.
+    """
+
+    states: NDArray[np.intp] | slice
+    idle: Array
+
+
+class _Decomposition(NamedTuple):
+    """Singular value decompositions of some of the configurations, of one rank r.
+
+    Attributes:
+        states: which configurations, m of them.
+        rank: their rank.
+        left: (m, rows, rows) singular vectors.
+        inverse: (m, columns, r) from components along the first of them to the shortest combination of the columns.
+    """
+
+    states: NDArray[np.intp]
+    rank: int
+    left: Array
+    inverse: Array
+
+
+class _Decomposed:
+    """All columns of the passive joints, scaled to unit length, by their singular value decompositions."""
+
+    def __init__(self, loops: Loops, entries: Array) -> None:
+        scaled, self.lengths = _scaled(loops, entries)
+        left, values, right = np.linalg.svd(scaled, full_matrices=True)
+        rank = np.count_nonzero(values > RANK * np.maximum(1.0, values.max(axis=1, initial=0.0))[:, None], axis=1)
+        self.parts = []
+        for r in np.unique(rank).tolist():
+            some = np.flatnonzero(rank == r)
+            self.parts.append(_Decomposition(some, r, left[some], right[some, :r].swapaxes(1, 2) / values[some, None, :r]))
+
+    def rates(self, target: Array) -> Array:
+        """Rates (columns, n) of the passive joints."""
+        found = np.empty_like(self.lengths)
+        for part in self.parts:
+            wanted = target[:, part.states].T[:, :, None]
+            found[:, part.states] = (part.inverse @ (part.left[:, :, : part.rank].swapaxes(1, 2) @ wanted))[:, :, 0].T
+        return found / self.lengths
+
+    def multipliers(self, effort: Array) -> Array:
+        """Multipliers (rows, n) from the efforts (columns, n) of the passive joints."""
+        wanted, found = effort / self.lengths, np.empty((self.parts[0].left.shape[1], effort.shape[1]))
+        for part in self.parts:
+            along = part.inverse.swapaxes(1, 2) @ wanted[:, part.states].T[:, :, None]
+            found[:, part.states] = (part.left[:, :, : part.rank] @ along)[:, :, 0].T
+        return found
+
+
+def _scaled(loops: Loops, entries: Array) -> tuple[Array, Array]:
+    """The columns (n, rows, columns) of the passive joints, scaled to unit length, and their lengths (columns, n)."""
+    passive = entries.take(loops.passive_places, axis=0)
+    lengths = np.sqrt((passive * passive).sum(axis=0))
+    still = lengths <= RANK * lengths.max(axis=0, initial=0.0)  # rounding: these joints move nothing here
+    lengths = np.where(still, 1.0, lengths)
+    return np.where(still, 0.0, passive / lengths).transpose(2, 0, 1).copy(), lengths
+
+
+class Solved(NamedTuple):
+    """The equations at closed configurations, kept for inverse dynamics.
+
+    Attributes:
+        equations: the equations.
+        passive: their columns of the passive joints, factorised.
+    """
+
+    equations: Equations
+    passive: PassiveColumns
+
+
+def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool) -> Closure:
+    """Close all loops by Newton's method at all configurations. It never raises: the caller judges gap and margins.
+
+    Args:
+        loops: constants of the equations.
+        drivers: (drivers, n) driver positions [rad or m].
+        along: (drivers, n) rates of the drivers to which the influence coefficients belong; 1 where there is one driver.
+        guess: (nv, n) joint coordinates from which Newton's method starts.
+        with_margins: whether margins are wanted.
+    """
+    n, step = guess.shape[1], loops.piece
+    with np.errstate(all="ignore"):
+        if n <= step:
+            return _close(loops, drivers, along, guess, with_margins)
+        parts = (slice(k, k + step) for k in range(0, n, step))
+        pieces = (_close(loops, drivers[:, some], along[:, some], guess[:, some], with_margins) for some in parts)
+        return joined([replace(piece, solved=None) for piece in pieces])  # its memory serves the next piece
+
+
+def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool) -> Closure:
+    moving = list(loops.spatial.drivers)
+    x = guess.copy()
+    x[moving] = drivers
+    found, gap, steps = _solved(loops, x)
+    failed = ~np.isfinite(gap)
+    if failed.any():
+        found.entries[:, failed] = 0.0
+    passive = PassiveColumns(loops, found.entries)
+    first = passive.rates(-np.einsum("rdn,dn->rn", found.driving, along))
+    first[moving] = along
+    axes = motion_axes(loops.bodies, found.placed)
+    second = passive.rates(-drift(loops, found, axes, first))
+    first[:, failed] = second[:, failed] = np.nan
+    margins = np.where(failed, 0.0, passive.margins()) if with_margins else None
+    return Closure(x, first, second, gap, float(gap.max(initial=0.0)), steps, margins, solved=Solved(found, passive))
+
+
+def _solved(loops: Loops, x: Array) -> tuple[Equations, Array, int]:
+    """The equations where Newton's method ends, from joint coordinates (nv, n), which it changes; their largest gaps (n,) [m], not finite
+    where it failed; and the number of steps."""
+    tolerance = loops.spatial.tolerance
+    before, steps = np.full(x.shape[1], np.inf), 0
+    while True:
+        found = equations(loops, x)
+        gap = found.widest()
+        gap[~np.isfinite(found.entries).all(axis=0)] = np.inf
+        stalled = (gap > 0.5 * before) & (gap < ACCEPTED * tolerance)
+        open_states = np.flatnonzero(~((gap <= tolerance) | stalled) & np.isfinite(gap))
+        if not len(open_states) or steps == MOST_NEWTON_STEPS:
+            return found, gap, steps
+        before[open_states] = gap[open_states]
+        passive = PassiveColumns(loops, found.entries[:, open_states])
+        x[:, open_states] += passive.rates(-found.gaps[:, open_states])
+        steps += 1
+
+
+def rates(loops: Loops, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    """See `Engine.rates`."""
+    n, step = position.shape[1], loops.piece
+    if n > step:
+        parts = [rates(loops, *(values[:, k : k + step] for values in (position, speed, acceleration))) for k in range(0, n, step)]
+        v, a, gaps = (np.concatenate(values, axis=-1) for values in zip(*parts, strict=True))
+        return v, a, gaps
+    moving, found = list(loops.spatial.drivers), equations(loops, position)
+    passive, columns = PassiveColumns(loops, found.entries), found.driving
+    v = passive.rates(-np.einsum("rdn,dn->rn", columns, speed))
+    v[moving] = speed
+    axes = motion_axes(loops.bodies, found.placed)
+    a = passive.rates(-np.einsum("rdn,dn->rn", columns, acceleration) - drift(loops, found, axes, v))
+    a[moving] = acceleration
+    return v, a, found.widest()
