@@ -101,9 +101,9 @@ def build_blocks(places: NDArray[np.intp], values: Array, members: NDArray[np.in
         alike, start = own.setdefault((len(rows), len(group.joints)), []), len(coupling)
         alike.append(looked_up(rows, group.joints))
         coupling += [place for line in looked_up(rows, known) for place in line]
-        indices = (np.array(each, dtype=np.intp) for each in (rows, group.joints, known))
         shape = list(own).index((len(rows), len(group.joints)))
-        blocks.append(Block(*indices, shape, len(alike) - 1, slice(start, len(coupling))))
+        rows_at, joints, known_at = (np.array(each, dtype=np.intp) for each in (rows, group.joints, known))
+        blocks.append(Block(rows_at, joints, known_at, shape, len(alike) - 1, slice(start, len(coupling))))
     return Blocks(
         blocks=tuple(blocks),
         own=tuple(np.array(each, dtype=np.intp).reshape(-1, *shape).transpose(1, 2, 0).copy() for shape, each in own.items()),
