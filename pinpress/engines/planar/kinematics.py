@@ -6,6 +6,9 @@ and real x, y:
 
     x = Im(conj(b) c) / D,   y = -Im(conj(a) c) / D,   D = Im(conj(a) b)
 
+What a joint of an earlier block adds to c is its column times its rate. The x and y that belong to a unit of this rate are the dyad's
+*transfer* from that joint: with them rates, accelerations and efforts go from dyad to dyad as products of real numbers.
+
 Where there are more equations than joints (a second rod to the same slide), the least-squares solution is taken: it fulfils all equations
 if the redundant ones agree with the others, and if they do not, the gap shows it.
 """
@@ -13,7 +16,7 @@ if the redundant ones agree with the others, and if they do not, the gap shows i
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,11 +44,11 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             basis = basis_at(plane, x)
             rows = product(plane.closure, basis)
             gaps = rows[:count]
-            gap = np.sqrt((gaps.real**2 + gaps.imag**2).max(axis=0, initial=0.0))
+            gap = np.sqrt(np.maximum.reduce(gaps.real**2 + gaps.imag**2, axis=0, initial=0.0))
             slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
             if len(slips):
                 gap = np.maximum(gap, np.abs(slips).max(axis=0))
-            before, worst = worst, float(gap.max())
+            before, worst = worst, float(np.maximum.reduce(gap))
             # Rounding can leave a gap slightly above the tolerance: stop where another step no longer halves it.
             stalled = worst > 0.5 * before and worst < ACCEPTED * plane.tolerance
             if worst <= plane.tolerance or stalled or steps == MOST_NEWTON_STEPS or not np.isfinite(worst):
@@ -77,10 +80,8 @@ def _influence(plane: Plane, basis: ComplexArray, jacobian: Jacobian) -> tuple[A
     (rows, factors), shape = jacobian, (len(plane.parents), basis.shape[1])
     first, second = np.empty(shape), np.empty(shape)
     first[plane.driver], second[plane.driver] = 1.0, 0.0
-    driven: list[ComplexArray | Array | None] = [None if row is None else rows[row] for row in plane.driven]
-    driven += [np.full(basis.shape[1], gear.get(plane.driver, 0.0)) for gear in plane.coupling_rows]
-    solve(plane, rows, factors, driven, first)
-    opened = product(plane.closure[: len(plane.loop_heights)], basis_acceleration(plane, basis, first, None))
+    solve(plane, rows, factors, None, first)
+    opened = product(plane.gap_rows, basis_acceleration(plane, basis, first, None))
     solve(plane, rows, factors, [*opened, *[None] * len(plane.offsets)], second)
     return first, second
 
@@ -90,7 +91,7 @@ def moves(plane: Plane, drawn: Closure) -> bool:
     if not plane.redundant:
         return True
     rate = basis_velocity(plane, basis_at(plane, drawn.position), drawn.first)
-    opened = product(plane.closure[: len(plane.loop_heights)], rate), plane.coupled @ drawn.first
+    opened = product(plane.gap_rows, rate), plane.coupled @ drawn.first
     return all(np.abs(each).max(initial=0.0) <= RANK * plane.size for each in opened)
 
 
@@ -99,9 +100,9 @@ def basis_at(plane: Plane, x: Array) -> ComplexArray:
     turning = len(plane.revolute)
     basis = np.empty((1 + len(x), x.shape[1]), complex)
     basis[0] = 1.0
-    absolute = plane.turn @ x
-    np.cos(absolute, out=basis.real[1 : 1 + turning])
-    np.sin(absolute, out=basis.imag[1 : 1 + turning])
+    absolute, rotors = plane.turn @ x, basis[1 : 1 + turning]
+    np.cos(absolute, out=rotors.real)
+    np.sin(absolute, out=rotors.imag)
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         basis[row] = x[joint] * basis[rotor] if rotor else x[joint]
     return basis
@@ -120,12 +121,12 @@ def known_jacobian(plane: Plane, states: ClosedStates) -> Jacobian:
 
 def openings(plane: Plane, x: Array) -> Array:
     """Gaps (nl, 3) of the loops at joint coordinates (nv,), point 2 less point 1 in world axes [m]."""
-    return to_world(plane, product(plane.closure[: len(plane.loop_heights)], basis_at(plane, x[:, None]))[:, 0])
+    return to_world(plane, product(plane.gap_rows, basis_at(plane, x[:, None]))[:, 0])
 
 
 def gaps(plane: Plane, x: Array, basis: ComplexArray) -> Array:
     """Largest gap (n,) of a loop or coupling at joint coordinates (nv, n) with their basis (nb, n) [m]."""
-    widest: Array = np.abs(product(plane.closure[: len(plane.loop_heights)], basis)).max(axis=0, initial=0.0)
+    widest: Array = np.abs(product(plane.gap_rows, basis)).max(axis=0, initial=0.0)
     return np.asarray(np.maximum(widest, np.abs(plane.coupled @ x - plane.offsets[:, None]).max(axis=0, initial=0.0)))
 
 
@@ -148,10 +149,13 @@ def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | N
     result = np.empty_like(basis)
     result[0] = 0.0
     spin = plane.turn @ v
-    factor: Array | ComplexArray = spin * -spin
-    if a is not None:
-        inward, factor = factor, np.empty(spin.shape, complex)
-        factor.real, factor.imag = inward, plane.turn @ a
+    factor: Array | ComplexArray
+    if a is None:
+        factor = spin * -spin
+    else:
+        factor = np.empty(spin.shape, complex)
+        np.multiply(spin, -spin, out=factor.real)
+        factor.imag = plane.turn @ a
     np.multiply(basis[1 : 1 + turning], factor, out=result[1 : 1 + turning])
     for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
         along = 0.0 if a is None else a[joint]
@@ -181,17 +185,33 @@ def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
     return matrix
 
 
+class Dyad(NamedTuple):
+    """The loop equation of a dyad at n configurations, ready to be solved; the terms are those of the module.
+
+    Attributes:
+        inverse: (2, n) conj(b) / D and -conj(a) / D.
+        transfers: (2, n) rates of its joints by a unit of that of every ``known`` joint of its `Block`.
+        driven: (2, n) those by a unit of the driver's; None where the driver does not move its loop.
+    """
+
+    inverse: ComplexArray
+    transfers: list[Array]
+    driven: Array | None
+
+
 Factor = Any  # see `factored`
 
 
 def factored(plane: Plane, rows: ComplexArray) -> tuple[Factor, ...]:
-    """The Jacobians of all blocks, ready to be solved: (2, n) conj(b) / D and -conj(a) / D of a dyad, in the terms of the module,
-    -conj(a) / |a|^2 of a lever with column a, the coefficient of a coupling, the matrix of a dense block."""
+    """The Jacobians of all blocks, ready to be solved: a `Dyad`, -conj(a) / |a|^2 of a lever with column a, the coefficient of a coupling,
+    the matrix of a dense block."""
     dyads = _factored_dyads(plane, rows)
     result: list[Factor] = []
     for block in plane.blocks:
         if block.kind == "dyad":
-            result.append(next(dyads))
+            inverse, driven = next(dyads), plane.driven[block.loops[0]]
+            transfers = [(inverse * rows[row]).imag for _, row in block.known[0]]
+            result.append(Dyad(inverse, transfers, None if driven is None else (inverse * rows[driven]).imag))
         elif block.kind == "lever":
             a = rows[block.own[0][0][1]]
             result.append(a.conj() / -(a.real**2 + a.imag**2))
@@ -203,21 +223,21 @@ def factored(plane: Plane, rows: ComplexArray) -> tuple[Factor, ...]:
 
 
 def _factored_dyads(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
-    """The factors of all dyads, as many at a time as stay in the cache."""
+    """The inverses of all dyads, found for as many at a time as stay in the cache."""
     together = max(1, PIECE // rows.shape[1])
     for start in range(0, len(plane.dyad_columns), together):
-        factors = rows[plane.dyad_columns[start : start + together, ::-1]]  # b and a
-        scale = BOTH_SIGNS / (factors[:, 1].conj() * factors[:, 0]).imag[:, None]
-        np.conjugate(factors, out=factors)
-        factors *= scale
-        yield from factors
+        inverses = rows.take(plane.dyad_columns[start : start + together], axis=0)  # b and a
+        determinants = (inverses[:, 1].conj() * inverses[:, 0]).imag
+        np.conjugate(inverses, out=inverses)
+        inverses *= BOTH_SIGNS / determinants[:, None]
+        yield from inverses
 
 
 def solve(
     plane: Plane,
     rows: ComplexArray,
     factors: Sequence[Factor],
-    opening: Sequence[ComplexArray | Array | None],
+    opening: Sequence[ComplexArray | Array | None] | None,
     x: Array,
 ) -> None:
     """Fill in the rates of the passive joints that keep loops and couplings closed.
@@ -227,34 +247,54 @@ def solve(
         rows: rows of `Plane.closure` at the configurations.
         factors: what `factored` made of them.
         opening: rate (n,) at which every loop's gap would open, complex, then every coupling; None for zero. The driver's part is in it.
+            None in place of all of them: the driver moves at the rate 1, and nothing else opens.
         x: (nv, n) joint rates to be filled in.
     """
     for block, factor in zip(plane.blocks, factors, strict=True):
-        sides = []
-        for loop, columns in zip(block.loops, block.known, strict=True):
-            side = opening[loop]
-            for joint, row in columns:
-                moved = rows[row] * x[joint]
-                side = moved if side is None else side + moved
-            sides.append(np.zeros(rows.shape[1], complex) if side is None else side)
         if block.kind == "dyad":
-            x[block.pair] = (factor * sides[0]).imag
-        elif block.kind == "lever":
+            loop = block.loops[0]
+            side = None if opening is None else opening[loop]
+            pair = factor.driven if opening is None else None if side is None else (factor.inverse * side).imag
+            for (joint, _), transfer in zip(block.known[0], factor.transfers, strict=True):
+                moved = transfer * x[joint]
+                pair = moved if pair is None else np.add(pair, moved, out=moved)
+            x[block.pair] = 0.0 if pair is None else pair
+            continue
+        sides = [_side(plane, rows, loop, columns, opening, x) for loop, columns in zip(block.loops, block.known, strict=True)]
+        if block.kind == "lever":
             x[block.joints[0]] = (factor * sides[0]).real
         else:
             parts = [part for side in sides for part in (side.real, side.imag)]
-            parts += [_slip(plane, block, k, opening[len(plane.loop_heights) + k], x) for k in block.couplings]
+            parts += [_slip(plane, block, k, opening, x) for k in block.couplings]
             if block.kind == "gear":
                 x[block.joints[0]] = parts[0] / -factor
             elif block.joints:
                 x[list(block.joints)] = _solve_dense(factor, -np.stack(parts, axis=1)).T
 
 
-def _slip(plane: Plane, block: Block, coupling: int, opening: Array | ComplexArray | None, x: Array) -> Array:
-    """The rate (n,) at which a coupling opens, with what the joints of earlier blocks add."""
-    side = np.zeros(x.shape[1]) if opening is None else opening.real
+def _side(
+    plane: Plane,
+    rows: ComplexArray,
+    loop: int,
+    columns: Sequence[tuple[int, int]],
+    opening: Sequence[ComplexArray | Array | None] | None,
+    x: Array,
+) -> ComplexArray:
+    """The rate (n,) at which a loop opens, with what the joints of earlier blocks add by their ``columns``. Arguments as of `solve`."""
+    driven = plane.driven[loop]
+    side = opening[loop] if opening is not None else None if driven is None else rows[driven]
+    for joint, row in columns:
+        moved = rows[row] * x[joint]
+        side = moved if side is None else side + moved
+    return np.zeros(rows.shape[1], complex) if side is None else np.asarray(side, dtype=complex)
+
+
+def _slip(plane: Plane, block: Block, coupling: int, opening: Sequence[ComplexArray | Array | None] | None, x: Array) -> Array:
+    """The rate (n,) at which a coupling opens, with what the joints of earlier blocks add; ``opening`` and ``x`` as of `solve`."""
+    opened = None if opening is None else opening[len(plane.loop_heights) + coupling]
+    side = np.zeros(x.shape[1]) if opened is None else opened.real
     for joint, by in plane.coupling_rows[coupling].items():
-        if joint not in block.joints and joint != plane.driver:
+        if joint not in block.joints and (joint != plane.driver or opening is None):
             side = side + by * x[joint]
     return side
 

@@ -154,9 +154,14 @@ class Plane:
         return 8 * EPSILON * self.size
 
     @cached_property
+    def gap_rows(self) -> Matrix:
+        """(nl, nb) the rows of ``closure`` with the gaps of the loops."""
+        return self.closure[: len(self.loop_heights)]
+
+    @cached_property
     def dyad_columns(self) -> NDArray[np.intp]:
-        """(dyads, 2) rows of ``closure`` with the two columns of every dyad, in the order of ``blocks``."""
-        rows = [[row for _, row in block.own[0]] for block in self.blocks if block.kind == "dyad"]
+        """(dyads, 2) rows of ``closure`` with the two columns of every dyad, the second column first, in the order of ``blocks``."""
+        rows = [[row for _, row in reversed(block.own[0])] for block in self.blocks if block.kind == "dyad"]
         return np.array(rows, dtype=np.intp).reshape(-1, 2)
 
     @cached_property

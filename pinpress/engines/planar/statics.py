@@ -5,7 +5,8 @@ rate of the joint with the column c in the loop Jacobian. The two joints of a dy
 
     Re(conj(a) p) = s,  Re(conj(b) p) = t    have the solution    p = i (t a - s b) / D,   D = Im(conj(a) b)
 
-The factors of `kinematics.factored`, conj(b) / D and -conj(a) / D, give conj(p) as i times their sum, multiplied by s and t.
+The inverse of its `kinematics.Dyad`, conj(b) / D and -conj(a) / D, gives conj(p) as i times their sum, multiplied by s and t. What the
+force of its pin asks of a joint of an earlier block are s and t times the dyad's transfer from that joint.
 
 The redundant equations of a block leave idle forces open, which earlier blocks balance. `engines.forces` says which multiples of them are
 added.
@@ -21,7 +22,7 @@ import numpy as np
 from ...common.quantities import Array, ComplexArray
 from ..forces import Objective, lexicographic_least_squares
 from ..joints import Matrix, product
-from .kinematics import Factor
+from .kinematics import Dyad, Factor
 from .model import Block, Plane
 
 
@@ -116,11 +117,9 @@ def _balance(
     """Fill in the forces of the first ``blocks`` blocks, in reverse order."""
     for block, factor in zip(reversed(plane.blocks[:blocks]), reversed(factors[:blocks]), strict=True):
         if block.kind == "dyad":
-            parts, pin = factor * joint_efforts[block.pair], pins[block.loops[0]]
-            np.add(parts[0], parts[1], out=pin)
-            pin *= 1j
-            np.conjugate(pin, out=pin)
-        elif block.kind == "lever":
+            _balance_dyad(plane, block, factor, joint_efforts, pins[block.loops[0]])
+            continue
+        if block.kind == "lever":
             np.conjugate(factor * -joint_efforts[block.joints[0]], out=pins[block.loops[0]])
         elif block.kind == "gear":
             coupling_multipliers[block.couplings[0]] = joint_efforts[block.joints[0]] / factor
@@ -130,6 +129,22 @@ def _balance(
             pins[list(block.loops)] = 0.0
             coupling_multipliers[list(block.couplings)] = 0.0
         _pass_on(plane, block, rows, pins, coupling_multipliers, joint_efforts)
+
+
+def _balance_dyad(plane: Plane, block: Block, dyad: Dyad, joint_efforts: Array, pin: ComplexArray) -> None:
+    """Fill in the force (n,) of a dyad's pin, and pass on to the driver and the joints of earlier blocks what it does there."""
+    efforts = joint_efforts[block.pair]
+    parts = dyad.inverse * efforts
+    np.add(parts[0], parts[1], out=pin)
+    pin *= 1j
+    np.conjugate(pin, out=pin)
+    passed = [(joint, transfer) for (joint, _), transfer in zip(block.known[0], dyad.transfers, strict=True)]
+    if dyad.driven is not None:
+        passed.append((plane.driver, dyad.driven))
+    for joint, transfer in passed:
+        asked = transfer * efforts
+        joint_efforts[joint] += asked[0]
+        joint_efforts[joint] += asked[1]
 
 
 def _dense(matrix: Array, effort: Array) -> Array:
