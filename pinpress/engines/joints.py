@@ -224,7 +224,7 @@ def product(rows: Matrix, columns: Any) -> Any:
         return np.asarray(rows @ columns)
     step = max(1, (SERIAL if len(rows) > 1 else SERIAL_ROW) // max(1, rows.size))
     if columns.shape[1] <= step:
-        return np.asarray(rows @ columns)
+        return rows.dot(columns)  # `@` takes half a microsecond longer
     result = np.empty((len(rows), columns.shape[1]), np.result_type(rows, columns))
     for start in range(0, columns.shape[1], step):
         np.matmul(rows, columns[:, start : start + step], out=result[:, start : start + step])

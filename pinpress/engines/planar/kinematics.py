@@ -27,7 +27,6 @@ from ..joints import product
 from .model import Block, Plane, to_world
 
 NO_SLIPS = np.empty((0, 1))
-BOTH_SIGNS = np.array([[1.0], [-1.0]])
 
 
 def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
@@ -44,7 +43,8 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             basis = basis_at(plane, x)
             rows = product(plane.closure, basis)
             gaps = rows[:count]
-            gap = np.sqrt(np.maximum.reduce(gaps.real**2 + gaps.imag**2, axis=0, initial=0.0))
+            squares = gaps.real * gaps.real + gaps.imag * gaps.imag
+            gap = np.sqrt(np.maximum.reduce(squares, axis=0, initial=0.0))
             slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
             if len(slips):
                 gap = np.maximum(gap, np.abs(slips).max(axis=0))
@@ -79,9 +79,9 @@ def _influence(plane: Plane, basis: ComplexArray, jacobian: Jacobian) -> tuple[A
     """Influence coefficients, given the loop equations at these configurations."""
     (rows, factors), shape = jacobian, (len(plane.parents), basis.shape[1])
     first, second = np.empty(shape), np.empty(shape)
-    first[plane.driver], second[plane.driver] = 1.0, 0.0
-    solve(plane, rows, factors, None, first)
+    drive(plane, rows, factors, first)
     opened = product(plane.gap_rows, basis_acceleration(plane, basis, first, None))
+    second[plane.driver] = 0.0
     solve(plane, rows, factors, [*opened, *[None] * len(plane.offsets)], second)
     return first, second
 
@@ -189,112 +189,143 @@ class Dyad(NamedTuple):
     """The loop equation of a dyad at n configurations, ready to be solved; the terms are those of the module.
 
     Attributes:
+        loop: index of the loop.
+        pair: its two joints.
         inverse: (2, n) conj(b) / D and -conj(a) / D.
-        transfers: (2, n) rates of its joints by a unit of that of every ``known`` joint of its `Block`.
-        driven: (2, n) those by a unit of the driver's; None where the driver does not move its loop.
+        transfers: the joints of earlier blocks that move the loop, with the dyad's transfer (2, n) from each.
+        driven: (2, n) the transfer from the driver; None where the driver does not move the loop.
     """
 
+    loop: int
+    pair: slice
     inverse: ComplexArray
-    transfers: list[Array]
+    transfers: list[tuple[int, Array]]
     driven: Array | None
 
 
-Factor = Any  # see `factored`
+class Solvable(NamedTuple):
+    """The equations of a block that is no dyad at n configurations, ready to be solved.
+
+    Attributes:
+        block: the block.
+        matrix: -conj(a) / |a|^2 of a lever with column a, the coefficient of a gear's coupling, the matrix of a dense block.
+    """
+
+    block: Block
+    matrix: Any
+
+
+Factor = Dyad | Solvable
+Opening = Sequence[ComplexArray | Array | None]
+"""Rate (n,) at which the gap of every loop would open, complex, then that of every coupling; None for zero."""
 
 
 def factored(plane: Plane, rows: ComplexArray) -> tuple[Factor, ...]:
-    """The Jacobians of all blocks, ready to be solved: a `Dyad`, -conj(a) / |a|^2 of a lever with column a, the coefficient of a coupling,
-    the matrix of a dense block."""
-    dyads = _factored_dyads(plane, rows)
-    result: list[Factor] = []
+    """The equations of all blocks, ready to be solved."""
+    dyads, result = _inverses(plane, rows), []
     for block in plane.blocks:
         if block.kind == "dyad":
-            inverse, driven = next(dyads), plane.driven[block.loops[0]]
-            transfers = [(inverse * rows[row]).imag for _, row in block.known[0]]
-            result.append(Dyad(inverse, transfers, None if driven is None else (inverse * rows[driven]).imag))
+            result.append(_dyad(plane, block, rows, next(dyads)))
         elif block.kind == "lever":
             a = rows[block.own[0][0][1]]
-            result.append(a.conj() / -(a.real**2 + a.imag**2))
+            result.append(Solvable(block, a.conj() / -(a.real * a.real + a.imag * a.imag)))
         elif block.kind == "gear":
-            result.append(plane.coupling_rows[block.couplings[0]][block.joints[0]])
+            result.append(Solvable(block, plane.coupling_rows[block.couplings[0]][block.joints[0]]))
         else:
-            result.append(block_matrix(plane, block, rows))
+            result.append(Solvable(block, block_matrix(plane, block, rows)))
     return tuple(result)
 
 
-def _factored_dyads(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
-    """The inverses of all dyads, found for as many at a time as stay in the cache."""
+def _inverses(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
+    """`Dyad.inverse` of all dyads, found for as many at a time as stay in the cache."""
     together = max(1, PIECE // rows.shape[1])
     for start in range(0, len(plane.dyad_columns), together):
         inverses = rows.take(plane.dyad_columns[start : start + together], axis=0)  # b and a
-        determinants = (inverses[:, 1].conj() * inverses[:, 0]).imag
+        b, a = inverses[:, 0], inverses[:, 1]
+        determinants = (a.conj() * b).imag
         np.conjugate(inverses, out=inverses)
-        inverses *= BOTH_SIGNS / determinants[:, None]
+        b /= determinants
+        a /= -determinants
         yield from inverses
 
 
-def solve(
-    plane: Plane,
-    rows: ComplexArray,
-    factors: Sequence[Factor],
-    opening: Sequence[ComplexArray | Array | None] | None,
-    x: Array,
-) -> None:
+def _dyad(plane: Plane, block: Block, rows: ComplexArray, inverse: ComplexArray) -> Dyad:
+    loop = block.loops[0]
+    transfers = [(joint, (inverse * rows[row]).imag) for joint, row in block.known[0]]
+    driven = plane.driven[loop]
+    return Dyad(loop, block.pair, inverse, transfers, None if driven is None else (inverse * rows[driven]).imag)
+
+
+def drive(plane: Plane, rows: ComplexArray, factors: Sequence[Factor], x: Array) -> None:
+    """Fill in the rates (nv, n) of the passive joints while the driver moves at the rate 1. Arguments as of `solve`."""
+    driven: Opening | None = None
+    x[plane.driver] = 1.0
+    for factor in factors:
+        if isinstance(factor, Dyad):
+            _add_transfers(factor, factor.driven, x)
+        else:
+            driven = driven or _opened_by_driver(plane, rows)
+            _solve_block(plane, rows, factor, driven, x)
+
+
+def _opened_by_driver(plane: Plane, rows: ComplexArray) -> Opening:
+    """The rates at which all gaps open while the driver moves at the rate 1."""
+    gears = [np.full(rows.shape[1], gear.get(plane.driver, 0.0)) for gear in plane.coupling_rows]
+    return [*(None if row is None else rows[row] for row in plane.driven), *gears]
+
+
+def solve(plane: Plane, rows: ComplexArray, factors: Sequence[Factor], opening: Opening, x: Array) -> None:
     """Fill in the rates of the passive joints that keep loops and couplings closed.
 
     Args:
         plane: constants of the linkage.
         rows: rows of `Plane.closure` at the configurations.
         factors: what `factored` made of them.
-        opening: rate (n,) at which every loop's gap would open, complex, then every coupling; None for zero. The driver's part is in it.
-            None in place of all of them: the driver moves at the rate 1, and nothing else opens.
+        opening: the rates at which all gaps would open. The driver's part is in them.
         x: (nv, n) joint rates to be filled in.
     """
-    for block, factor in zip(plane.blocks, factors, strict=True):
-        if block.kind == "dyad":
-            loop = block.loops[0]
-            side = None if opening is None else opening[loop]
-            pair = factor.driven if opening is None else None if side is None else (factor.inverse * side).imag
-            for (joint, _), transfer in zip(block.known[0], factor.transfers, strict=True):
-                moved = transfer * x[joint]
-                pair = moved if pair is None else np.add(pair, moved, out=moved)
-            x[block.pair] = 0.0 if pair is None else pair
-            continue
-        sides = [_side(plane, rows, loop, columns, opening, x) for loop, columns in zip(block.loops, block.known, strict=True)]
-        if block.kind == "lever":
-            x[block.joints[0]] = (factor * sides[0]).real
+    for factor in factors:
+        if isinstance(factor, Dyad):
+            opened = opening[factor.loop]
+            _add_transfers(factor, None if opened is None else (factor.inverse * opened).imag, x)
         else:
-            parts = [part for side in sides for part in (side.real, side.imag)]
-            parts += [_slip(plane, block, k, opening, x) for k in block.couplings]
-            if block.kind == "gear":
-                x[block.joints[0]] = parts[0] / -factor
-            elif block.joints:
-                x[list(block.joints)] = _solve_dense(factor, -np.stack(parts, axis=1)).T
+            _solve_block(plane, rows, factor, opening, x)
 
 
-def _side(
-    plane: Plane,
-    rows: ComplexArray,
-    loop: int,
-    columns: Sequence[tuple[int, int]],
-    opening: Sequence[ComplexArray | Array | None] | None,
-    x: Array,
-) -> ComplexArray:
-    """The rate (n,) at which a loop opens, with what the joints of earlier blocks add by their ``columns``. Arguments as of `solve`."""
-    driven = plane.driven[loop]
-    side = opening[loop] if opening is not None else None if driven is None else rows[driven]
-    for joint, row in columns:
-        moved = rows[row] * x[joint]
-        side = moved if side is None else side + moved
-    return np.zeros(rows.shape[1], complex) if side is None else np.asarray(side, dtype=complex)
+def _add_transfers(dyad: Dyad, rates: Array | None, x: Array) -> None:
+    """Fill in the rates of a dyad's joints: these (2, n), and what the joints of earlier blocks add."""
+    for joint, transfer in dyad.transfers:
+        moved = transfer * x[joint]
+        rates = moved if rates is None else np.add(rates, moved, out=moved)
+    x[dyad.pair] = 0.0 if rates is None else rates
 
 
-def _slip(plane: Plane, block: Block, coupling: int, opening: Sequence[ComplexArray | Array | None] | None, x: Array) -> Array:
-    """The rate (n,) at which a coupling opens, with what the joints of earlier blocks add; ``opening`` and ``x`` as of `solve`."""
-    opened = None if opening is None else opening[len(plane.loop_heights) + coupling]
-    side = np.zeros(x.shape[1]) if opened is None else opened.real
+def _solve_block(plane: Plane, rows: ComplexArray, factor: Solvable, opening: Opening, x: Array) -> None:
+    """`solve` of one block that is no dyad."""
+    block, matrix = factor
+    sides = []
+    for loop, columns in zip(block.loops, block.known, strict=True):
+        side = opening[loop]
+        for joint, row in columns:
+            moved = rows[row] * x[joint]
+            side = moved if side is None else side + moved
+        sides.append(np.zeros(rows.shape[1], complex) if side is None else side)
+    if block.kind == "lever":
+        x[block.joints[0]] = (matrix * sides[0]).real
+        return
+    parts = [part for side in sides for part in (side.real, side.imag)]
+    parts += [_slip(plane, block, k, opening[len(plane.loop_heights) + k], x) for k in block.couplings]
+    if block.kind == "gear":
+        x[block.joints[0]] = parts[0] / -matrix
+    elif block.joints:
+        x[list(block.joints)] = _solve_dense(matrix, -np.stack(parts, axis=1)).T
+
+
+def _slip(plane: Plane, block: Block, coupling: int, opening: Array | ComplexArray | None, x: Array) -> Array:
+    """The rate (n,) at which a coupling opens, with what the joints of earlier blocks add."""
+    side = np.zeros(x.shape[1]) if opening is None else opening.real
     for joint, by in plane.coupling_rows[coupling].items():
-        if joint not in block.joints and (joint != plane.driver or opening is None):
+        if joint not in block.joints and joint != plane.driver:
             side = side + by * x[joint]
     return side
 

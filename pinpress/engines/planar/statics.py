@@ -115,36 +115,40 @@ def _balance(
     blocks: int,
 ) -> None:
     """Fill in the forces of the first ``blocks`` blocks, in reverse order."""
-    for block, factor in zip(reversed(plane.blocks[:blocks]), reversed(factors[:blocks]), strict=True):
-        if block.kind == "dyad":
-            _balance_dyad(plane, block, factor, joint_efforts, pins[block.loops[0]])
+    for factor in reversed(factors[:blocks]):
+        if isinstance(factor, Dyad):
+            _balance_dyad(plane, factor, joint_efforts, pins)
             continue
+        block, matrix = factor
         if block.kind == "lever":
-            np.conjugate(factor * -joint_efforts[block.joints[0]], out=pins[block.loops[0]])
+            np.conjugate(matrix * -joint_efforts[block.joints[0]], out=pins[block.loops[0]])
         elif block.kind == "gear":
-            coupling_multipliers[block.couplings[0]] = joint_efforts[block.joints[0]] / factor
+            coupling_multipliers[block.couplings[0]] = joint_efforts[block.joints[0]] / matrix
         elif block.joints:
-            _distribute(block, _dense(factor, joint_efforts[list(block.joints)].T), pins, coupling_multipliers)
+            _distribute(block, _dense(matrix, joint_efforts[list(block.joints)].T), pins, coupling_multipliers)
         else:  # all its equations are redundant: its forces are idle ones, which `balance` adds
             pins[list(block.loops)] = 0.0
             coupling_multipliers[list(block.couplings)] = 0.0
         _pass_on(plane, block, rows, pins, coupling_multipliers, joint_efforts)
 
 
-def _balance_dyad(plane: Plane, block: Block, dyad: Dyad, joint_efforts: Array, pin: ComplexArray) -> None:
-    """Fill in the force (n,) of a dyad's pin, and pass on to the driver and the joints of earlier blocks what it does there."""
-    efforts = joint_efforts[block.pair]
-    parts = dyad.inverse * efforts
-    np.add(parts[0], parts[1], out=pin)
-    pin *= 1j
-    np.conjugate(pin, out=pin)
-    passed = [(joint, transfer) for (joint, _), transfer in zip(block.known[0], dyad.transfers, strict=True)]
+def _balance_dyad(plane: Plane, dyad: Dyad, joint_efforts: Array, pins: ComplexArray) -> None:
+    """Fill in the force of a dyad's pin, and add what it asks of the driver and of the joints of earlier blocks to the efforts there."""
+    efforts = joint_efforts[dyad.pair]
+    first, second = dyad.inverse * efforts
+    first += second
+    first *= 1j
+    np.conjugate(first, out=pins[dyad.loop])
+    for joint, transfer in dyad.transfers:
+        _ask(joint_efforts[joint], transfer * efforts)
     if dyad.driven is not None:
-        passed.append((plane.driver, dyad.driven))
-    for joint, transfer in passed:
-        asked = transfer * efforts
-        joint_efforts[joint] += asked[0]
-        joint_efforts[joint] += asked[1]
+        _ask(joint_efforts[plane.driver], dyad.driven * efforts)
+
+
+def _ask(effort: Array, asked: Array) -> None:
+    """Add both rows (2, n) to the effort (n,) of a joint."""
+    effort += asked[0]
+    effort += asked[1]
 
 
 def _dense(matrix: Array, effort: Array) -> Array:
@@ -184,13 +188,13 @@ def _idle(plane: Plane, rows: ComplexArray, factors: Sequence[Factor]) -> Iterat
     blocks balance them."""
     n = rows.shape[1]
     for place, (block, factor) in enumerate(zip(plane.blocks, factors, strict=True)):
-        if not block.redundant:
+        if not block.redundant or isinstance(factor, Dyad):  # a dyad has as many equations as joints
             continue
         if block.kind == "lever":
             a = 1j * rows[block.own[0][0][1]]
             own = np.stack([(a / np.abs(a)).real, (a / np.abs(a)).imag], axis=1)[:, :, None]
         else:
-            own = np.linalg.qr(factor, mode="complete")[0][:, :, len(block.joints) :]
+            own = np.linalg.qr(factor.matrix, mode="complete")[0][:, :, len(block.joints) :]
         for k in range(block.redundant):
             pins, coupling_multipliers = np.zeros((len(plane.loop_heights), n), complex), np.zeros((len(plane.offsets), n))
             joint_efforts = np.zeros((len(plane.parents), n))
