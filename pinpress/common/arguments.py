@@ -68,15 +68,21 @@ def typed(function: Function) -> Function:
     """
     parameters = inspect.signature(function).parameters
     kinds = {name: kind for name, parameter in parameters.items() if (kind := _kind(_evaluated(parameter.annotation, function)))}
+    accepted: dict[str, set[type]] = {name: set() for name in kinds}  # all checks look at the type of a value alone
     places = [(place, name) for place, name in enumerate(parameters) if name in kinds]
 
     @wraps(function)
     def with_checks(*given: Any, **named: Any) -> Any:
         for place, name in places:
             if place < len(given):
-                _check(name, given[place], kinds[name])
+                value = given[place]
             elif name in named:
-                _check(name, named[name], kinds[name])
+                value = named[name]
+            else:
+                continue
+            if type(value) not in accepted[name]:
+                _check(name, value, kinds[name])
+                accepted[name].add(type(value))
         return function(*given, **named)
 
     return with_checks  # type: ignore[return-value]

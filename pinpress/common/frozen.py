@@ -13,6 +13,9 @@ V = TypeVar("V", covariant=True)
 T = TypeVar("T")
 
 
+_WRITABLE = (np.ndarray, dict, list)
+
+
 class Frozen:
     """Base of frozen dataclasses whose arrays, mappings and sequences are read-only too.
 
@@ -21,11 +24,13 @@ class Frozen:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
+            if not isinstance(value, _WRITABLE):
+                continue
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)
             elif isinstance(value, dict):
                 vars(self)[name] = FrozenMapping(value)
-            elif isinstance(value, list):
+            else:
                 vars(self)[name] = tuple(value)
 
     def __setstate__(self, state: dict[str, Any]) -> None:

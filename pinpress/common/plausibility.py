@@ -25,7 +25,7 @@ def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRAN
         coordinate: what the driver's coordinate is.
         slide: largest speed [m/s] and acceleration [m/s2] of the slide at the highest of these speeds of a crank; 0 where not known.
     """
-    fastest = float(np.abs(values).max(initial=0.0))
+    fastest = abs(values) if isinstance(values, float) else float(np.abs(values).max(initial=0.0))
     if not coordinate.turns:
         if fastest > FASTEST_SLIDING:
             caution(f"{name} is {fastest:g} m/s: if {fastest:g} mm/s are meant, write {fastest:g}e-3")

@@ -12,7 +12,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,7 @@ NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 ROUNDED = 1e-6  # share of the magnitudes of forces times those of velocities above which a power is clearly no rounding
 DENORMAL = 1e-290  # smaller numbers have fewer digits [W]
 CLEAR = 1e-3  # distance from the end of a branch from which on a state is at no change point [rad]
+T = TypeVar("T")
 STATES_LOOKED_AT = 256  # states of a motion in which indeterminate forces are looked for: the rank hardly changes along it
 
 
@@ -270,8 +271,12 @@ def inverse_dynamics(
         with_gear_torques = bool(wanted) or law is not None
         conditions = AppliedConditions(applied_loads.apply(asked, press, motion), law, compliance, with_gear_torques)
         wrenches = _solved(press, chosen, motion, conditions, wanted)
-    given = (tuple(loads), FrozenMapping(friction), FrozenMapping(stiffness))
+    given = (tuple(loads), _frozen(friction), _frozen(stiffness))
     return _reactions(press, motion, chosen.name, conditions, wanted, wrenches, given)
+
+
+def _frozen(given: Mapping[str, T]) -> Mapping[str, T]:
+    return given if isinstance(given, FrozenMapping) else FrozenMapping(given)
 
 
 def _reactions(

@@ -20,7 +20,7 @@ from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..common.quantities import CRANK, RAM, Array, DriverCoordinate
 from .change_points import ChangePoint, Gap, cross_change_point
 from .engine import Close, Closure
-from .following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Node, SingularPosition, extend_walk, hermite
+from .following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Node, SingularPosition, columns, evaluated, extend_walk, hermite
 
 SUBDIVISION = 8  # nodes of the table per step of the walk
 LARGEST_CORRECTION = 1e-3  # by which Newton's method may move a joint from its prediction [rad, or lengths of the linkage]
@@ -34,7 +34,7 @@ class Branch:
 
     Attributes:
         angles: (m + 1,) nodes over the crank angle, rising [rad].
-        coefficients: (m, 6, nv) coefficients of the polynomials in (crank angle - node), rising powers.
+        coefficients: (6, nv, m) coefficients of the polynomials in (crank angle - node), rising powers.
         period: crank angle after which the linkage is back at its start [rad]; None where it locks before, or is not back after
             `MOST_TURNS` turns.
         gain_per_period: (nv,) by how much every joint has advanced after a period [rad or m]: whole turns, 0 for a joint that swings.
@@ -55,7 +55,7 @@ class Branch:
         """This branch, whose angles stand for travels, over the travels of a driver that slides; ``unit``: travel counted as 1 rad [m]."""
         return Branch(
             angles=self.angles * unit,
-            coefficients=self.coefficients / unit ** np.arange(6.0)[:, None],
+            coefficients=self.coefficients / unit ** np.arange(6.0)[:, None, None],
             period=self.period,
             gain_per_period=self.gain_per_period,
             locks=cast(Locks, tuple(lock and SingularPosition(lock.angle * unit, lock.margin) for lock in self.locks)),
@@ -186,15 +186,15 @@ def walk_beside(close: Close, branch: Branch, size: float, tolerance: float) -> 
     closure = close(angles, predict(branch, angles))
     if not closure.widest <= tolerance:
         return None
-    columns = [values.T for values in (closure.position, closure.first, closure.second)]
+    rows = closure.position, closure.first, closure.second
     begin = int(np.argmin(np.abs(angles)))
     accepted = LARGEST_CORRECTION * (1 + size)
-    coarse = Branch(angles[::2], hermite(angles[::2], *(values[::2] for values in columns)), None, np.zeros(0), (None, None))
+    coarse = Branch(angles[::2], hermite(angles[::2], *(values[:, ::2] for values in rows)), None, np.zeros(0), (None, None))
     missed = np.abs(predict(coarse, angles) - closure.position).max()
     gained = closure.position[:, -1] - closure.position[:, 0] - branch.gain_per_period if branch.period else np.zeros(1)
     if angles[begin] or not max(missed, np.abs(gained).max(), np.abs(closure.position[:, begin]).max()) <= accepted:
         return None
-    return replace(branch, coefficients=hermite(angles, *columns))
+    return replace(branch, coefficients=hermite(angles, *rows))
 
 
 def predict(branch: Branch, angle: Array) -> Array:
@@ -205,21 +205,15 @@ def predict(branch: Branch, angle: Array) -> Array:
         PinpressError: the branch has no period, and was not followed as far as one of the angles.
     """
     turns, local = None, angle
-    if angle.min() < branch.angles[0] or angle.max() > branch.angles[-1]:
+    if np.minimum.reduce(angle) < branch.angles[0] or np.maximum.reduce(angle) > branch.angles[-1]:
         if branch.period is None:
             raise out_of_branch(branch, upwards=bool(angle.max() > branch.angles[-1]))
         turns = np.floor((angle - branch.angles[0]) / branch.period)
         local = angle - turns * branch.period
-    interval = branch.angles[1:-1].searchsorted(local, side="right")
-    powers = np.empty((6, len(angle)))
-    powers[0] = 1.0
-    np.subtract(local, branch.angles.take(interval), out=powers[1])
-    for k in range(2, 6):
-        np.multiply(powers[k - 1], powers[1], out=powers[k])
-    x = np.einsum("nkj,kn->jn", branch.coefficients.take(interval, axis=0), powers)
+    x = evaluated(branch.angles, branch.coefficients, local)
     if turns is not None:
         x += branch.gain_per_period[:, None] * turns
-    return np.asarray(x)
+    return x
 
 
 def periods_until_back(gain: Array) -> int | None:
@@ -327,7 +321,7 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
         AssemblyError: the loops do not stay closed.
     """
     coarse = np.array([node.angle for node in nodes])
-    polynomials = hermite(coarse, *(np.array([getattr(node, name) for node in nodes]) for name in ("position", "first", "second")))
+    polynomials = hermite(coarse, *columns(nodes))
     shares = np.arange(SUBDIVISION) / SUBDIVISION
     angles = np.append((coarse[:-1, None] + np.diff(coarse)[:, None] * shares).ravel(), coarse[-1])
     for point in passed:
@@ -346,4 +340,4 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
         )
     if not (closure.widest <= follower.tolerance and moved.max() <= LARGEST_CORRECTION * (1 + follower.size)):
         return None
-    return angles, hermite(angles, closure.position.T, closure.first.T, closure.second.T)
+    return angles, hermite(angles, closure.position, closure.first, closure.second)

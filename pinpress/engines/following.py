@@ -253,30 +253,44 @@ def _continuous(closure: Closure, steps: Array, weight: float, tolerance: float)
 
 
 def hermite(angles: Array, position: Array, first: Array, second: Array) -> Array:
-    """Coefficients (m, 6, nv) of the quintics that have these values and derivatives (m + 1, nv) at both ends of m intervals.
+    """Coefficients (6, nv, m) of the quintics that have these values and derivatives (nv, m + 1) at both ends of m intervals.
 
     They are written out, because importing SciPy's BPoly takes longer than everything else that a first cycle does.
     """
-    h = np.diff(angles)[:, None]
-    value = position[1:] - position[:-1] - h * (first[:-1] + 0.5 * h * second[:-1])
-    slope = h * (first[1:] - first[:-1] - h * second[:-1])
-    bend = 0.5 * h**2 * (second[1:] - second[:-1])
+    h = np.diff(angles)
+    value = position[:, 1:] - position[:, :-1] - h * (first[:, :-1] + 0.5 * h * second[:, :-1])
+    slope = h * (first[:, 1:] - first[:, :-1] - h * second[:, :-1])
+    bend = 0.5 * h**2 * (second[:, 1:] - second[:, :-1])
     powers = [
-        position[:-1],
-        first[:-1],
-        0.5 * second[:-1],
+        position[:, :-1],
+        first[:, :-1],
+        0.5 * second[:, :-1],
         (10 * value - 4 * slope + bend) / h**3,
         (-15 * value + 7 * slope - 2 * bend) / h**4,
         (6 * value - 3 * slope + bend) / h**5,
     ]
-    return np.ascontiguousarray(np.stack(powers, axis=1))  # so that a prediction copies a few rows and not the table
+    return np.stack(powers)
 
 
 def hermite_at(nodes: Sequence[Node], angle: Array) -> Array:
     """Joint coordinates (nv, n) at crank angles (n,) from the quintics through nodes in the order of a walk."""
     rising = sorted(nodes, key=lambda node: node.angle)
     borders = np.array([node.angle for node in rising])
-    coefficients = hermite(borders, *(np.array([getattr(node, name) for node in rising]) for name in ("position", "first", "second")))
+    return evaluated(borders, hermite(borders, *columns(rising)), angle)
+
+
+def columns(nodes: Sequence[Node]) -> tuple[Array, Array, Array]:
+    """Positions and their first two derivatives at nodes, (nv, nodes) each."""
+    position, first, second = (np.array([getattr(node, name) for node in nodes]).T for name in ("position", "first", "second"))
+    return position, first, second
+
+
+def evaluated(borders: Array, coefficients: Array, angle: Array) -> Array:
+    """Values (nv, n) of the polynomials (6, nv, m) between borders (m + 1,) at crank angles (n,), by Horner's scheme."""
     interval = borders[1:-1].searchsorted(angle, side="right")
-    powers = np.vander(angle - borders[interval], 6, increasing=True)
-    return np.asarray(np.einsum("nkj,nk->jn", coefficients[interval], powers))
+    h = angle - borders.take(interval)
+    x = coefficients[5].take(interval, axis=1)
+    for power in coefficients[4::-1]:
+        x *= h
+        x += power.take(interval, axis=1)
+    return x

@@ -36,7 +36,7 @@ class _KeptFromClosing:
     """What an engine kept when it closed the states of a motion, and the linkage that it closed. Copies and pickles start without it."""
 
     def __init__(self, press: Linkage | None = None, *kept: Any) -> None:
-        self.press, self.kept = press, read_only(kept)
+        self.press, self.kept = press, kept
 
     def __reduce__(self) -> tuple[type[_KeptFromClosing], tuple[()]]:
         return _KeptFromClosing, ()
@@ -204,18 +204,19 @@ def cycle(press: Linkage, speed: float | None = None, *, points: int | None = No
             1000 rad/s, or 10 m/s.
     """
     motion = period_at(press, speed, points, engine)
-    doubt_speeds(press, motion.crank_speed)
+    doubt_speeds(press, speed if isinstance(speed, float) else motion.crank_speed)
     return motion
 
 
 def period_at(press: Linkage, speed: float | None, points: int | None = None, engine: str = "auto") -> Motion:
     """`cycle` at a speed that the caller of the library has not chosen, of which nobody is warned; arguments and errors as there."""
-    press.engine(engine)  # refuses an engine that does not suit before anything is computed
+    chosen = press.engine(engine)  # refuses one that does not suit before anything is computed
     if speed is None:
         unit, such = ("rad/s", "7.0") if press.driver_coordinates[0].turns else ("m/s", "0.1")
         raise PinpressError(f"cycle needs the speed of the driver [{unit}]: give one number for a period, cycle(press, {such})")
-    angles, speeds, accelerations, times = _period(press, press.branch, speed, points)
-    return moved(press, press.branch, angles, speeds, accelerations, times, engine)
+    branch = press.branch
+    angles, speeds, accelerations, times = _period(press, branch, speed, points)
+    return moved(press, branch, angles, speeds, accelerations, times, chosen)
 
 
 def motion_through_change_points(
@@ -241,12 +242,12 @@ def doubt_speeds(press: Linkage, speeds: Array | float, motion: Motion | None = 
         speeds: the speeds, of any shape.
         motion: the only states at which they are reached; by default a crank may have them at any angle.
     """
-    fastest = float(np.abs(speeds).max())
+    fastest = abs(speeds) if isinstance(speeds, float) else float(np.abs(speeds).max())
     first, second = _slide_rates(press)
     slide = first * fastest, second * fastest * fastest  # infinite where ** 2 would raise OverflowError
     if motion is not None and plausibility.too_hard(*slide):
         slide = float(np.abs(motion.slide_velocity).max()), float(np.abs(motion.slide_acceleration).max())
-    plausibility.speeds("speed", speeds, press.driver_coordinates[0], slide)
+    plausibility.speeds("speed", fastest, press.driver_coordinates[0], slide)
 
 
 @per_linkage(of_geometry=True)
@@ -255,7 +256,7 @@ def _slide_rates(press: Linkage) -> tuple[float, float]:
     a crank that turns fully."""
     if press.slide is None or len(press.drivers) > 1 or not press.driver_coordinates[0].turns or press.branch.period is None:
         return 0.0, 0.0
-    _, first, half_second, *_ = np.abs(press.branch.coefficients[:, :, press.slide_guide.joint]).max(axis=0)
+    _, first, half_second, *_ = np.abs(press.branch.coefficients[:, press.slide_guide.joint]).max(axis=1)
     return float(first), 2.0 * float(half_second)
 
 
@@ -274,7 +275,7 @@ def of_states(
         period_turns: turns of the crank in a period, None for none.
     """
     fixed = _same_in_all_motions(press)
-    drivers = fixed.driver_indices[0] if len(fixed.drivers) == 1 else list(fixed.driver_indices)
+    drivers = fixed.indices
     for each in (position, v, a):  # views of them would else be made writable again
         each.setflags(write=False)
     return Motion(
@@ -297,12 +298,16 @@ def of_states(
 
 
 class _SameInAllMotions(NamedTuple):
-    """What all motions of a linkage have in common, by the names of `Motion` and `Linkage`."""
+    """What all motions of a linkage have in common, by the names of `Motion`.
+
+    Attributes:
+        indices: of the drivers in v, one number where there is one driver.
+    """
 
     linkage: str
     drivers: tuple[str, ...]
     driver_coordinates: tuple[DriverCoordinate, ...]
-    driver_indices: tuple[int, ...]
+    indices: int | list[int]
     joints: tuple[str, ...]
     slots: tuple[Slot, ...]
     guide: SlideGuide | None
@@ -311,7 +316,8 @@ class _SameInAllMotions(NamedTuple):
 @per_linkage
 def _same_in_all_motions(press: Linkage) -> _SameInAllMotions:
     guide = None if press.slide is None else press.slide_guide
-    return _SameInAllMotions(press.name, press.drivers, press.driver_coordinates, press.driver_indices, press.joints, press.slots, guide)
+    indices = press.driver_indices[0] if len(press.drivers) == 1 else list(press.driver_indices)
+    return _SameInAllMotions(press.name, press.drivers, press.driver_coordinates, indices, press.joints, press.slots, guide)
 
 
 def as_prescribed(motion: Motion, press: Linkage) -> Motion:
@@ -328,15 +334,16 @@ def moved(
     speeds: Array | float,
     accelerations: Array | float,
     times: Array | None,
-    engine: str,
+    engine: str | Engine,
 ) -> Motion:
     """The motion with these driver angles, speeds and accelerations: (n,) along a ``branch``, where constant speeds may be one number and
     have the accelerations 0.0; (n, drivers) where there is no branch."""
-    closure = None if branch is None else _closed(press, branch, angles, press.engine(engine))
+    chosen = press.engine(engine) if isinstance(engine, str) else engine
+    closure = None if branch is None else _closed(press, branch, angles, chosen)
     with np.errstate(all="ignore"):  # what overflows is refused below
         if closure is None or branch is None:
             position = followed_from(press.engine(), press.spatial_model, press.closed, angles, press.name)
-            v, a, gap = press.engine(engine).rates(position, np.transpose(speeds), np.transpose(accelerations))
+            v, a, gap = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
         else:
             position, gap = closure.position, closure.gap
             if isinstance(speeds, np.ndarray) and not np.any(accelerations) and np.all(speeds == speeds[0]):

@@ -328,8 +328,9 @@ class Linkage(Frozen):
             SingularityError: the linkage locks within the period.
             PinpressError: it is not back after many turns, or has several drivers.
         """
-        if self.turns_until_back is not None:
-            return self.turns_until_back
+        turns = self.turns_until_back
+        if turns is not None:
+            return turns
         self.refuse_sliding_driver("it has no period of turns; cycle(press, speed=...) moves it there and back")
         if self.branch_through_change_points.period is None:
             raise branch.out_of_branch(self.branch_through_change_points, upwards=self.branch_through_change_points.locks[True] is not None)

@@ -27,6 +27,7 @@ from ..joints import product
 from .model import Block, Plane, to_world
 
 NO_SLIPS = np.empty((0, 1))
+BOTH_SIGNS = np.array([[1.0], [-1.0]])
 
 
 def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
@@ -100,10 +101,10 @@ def basis_at(plane: Plane, x: Array) -> ComplexArray:
     turning = len(plane.revolute)
     basis = np.empty((1 + len(x), x.shape[1]), complex)
     basis[0] = 1.0
-    absolute, rotors = plane.turn @ x, basis[1 : 1 + turning]
+    absolute, rotors = plane.turn.dot(x), basis[1 : 1 + turning]
     np.cos(absolute, out=rotors.real)
     np.sin(absolute, out=rotors.imag)
-    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
+    for row, joint, rotor in plane.guides:
         basis[row] = x[joint] * basis[rotor] if rotor else x[joint]
     return basis
 
@@ -137,7 +138,7 @@ def basis_velocity(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
     rate[0] = 0.0
     spin = plane.turn @ v
     np.multiply(basis[1 : 1 + turning], 1j * spin, out=rate[1 : 1 + turning])
-    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
+    for row, joint, rotor in plane.guides:
         rate[row] = v[joint] * basis[rotor] + 1j * spin[rotor - 1] * basis[row] if rotor else v[joint]
     return rate
 
@@ -146,18 +147,18 @@ def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | N
     """Second time derivative (nb, n) of the basis at joint rates and accelerations (nv, n); without ``a`` only its centripetal and Coriolis
     part."""
     turning = len(plane.revolute)
-    result = np.empty_like(basis)
+    result = np.empty(basis.shape, complex)
     result[0] = 0.0
-    spin = plane.turn @ v
+    spin = plane.turn.dot(v)
     factor: Array | ComplexArray
     if a is None:
         factor = spin * -spin
     else:
         factor = np.empty(spin.shape, complex)
         np.multiply(spin, -spin, out=factor.real)
-        factor.imag = plane.turn @ a
+        factor.imag = plane.turn.dot(a)
     np.multiply(basis[1 : 1 + turning], factor, out=result[1 : 1 + turning])
-    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), 1 + turning):
+    for row, joint, rotor in plane.guides:
         along = 0.0 if a is None else a[joint]
         if rotor:
             result[row] = (along + 2j * spin[rotor - 1] * v[joint]) * basis[rotor] + factor[rotor - 1] * basis[row]
@@ -241,11 +242,9 @@ def _inverses(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
     together = max(1, PIECE // rows.shape[1])
     for start in range(0, len(plane.dyad_columns), together):
         inverses = rows.take(plane.dyad_columns[start : start + together], axis=0)  # b and a
-        b, a = inverses[:, 0], inverses[:, 1]
-        determinants = (a.conj() * b).imag
+        determinants = (inverses[:, 1].conj() * inverses[:, 0]).imag
         np.conjugate(inverses, out=inverses)
-        b /= determinants
-        a /= -determinants
+        inverses *= BOTH_SIGNS / determinants[:, None]
         yield from inverses
 
 

@@ -154,6 +154,17 @@ class Plane:
         return 8 * EPSILON * self.size
 
     @cached_property
+    def guides(self) -> tuple[tuple[int, int, int], ...]:
+        """For every prismatic joint its row of the basis, its index, and the row of the rotor that turns its direction (0: none)."""
+        rows = range(1 + len(self.revolute), 1 + len(self.parents))
+        return tuple(zip(rows, self.prismatic, self.guide_rotors, strict=True))
+
+    @cached_property
+    def world_components(self) -> tuple[tuple[int, float, float, float], ...]:
+        """Indices of the world axes with the components of ``axes[0]``, ``axes[1]`` and ``normal`` along them."""
+        return tuple((i, *map(float, parts)) for i, parts in enumerate(zip(*self.axes, self.normal, strict=True)))
+
+    @cached_property
     def gap_rows(self) -> Matrix:
         """(nl, nb) the rows of ``closure`` with the gaps of the loops."""
         return self.closure[: len(self.loop_heights)]
@@ -207,7 +218,7 @@ def to_world(plane: Plane, vectors: ComplexArray) -> Array:
 def put_in_plane(plane: Plane, vectors: ComplexArray, out: Array) -> None:
     """Fill ``out`` (..., 3), zero so far, with complex vectors (...)."""
     # Most presses stand in a coordinate plane: axes without a component there cost nothing.
-    for i, (first, second) in enumerate(plane.axes.T):
+    for i, first, second, _ in plane.world_components:
         if first:
             np.multiply(vectors.real, first, out=out[..., i])
         if second and first:
@@ -218,9 +229,9 @@ def put_in_plane(plane: Plane, vectors: ComplexArray, out: Array) -> None:
 
 def put_normal(plane: Plane, values: Array, out: Array) -> None:
     """Fill ``out`` (n, 3), zero so far, with vectors along the normal whose lengths are ``values`` (n,)."""
-    for i, share in enumerate(plane.normal):
-        if share:
-            np.multiply(values, share, out=out[:, i])
+    for i, _, _, along in plane.world_components:
+        if along:
+            np.multiply(values, along, out=out[:, i])
 
 
 def build_plane(
