@@ -289,7 +289,7 @@ def evaluated(borders: Array, coefficients: Array, angle: Array) -> Array:
     """Values (nv, n) of the polynomials (6, nv, m) between borders (m + 1,) at crank angles (n,), by Horner's scheme."""
     interval = borders[1:-1].searchsorted(angle, side="right")
     h = angle - borders.take(interval)
-    x = coefficients[5].take(interval, axis=1)
+    x: Array = coefficients[5].take(interval, axis=1)
     for power in coefficients[4::-1]:
         x *= h
         x += power.take(interval, axis=1)

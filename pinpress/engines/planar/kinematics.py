@@ -223,7 +223,8 @@ Opening = Sequence[ComplexArray | Array | None]
 
 def factored(plane: Plane, rows: ComplexArray) -> tuple[Factor, ...]:
     """The equations of all blocks, ready to be solved."""
-    dyads, result = _inverses(plane, rows), []
+    dyads = _inverses(plane, rows)
+    result: list[Factor] = []
     for block in plane.blocks:
         if block.kind == "dyad":
             result.append(_dyad(plane, block, rows, next(dyads)))

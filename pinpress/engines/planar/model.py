@@ -162,7 +162,8 @@ class Plane:
     @cached_property
     def world_components(self) -> tuple[tuple[int, float, float, float], ...]:
         """Indices of the world axes with the components of ``axes[0]``, ``axes[1]`` and ``normal`` along them."""
-        return tuple((i, *map(float, parts)) for i, parts in enumerate(zip(*self.axes, self.normal, strict=True)))
+        parts = zip(range(3), *self.axes.tolist(), self.normal.tolist(), strict=True)
+        return tuple((i, first, second, along) for i, first, second, along in parts)
 
     @cached_property
     def gap_rows(self) -> Matrix:
