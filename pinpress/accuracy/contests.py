@@ -72,6 +72,7 @@ class Contestant:
         number: the setting as a number: a tolerance, a step [s], a proximal parameter or a number of samples; None where it has none.
         work: function that is timed.
         errors: function that judges what the work returns.
+        cannot: what the method cannot do, in words.
     """
 
     group: str
@@ -80,6 +81,7 @@ class Contestant:
     number: float | None
     work: Callable[[], Any]
     errors: Callable[[Any], Errors]
+    cannot: str = ""
 
 
 @dataclass(frozen=True)
@@ -130,6 +132,7 @@ def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: S
     answers = {engine: _solved(press, speed, points, engine) for engine in engines}
     spatial, first = answers["pinocchio"], answers[engines[0]]
     peak_torque, largest_force = peak_of(spatial.driving_torque), peak_force(spatial.bearing_force)
+    comparable = any(not np.all(first.indeterminate[name][:3]) for name in first.bearing_force)
     returned = {} if planar else {engine: _returned(press, answer) for engine, answer in answers.items()}
 
     def errors(judge: Reactions, answer: Reactions) -> Errors:
@@ -142,16 +145,23 @@ def inverse_dynamics_contest(press: Linkage, speed: float, points: int, peers: S
         )
 
     def errors_of_peer(answer: Answer) -> Errors:
-        force = force_error(answer.force, first, largest_force, determined=True)
+        force = force_error(answer.force, first, largest_force, determined=True) if comparable else None
         return Errors(_off(answer.torque, first.driving_torque, peak_torque), force, evaluations=points)
 
     contestant = partial(Contestant, INVERSE_DYNAMICS, setting=f"{points} crank angles", number=points)
     entries = [
-        contestant(engine, work=_solved_anew(press, speed, points, engine), errors=partial(errors, first if answer is spatial else spatial))
+        contestant(
+            engine,
+            work=_solved_anew(press, speed, points, engine),
+            errors=partial(errors, first if answer is spatial else spatial),
+            cannot="linkages in space" if engine == "plane" else "",
+        )
         for engine, answer in answers.items()
     ]
+    angle = first.motion.crank_angle
+    angle = first.motion.crank_angle
     entries += [
-        contestant(peer.name, work=partial(peer.inverse_dynamics, first.motion.crank_angle, speed), errors=errors_of_peer)
+        contestant(peer.name, work=partial(peer.inverse_dynamics, angle, speed), errors=errors_of_peer, cannot=peer.cannot)
         for peer in peers
         if peer.inverse
     ]
@@ -284,6 +294,7 @@ def _measurement(contestant: Contestant, errors: Errors | None, problem: str, se
         loop_gap=gap,
         energy_error=None if energy is None else abs(energy),
         evaluations=None if evaluations is None else int(evaluations),
+        cannot=contestant.cannot,
         problem=problem or ("not finite" if error is None else ""),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,7 @@ UNITS = {  # meaning of `seconds` and `error` of a group
 }
 
 HEIGHT = 28.0  # [cm]
+WIDTH = 98  # longest line of the text, but for problems
 ANGLE = "error of the crank angle [rad]"
 MARKERS = "osD^vP*X<>dhp12348"
 
@@ -49,6 +51,7 @@ class Measurement(Record, units={"seconds": "s", "loop_gap": "m"}):
             energy at the start [-].
         evaluations: number of crank angles, of evaluations of the equation of motion, or of samples.
         problem: message of the method where there is no error; else empty.
+        cannot: what a peer cannot do for a linkage, in words; empty for methods of our own.
     """
 
     group: str
@@ -62,6 +65,7 @@ class Measurement(Record, units={"seconds": "s", "loop_gap": "m"}):
     energy_error: float | None = None
     evaluations: int | None = None
     problem: str = ""
+    cannot: str = ""
 
 
 Value = Callable[[Measurement], float | None]
@@ -104,6 +108,11 @@ class WorkPrecision(Tabular):
         return Records(Measurement, best.values())
 
     @property
+    def cannot(self) -> dict[str, str]:
+        """Method -> what it cannot do for a linkage, in words, where that is said."""
+        return {m.method: m.cannot for m in self.measurements if m.cannot}
+
+    @property
     def title(self) -> str:
         fastest = min(measurement.seconds for measurement in self.measurements)
         return f"WorkPrecision of {self.press_name}: {len(self.measurements)} measurements, {self.scene}, the fastest {fastest:.4g} s"
@@ -113,15 +122,17 @@ class WorkPrecision(Tabular):
         return self.measurements.columns()
 
     def __str__(self) -> str:
-        lines = [f"{self.press_name}: {self.scene}", self.machine]
+        lines = [*_wrapped(f"{self.press_name}: {self.scene}"), *_wrapped(self.machine)]
         for group in GROUPS:
             rows = self.of(group)
             if rows:
                 time, error = UNITS[group]
-                lines += ["", f"{group[0].upper()}{group[1:]}: time {time}; error {error}"]
-                lines += [f"  {self.scenes[group]}"] if group in self.scenes else []
-                lines += [f"  reference: {self.certified_by[group]} agree to {self.certificates[group]:.1e}", *_table(rows)]
-        return "\n".join([*lines, *(["", *self.skipped] if self.skipped else [])])
+                lines += ["", *_wrapped(f"{group[0].upper()}{group[1:]}: time {time}; error {error}")]
+                lines += _wrapped(f"  {self.scenes[group]}") if group in self.scenes else []
+                lines += [*_wrapped(f"  reference: {self.certified_by[group]} agree to {self.certificates[group]:.1e}"), *_table(rows)]
+        for words in ([f"{method} cannot do: {words}" for method, words in self.cannot.items()], self.skipped):
+            lines += [""] * bool(words) + [part for line in words for part in _wrapped(line)]
+        return "\n".join(lines)
 
 
 @typed
@@ -174,16 +185,24 @@ def plot(measured: WorkPrecision, *, ax: Iterable[Axes] | None = None) -> Figure
     return drawn.figure
 
 
+def _wrapped(line: str) -> list[str]:
+    return textwrap.wrap(line, WIDTH, subsequent_indent="  " + " " * (len(line) - len(line.lstrip())))
+
+
 def _table(rows: Sequence[Measurement]) -> list[str]:
+    """A table of a group: a method a line where all have one setting, else a method and below it a setting a line."""
     heads = ("", "time [ms]", "error", "force error", "loop gap [m]", "energy error", "evaluations")
-    kept = [k for k in range(len(heads)) if k < 3 or any(_cells(row)[k] for row in rows)]
-    width = max(len(_cells(row)[0]) for row in rows) + 2
-    table = ([cells[k] for k in kept] for cells in (heads, *map(_cells, rows)))
-    return [line.rstrip() for line in tables.table(table, [width, 14])]
+    alike = len({row.setting for row in rows}) == 1
+    cells = [(rows[0].setting if alike else "", *heads[1:]), *(_cells(row, row.method if alike else f"  {row.setting}") for row in rows)]
+    kept = [k for k in range(len(heads)) if k < 3 or any(line[k] for line in cells[1:])]
+    lines = tables.fitted([[line[k] for k in kept] for line in cells])
+    for k in range(len(rows), 0, -1):
+        if not alike and (k == 1 or rows[k - 1].method != rows[k - 2].method):
+            lines.insert(k, f"  {rows[k - 1].method}")
+    return [line.rstrip() for line in lines]
 
 
-def _cells(row: Measurement) -> tuple[str, ...]:
-    name = f"{row.method}, {row.setting}" if row.setting else row.method
+def _cells(row: Measurement, name: str) -> tuple[str, ...]:
     errors = [("" if value is None else f"{value:.1e}") for value in (row.error, row.force_error, row.loop_gap, row.energy_error)]
     if row.problem:
         errors[0] = row.problem
@@ -219,7 +238,7 @@ def _looks(measured: WorkPrecision) -> dict[str, dict[str, Any]]:
     families: dict[str, str] = {}
     looks: dict[str, dict[str, Any]] = {}
     for method in dict.fromkeys(methods):
-        family = {"plane": "reduced", "pinocchio": "constraint"}.get(method, method.split(",")[0].split(" ")[0])
+        family = {"plane": "reduced", "space": "reduced", "pinocchio": "constraint"}.get(method, method.split(",")[0].split(" ")[0])
         colour = families.setdefault(family, COLOURS[len(families) % len(COLOURS)])
         fixed = "Runge-Kutta" in method or "mj_step" in method
         looks[method] = {"color": colour, "marker": MARKERS[len(looks) % len(MARKERS)], "linestyle": (0, (4, 1.5)) if fixed else "-"}

@@ -141,7 +141,7 @@ def _peer_runs(peer: Peer, scene: Scene, reference: Reference) -> Iterator[Conte
             work = partial(peer.free_run, scene.angle, scene.speed, float(scene.flywheel.inertia), scene.duration, step)
         else:
             work = partial(peer.run, scene, step)
-        yield Contestant(scene.group, peer.name, f"step {1e3 * step:.3g} ms", step, work, reference.judge_peer)
+        yield Contestant(scene.group, peer.name, f"step {1e3 * step:.3g} ms", step, work, reference.judge_peer, peer.cannot)
 
 
 def _solver_runs(solver: ClosedFormSolver, scene: Scene, reference: Reference) -> Iterator[Contestant]:

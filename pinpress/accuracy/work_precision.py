@@ -29,13 +29,15 @@ from .simulation import simulation_contest, table_contest
 
 TURNS = 2.0  # length of the runs
 HEAVY = 4.0  # inertia of the default flywheel, which keeps the linkage turning, in its largest reduced inertias
-PEERS = {  # package that must be installed, our module and class
-    "hand script": ("numpy", "six_bar_press", "HandScript"),
-    "MuJoCo": ("mujoco", "mujoco_press", "Mujoco"),
-    "MuJoCo's mj_step": ("mujoco", "mujoco_press", "MujocoSteps"),
-    "Exudyn": ("exudyn", "exudyn_press", "Exudyn"),
+PEERS = {  # package that must be installed, the extra that installs it, our module and class
+    "hand script": ("numpy", "", "hand_script", "HandScript"),
+    "Pinocchio in C++": ("pinocchio", "", "pinocchio_press", "PinocchioCpp"),
+    "MuJoCo": ("mujoco", "peers", "mujoco_press", "Mujoco"),
+    "MuJoCo's mj_step": ("mujoco", "peers", "mujoco_press", "MujocoSteps"),
+    "Exudyn": ("exudyn", "peers", "exudyn_press", "Exudyn"),
+    "Drake": ("pydrake", "drake", "drake_press", "Drake"),
+    "Drake's steps": ("pydrake", "drake", "drake_press", "DrakeSteps"),
 }
-INSTALL = "not installed; pip install 'pinpress[peers]'"
 
 
 @typed
@@ -123,12 +125,12 @@ def find_peers(press: Linkage) -> tuple[tuple[Peer, ...], tuple[str, ...]]:
     """The peers that can treat a press, and a line for each that is skipped, with the reason."""
     peers: list[Peer] = []
     skipped: list[str] = []
-    for name, (package, module, kind) in PEERS.items():
+    for name, (package, extra, module, kind) in PEERS.items():
         try:
             import_module(package)  # its absence is known even where our module has been imported before
             peers.append(getattr(import_module(f".peers.{module}", __package__), kind)(press))
         except ModuleNotFoundError:
-            skipped.append(f"{name} is skipped: {INSTALL}")
+            skipped.append(f"{name} is skipped: not installed; pip install 'pinpress[{extra}]'")
         except PinpressError as error:
             skipped.append(f"{name} is skipped: {error}")
     return tuple(peers), tuple(skipped)
@@ -136,12 +138,11 @@ def find_peers(press: Linkage) -> tuple[tuple[Peer, ...], tuple[str, ...]]:
 
 def find_solvers(press: Linkage) -> tuple[tuple[ClosedFormSolver, ...], tuple[str, ...]]:
     """The solvers that can treat a press, or a line that says why there are none."""
-    from .peers.six_bar_press import INTEGRATORS, HandScript, SixBarEquation  # slow to import: SciPy
+    from .peers.hand_script import is_six_bar  # slow to import: pin tables
+    from .peers.six_bar_press import INTEGRATORS, SixBarEquation  # slow to import: SciPy
 
-    try:
-        HandScript(press)
-    except PinpressError as error:
-        return (), (f"SciPy on the closed form is skipped: {error}",)
+    if not is_six_bar(press):
+        return (), ("SciPy on the closed form is skipped: it is for the six-bar alone",)
     balanced = press.name.endswith("_balanced")
     return tuple(SixBarEquation(integrator, balanced) for integrator in INTEGRATORS), ()
 

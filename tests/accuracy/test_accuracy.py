@@ -225,7 +225,7 @@ def test_text(measured):
     assert "not finite" in text
     assert "some peer is skipped" in text
     assert "null-space accelerations and the reduced equation agree to" in text
-    assert max(map(len, text.split("\n"))) <= 140
+    assert max(map(len, text.split("\n"))) <= 100
 
 
 def test_csv_and_frame(measured, tmp_path):

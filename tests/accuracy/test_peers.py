@@ -1,7 +1,9 @@
 """The presses in other programs: they say what pinpress says, to what their methods allow, and converge to it with their orders."""
 
 import csv
+import importlib.util
 import re
+import shutil
 import subprocess
 import sys
 from importlib import import_module
@@ -9,10 +11,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.generators import small_linkages
 
 import pinpress as pp
+from pinpress.accuracy.contests import force_error, peak_force
 from pinpress.accuracy.measurements import DIE, SPEED_LAW
-from pinpress.accuracy.peers.six_bar_press import HandScript, reduced
+from pinpress.accuracy.peers import pinocchio_press
+from pinpress.accuracy.peers.hand_script import SCRIPTS, HandScript
+from pinpress.accuracy.peers.pinocchio_press import PinocchioCpp
+from pinpress.accuracy.peers.six_bar_press import reduced
 from pinpress.accuracy.scenes import build_scene
 from pinpress.accuracy.work_precision import find_peers
 from pinpress.simulation.reduced_model import reduced_model_of
@@ -22,6 +29,15 @@ SPEED = 70 * pp.RPM  # [rad/s]
 EXACT = 1e-12
 SHARED = 1e-10
 PRESSES = ("zxn2_3000b", "crank_slide", "jf75g_125", "thin_wall")
+SPATIAL = ("rssp", "bricard")
+KINDS = {  # peer -> package that must be installed, our module
+    "Mujoco": ("mujoco", "mujoco_press"),
+    "MujocoSteps": ("mujoco", "mujoco_press"),
+    "Exudyn": ("exudyn", "exudyn_press"),
+    "Drake": ("pydrake", "drake_press"),
+    "DrakeSteps": ("pydrake", "drake_press"),
+}
+IN_SPACE = ["Mujoco", *(["Drake"] if importlib.util.find_spec("pydrake") else [])]  # Drake is an extra of its own, which CI lacks
 PUBLISHED = Path(__file__).resolve().parents[2] / "viz" / "accuracy.csv"
 FLYWHEEL = 500.0  # [kg m2]
 DURATION, ANGLE = 0.5, 2.0  # [s, rad]
@@ -33,7 +49,7 @@ def presses():
 
     def get(name):
         if name not in kept:
-            kept[name] = pp.load(name)
+            kept[name] = SCRIPTS[name][0]() if name in SCRIPTS else pp.load(name)
         return kept[name]
 
     return get
@@ -45,10 +61,10 @@ def made(presses):
     kept = {}
 
     def make(kind, press):
-        module = {"Mujoco": "mujoco", "MujocoSteps": "mujoco", "Exudyn": "exudyn"}[kind]
+        module, ours = KINDS[kind]
         pytest.importorskip(module)
         if (kind, press) not in kept:
-            kept[kind, press] = getattr(import_module(f"pinpress.accuracy.peers.{module}_press"), kind)(presses(press))
+            kept[kind, press] = getattr(import_module(f"pinpress.accuracy.peers.{ours}"), kind)(presses(press))
         return kept[kind, press]
 
     return make
@@ -72,9 +88,67 @@ def errors(press, peer, points, speed=SPEED):
 # ------------------------------------------------------------------------------------------------------------------------ inverse dynamics
 
 
+def errors_in_space(press, peer, points, speed=SPEED):
+    """As `errors`; of forces what mechanics determines, of Bricard's linkage nothing."""
+    result = pp.inverse_dynamics(press, pp.cycle(press, speed=speed, points=points))
+    answer = peer.inverse_dynamics(turn(points, speed), speed)
+    assert {name: force.shape for name, force in answer.force.items()} == dict.fromkeys(press.bearings, (points, 3))
+    torque = np.abs(answer.torque - result.driving_torque).max() / np.abs(result.driving_torque).max()
+    return torque, force_error(answer.force, result, peak_force(result.bearing_force), determined=True)
+
+
 @pytest.mark.parametrize("name", ["zxn2_3000b", "zxn2_3000b_balanced"])
 def test_the_hand_script(presses, name):
     assert max(errors(presses(name), HandScript(presses(name)), 90)) < EXACT
+
+
+@pytest.mark.parametrize("speed", [30.0, -4.0])
+@pytest.mark.parametrize("name", SPATIAL)
+def test_the_hand_scripts_in_space(presses, name, speed):
+    assert max(errors_in_space(presses(name), HandScript(presses(name)), 36, speed)) < EXACT
+
+
+@pytest.mark.parametrize("name", SPATIAL)
+@pytest.mark.parametrize("kind", IN_SPACE)
+def test_programs_in_space(presses, made, kind, name):
+    """A cross without mass, and a ring of pins whose loop says two things twice."""
+    assert max(errors_in_space(presses(name), made(kind, name), 36)) < EXACT
+
+
+@pytest.mark.exhaustive
+def test_pinocchio_in_cpp(presses):
+    """Compiled here, which takes half a minute where the cache does not have it; the second model finds it there."""
+    for name in ("zxn2_3000b", "jf75g_125", *SPATIAL):
+        peer = PinocchioCpp(presses(name))
+        assert max(errors_in_space(presses(name), peer, 90)) < SHARED
+    assert max(errors_in_space(presses("zxn2_3000b"), PinocchioCpp(presses("zxn2_3000b")), 360, -SPEED)) < EXACT
+    with pytest.raises(pp.SimulationError, match="does not close the loops"):
+        peer.inverse_dynamics(np.array([0.0, 1.7, np.nan]), SPEED)
+
+
+def test_what_keeps_pinocchio_from_being_compiled(presses, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(pinocchio_press, "_eigen", lambda prefix: tmp_path)
+    compiler = tmp_path / "c++"
+    compiler.write_text("#!/bin/sh\ntest $1 = --version || { echo 'loop.cpp:1: error: no such header' >&2; exit 1; }\n", encoding="utf-8")
+    compiler.chmod(0o755)
+    monkeypatch.setenv("CXX", str(compiler))
+    with pytest.raises(pp.PinpressError, match=r"fails: loop\.cpp:1: error: no such header"):
+        PinocchioCpp(presses("crank_slide"))
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    with pytest.raises(pp.PinpressError, match="no C\\+\\+ compiler is found"):
+        PinocchioCpp(presses("crank_slide"))
+    monkeypatch.undo()
+    monkeypatch.setattr(Path, "exists", lambda path: False)
+    with pytest.raises(pp.PinpressError, match=r"pip install 'pinpress\[peers\]'"):
+        pinocchio_press._eigen(tmp_path)
+
+
+def test_what_is_not_compared_in_a_loop(presses):
+    with pytest.raises(pp.PinpressError, match="gear pairs"):
+        PinocchioCpp(presses("jf75g_125_symmetric"))
+    with pytest.raises(pp.PinpressError, match="on one driver"):
+        PinocchioCpp(small_linkages.two_cranks())
 
 
 @pytest.mark.one_in(7)
@@ -183,6 +257,17 @@ def test_free_run_by_exudyn(presses, made, name):
     assert (forces < 1e-3).all()
 
 
+if "Drake" in IN_SPACE:
+
+    def test_free_run_by_drakes_steps(presses, made):
+        """First order of angle and forces; the gap is of the second."""
+        angles, _, forces, found = ends(presses("zxn2_3000b"), made("DrakeSteps", "zxn2_3000b"), [0.002, 0.001, 0.0005])
+        assert 0.9 < order(angles) < 1.2
+        assert 0.9 < order(forces) < 1.2
+        assert 1.8 < order([end.loop_gap for end in found]) < 2.2
+        assert 0.9 < order([abs(end.energy_error) for end in found]) < 1.2
+
+
 @pytest.mark.parametrize("kind", ["Mujoco", "Exudyn"])
 def test_free_run_backwards(presses, made, kind):
     step = 0.005 if kind == "Mujoco" else 0.0005
@@ -263,17 +348,33 @@ def test_mujoco_fails_in_silence(made, capfd, tmp_path, monkeypatch):
 # -------------------------------------------------------------------------------------------------------------------------------- find
 
 
+@pytest.fixture
+def no_compiler(monkeypatch):
+    """Compiling takes longer than all other tests here."""
+
+    def refused():
+        raise pp.PinpressError("no compiler today")
+
+    monkeypatch.setattr(pinocchio_press, "_library", refused)
+
+
+@pytest.mark.usefixtures("no_compiler")
 def test_all_peers_of_the_six_bar(presses):
     pytest.importorskip("mujoco")
     pytest.importorskip("exudyn")
     found, skipped = find_peers(presses("zxn2_3000b"))
-    assert [peer.name.split()[0] for peer in found] == ["hand", "MuJoCo", "MuJoCo", "Exudyn"]
-    assert [peer.inverse for peer in found] == [True, True, False, True]
-    assert skipped == ()
+    drake = ["Drake", "Drake"] if "Drake" in IN_SPACE else []
+    assert [peer.name.split()[0] for peer in found] == ["hand", "MuJoCo", "MuJoCo", "Exudyn", *drake]
+    assert [peer.inverse for peer in found] == [True, True, False, True, True, False][: len(found)]
+    assert skipped[0] == "Pinocchio in C++ is skipped: no compiler today"
+    missing = [] if drake else ["Drake", "Drake's steps"]
+    assert skipped[1:] == tuple(f"{name} is skipped: not installed; pip install 'pinpress[drake]'" for name in missing)
+    assert all(peer.cannot for peer in found)
     for peer in found:
         assert list(peer.steps) == sorted(peer.steps, reverse=True)
 
 
+@pytest.mark.usefixtures("no_compiler")
 @pytest.mark.parametrize(("module", "name"), [("mujoco", "MuJoCo"), ("exudyn", "Exudyn")])
 def test_a_missing_program_is_skipped(presses, monkeypatch, module, name):
     monkeypatch.setitem(sys.modules, module, None)
@@ -283,15 +384,17 @@ def test_a_missing_program_is_skipped(presses, monkeypatch, module, name):
 
 
 @pytest.mark.exhaustive
+@pytest.mark.usefixtures("no_compiler")
 def test_the_script_is_for_its_press(presses):
-    line = "hand script is skipped: it is for zxn2_3000b and zxn2_3000b_balanced alone"
+    line = "hand script is skipped: it is for zxn2_3000b, zxn2_3000b_balanced, rssp and bricard alone"
     assert line in find_peers(presses("crank_slide"))[1]
     assert line in find_peers(pp.load("zxn2_3000b", gravity=(0, 0, 0)))[1]
-    with pytest.raises(pp.PinpressError, match="no free run"):
+    with pytest.raises(pp.PinpressError, match="no runs"):
         HandScript(presses("zxn2_3000b")).free_run(0.0, SPEED, 0.0, 1.0, 0.1)
 
 
 @pytest.mark.exhaustive
+@pytest.mark.usefixtures("no_compiler")
 def test_what_exudyn_is_not_compared_on(presses):
     pytest.importorskip("exudyn")
     assert any("Exudyn is skipped: jf75g_125_symmetric has gear pairs" in line for line in find_peers(presses("jf75g_125_symmetric"))[1])
@@ -300,5 +403,5 @@ def test_what_exudyn_is_not_compared_on(presses):
 
 @pytest.mark.exhaustive
 def test_nothing_is_imported_before():
-    code = "import sys, pinpress.accuracy.work_precision; sys.exit(any(name in sys.modules for name in ('mujoco', 'exudyn')))"
+    code = "import sys, pinpress.accuracy.work_precision; sys.exit(any(name in sys.modules for name in ('mujoco', 'exudyn', 'pydrake')))"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -180,6 +180,7 @@ class Exudyn:
     """A `Peer`: a planar press in Exudyn."""
 
     inverse = True
+    cannot = "inverse dynamics but by a run in time, with its error; singular loops; closing: it starts from a closed pose"
     left_out: ClassVar[Mapping[str, str]] = {CLUTCH: "its steps do not end where a clutch grips"}
     steps: tuple[float, ...] = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 

@@ -22,21 +22,20 @@ from typing import ClassVar
 
 import mujoco
 import numpy as np
+import pinocchio as pin
 from mujoco import rollout
 
 from ...common.errors import PinpressError, SimulationError
-from ...common.quantities import Array, ComplexArray
+from ...common.quantities import Array
 from ...engines.forces import RANK
 from ...kinematics.motion import cycle
 from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH, DIE, SPEED_LAW
 from ..scenes import Scene
+from .loop_equations import Ends, LoopEquations, ends_of, with_loops
 from .peer import Answer, RunEnd, steps_of
 
-SAMPLES = 512  # states of the turn that is walked when the model is made; Newton's method starts from them later
-CLOSED = 1e-11  # largest last Newton step, whose Jacobian is of the state before it [m, rad]
-MOST_NEWTON_STEPS = 12
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 Effort = Callable[[Array, Array], Array | float]  # efforts (nv,) by joint coordinates and rates (nv,)
 
@@ -50,6 +49,7 @@ class Mujoco:
     """A `Peer`: a press with exact loops on the terms of MuJoCo."""
 
     inverse, how = True, " + NumPy"
+    cannot = "exact loops by itself: closing, rates and bearing forces are NumPy's; bodies without mass"
     left_out: ClassVar[Mapping[str, str]] = {
         CLUTCH: "its steps do not end where a clutch grips",
         SPEED_LAW: "its steps are stable only below the time in which the law forgets",
@@ -60,36 +60,27 @@ class Mujoco:
         """Make the model.
 
         Raises:
-            PinpressError: the press has several drivers, no loops, a loop that holds rotations, a body that MuJoCo refuses, or a crank that
-                does not turn fully.
+            PinpressError: the press has several drivers, no loops, a welded loop, a body that MuJoCo refuses, or a crank that does not turn
+                fully.
         """
-        if len(press.drivers) > 1:
-            raise PinpressError(f"it is compared on one driver, {press.name} has {len(press.drivers)}")
-        if not press.loops:
-            raise PinpressError(f"{press.name} has no loops, and needs nothing but its tree")
-        for loop in press.loops:
-            if loop.type != "spherical":
-                raise PinpressError(f"it has no loop joint of type {loop.type} ({loop.name})")
+        self._ends = ends_of(press)
         self.name = f"MuJoCo {mujoco.__version__}{self.how}"
         self._press = press
-        self._model = _compiled(press)
+        self._model = _compiled(press, self._ends)
         self._data = mujoco.MjData(self._model)
         self._driver = press.driver_indices[0]
-        self._passive = [j for j in range(self._model.nv) if j != self._driver]
-        self._ends = [(self._model.site(f"{loop.name}/1").id, self._model.site(f"{loop.name}/2").id) for loop in press.loops]
-        self._sites = [site for pair in self._ends for site in pair]
-        self._load(press.closed)
-        rows = self._data.efc_J.reshape(-1, self._model.nv)
-        self._kept = np.flatnonzero(np.abs(rows).max(axis=1) > RANK)  # the third equation of a pin in the plane has no effect
-        self._square = len(self._kept) == len(self._passive)
-        self._turns, self._series = self._walked()
+        self._bodies = [self._model.body(press.joints[j - 1]).id for j in carriers_of(press)[1:]]
+        sites = [[self._model.site(f"{k}/{side}").id for side in (1, 2)] for k in range(len(self._ends))]
+        self._sites = [site for pair in sites for site in pair]
+        self._loops = LoopEquations(press, self.name, self._terms)
 
     def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
         """See `Peer`."""
         angle = np.asarray(angle, dtype=float)
-        x, columns = self._closed(angle, self._predicted(angle))
-        v = self._rates(columns, np.zeros(columns.shape[:2]), speed)
-        a = self._rates(columns, self._drifts(x, v), 0.0)
+        loops = self._loops
+        x, columns = loops.closed(angle, loops.predicted(angle))
+        v = loops.rates(columns, np.zeros(columns.shape[:2]), speed)
+        a = loops.rates(columns, self._drifts(x, v), 0.0)
         return Answer(*self._efforts(x, v, a, columns))
 
     def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
@@ -119,8 +110,8 @@ class Mujoco:
             x, v = x + h / 6 * (v + 2 * v2 + 2 * v3 + v4), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
             if not np.isfinite(x).all():
                 raise SimulationError(f"{self.name} does not keep {self._press.name} together: give a shorter step")
-            closed, columns = self._closed(x[[self._driver]], x[None])
-            x, v = closed[0], self._rates(columns, np.zeros(columns.shape[:2]), v[self._driver])[0]
+            closed, columns = self._loops.closed(x[[self._driver]], x[None])
+            x, v = closed[0], self._loops.rates(columns, np.zeros(columns.shape[:2]), v[self._driver])[0]
         end = self._end(x, v, begin, effort(x, v))
         return end if effort is free else replace(end, energy_error=None)
 
@@ -147,12 +138,13 @@ class Mujoco:
         self._model.dof_armature[self._driver] = inertia
         mujoco.mj_setConst(self._model, self._data)
         at = np.array([float(angle)])
-        x, columns = self._closed(at, self._predicted(at))
-        return x[0], self._rates(columns, np.zeros(columns.shape[:2]), speed)[0]
+        x, columns = self._loops.closed(at, self._loops.predicted(at))
+        return x[0], self._loops.rates(columns, np.zeros(columns.shape[:2]), speed)[0]
 
     def _end(self, x: Array, v: Array, begin: tuple[float, float], effort: Array | float = 0.0) -> RunEnd:
         a, columns = self._acceleration(x, v, effort), self._columns()
-        gap = max((float(np.linalg.norm(self._data.site_xpos[i] - self._data.site_xpos[j])) for i, j in self._ends), default=0.0)
+        places = self._data.site_xpos[self._sites]
+        gap = float(np.linalg.norm(places[::2] - places[1::2], axis=1).max())
         kinetic, potential = self._energies(x, v)
         _, force = self._efforts(x[None], v[None], a[None], columns[None])
         error = (kinetic + potential - sum(begin)) / begin[0]
@@ -169,8 +161,15 @@ class Mujoco:
             mujoco.mj_comVel(self._model, data)
 
     def _columns(self) -> Array:
-        """(rows, nv) Jacobian of the loops' gaps, then of gear pairs, in the loaded state."""
-        return np.asarray(self._data.efc_J.reshape(-1, self._model.nv)[self._kept])
+        """(kept, nv) Jacobian of the loops' gaps, then of gear pairs, in the loaded state."""
+        return np.asarray(self._data.efc_J.reshape(-1, self._model.nv)[self._loops.kept])
+
+    def _terms(self, x: Array) -> tuple[Array, Array]:
+        """Jacobian (rows, nv) and gaps (rows,) at joint coordinates (nv,)."""
+        data = self._data
+        data.qpos[:] = x
+        mujoco.mj_fwdPosition(self._model, data)
+        return data.efc_J.reshape(-1, self._model.nv).copy(), data.efc_pos.copy()
 
     def _site_accelerations(self, into: Array) -> None:
         """Write accelerations of the loops' ends (2 loops, 6) at zero joint accelerations, in the loaded state."""
@@ -181,11 +180,11 @@ class Mujoco:
             mujoco.mj_objectAcceleration(model, data, mujoco.mjtObj.mjOBJ_SITE, site, row, 0)
 
     def _drift(self, sites: Array) -> Array:
-        """(n, rows) accelerations of the gaps from those of the ends (n, 2 loops, 6)."""
+        """(n, kept) accelerations of the gaps from those of the ends (n, 2 loops, 6)."""
         apart = sites[:, ::2, 3:] - sites[:, 1::2, 3:]
         rows = np.zeros((len(sites), 3 * len(self._ends) + len(self._press.couplings)))
         rows[:, : 3 * len(self._ends)] = apart.reshape(len(sites), -1)
-        return rows[:, self._kept]
+        return rows[:, self._loops.kept]
 
     def _drifts(self, x: Array, v: Array) -> Array:
         sites = np.empty((len(x), len(self._sites), 6))
@@ -193,60 +192,6 @@ class Mujoco:
             self._load(x[k], v[k])
             self._site_accelerations(sites[k])
         return self._drift(sites)
-
-    def _solve(self, matrix: Array, right: Array) -> Array:
-        """Solutions (n, m) of systems (n, k, m) with right sides (n, k), by least squares where loops hold each other."""
-        if self._square:
-            return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
-        return np.asarray((np.linalg.pinv(matrix) @ right[..., None])[..., 0])
-
-    def _rates(self, columns: Array, drift: Array, driver: float) -> Array:
-        """(n, nv) joint rates, or accelerations with the drift (n, rows), for a given one of the driver."""
-        rates = np.full((len(columns), self._model.nv), float(driver))
-        rates[:, self._passive] = self._solve(columns[:, :, self._passive], -columns[:, :, self._driver] * driver - drift)
-        return rates
-
-    def _closed(self, angle: Array, guess: Array) -> tuple[Array, Array]:
-        """Closed joint coordinates (n, nv) at crank angles (n,) and the Jacobians there (n, rows, nv), from guesses (n, nv)."""
-        x = guess.copy()
-        x[:, self._driver] = angle
-        model, data, last = self._model, self._data, np.inf
-        count = 3 * len(self._ends) + len(self._press.couplings)
-        jacobians, positions = np.empty((len(x), count * model.nv)), np.empty((len(x), count))
-        for _ in range(MOST_NEWTON_STEPS):
-            for k in range(len(x)):
-                data.qpos[:] = x[k]
-                mujoco.mj_fwdPosition(model, data)
-                jacobians[k], positions[k] = data.efc_J, data.efc_pos
-            columns, gaps = jacobians.reshape(len(x), count, -1)[:, self._kept], positions[:, self._kept]
-            change = self._solve(columns[:, :, self._passive], gaps)
-            x[:, self._passive] -= change
-            last = float(np.abs(change).max(initial=0.0))
-            if last < CLOSED:
-                return x, columns
-        raise SimulationError(f"{self.name} does not close the loops of {self._press.name}: its last Newton step is {last:.3g}")
-
-    def _walked(self) -> tuple[Array, ComplexArray]:
-        """Whole turns of each joint in one of the crank (nv,), and the Fourier series (harmonics, nv) of the rest."""
-        angles = 2 * np.pi * np.arange(SAMPLES + 1) / SAMPLES
-        states = [self._press.closed.copy()]
-        for k, angle in enumerate(angles):
-            guess = states[-1] if k < 3 else 3 * states[-1] - 3 * states[-2] + states[-3]
-            states.append(self._closed(np.array([angle]), guess[None])[0][0])
-        walked = np.array(states[1:])
-        turns = (walked[-1] - walked[0]) / (2 * np.pi)
-        if np.abs(turns - turns.round()).max() > CLOSED:
-            raise PinpressError(f"it needs a crank that turns fully and comes back, unlike that of {self._press.name}")
-        series = np.fft.rfft(walked[:-1] - angles[:-1, None] * turns.round(), axis=0) / SAMPLES
-        series[1:] *= 2
-        seen = np.flatnonzero(np.abs(series).max(axis=1) > 1e-14)
-        return turns.round(), series[: seen[-1] + 1]
-
-    def _predicted(self, angle: Array) -> Array:
-        """(n, nv) joint coordinates at crank angles (n,), by the series of the walked turn."""
-        powers = np.ones((len(angle), len(self._series)), dtype=complex)
-        np.cumprod(np.broadcast_to(np.exp(1j * angle)[:, None], powers[:, 1:].shape), axis=1, out=powers[:, 1:])
-        return np.asarray((powers @ self._series).real + angle[:, None] * self._turns)
 
     def _efforts(self, x: Array, v: Array, a: Array, columns: Array) -> tuple[Array, dict[str, Array]]:
         """Driving torque (n,) and bearing forces (n, 3) of a motion (n, nv), with the Jacobians (n, rows, nv)."""
@@ -258,19 +203,9 @@ class Mujoco:
             mujoco.mj_rne(model, data, 1, tree[k])
             mujoco.mj_rnePostConstraint(model, data)
             wrench[k] = data.cfrc_int
-        multipliers = self._solve(columns[:, :, self._passive].swapaxes(1, 2), tree[:, self._passive])
-        torque = tree[:, self._driver] - np.einsum("nr,nr->n", columns[:, :, self._driver], multipliers)
-        rows = np.zeros((len(x), 3 * len(press.loops) + len(press.couplings)))
-        rows[:, self._kept] = multipliers
-        on1 = rows[:, : 3 * len(press.loops)].reshape(len(x), -1, 3)  # by link2 on link1
-        force = {name: wrench[:, j + 1, 3:].copy() for j, name in enumerate(press.joints)}
-        for k, loop in enumerate(press.loops):
-            force[loop.name] = -on1[:, k]
-            for end, sign in ((loop.joint1, -1.0), (loop.joint2, 1.0)):
-                while end:  # all joints between the end and the frame carry it
-                    force[press.joints[end - 1]] += sign * on1[:, k]
-                    end = press.model.parents[end]
-        return torque, force
+        torque, rows = self._loops.multipliers(columns, tree)  # of forces by the second points on the first
+        on_second = -rows[:, : 3 * len(self._ends)].reshape(len(x), -1, 3)
+        return torque, with_loops(press, self._ends, wrench[:, self._bodies, 3:], on_second)
 
     def _acceleration(self, x: Array, v: Array, effort: Array | float = 0.0) -> Array:
         """(nv,) under efforts (nv,), from the equations of motion and of the loops together."""
@@ -285,7 +220,7 @@ class Mujoco:
         system[:nv, :nv] = self._inertia()
         system[nv:, :nv], system[:nv, nv:] = columns, columns.T
         right = np.concatenate([effort - bias, -drift])
-        if self._square:
+        if self._loops.square:
             return np.asarray(np.linalg.solve(system, right)[:nv])
         return np.asarray(np.linalg.lstsq(system, right, rcond=RANK)[0][:nv])
 
@@ -306,6 +241,7 @@ class MujocoSteps(Mujoco):
     """A `Peer` whose free runs take MuJoCo's own `mj_step` with RK4, with soft loops as stiff as the step allows."""
 
     inverse, how = False, ", mj_step"
+    cannot = "closed loops: they stay open by what their stiffness allows; inverse dynamics with loops"
     left_out: ClassVar[Mapping[str, str]] = {**Mujoco.left_out, DIE: "its loops are softer than the die"}
     steps: tuple[float, ...] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4)
 
@@ -331,8 +267,20 @@ class MujocoSteps(Mujoco):
         return self._end(data.qpos.copy(), data.qvel.copy(), begin)
 
 
-def _compiled(press: Linkage) -> mujoco.MjModel:
-    """The press as a MuJoCo model: bodies and joints of its tree, loops as ``connect`` equalities, gear pairs as joint equalities.
+def carriers_of(press: Linkage) -> list[int]:
+    """Of every Pinocchio joint the one whose body carries it in MuJoCo, where a body has several joints and none is without mass: a cross
+    without mass between two joints is left to the body after it."""
+    tree = press.model
+    carriers = list(range(tree.njoints))
+    for j in range(tree.njoints - 1, 0, -1):
+        children = [k for k in range(1, tree.njoints) if tree.parents[k] == j]
+        if not tree.inertias[j].mass and len(children) == 1:
+            carriers[j] = carriers[children[0]]
+    return carriers
+
+
+def _compiled(press: Linkage, ends: tuple[Ends, ...]) -> mujoco.MjModel:
+    """The press as a MuJoCo model: bodies and joints of its tree, points of loops as ``connect`` equalities, gear pairs as joint ones.
 
     Raises:
         PinpressError: MuJoCo refuses it.
@@ -345,24 +293,36 @@ def _compiled(press: Linkage) -> mujoco.MjModel:
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     off = mujoco.mjtDisableBit
     spec.option.disableflags = int(off.mjDSBL_REFSAFE) | int(off.mjDSBL_CONTACT) | int(off.mjDSBL_ISLAND)
-    bodies = [spec.worldbody]
-    for j, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True), start=1):
-        place, inertia = tree.jointPlacements[j], tree.inertias[j]
+    bodies, carriers = [spec.worldbody], carriers_of(press)
+    for j, name in enumerate(press.joints, start=1):
+        if carriers[j] != j:
+            bodies.append(None)  # a cross without mass: its joint is the carrier's
+            continue
+        chain = [j]
+        while carriers[tree.parents[chain[0]]] == j:
+            chain.insert(0, tree.parents[chain[0]])
+        place, inertia = pin.SE3.Identity(), tree.inertias[j]
+        for joint in chain:
+            place = place * tree.jointPlacements[joint]
         turned = np.empty(4)
         mujoco.mju_mat2Quat(turned, place.rotation.ravel())
-        body = bodies[tree.parents[j]].add_body(name=name, pos=place.translation, quat=turned)
+        body = bodies[tree.parents[chain[0]]].add_body(name=name, pos=place.translation, quat=turned)
         about = inertia.inertia
         body.mass, body.ipos, body.explicitinertial = inertia.mass, inertia.lever, True
         body.fullinertia = [about[0, 0], about[1, 1], about[2, 2], about[0, 1], about[0, 2], about[1, 2]]
-        kind = mujoco.mjtJoint.mjJNT_HINGE if axis.turns else mujoco.mjtJoint.mjJNT_SLIDE
-        body.add_joint(name=name, type=kind, axis=axis.direction)
+        at = place.inverse()
+        for joint in chain:
+            at = at * tree.jointPlacements[joint]
+            axis = press.axes[joint - 1]
+            kind = mujoco.mjtJoint.mjJNT_HINGE if axis.turns else mujoco.mjtJoint.mjJNT_SLIDE
+            body.add_joint(name=press.joints[joint - 1], type=kind, pos=at.translation, axis=at.rotation @ axis.direction)
         bodies.append(body)
     equality = partial(spec.add_equality, solimp=[0.9999, 0.9999, 0.001, 0.5, 2.0])
-    for loop in press.loops:
-        for end, joint, point in ((1, loop.joint1, loop.point1), (2, loop.joint2, loop.point2)):
-            bodies[joint].add_site(name=f"{loop.name}/{end}", pos=point)
-        site, kind = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtEq.mjEQ_CONNECT
-        equality(name=loop.name, type=kind, objtype=site, name1=f"{loop.name}/1", name2=f"{loop.name}/2")
+    site, kind = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtEq.mjEQ_CONNECT
+    for k, end in enumerate(ends):
+        bodies[end.joint1].add_site(name=f"{k}/1", pos=end.point1)
+        bodies[end.joint2].add_site(name=f"{k}/2", pos=end.point2)
+        equality(name=f"{end.name}/{k}", type=kind, objtype=site, name1=f"{k}/1", name2=f"{k}/2")
     for pair in press.couplings:
         names = {"name1": press.joints[pair.follower], "name2": press.joints[pair.leader]}
         geared = equality(type=mujoco.mjtEq.mjEQ_JOINT, objtype=mujoco.mjtObj.mjOBJ_JOINT, **names)

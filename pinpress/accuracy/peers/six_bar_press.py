@@ -1,4 +1,4 @@
-"""The six-bar press ZXN2-3000(B) as an expert treats it by hand: `six_bar_script` as a peer, and its equation of motion in closed form.
+"""The equation of motion of the six-bar press ZXN2-3000(B) in closed form, as an expert writes it, by SciPy's integrators.
 
     (I + J) w' + I' w^2 / 2 + V' = torque + F y'
 
@@ -13,20 +13,18 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ...common.errors import PinpressError, SimulationError
+from ...common.errors import SimulationError
 from ...common.quantities import Array
-from ...linkage.linkage import Linkage
-from ...linkage.loading import load
 from ...loads.process import ProcessLoad
 from ..measurements import SPEED_LAW
 from ..scenes import Scene
-from .peer import Answer, RunEnd
+from .peer import RunEnd
 from .six_bar_script import (
     AX,
     AY,
@@ -58,40 +56,6 @@ SAMPLES = 721  # crank angles between which a load's edges are sought
 Push = tuple[Callable[[Any, Any], Any], float]  # a load's law by height and velocity, and where heights begin
 BEHIND = 1e-9  # an edge that the crank has just passed [rad]
 UNSTABLE = "its steps are stable only below the time in which the law forgets"
-
-
-class HandScript:
-    """`six_bar_script` as a peer: one press, written out by hand."""
-
-    name = "hand script"
-    inverse = True
-    steps: tuple[float, ...] = ()
-    left_out: ClassVar[Mapping[str, str]] = {}
-
-    def __init__(self, press: Linkage) -> None:
-        """Take the script's press.
-
-        Raises:
-            PinpressError: it is another press than the script's.
-        """
-        shipped = ("zxn2_3000b", "zxn2_3000b_balanced")
-        own = load(press.name) if press.name in shipped else None
-        if own is None or press.text != own.text or press.model != own.model or press.drivers != own.drivers:
-            raise PinpressError(f"it is for {' and '.join(shipped)} alone")
-        self._balanced = press.name == shipped[1]
-
-    def inverse_dynamics(self, angle: Array, speed: float) -> Answer:
-        """See `Peer`."""
-        result = six_bar(angle, speed, 0.0, self._balanced)
-        return Answer(result["tau"], world_forces(result))
-
-    def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
-        """Not in the script: see `steps`."""
-        raise PinpressError("the hand script has no free run: it has no steps")
-
-    def run(self, scene: Scene, step: float) -> RunEnd:
-        """Not in the script: see `steps`."""
-        raise PinpressError("the hand script has no runs: it has no steps")
 
 
 class Reduced(NamedTuple):
