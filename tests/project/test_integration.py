@@ -133,8 +133,9 @@ def test_a_test_that_hangs_is_ended_with_its_trace(tmp_path: Path) -> None:
 
 
 def declared() -> dict[str, str]:
-    """The lowest version of each package that pyproject.toml names."""
+    """The lowest version of each package that pyproject.toml names, but for Drake, which is an extra that CI does not install."""
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8").partition("[project.scripts]")[0]
+    text = re.sub("^drake = .*$", "", text, flags=re.MULTILINE)
     return dict(re.findall(r'"([\w-]+)(?:\[\w+\])?>=([\d.]+)(?:,<[\d.]+)?"', text))
 
 
