@@ -16,18 +16,6 @@ from importlib.metadata import version
 from typing import Any, ClassVar
 
 import numpy as np
-from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant
-from pydrake.multibody.tree import (
-    FixedOffsetFrame,
-    JacobianWrtVariable,
-    MultibodyForces,
-    PrismaticJoint,
-    RevoluteJoint,
-    RotationalInertia,
-    SpatialInertia,
-)
-from pydrake.systems.analysis import Simulator
 
 from ...common.errors import PinpressError, SimulationError
 from ...common.quantities import Array
@@ -37,8 +25,6 @@ from ..scenes import Scene
 from .loop_equations import Ends, LoopEquations, ends_of, with_loops
 from .peer import Answer, RunEnd, steps_of
 
-VERSION = version("drake")
-SPEEDS = JacobianWrtVariable.kV
 ORIGIN = np.zeros((3, 1))
 NO_RUN = "Drake's continuous plants have no constraints for loops, and so no runs"
 
@@ -75,7 +61,9 @@ class Drake:
         self._ends = ends_of(press)
         if press.couplings:
             raise PinpressError(f"{press.name} has gear pairs, which are not compared in it")
-        self.name = f"Drake {VERSION}{self.how}"
+        from pydrake.multibody.tree import JacobianWrtVariable, MultibodyForces  # slow to import
+
+        self.name = f"Drake {version('drake')}{self.how}"
         self._press = press
         self._made = plant_of(press, self._ends, 0.0, 0.0)
         tree = press.model
@@ -86,6 +74,7 @@ class Drake:
             while joint:
                 self._carried[joint - 1, body - 1] = self._masses[body - 1]
                 joint = tree.parents[joint]
+        self._speeds = JacobianWrtVariable.kV
         self._forces = MultibodyForces(self._made.plant)
         self._loops = LoopEquations(press, self.name, self._terms)
 
@@ -113,7 +102,7 @@ class Drake:
         columns, gaps = [], []
         for first, second in self._made.frames:
             gaps.append(plant.CalcPointsPositions(context, second, ORIGIN, first)[:, 0])
-            columns.append(plant.CalcJacobianTranslationalVelocity(context, SPEEDS, second, ORIGIN, first, first))
+            columns.append(plant.CalcJacobianTranslationalVelocity(context, self._speeds, second, ORIGIN, first, first))
         return np.concatenate(columns), np.concatenate(gaps)
 
     def _drift(self, x: Array, v: Array) -> Array:
@@ -121,7 +110,7 @@ class Drake:
         plant, context = self._made.plant, self._made.context
         plant.SetPositionsAndVelocities(context, np.concatenate([x, v]))
         bias = plant.CalcBiasTranslationalAcceleration
-        return np.concatenate([bias(context, SPEEDS, second, ORIGIN, first, first)[:, 0] for first, second in self._made.frames])
+        return np.concatenate([bias(context, self._speeds, second, ORIGIN, first, first)[:, 0] for first, second in self._made.frames])
 
     def _efforts(self, x: Array, v: Array, a: Array, columns: Array) -> tuple[Array, dict[str, Array]]:
         """Driving torque (n,) and bearing forces (n, 3) of a motion (n, nv), with the Jacobians (n, kept, nv)."""
@@ -161,6 +150,8 @@ class DrakeSteps(Drake):
 
     def free_run(self, angle: float, speed: float, inertia: float, duration: float, step: float) -> RunEnd:
         """See `Peer`."""
+        from pydrake.systems.analysis import Simulator  # slow to import
+
         press, loops = self._press, self._loops
         count = steps_of(duration, step)
         x, columns = loops.closed(np.array([angle]), loops.predicted(np.array([angle])))
@@ -213,6 +204,10 @@ def plant_of(press: Linkage, ends: tuple[Ends, ...], step: float, inertia: float
         step: time step of a discrete plant, with ball constraints; 0 for a continuous plant, without any [s].
         inertia: moment of inertia of a flywheel on the driver of a discrete plant [kg m2].
     """
+    from pydrake.math import RigidTransform, RotationMatrix  # slow to import, and an extra of its own, as all of Drake here
+    from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant
+    from pydrake.multibody.tree import FixedOffsetFrame, PrismaticJoint, RevoluteJoint, RotationalInertia, SpatialInertia
+
     plant, tree = MultibodyPlant(step), press.model
     if step:
         plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)
