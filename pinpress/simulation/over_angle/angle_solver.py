@@ -150,7 +150,7 @@ class AngleSolver:
         if 0 < energy[0] < LITTLE * model.potential_range:
             return None
         if self.before is not None:
-            return self._resolved(self.before.mesh, energy, self.before.energy)
+            return self._resolved(self.before.mesh, energy, self.before)
         borders = mesh_borders(driven, anchor, direction, extent)
         mesh = build_mesh(driven, anchor, direction, borders, (self.state.speed == 0, False))
         periods = self._periods_ahead(mesh, float(energy[0]))
@@ -172,20 +172,20 @@ class AngleSolver:
         ahead = (self.until - self.state.time) / lasts
         return math.ceil(ahead / math.ceil(ahead / AT_ONCE))
 
-    def _resolved(self, mesh: Mesh, energy: Array, guess: Array | None) -> tuple[CollocationSolution, int] | None:
+    def _resolved(self, mesh: Mesh, energy: Array, beside: CollocationSolution | None) -> tuple[CollocationSolution, int] | None:
         """Solve a period over a mesh, and cut that where it is too coarse. Returns as `_period`.
 
         Args:
             mesh: to begin with.
             energy: (1,) kinetic energy at the start [J].
-            guess: (q, p, 1) kinetic energy at the nodes of the mesh [J]; None: unknown.
+            beside: a solution over the same mesh, near which this one is; None: unknown.
         """
         driven, anchor, direction = self.driven, self.anchor, mesh.direction
-        from_rest, to_rest = self.state.speed == 0, False
+        from_rest, to_rest, guess = self.state.speed == 0, False, None
         for _ in range(MOST_CUTS):
             if guess is None and from_rest:
                 guess = _any_energy(driven, mesh)
-            solution = collocation.solve(driven, mesh, energy, guess)
+            solution = collocation.solve(driven, mesh, energy, guess, beside=beside)
             if (from_rest and not solution.speed_free) or (to_rest and not _comes_to_rest(solution)):
                 return None
             count, stopping = _before_stop(solution, self.state.time, self.until)
@@ -203,7 +203,7 @@ class AngleSolver:
             else:
                 return solution, count
             mesh = build_mesh(driven, anchor, direction, borders, (from_rest, to_rest), mesh.periods)
-            guess = interpolate_onto(solution, mesh)
+            guess, beside = interpolate_onto(solution, mesh), None
         # some panels are still not resolved: there the crank nearly stops, or the drive switches again and again
         right = 0 if to_rest or not len(coarse) else int(mesh.borders.searchsorted(coarse.min())) - 1
         return (solution, right) if right > 0 else None
@@ -271,8 +271,7 @@ def _before_stop(solution: CollocationSolution, time: float, until: float) -> tu
     stopping = stopping_panels(solution)[:, 0]
     right = int(np.argmax(stopping)) if stopping.any() else len(stopping)
     if right:
-        slowness = solution.mesh.measure[:, :right] / solution.speed[:, :right, 0]
-        reached = time + (gauss_rule().weights @ slowness).cumsum() >= until
+        reached = time + solution.durations[:right, 0].cumsum() >= until
         if reached.any():
             return int(np.argmax(reached)) + 1, False
     return right, right < len(stopping)

@@ -7,6 +7,8 @@ equations. Where no force depends on the speed, one round is exact.
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +26,25 @@ FLOOR = 1e-6  # share of the first kinetic energy: no speed is computed from les
 STIFF = 2.0  # where the energy changes the force by more over half a panel, the panel's own linear equations are solved
 CLOSE = 1e-3  # relative change of the kinetic energy in a round from which on the slopes of the forces are kept
 FURTHEST = 100.0  # largest factor by which a round may change the kinetic energy
+FORESEEN = 1e-15  # relative change that the next round is expected to make, if it shrinks as in the last one, which ends it too
 BESIDE = 1e-7  # relative change of a speed by which the slopes of the forces are found
 LEAST = 1e-3  # share of the period's largest kinetic energy: with less, a drive that depends on speed may be about to stop the crank
+
+
+class Growth(NamedTuple):
+    """How a disturbance of W grows with the angle, by dW/du = K W.
+
+    Attributes:
+        exponents: (q, p, S) K times the measure of the mesh.
+        stiffness: (p,) see `CollocationSolution`.
+        within: (q, p, S) factor from the start of a panel to its nodes; None of a stiff drive.
+        through: (p, S) factor over a whole panel; None of a stiff drive.
+    """
+
+    exponents: Array
+    stiffness: Array
+    within: Array | None
+    through: Array | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,6 +66,7 @@ class CollocationSolution:
         settled: (S,) number of panels on which Newton's method has found W: all, or those before the crank nearly stops.
         added: inertia of flywheel and drive, of the first scenario [kg m2].
         evaluations: number of nodes at which the forces were computed, each time counted.
+        growth: of a disturbance of W, about right; None where no force depends on the speed.
     """
 
     mesh: Mesh
@@ -63,9 +83,37 @@ class CollocationSolution:
     settled: Indices
     added: float
     evaluations: int
+    growth: Growth | None = None
+
+    @cached_property
+    def slowness(self) -> Array:
+        """(q, p, S) derivative of the time by x [s]."""
+        return np.asarray(self.mesh.measure[:, :, None] / self.speed)
+
+    @cached_property
+    def durations(self) -> Array:
+        """(p, S) of the panels [s]."""
+        return _summed(self.slowness)
+
+    def started_with(self, energy: Array) -> tuple[Array, float]:
+        """About the kinetic energy (q, p, S) over the same mesh from other energies (S,) at the start, and its largest relative change."""
+        change: Array = energy - self.ends[0]
+        growth = self.growth
+        if growth is None or growth.within is None or growth.through is None:
+            return self.energy + change, 1.0
+        at_starts = np.concatenate([change[None], change * growth.through[:-1].cumprod(axis=0)])
+        return self.energy + growth.within * at_starts, float((np.abs(at_starts).max(axis=0) / self.ends.max(axis=0)).max())
 
 
-def solve(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array | None = None, periodic: bool = False) -> CollocationSolution:
+def solve(
+    driven: DrivenPress,
+    mesh: Mesh,
+    energy: Array,
+    guess: Array | None = None,
+    *,
+    beside: CollocationSolution | None = None,
+    periodic: bool = False,
+) -> CollocationSolution:
     """Find the kinetic energy over a mesh.
 
     Args:
@@ -73,6 +121,7 @@ def solve(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array | None = 
         mesh: its panels.
         energy: (S,) kinetic energy at the start of the mesh [J].
         guess: (q, p, S) kinetic energy from which Newton's method starts; None: ``energy`` everywhere.
+        beside: a solution over the same mesh, near which Newton's method starts in place of a guess.
         periodic: whether the motion has to end with the energy with which it begins; ``energy`` is then near it.
 
     Raises:
@@ -81,6 +130,9 @@ def solve(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array | None = 
     inertia = _inertia(driven, mesh)
     if driven.prescribed is not None:
         return _prescribed(driven, mesh, inertia, driven.prescribed)
+    if beside is not None:
+        work, moved = beside.started_with(energy)
+        return _Newton(driven, mesh, inertia, energy, work, periodic).solve(work, beside.growth, moved)
     work = np.broadcast_to(energy, (*mesh.angle.shape, len(energy))) if guess is None else guess
     return _Newton(driven, mesh, inertia, energy, work, periodic).solve(work)
 
@@ -110,61 +162,78 @@ class _Newton:
         """
         self.mesh, self.inertia, self.energy, self.periodic = mesh, inertia, energy, periodic
         self.forces = Forces(driven.drive, mesh, inertia, work.shape)
-        self.constant = driven.drive is None and not mesh.forces and mesh.bearings is None
+        self.twice, self.speed_free = 2 / inertia, driven.speed_free
         self.added = float(np.ravel(driven.inertia)[0])
         # from the guess alone, because W may rise without bounds far from the solution
         self.floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
-        self.stiffness, self.exponent = np.zeros(len(mesh.kinds)), np.zeros(len(energy))
         self.everywhere = np.full(len(energy), len(mesh.kinds))
 
-    def solve(self, work: Array) -> CollocationSolution:
-        rate, moved, ends, force = None, np.full((len(self.mesh.kinds), len(self.energy)), np.inf), None, None
+    def solve(self, work: Array, growth: Growth | None = None, moved: float = np.inf) -> CollocationSolution:
+        """Find W from a guess (q, p, S), with a ``growth`` that belongs to one that has ``moved`` by this share since."""
+        growth = None if growth is None or growth.within is None else growth
+        ends, force, last, settled = None, None, np.nan, self.everywhere
+        shares = np.full((len(self.mesh.kinds), len(self.energy)), np.inf)
         for _ in range(ROUNDS):
             above = np.maximum(work, self.floor)
-            speed = np.sqrt(2 * above / self.inertia)
+            speed = np.sqrt(above * self.twice)
             total = self.forces.at(speed)
-            if self.constant:
+            if self.speed_free:
                 return self._solution(work, True, self.everywhere)
             # K is found by a difference, because it only has to lead to the solution, and is kept close to it
-            if rate is None or moved.max() > CLOSE:
+            if growth is None or moved > CLOSE:
                 change = self.forces.faster(speed, BESIDE)
                 # no force depends on the speed here; is it so at the speeds that follow from these forces too?
                 if self.mesh.bearings is None and not change.any():
                     found = self._solution(work, True, self.everywhere)
                     if np.array_equal(self.forces.at(found.speed), total):
                         return self._seen_at_rest(found, total)
-                    work, rate = np.maximum(found.energy, above / FURTHEST), None
+                    work, growth = np.maximum(found.energy, above / FURTHEST), None
                     continue
-                rate = change / (2 * BESIDE * above)
-                self.stiffness = self._stiffness(rate)
-                self.exponent = _over_panels(self.mesh, rate).sum(axis=0) if self.periodic else self.exponent
+                growth = _growth(self.mesh, change, above)
             before = work
-            work, ends, force = self._round(total, rate, before)
+            work, ends, force = self._round(total, growth, before)
+            work, shares = self._limited(work, before, above)
+            moved = float(shares.max())
+            if _ended(growth, moved, last):
+                break
+            last = moved
+        else:  # later panels do not act on earlier ones: the first panels may be right where the last ones are not
+            unsettled = shares > SETTLED
+            settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), len(self.mesh.kinds))
+        self.forces.at(np.sqrt(np.maximum(work, self.floor) * self.twice))
+        stiff = growth is not None and growth.within is None
+        return self._solution(work, False, settled, growth, ends if stiff else None, force)
+
+    def _round(self, total: Array, growth: Growth, before: Array) -> tuple[Array, Array, Array | None]:
+        """W at the nodes and borders after a round, and under a stiff drive the force that solves the equations.
+
+        Without a stiff drive only what the integral of the force misses is solved with K, so that the rounding of K does not count.
+        """
+        mesh, weight = self.mesh, self.mesh.weight[:, :, None]
+        force = None
+        with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
+            if growth.within is None or growth.through is None:
+                constant = (total + weight) * mesh.measure[:, :, None] - growth.exponents * before
+                work, ends, force = _solved(mesh, constant, growth.exponents, self.energy, self.periodic)
+            else:
+                work, ends = _integral(mesh, total, weight, self.energy)
+                missed = growth.exponents * (work - before)
+                further, at_ends = _factored(missed, growth.within, growth.through, ends[-1] - ends[0] if self.periodic else None)
+                work += further
+                ends += at_ends
+        self.energy = ends[0]
+        return work, ends, force
+
+    def _limited(self, work: Array, before: Array, above: Array) -> tuple[Array, Array]:
+        """W after a round, limited to a factor of what it was, which is ``above`` the floor, and its largest change (p, S) as a share."""
+        step = work - before
+        largest = np.maximum(step.max(axis=0), -step.min(axis=0))
+        if not (largest <= 0.5 * above.min(axis=0)).all():
             if not np.isfinite(work.sum()):
                 work = np.where(np.isfinite(work), work, above)
             work = np.minimum(np.maximum(work, above / FURTHEST), above * FURTHEST)
-            last, moved = moved, np.abs(work - before).max(axis=0) / np.maximum(work.max(axis=0), self.energy)
-            # a stiff drive's torque changes with the last digit of the speed
-            if moved.max() <= SETTLED and not (self.stiffness.any() and moved.max() < 0.5 * last.max()):
-                break
-        # later panels do not act on earlier ones: the first panels may be right where the last ones are not
-        unsettled = moved > SETTLED
-        self.forces.at(np.sqrt(2 * np.maximum(work, self.floor) / self.inertia))
-        settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), len(self.mesh.kinds))
-        return self._solution(work, False, settled, ends, force) if self.stiffness.any() else self._solution(work, False, settled)
-
-    def _stiffness(self, rate: Array) -> Array:
-        stiffness = np.abs(rate * self.mesh.measure[:, :, None]).max(axis=(0, 2))
-        return np.asarray(stiffness * (stiffness.max() > STIFF))
-
-    def _round(self, total: Array, rate: Array, before: Array) -> tuple[Array, Array, Array | None]:
-        """W at the nodes and borders after a round, and under a stiff drive the force that solves the equations."""
-        total += self.mesh.weight[:, :, None]
-        total -= rate * before
-        with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
-            found = (_solved if self.stiffness.any() else _factored)(self.mesh, total, rate, self.energy, self.periodic)
-        self.energy = found[1][0]
-        return found
+            largest = np.abs(work - before).max(axis=0)
+        return work, largest / np.maximum(work.max(axis=0), self.energy)
 
     def _seen_at_rest(self, found: CollocationSolution, total: Array) -> CollocationSolution:
         """A solution whose forces do not depend on its speeds. Where it has a stop, the forces at rest decide `speed_free`."""
@@ -173,7 +242,13 @@ class _Newton:
         return replace(found, speed_free=bool(np.array_equal(self.forces.at(0.0 * found.speed), total))) if stopping else found
 
     def _solution(
-        self, work: Array, speed_free: bool, settled: Indices, ends: Array | None = None, force: Array | None = None
+        self,
+        work: Array,
+        speed_free: bool,
+        settled: Indices,
+        growth: Growth | None = None,
+        ends: Array | None = None,
+        force: Array | None = None,
     ) -> CollocationSolution:
         forces, weight = self.forces, self.mesh.weight[:, :, None]
         if ends is None or force is None:
@@ -187,18 +262,44 @@ class _Newton:
             mesh=self.mesh,
             energy=work,
             ends=ends,
-            speed=np.sqrt(2 * np.maximum(work, least) / self.inertia),
+            speed=np.sqrt(np.maximum(work, least) * self.twice),
             force=force,
             driving=forces.driving,
             resisting=forces.resisting,
             friction_torque=forces.friction_torque,
             speed_free=speed_free,
-            stiffness=self.stiffness,
-            exponent=self.exponent,
+            stiffness=np.zeros(len(self.mesh.kinds)) if growth is None else growth.stiffness,
+            exponent=_summed(growth.exponents).sum(axis=0) if growth is not None and self.periodic else np.zeros(len(self.energy)),
             settled=settled,
             added=self.added,
             evaluations=forces.asked * work.size,
+            growth=growth,
         )
+
+
+def _growth(mesh: Mesh, change: Array, above: Array) -> Growth:
+    """How disturbances grow where energies (q, p, S) whose speeds are larger by the share `BESIDE` ``change`` the force (q, p, S)."""
+    exponents = change / above
+    exponents *= mesh.measure[:, :, None] / (2 * BESIDE)
+    stiffness = np.maximum(exponents.max(axis=(0, 2)), -exponents.min(axis=(0, 2)))
+    if not stiffness.max() <= STIFF:
+        return Growth(exponents, stiffness, None, None)
+    rule, (q, p, count) = gauss_rule(), exponents.shape
+    within = rule.cumulative @ exponents.reshape(q, -1)
+    return Growth(exponents, 0.0 * stiffness, np.exp(within, out=within).reshape(q, p, count), np.exp(_summed(exponents)))
+
+
+def _ended(growth: Growth, moved: float, before: float) -> bool:
+    """Whether Newton's method ends after a round.
+
+    Args:
+        growth: with which the round was made.
+        moved: largest relative change of W in it.
+        before: the same of the round before; NaN in the first one.
+    """
+    if growth.within is None:  # a stiff drive's torque changes with the last digit of the speed
+        return moved <= SETTLED and moved >= 0.5 * before
+    return moved <= SETTLED or moved * moved <= FORESEEN * before
 
 
 def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:
@@ -261,51 +362,58 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     return work, ends
 
 
-def _factored(mesh: Mesh, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, None]:
-    """W (q, p, S) from dW/du = constant + rate W by an integrating factor, for all scenarios in few operations; its values (p + 1, S) at
-    the borders; and no force. At the start W is ``energy``, or if ``periodic`` the same as at the end.
+def _factored(constant: Array, within: Array, through: Array, short: Array | None) -> tuple[Array, Array]:
+    """F (q, p, S) from dF/dx = constant + K du/dx F by an integrating factor, for all scenarios in few operations, and its values
+    (p + 1, S) at the borders. On every panel F is a part of its own, plus a growth times its value at the panel's start.
 
-    On every panel W is a part of its own, plus a growth times its value at the panel's start.
+    Args:
+        constant: (q, p, S), which is overwritten.
+        within: (q, p, S) see `Growth`.
+        through: (p, S) see `Growth`.
+        short: (S,) by which F has to be larger at the start than at the end; None: it is zero at the start.
     """
-    rule = gauss_rule()
+    constant /= within
+    ends = _panel_by_panel(through * _summed(constant), through, short)
     q, p, count = constant.shape
-    flat = (rate * mesh.measure[:, :, None]).reshape(q, p * count)
-    growth, final = np.exp(rule.cumulative @ flat).reshape(q, p, count), np.exp(rule.weights @ flat).reshape(p, count)
-    scaled = (constant * mesh.measure[:, :, None] / growth).reshape(q, p * count)
-    ends = _panel_by_panel(final * (rule.weights @ scaled).reshape(p, count), final, energy, periodic)
-    return np.asarray(growth * (ends[:-1] + (rule.cumulative @ scaled).reshape(q, p, count))), ends, None
+    found = (gauss_rule().cumulative @ constant.reshape(q, -1)).reshape(q, p, count)
+    found += ends[:-1]
+    found *= within
+    return found, ends
 
 
-def _solved(mesh: Mesh, constant: Array, rate: Array, energy: Array, periodic: bool) -> tuple[Array, Array, Array]:
-    """W as `_factored` returns it, by the collocation equations of every panel, for drives so stiff that polynomials do not resolve an
-    integrating factor; and the force dW/du (q, p, S) that solves them, because computed from W it would have the rounding of W.
+def _solved(mesh: Mesh, constant: Array, exponents: Array, energy: Array, periodic: bool) -> tuple[Array, Array, Array]:
+    """W (q, p, S) from dW/dx = constant + exponents W by the collocation equations of every panel, for drives so stiff that polynomials do
+    not resolve an integrating factor; its values (p + 1, S) at the borders; and the force dW/du (q, p, S) that solves them, because
+    computed from W it would have the rounding of W. At the start W is ``energy``, or if ``periodic`` the same as at the end.
     """
     rule, measure = gauss_rule(), mesh.measure.T[:, None]
-    exponents = np.moveaxis(rate, 0, -1) * measure  # (p, S, q)
-    right = np.stack([np.moveaxis(constant, 0, -1) * measure, exponents], axis=-1)
+    exponents = np.moveaxis(exponents, 0, -1)  # (p, S, q)
+    right = np.stack([np.moveaxis(constant, 0, -1), exponents], axis=-1)
     try:
         parts = np.linalg.solve(np.eye(len(rule.nodes)) - exponents[..., None] * rule.cumulative, right)
     except np.linalg.LinAlgError:
         parts = np.full(right.shape, np.nan)
     own, growth = parts[..., 0], parts[..., 1]
-    ends = _panel_by_panel(own @ rule.weights, 1 + growth @ rule.weights, energy, periodic)
+    gains, factors = own @ rule.weights, 1 + growth @ rule.weights
+    ends = _panel_by_panel(gains, factors, 0.0 * energy if periodic else None, energy)
     gained = own + growth * ends[:-1, :, None]
     work = ends[:-1, :, None] + gained @ rule.cumulative.T
     return np.moveaxis(work, -1, 0), ends, np.moveaxis(gained / measure, -1, 0)
 
 
-def _panel_by_panel(gained: Array, final: Array, energy: Array, periodic: bool) -> Array:
-    """W (p + 1, S) at the borders, from what panels (p, S) add to it, and the factor (p, S) by which they multiply its value at their
-    start."""
-    if periodic:
-        energy = np.zeros(len(energy))
+def _panel_by_panel(gained: Array, factors: Array, short: Array | None, start: Array | float = 0.0) -> Array:
+    """Values (p + 1, S) at the borders of what panels (p, S) add to, and multiply by factors (p, S), from a ``start`` (S,), or if
+    ``short`` is given from one that is larger by that (S,) than the value at the end."""
+    ends = np.empty((len(gained) + 1, gained.shape[1]))
+    if short is not None:
+        ends[0] = 0.0
         for k in range(len(gained)):
-            energy = final[k] * energy + gained[k]
-        energy = energy / (1 - final.prod(axis=0))
-    ends = np.empty((len(gained) + 1, len(energy)))
-    ends[0] = energy
+            ends[k + 1] = factors[k] * ends[k] + gained[k]
+        start = (ends[-1] + short) / (1 - factors.prod(axis=0))
+    ends[0] = start
     for k in range(len(gained)):
-        ends[k + 1] = final[k] * ends[k] + gained[k]
+        np.multiply(factors[k], ends[k], out=ends[k + 1])
+        ends[k + 1] += gained[k]
     return ends
 
 
@@ -315,5 +423,10 @@ def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
 
 
 def _over_panels(mesh: Mesh, rate: Array) -> Array:
+    return _summed(rate * mesh.measure[:, :, None])
+
+
+def _summed(rate: Array) -> Array:
+    """Integrals (p, S) of a rate (q, p, S) by x over each panel."""
     q, p, count = rate.shape
-    return np.asarray((gauss_rule().weights @ (rate * mesh.measure[:, :, None]).reshape(q, -1)).reshape(p, count))
+    return np.asarray((gauss_rule().weights @ rate.reshape(q, -1)).reshape(p, count))

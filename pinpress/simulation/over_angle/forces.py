@@ -16,6 +16,7 @@ class Forces:
         driving: (q, p, S) of the drive, as last computed [N m].
         resisting: (q, p, S) of the loads, as last computed [N m].
         friction_torque: (q, p, S) of friction in the bearings, as last computed [N m]; None for none.
+        total: (q, p, S) sum of them, as last computed [N m].
         asked: number of times that they were computed.
     """
 
@@ -24,13 +25,8 @@ class Forces:
         self.driving, self.resisting = np.zeros(shape), np.zeros(shape)
         self.friction_torque: Array | None = None
         self.efforts: Array | None = None  # of friction, from which the next ones are found
+        self.total = self.driving
         self.steady = not mesh.forces
-
-    @property
-    def total(self) -> Array:
-        """(q, p, S) sum of the forces, as last computed."""
-        acting = self.driving + self.resisting
-        return np.asarray(acting if self.friction_torque is None else acting + self.friction_torque)
 
     def at(self, speed: Array) -> Array:
         """Sum of the forces at sizes of the crank's speed (q, p, S)."""
@@ -39,6 +35,8 @@ class Forces:
             self.resisting = self._resisting(speed)
         if self.mesh.bearings is not None:
             self.friction_torque = self._friction(self.mesh.bearings, speed, self.driving + self.resisting)
+        acting = self.driving + self.resisting
+        self.total = acting if self.friction_torque is None else acting + self.friction_torque
         self.asked += 1
         return self.total
 

@@ -61,17 +61,14 @@ def cuts(
 
 def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: Indices | slice) -> NDArray[np.bool_]:
     """Whether the first panels (upto,) are too coarse for energy or time of any scenario."""
-    rule, measure = gauss_rule(), solution.mesh.measure[:, :upto, None]
-    force, speed, ends = solution.force[:, :upto, which], solution.speed[:, :upto, which], solution.ends[: upto + 1, which]
-    q, _, count = force.shape
+    highest, taken = solution.ends[: upto + 1, which].max(axis=0), solution.durations[:upto, which].sum(axis=0) / solution.mesh.periods
 
     def missed(integrand: Array, whole: Array) -> NDArray[np.bool_]:
-        tail = np.abs(rule.legendre[-2:] @ (integrand * measure).reshape(q, -1)).max(axis=0).reshape(upto, count)
+        some = integrand[:, :upto, which]
+        tail = np.abs(gauss_rule().legendre[-2:] @ some.reshape(len(some), -1)).max(axis=0).reshape(some.shape[1:])
         return np.asarray((tail > tolerance * whole).any(axis=1), dtype=np.bool_)
 
-    slowness = 1 / speed
-    taken = (rule.weights @ (slowness * measure).reshape(q, -1)).reshape(upto, count).sum(axis=0) / solution.mesh.periods
-    return np.asarray(missed(force, ends.max(axis=0)) | missed(slowness, taken))
+    return np.asarray(missed(solution.force * solution.mesh.measure[:, :, None], highest) | missed(solution.slowness, taken))
 
 
 def _cut_within(solution: CollocationSolution, panel: int) -> float:

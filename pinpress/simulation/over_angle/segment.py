@@ -123,7 +123,7 @@ def angle_segment(driven: DrivenPress, solution: CollocationSolution, count: int
     """The first ``count`` panels of a solution of one scenario, as functions of time."""
     rule, mesh = gauss_rule(), solution.mesh
     measure, speed = mesh.measure[:, :count], solution.speed[:, :count, 0]
-    elapsed = rule.integral(measure / speed)
+    elapsed = rule.integral(solution.slowness[:, :count, 0])
     driving, motor = _drive_torques(driven, solution, count)
     rates = [driving, -solution.resisting[:, :count, 0], motor * motor / speed]
     rates += [] if solution.friction_torque is None else [-solution.friction_torque[:, :count, 0]]
