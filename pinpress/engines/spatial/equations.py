@@ -111,13 +111,10 @@ class Loops(Frozen):
         return np.asarray(2.0 * self.pair_end[:, None, None] - 1.0)
 
     @cached_property
-    def crossing(self) -> Matrix:
-        """(nv, np) sums over the pairs of a joint, with the signs of their loop forces on it."""
-        count = len(self.bodies.parents)
-        rows: list[dict[int, complex]] = [{} for _ in range(count)]
-        for pair, (joint, sign) in enumerate(zip(self.pair_joint.tolist(), self.pair_sign.ravel().tolist(), strict=True)):
-            rows[joint][pair] = sign
-        return matrix(rows, len(self.pair_joint), count, float)
+    def pairs(self) -> list[tuple[int, int, np.ufunc]]:
+        """Loop and joint of every pair, and whether to add to the joint what it has from the loop or, where it carries end 2, subtract."""
+        changes = [np.subtract if end else np.add for end in self.pair_end.tolist()]
+        return list(zip(self.pair_loop.tolist(), self.pair_joint.tolist(), changes, strict=True))
 
     @cached_property
     def spinning(self) -> Matrix:

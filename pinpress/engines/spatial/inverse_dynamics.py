@@ -8,6 +8,7 @@ that cross it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +16,8 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import LOOSEST, ClosedStates, other_linkage
-from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
-from ..joints import product
-from .bodies import accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
+from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches, lexicographic_responses
+from .bodies import Placements, accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
 from .equations import Equations, Loops, equations, loop_spins
 
@@ -26,17 +26,19 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
     """Driving torque and the wrenches of joints and loops; see `Engine.inverse_dynamics`."""
     spatial, n, law = loops.spatial, states.v.shape[1], conditions.law
     result = Wrenches.zeros(len(spatial.drivers), len(spatial.couplings), spatial.model.nv + len(spatial.loops), n, len(wanted))
-    speeds = None if law is None else law.moving(_speeds(loops, states.position, states.v))
-    for start in range(0, n, loops.piece):
-        some = slice(start, start + loops.piece)
-        balance = _Balance(loops, states if n <= loops.piece else states.part(some), [load.part(some) for load in conditions.loads])
-        if law is None or speeds is None:
-            # the driving torque does not depend on how idle forces are shared
-            shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))
+    # the driving torque does not depend on how idle forces are shared
+    shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))
+    pieces = [slice(start, start + loops.piece) for start in range(0, n, loops.piece)]
+    fastest = None if law is None or len(pieces) == 1 else law.moving(_speeds(loops, states, pieces))
+    for some in pieces:
+        part = states if len(pieces) == 1 else states.part(some)
+        balance = _Balance(loops, part, [load.part(some) for load in conditions.loads], conditions.compliance)
+        if law is None:
             friction = balance.no_friction()
-            multipliers = balance.multipliers(friction, conditions.compliance, shared)
+            multipliers = balance.multipliers(friction, shared)
         else:
-            multipliers, friction, lost = balance.with_friction(law, speeds[:, some], conditions.compliance)
+            speeds = law.moving(balance.speeds()) if fastest is None else fastest[:, some]
+            multipliers, friction, lost = balance.with_friction(law, speeds)
             result.friction[:, some] = lost
         balance.fill(result.part(some), multipliers, friction, wanted)
     return result
@@ -48,9 +50,9 @@ def bearing_loads(loops: Loops, states: ClosedStates, loads: Sequence[AppliedFor
     speed, radial = np.empty_like(efforts), np.empty((*efforts.shape, 3))
     for start in range(0, n, loops.piece):
         some = slice(start, start + loops.piece)
-        balance = _Balance(loops, states.part(some), [load.part(some) for load in loads])
+        balance = _Balance(loops, states.part(some), [load.part(some) for load in loads], None)
         speed[:, some], directions = balance.ways(rates[:, some])
-        multipliers = balance.multipliers(balance.friction(efforts[:, some], directions), None)
+        multipliers = balance.multipliers(balance.friction(efforts[:, some], directions))
         radial[:, some] = balance.radial(multipliers, directions).transpose(0, 2, 1)
     return BearingLoads(speed, radial)
 
@@ -65,13 +67,14 @@ def indeterminate(loops: Loops, position: Array, axes: Array) -> tuple[NDArray[n
         for part in PassiveColumns(loops, found.entries).parts:
             if not part.idle.shape[2] or not len(part.idle):
                 continue
-            forces, moments, _ = _parts(loops, found, part.states, part.idle)
+            idle = _configurations_last(part.idle)
+            forces, moments = _loop_wrenches(loops, found, part.states, idle)
             for place, vectors, unit in (
-                (0, _of_bearings(loops, forces), 1.0),
-                (3, _moments(loops, found, part.states, forces, moments), spatial.size),
+                (0, _forces_of_bearings(loops, forces), 1.0),
+                (3, _moments_of_bearings(loops, found, part.states, forces, moments), spatial.size),
             ):
-                marks[:, place : place + 3] |= np.abs(np.einsum("ai,mbik->mbak", axes, vectors)).max(axis=(0, 3)) > RANK * unit
-            couplings |= np.abs(part.idle[:, loops.rows - len(couplings) :]).max(axis=(0, 2)) > RANK
+                marks[:, place : place + 3] |= np.abs(np.einsum("ai,kbim->bakm", axes, vectors)).max(axis=(2, 3)) > RANK * unit
+            couplings |= np.abs(idle[:, loops.rows - len(couplings) :]).max(axis=(0, 2)) > RANK
     return marks, couplings
 
 
@@ -87,16 +90,37 @@ class _Friction(NamedTuple):
     couples: Array
 
 
+class _Sharing(NamedTuple):
+    """How idle forces of m states are shared.
+
+    Attributes:
+        states: which states.
+        idle: (k, rows, m) multipliers that balance each other.
+        responses: (m, k, 3 bearings) see `lexicographic_responses`.
+    """
+
+    states: NDArray[np.intp] | slice
+    idle: Array
+    responses: list[Array]
+
+
 class _Balance:
     """States under their loads: the efforts of the open tree, and the multipliers of the equations that balance them."""
 
-    def __init__(self, loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce]) -> None:
+    def __init__(self, loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce], compliance: Array | None) -> None:
         """Work out the forces of the open tree.
+
+        Args:
+            loops: constants of the linkage.
+            states: closed states.
+            loads: forces on links.
+            compliance: (bearings,) as in `AppliedConditions`.
 
         Raises:
             AssemblyError: a state leaves the loops open, because it belongs to another linkage.
         """
-        self.loops, self.states = loops, states
+        self.loops, self.states, self.compliance = loops, states, compliance
+        self.sharing: list[_Sharing] | None = None
         spatial, bodies = loops.spatial, loops.bodies
         self.count, self.n = states.v.shape
         if states.solved is None:
@@ -142,21 +166,25 @@ class _Balance:
         """Friction of efforts (bearings, n) about directions (bearings, 3, n)."""
         return _Friction(efforts[: self.count], efforts[self.count :, None] * directions[self.count :])
 
+    def speeds(self) -> Array:
+        """Speeds (bearings, n) of all bearings, those of loops as magnitudes."""
+        return _all_speeds(self.loops, self.found.placed, self.states.v)
+
     def ways(self, rates: Array) -> tuple[Array, Array]:
         """Speeds (bearings, n) at joint rates (nv, n), of loops their magnitudes, and the axes (bearings, 3, n) about or along which the
         bearings move, world axes; zero of a loop that does not turn."""
         spins = loop_spins(self.loops, self.found.placed, rates)
         sizes = np.sqrt((spins * spins).sum(axis=1))
-        directions = np.concatenate([self.found.placed.axis, spins / np.where(sizes == 0, 1.0, sizes)[:, None]])
+        directions = components_first(self.count + len(sizes), self.n)
+        directions[: self.count], directions[self.count :] = self.found.placed.axis, spins / np.where(sizes == 0, 1.0, sizes)[:, None]
         return np.concatenate([rates, sizes]), directions
 
-    def with_friction(self, law: FrictionLaw, speeds: Array, compliance: Array | None) -> tuple[Array, _Friction, Array]:
+    def with_friction(self, law: FrictionLaw, speeds: Array) -> tuple[Array, _Friction, Array]:
         """Multipliers (rows, n), friction, and the power lost (bearings, n) [W].
 
         Args:
             law: friction of the bearings.
             speeds: (bearings, n) of the bearings, zero where they are rounding.
-            compliance: (bearings,) as in `AppliedConditions`.
 
         Raises:
             PinpressError: friction locks the linkage.
@@ -165,43 +193,87 @@ class _Balance:
         directions[self.count :] *= (speeds[self.count :] != 0)[:, None]
 
         def radial(efforts: Array) -> Array:
-            vectors = self.radial(self.multipliers(self.friction(efforts, directions), compliance), directions)
-            return np.asarray(np.sqrt((vectors * vectors).sum(axis=1)))
+            vectors = self.radial(self.multipliers(self.friction(efforts, directions)), directions)
+            return np.asarray(np.sqrt(np.einsum("bin,bin->bn", vectors, vectors)))
 
         spatial = self.loops.spatial
         efforts = law.efforts(speeds, radial, self.states.position[spatial.drivers[0]], spatial.coordinates[0])
         friction = self.friction(efforts, directions)
-        return self.multipliers(friction, compliance), friction, -efforts * speeds
+        return self.multipliers(friction), friction, -efforts * speeds
 
     def radial(self, multipliers: Array, directions: Array) -> Array:
         """Vectors (bearings, 3, n) across the axes of the bearings, whose lengths are the radial forces [N]."""
-        forces = _of_bearings(self.loops, self._loop_forces(multipliers)[..., None])[..., 0].transpose(1, 2, 0)
-        forces[: self.count] += self.force
-        return cross(forces, directions)
+        return cross(self._forces(multipliers), directions)
 
-    def _loop_forces(self, multipliers: Array) -> Array:
-        """Forces (n, nl, 3) of the loops from multipliers (rows, n)."""
-        count = len(self.loops.spatial.loops)
-        return multipliers[: 3 * count].T.reshape(self.n, count, 3)
+    def _forces(self, multipliers: Array) -> Array:
+        """Forces (bearings, 3, n) of all bearings [N], from multipliers (rows, n)."""
+        forces: Array = _forces_of_bearings(self.loops, _loop_forces(self.loops, multipliers[None]))[0]
+        forces[: self.count] += self.force
+        return forces
+
+    def _moments(self, multipliers: Array, friction: _Friction) -> Array:
+        """Moments (bearings, 3, n) of all bearings [N m], from multipliers (rows, n)."""
+        forces, moments = _loop_wrenches(self.loops, self.found, slice(None), multipliers[None])
+        moments += friction.couples
+        result: Array = _moments_of_bearings(self.loops, self.found, slice(None), forces, moments)[0]
+        result[: self.count] += self.moment
+        return result
 
     # ----------------------------------------------------------------------------------------------------------------- multipliers
 
-    def multipliers(self, friction: _Friction, compliance: Array | None, shared: bool = True) -> Array:
+    def multipliers(self, friction: _Friction, shared: bool = True) -> Array:
         """Multipliers (rows, n) of the equations.
 
         Args:
             friction: of the bearings.
-            compliance: (bearings,) as in `AppliedConditions`.
             shared: whether to share idle forces as `engines.forces` says; else the multipliers are those of least norm.
         """
         found = self.passive.multipliers(self._needed(friction))
         if not shared:
             return found
+        if self.sharing is None:
+            self.sharing = list(self._share())
+        starts = list(islice(self._starts(found, friction), max((len(each.responses) for each in self.sharing), default=0)))
+        for sharing in self.sharing:
+            parts = zip(sharing.responses, starts, strict=False)
+            y = -sum((response @ start[sharing.states, :, None])[:, :, 0] for response, start in parts)
+            found[:, sharing.states] += np.einsum("krm,mk->rm", sharing.idle, y)
+        return found
+
+    def _share(self) -> Iterator[_Sharing]:
         for part in self.passive.parts:
             if part.idle.shape[2] and len(part.idle):
-                y = lexicographic_least_squares(self._objectives(found, part.states, part.idle, friction, compliance))
-                found[:, part.states] += (part.idle @ y[..., None])[..., 0].T
-        return found
+                idle = _configurations_last(part.idle)
+                yield _Sharing(part.states, idle, lexicographic_responses(self._objectives(idle, part.states)))
+
+    def _objectives(self, idle: Array, states: NDArray[np.intp] | slice) -> Iterator[tuple[Array, float]]:
+        """The objectives by which multiples of idle multipliers (k, rows, m) of some states are chosen, see `lexicographic_responses`. The
+        generator works out the next one only where the ones before leave something open."""
+        loop_forces, loop_moments = _loop_wrenches(self.loops, self.found, states, idle)
+        forces = self._across(_forces_of_bearings(self.loops, loop_forces), states, turning=False)
+        if self.compliance is not None:
+            weights = np.sqrt(self.compliance)
+            yield _configurations_first(weights[:, None, None] * forces), float(weights.max())
+        yield _configurations_first(forces), 1.0
+        moments = _moments_of_bearings(self.loops, self.found, states, loop_forces, loop_moments)
+        yield _configurations_first(self._across(moments, states, turning=True)), self.size
+
+    def _starts(self, multipliers: Array, friction: _Friction) -> Iterator[Array]:
+        """What the objectives minimise, (n, 3 bearings), without idle multipliers, in the order of `_objectives`."""
+        every = slice(None)
+        forces = self._across(self._forces(multipliers)[None], every, turning=False)
+        if self.compliance is not None:
+            yield _configurations_first(np.sqrt(self.compliance)[:, None, None] * forces)[:, :, 0]
+        yield _configurations_first(forces)[:, :, 0]
+        yield _configurations_first(self._across(self._moments(multipliers, friction)[None], every, turning=True))[:, :, 0]
+
+    def _across(self, vectors: Array, states: NDArray[np.intp] | slice, turning: bool) -> Array:
+        """Vectors (k, bearings, 3, m) without their components along the axes of the joints that turn, or of those that slide."""
+        some = np.flatnonzero(self.loops.bodies.turns == turning)
+        if len(some):
+            axis, own = self.found.placed.axis[some][..., states], vectors[:, some]
+            vectors[:, some] = own - axis * np.einsum("jim,kjim->kjm", axis, own)[:, :, None]
+        return vectors
 
     def _needed(self, friction: _Friction) -> Array:
         """Efforts (nv, n) that loops, couplings and drives have to supply: those of the open tree less friction."""
@@ -210,37 +282,6 @@ class _Balance:
             turning = np.where(self.loops.bodies.turns[:, None, None], self.found.placed.axis, 0.0)
             needed -= np.einsum("jl,jin,lin->jn", self.loops.spatial.incidence, turning, friction.couples, optimize=True)
         return needed
-
-    def _objectives(
-        self, found: Array, states: NDArray[np.intp] | slice, idle: Array, friction: _Friction, compliance: Array | None
-    ) -> Iterator[Objective]:
-        """The objectives by which idle forces of some states are shared. The generator works out the next one only where the ones before
-        leave something open."""
-        k = idle.shape[2]
-        columns = np.concatenate([idle, found[:, states].T[:, :, None]], axis=2)
-        loop_forces, loop_moments, _ = _parts(self.loops, self.found, states, columns)
-        forces = _of_bearings(self.loops, loop_forces)
-        forces[:, : self.count, :, k] += self.force[:, :, states].transpose(2, 0, 1)
-        forces = self._across(forces, states, turning=False)
-        if compliance is not None:
-            weights = np.repeat(np.sqrt(compliance), 3)[:, None]
-            yield Objective(weights * forces[..., :k], weights[:, 0] * forces[..., k], float(weights.max()))
-        yield Objective(forces[..., :k], forces[..., k], 1.0)
-        loop_moments[..., k] += friction.couples[:, :, states].transpose(2, 0, 1)
-        moments = _moments(self.loops, self.found, states, loop_forces, loop_moments)
-        moments[:, : self.count, :, k] += self.moment[:, :, states].transpose(2, 0, 1)
-        moments = self._across(moments, states, turning=True)
-        yield Objective(moments[..., :k], moments[..., k], self.size)
-
-    def _across(self, vectors: Array, states: NDArray[np.intp] | slice, turning: bool) -> Array:
-        """Vectors (m, bearings, 3, k) without their components along the axes of the joints that turn, or of those that slide, as
-        (m, 3 bearings, k)."""
-        some = np.flatnonzero(self.loops.bodies.turns == turning)
-        if len(some):
-            axis = self.found.placed.axis[some][:, :, states].transpose(2, 0, 1)[..., None]
-            own = vectors[:, some]
-            vectors[:, some] = own - axis * (axis * own).sum(axis=2, keepdims=True)
-        return vectors.reshape(len(vectors), -1, vectors.shape[-1])
 
     # -------------------------------------------------------------------------------------------------------------------- result
 
@@ -254,76 +295,76 @@ class _Balance:
         result.coupling[:] = units[:, None] * multipliers[loops.rows - len(units) :]
         if not len(wanted):
             return
-        forces, moments = np.empty((count + held, 3, self.n)), np.empty((count + held, 3, self.n))
-        forces[count:], moments[count:] = multipliers[: 3 * held].reshape(held, 3, self.n), friction.couples
-        row = 3 * held
-        for k, loop in enumerate(spatial.loops):
-            if loop.held_rotations:
-                own = multipliers[row : row + loop.held_rotations]
-                moments[count + k] += spatial.size * np.einsum("ihn,hn->in", self.found.held[k], own)
-                row += loop.held_rotations
-        arms = self.found.ends[0][loops.pair_loop] - self.found.placed.origin[loops.pair_joint + 1]
-        crossing = np.empty((len(arms), 2, 3, self.n))
-        crossing[:, 0] = forces[count + loops.pair_loop]
-        crossing[:, 1] = moments[count + loops.pair_loop] + cross(arms, crossing[:, 0])
-        crossed = product(loops.crossing, crossing.reshape(len(arms), 6 * self.n)).reshape(count, 2, 3, self.n)
-        np.subtract(self.force, crossed[:, 0], out=forces[:count])
-        np.subtract(self.moment, crossed[:, 1], out=moments[:count])
-        kept = slice(None) if len(wanted) == len(forces) else list(wanted)
-        result.force[:], result.moment[:] = forces[kept].transpose(0, 2, 1), moments[kept].transpose(0, 2, 1)
+        kept = slice(None) if len(wanted) == count + held else list(wanted)
+        result.force[:] = self._forces(multipliers)[kept].transpose(0, 2, 1)
+        result.moment[:] = self._moments(multipliers, friction)[kept].transpose(0, 2, 1)
 
 
-def _speeds(loops: Loops, position: Array, v: Array) -> Array:
-    """Speeds (bearings, n) of all bearings at joint rates (nv, n), those of loops as magnitudes."""
-    sizes = np.empty((len(loops.spatial.loops), v.shape[1]))
-    for start in range(0, v.shape[1], loops.piece):
-        some = slice(start, start + loops.piece)
-        spins = loop_spins(loops, equations(loops, position[:, some]).placed, v[:, some])
-        sizes[:, some] = np.sqrt((spins * spins).sum(axis=1))
-    return np.concatenate([v, sizes])
+def _speeds(loops: Loops, states: ClosedStates, pieces: Sequence[slice]) -> Array:
+    """Speeds (bearings, n) of all bearings, those of loops as magnitudes."""
+    parts = ((equations(loops, states.position[:, some]).placed, states.v[:, some]) for some in pieces)
+    return np.concatenate([_all_speeds(loops, *part) for part in parts], axis=1)
 
 
-def _parts(loops: Loops, found: Equations, states: NDArray[np.intp] | slice, multipliers: Array) -> tuple[Array, Array, Array]:
-    """Forces and moments (m, nl, 3, k) of the loops, and torques (m, nc, k) of the couplings, from multipliers (m, rows, k)."""
-    spatial, (m, _, k) = loops.spatial, multipliers.shape
-    count = len(spatial.loops)
-    forces, moments = multipliers[:, : 3 * count].reshape(m, count, 3, k), np.zeros((m, count, 3, k))
-    row = 3 * count
-    for index, loop in enumerate(spatial.loops):
+def _all_speeds(loops: Loops, placed: Placements, v: Array) -> Array:
+    spins = loop_spins(loops, placed, v)
+    return np.concatenate([v, np.sqrt((spins * spins).sum(axis=1))])
+
+
+# --------------------------------------------------------------------------------------------- what multipliers are as forces and moments
+
+
+def _configurations_last(idle: Array) -> Array:
+    """(k, rows, m) of idle multipliers (m, rows, k)."""
+    return np.ascontiguousarray(idle.transpose(2, 1, 0))
+
+
+def _configurations_first(vectors: Array) -> Array:
+    """(m, 3 bearings, k) of vectors (k, bearings, 3, m)."""
+    return vectors.transpose(3, 1, 2, 0).reshape(vectors.shape[3], -1, len(vectors))
+
+
+def _loop_forces(loops: Loops, multipliers: Array) -> Array:
+    """Forces (k, nl, 3, m) of the loops from multipliers (k, rows, m)."""
+    count = len(loops.spatial.loops)
+    return multipliers[:, : 3 * count].reshape(len(multipliers), count, 3, multipliers.shape[2])
+
+
+def _loop_wrenches(loops: Loops, found: Equations, states: NDArray[np.intp] | slice, multipliers: Array) -> tuple[Array, Array]:
+    """Forces and moments (k, nl, 3, m) of the loops from multipliers (k, rows, m)."""
+    forces = _loop_forces(loops, multipliers)
+    moments, row = np.zeros_like(forces), 3 * forces.shape[1]
+    for index, loop in enumerate(loops.spatial.loops):
         if loop.held_rotations:
             own = multipliers[:, row : row + loop.held_rotations]
-            moments[:, index] = spatial.size * found.held[index][:, :, states].transpose(2, 0, 1) @ own
+            moments[:, index] = loops.spatial.size * np.einsum("ihm,khm->kim", found.held[index][:, :, states], own)
             row += loop.held_rotations
-    units = np.array([spatial.size if spatial.axes[pair.follower].turns else 1.0 for pair in spatial.couplings])
-    return forces, moments, units[:, None] * multipliers[:, row:]
+    return forces, moments
 
 
-def _of_bearings(loops: Loops, forces: Array) -> Array:
-    """What forces (m, nl, 3, k) of the loops add to the forces (m, bearings, 3, k) of joints and loops."""
-    m, count, _, k = forces.shape
-    nv = len(loops.bodies.parents)
-    result = np.empty((m, nv + count, 3, k))
-    result[:, :nv] = (-loops.spatial.incidence @ forces.reshape(m, count, 3 * k)).reshape(m, nv, 3, k)
-    result[:, nv:] = forces
+def _forces_of_bearings(loops: Loops, forces: Array) -> Array:
+    """What forces (k, nl, 3, m) of the loops add to the forces (k, bearings, 3, m) of joints and loops."""
+    result = _at_bearings(loops, forces)
+    for loop, joint, change in loops.pairs:
+        change(result[:, joint], forces[:, loop], out=result[:, joint])
     return result
 
 
-def _moments(loops: Loops, found: Equations, states: NDArray[np.intp] | slice, forces: Array, moments: Array) -> Array:
-    """What forces and moments (m, nl, 3, k) of the loops add to the moments (m, bearings, 3, k) of joints, about their origins, and
+def _moments_of_bearings(loops: Loops, found: Equations, states: NDArray[np.intp] | slice, forces: Array, moments: Array) -> Array:
+    """What forces and moments (k, nl, 3, m) of the loops add to the moments (k, bearings, 3, m) of joints, about their origins, and
     loops."""
-    (m, count, _, k), nv = forces.shape, len(loops.bodies.parents)
-    result = np.zeros((m, nv + count, 3, k))
-    result[:, nv:] = moments
-    points, origins = found.ends[0][:, :, states], found.placed.origin[1:][:, :, states]
-    for loop, joint, sign in zip(loops.pair_loop.tolist(), loops.pair_joint.tolist(), loops.pair_sign.ravel().tolist(), strict=True):
-        arm, force = (points[loop] - origins[joint]).T[:, :, None], forces[:, loop]
-        turning = np.stack(
-            [
-                arm[:, 1] * force[:, 2] - arm[:, 2] * force[:, 1],
-                arm[:, 2] * force[:, 0] - arm[:, 0] * force[:, 2],
-                arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0],
-            ],
-            axis=1,
-        )
-        result[:, joint] -= sign * (moments[:, loop] + turning)
+    result = _at_bearings(loops, moments)
+    arms = found.ends[0][loops.pair_loop] - found.placed.origin[loops.pair_joint + 1]
+    turning = cross(arms[..., states], forces[:, loops.pair_loop])
+    turning += moments[:, loops.pair_loop]
+    for pair, (_, joint, change) in enumerate(loops.pairs):
+        change(result[:, joint], turning[:, pair], out=result[:, joint])
+    return result
+
+
+def _at_bearings(loops: Loops, vectors: Array) -> Array:
+    """Vectors (k, nl, 3, m) of the loops as those of all bearings (k, bearings, 3, m), zero of joints."""
+    (k, _, _, m), count = vectors.shape, len(loops.bodies.parents)
+    result = components_first(count + vectors.shape[1], m, k)
+    result[:, :count], result[:, count:] = 0.0, vectors
     return result
