@@ -6,6 +6,7 @@ Signs and axes are those of `inverse_dynamics`. All functions raise `PinpressErr
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
@@ -156,7 +157,9 @@ def rounding(reactions: Reactions) -> Rounding:
         PinpressError: bearings were left out of the reactions, or a force is not finite.
     """
     expect("reactions", reactions, Reactions, "inverse_dynamics")
-    largest = max((float(np.abs(force).max(initial=0.0)) for force in finite_forces(reactions).values()), default=0.0)
+    if reactions.left_out or not math.isfinite(reactions._largest_force) or not len(reactions.driving_torque):
+        finite_forces(reactions)  # refuses them by name
+    largest = reactions._largest_force
     torque = float(np.abs(finite("driving torque", reactions.driving_torque)).max(initial=0.0))
     return Rounding(ROUNDING * largest, ROUNDING * max(torque, largest * reactions._press.size))
 

@@ -139,6 +139,11 @@ class Reactions(Tabular):
         return float(self._process_steps.sum())
 
     @cached_property
+    def _largest_force(self) -> float:
+        """The largest component of all bearing forces [N]; not finite where one of them is not."""
+        return float(np.max([np.abs(force).max(initial=0.0) for force in self.bearing_force.values()], initial=0.0))
+
+    @cached_property
     def _process_steps(self) -> Array:
         """The process's work from each state to the next, over a `cycle` also from the last to the first [J]: (n - 1,), or (n,)."""
         return read_only(applied_loads.process_work(self.loads, self._press, self.motion))

@@ -216,7 +216,8 @@ def _check(press: Linkage, before: Linkage) -> None:
 
 def _structure(press: Linkage) -> dict[str, object]:
     """All that `write_urdf` cannot change, by name."""
-    model, known = press.model, [link for link in press.links if press.model.existFrame(link, pin.BODY)]
+    model = press.model
+    known = [link for link in press.links if model.existFrame(link, pin.BODY)]
     return {
         "joints": (tuple(model.names), tuple(model.parents)),
         "joint types": [(joint.shortname()[:11], joint.nq) for joint in model.joints],  # JointModelR, JointModelP; not which axis
@@ -238,7 +239,7 @@ def _gaps(press: Linkage, reached: Linkage) -> dict[str, float]:
 def _contents(press: Linkage) -> Iterator[tuple[str, Array, float]]:
     """All numbers that a URDF holds of a linkage: names, arrays, and sizes to which rounding is relative; 0 where nothing is rounded."""
     model = press.model
-    places = [*model.jointPlacements, *(placement(press, link) for link in press.links)]
+    places = [*model.jointPlacements, *(_placement(model, link) for link in press.links)]
     lengths = {
         "placement of joints and links": [place.translation for place in places],
         "centres of mass": [inertia.lever if inertia.mass else np.zeros(3) for inertia in model.inertias],
@@ -290,30 +291,31 @@ _FIRST = (1.0, 0.0, 0.0)  # axis of a loop's end about which the loop turns
 def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
     """The URDF's text with the numbers of ``now`` wherever they differ from those ``before``, of the linkage as the text loads."""
     text, description = Text(document), reader.describe(document)
+    old_model, new_model, place_of = before.model, now.model, {name: j for j, name in enumerate(before.joints)}
     if now.name != before.name:
         text.set(text.robot, {"name": now.name})
     joints = list(zip(description.joints, text.robot.all("joint"), strict=True))
-    movable = list(zip(axes(before.model), axes(now.model), slots(now.model), strict=True))
+    movable = list(zip(axes(old_model), axes(new_model), slots(new_model), strict=True))
     for joint, element in joints:
-        text.set_child(element, "origin", _changed_place(_origin(before, joint), _origin(now, joint)))
+        j = place_of.get(joint.name, -1)
+        text.set_child(element, "origin", _changed_place(_origin(old_model, joint, j), _origin(new_model, joint, j)))
         if joint.type != "fixed":
-            j = before.joints.index(joint.name)
-            _edit_joint(text, element, j, before, now, *movable[j])
+            _edit_joint(text, element, j, old_model, new_model, *movable[j])
     mimics = [element.all("mimic")[0] for joint, element in joints if joint.mimic]
     for mimic, was, pair in zip(mimics, before.couplings, now.couplings, strict=True):
         text.set(mimic, _changed({"multiplier": (was.multiplier, pair.multiplier), "offset": (was.offset, pair.offset)}))
         if pair.leader != was.leader:
             text.set(mimic, {"joint": now.joints[pair.leader]})
     for k, (loop, element) in enumerate(zip(description.loops, text.robot.all("loop_joint"), strict=True)):
-        _edit_loop(text, element, loop, k, before, now)
+        _edit_loop(text, element, loop, (old_model, before.loops[k]), (new_model, now.loops[k]))
     _edit_drivers(text, description.drivers, now.drivers)
     bodies: dict[int, list[_Link]] = {}
-    balls = _balls(document, before.model)
+    balls = _balls(document, old_model)
     for link, element in zip(now.links, text.robot.all("link"), strict=True):
-        carrier = int(now.model.frames[now.model.getFrameId(link, pin.BODY)].parentJoint)
-        bodies.setdefault(carrier, []).append(_link(element, placement(before, link), placement(now, link)))
+        carrier = int(new_model.frames[new_model.getFrameId(link, pin.BODY)].parentJoint)
+        bodies.setdefault(carrier, []).append(_link(element, _placement(old_model, link), _placement(new_model, link)))
     for carrier, links in bodies.items():
-        old, new = before.model.inertias[carrier], now.model.inertias[carrier]
+        old, new = old_model.inertias[carrier], new_model.inertias[carrier]
         if new != old or any(link.now != link.before for link in links):
             ball = ""
             if new != old:
@@ -326,44 +328,46 @@ def edited(document: Document, before: Linkage, now: Linkage) -> bytes:
     return text.edited()
 
 
-def placement(press: Linkage, link: str) -> pin.SE3:
+def _placement(model: pin.Model, link: str) -> pin.SE3:
     """Placement of a link in the frame of the joint that carries it."""
-    return press.model.frames[press.model.getFrameId(link, pin.BODY)].placement
+    return model.frames[model.getFrameId(link, pin.BODY)].placement
 
 
 # --------------------------------------------------------------------------------------------------------------- joints, loops and drivers
 
 
-def _origin(press: Linkage, joint: reader.Joint) -> pin.SE3:
-    """Placement of a joint in the frame of its parent link."""
-    place = placement(press, joint.child) if joint.type == "fixed" else press.model.jointPlacements[press.joints.index(joint.name) + 1]
-    return placement(press, joint.parent).inverse() * place
+def _origin(model: pin.Model, joint: reader.Joint, j: int) -> pin.SE3:
+    """Placement of a joint in the frame of its parent link; ``j``: its index in v, of a joint that moves."""
+    place = _placement(model, joint.child) if joint.type == "fixed" else model.jointPlacements[j + 1]
+    return _placement(model, joint.parent).inverse() * place
 
 
-def _edit_joint(text: Text, element: Element, j: int, before: Linkage, now: Linkage, was: Axis, axis: Axis, slot: Slot) -> None:
+def _edit_joint(text: Text, element: Element, j: int, before: pin.Model, now: pin.Model, was: Axis, axis: Axis, slot: Slot) -> None:
     if not np.array_equal(axis.direction, was.direction):
         text.set_child(element, "axis", {"xyz": written(axis.direction)})
     for child, names, at in (("limit", POSITION_LIMITS, slot.start), ("limit", LIMITS, j), ("dynamics", DYNAMICS, j)):
-        limits = {name: (getattr(before.model, array)[at], getattr(now.model, array)[at]) for name, array in names.items()}
+        limits = {name: (getattr(before, array)[at], getattr(now, array)[at]) for name, array in names.items()}
         text.set_child(element, child, _changed(limits))
 
 
-def _edit_loop(text: Text, element: Element, loop: reader.Loop, k: int, before: Linkage, now: Linkage) -> None:
-    old, new, axis = before.loops[k], now.loops[k], loop.axis
+def _edit_loop(
+    text: Text, element: Element, loop: reader.Loop, before: tuple[pin.Model, LoopJoint], now: tuple[pin.Model, LoopJoint]
+) -> None:
+    (old_model, old), (new_model, new), axis = before, now, loop.axis
     if new.type != old.type:
         axis = _FIRST
         text.set(element, {"type": new.type})
         for only_of_revolute in element.all("axis"):
             text.remove(only_of_revolute)
-    for end, was, place in zip(("link1", "link2"), _ends(before, loop, old, loop.axis), _ends(now, loop, new, axis), strict=True):
+    for end, was, place in zip(("link1", "link2"), _ends(old_model, loop, old, loop.axis), _ends(new_model, loop, new, axis), strict=True):
         text.set(element.all(end)[0], _changed_place(was, place))
 
 
-def _ends(press: Linkage, loop: reader.Loop, bearing: LoopJoint, axis: tuple[float, float, float]) -> tuple[pin.SE3, pin.SE3]:
+def _ends(model: pin.Model, loop: reader.Loop, bearing: LoopJoint, axis: tuple[float, float, float]) -> tuple[pin.SE3, pin.SE3]:
     """Placements of a loop's ends in the frames of their links; ``axis``: of the ends, about which the loop turns."""
     turned = pin.Quaternion.FromTwoVectors(np.array(_FIRST), np.array(axis)).matrix()  # as `load` turns it
     end1, end2 = pin.SE3(bearing.rotation1 @ turned.T, bearing.point1), pin.SE3(bearing.rotation2 @ turned.T, bearing.point2)
-    return placement(press, loop.link1.link).inverse() * end1, placement(press, loop.link2.link).inverse() * end2
+    return _placement(model, loop.link1.link).inverse() * end1, _placement(model, loop.link2.link).inverse() * end2
 
 
 def _edit_drivers(text: Text, before: Sequence[str], now: Sequence[str]) -> None:

@@ -17,7 +17,7 @@ from ..common.quantities import RPM, Array
 from ..dynamics.applied_loads import turning_points
 from ..dynamics.extremes import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
 from ..dynamics.inverse_dynamics import Reactions
-from ..kinematics.motion import Motion, loaded_bodies, poses
+from ..kinematics.motion import Motion, loaded_bodies, rotation_of
 from ..linkage import mobility
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
@@ -259,8 +259,8 @@ def locus(reactions: Reactions, name: str) -> Locus:
     least = rounding(reactions).force
     force = _clean(finite(f"force in {name}", reactions.bearing_force[name]), least)
     body = loaded_bodies(press)[press.bearings.index(name)]
-    drawn = poses(press, np.zeros((1, press.model.nv))).rotation[body, 0]
-    turned = poses(press, motion.joint_position).rotation[body] @ drawn.T
+    drawn = rotation_of(press, np.zeros((1, press.model.nv)), body)[0]
+    turned = rotation_of(press, motion.joint_position, body) @ drawn.T
     own = np.einsum("nji,nj->ni", turned, force)
     axes, directions = _directions(press, force, least)
     unit, factor = _unit("force", float(np.abs(force).max(initial=0.0)))

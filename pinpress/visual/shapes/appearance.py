@@ -69,16 +69,17 @@ def bodies(
     robot = press.document.robot
     colours = _materials(robot)
     drawn = {name: parts for name, parts in _drawn(press.file, robot, colours).items() if name not in made_up}
+    model = press.model
     made, wheels = made_up_parts(press, travel, drawn, flywheels)
     shown = [
-        ShownLink(name, press.model.getFrameId(name, pin.BODY), (*drawn.get(name, ()), *made.get(name, ())), name in drawn)
+        ShownLink(name, model.getFrameId(name, pin.BODY), (*drawn.get(name, ()), *made.get(name, ())), name in drawn)
         for name in press.links
         if name in drawn or made.get(name)
     ]
     for flywheel, wheel in zip(flywheels, wheels, strict=True):
-        frame = next(f for f in press.model.frames if f.type == pin.BODY and f.parentJoint == press.model.getJointId(flywheel.driver))
+        frame = next(f for f in model.frames if f.type == pin.BODY and f.parentJoint == model.getJointId(flywheel.driver))
         name = FLYWHEEL if FLYWHEEL not in press.links and len(flywheels) == 1 else f"{FLYWHEEL} of {flywheel.driver}"
-        shown.append(ShownLink(name, press.model.getFrameId(frame.name, pin.BODY), wheel, False))
+        shown.append(ShownLink(name, model.getFrameId(frame.name, pin.BODY), wheel, False))
     return tuple(shown)
 
 
@@ -100,9 +101,9 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
             can show; or the motion has other joints.
         SingularityError: no motion is given, and the linkage locks at its drawn pose.
     """
-    found = pin.GeometryModel()
+    found, model = pin.GeometryModel(), press.model
     for body in bodies(press, _positions(press) if motion is None else motion.joint_position):
-        frame = press.model.frames[body.frame]
+        frame = model.frames[body.frame]
         for k, solid in enumerate(body.parts):
             place = frame.placement * pin.SE3(solid.placement)
             shape = _coal_shape(solid.shape)

@@ -1,7 +1,7 @@
 """The skeleton of plain shapes: where the links' bearings are in the drawn pose."""
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from ...common.errors import PinpressError
 from ...common.quantities import Array
-from ...engines.joints import data_of
+from ...engines.joints import drawn_placements
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.reader import describe
 from ...linkage.writing import AddedBallast
@@ -110,7 +110,15 @@ class BearingLayout:
 
     def ends(self, link: str) -> list[tuple[PlacedBearing, int]]:
         """The bearings of a link, each with the link's side of it."""
-        return [(bearing, side) for bearing in self.bearings for side in (0, 1) if bearing.links[side] == link]
+        return self._ends.get(link, [])
+
+    @cached_property
+    def _ends(self) -> dict[str | None, list[tuple[PlacedBearing, int]]]:
+        found: dict[str | None, list[tuple[PlacedBearing, int]]] = {}
+        for bearing in self.bearings:
+            for side in (0, 1):
+                found.setdefault(bearing.links[side], []).append((bearing, side))
+        return found
 
     def nodes(self, link: str) -> Array:
         """(k, 3) places that a link joins, each once, projected on the plane of a planar linkage.
@@ -177,8 +185,7 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], adde
     Raises:
         PinpressError: the drawn pose is not finite.
     """
-    model, data = press.model, data_of(press.model)
-    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    model, places = press.model, drawn_placements(press.model)
     frames = {link: model.getFrameId(link, pin.BODY) for link in press.links}
     joint = {link: model.frames[frame].parentJoint for link, frame in frames.items()}
     mixed = {joint[link] for link in press.links if link in drawn}
@@ -192,22 +199,22 @@ def lay_out_bearings(press: Linkage, travel: Array, drawn: Collection[str], adde
             return first[joint[link]]
         return None if link in drawn else link
 
-    bearings = _bearings(press, data, travel, owner, joint)
+    bearings = _bearings(press, places, travel, owner, joint)
     normal = _normal(bearings)
     if normal is not None:
         bearings = [
             b if b.kind in ("pin", "guide") else replace(b, kind="pin" if b.kind == "ball" else b.kind, axis=normal) for b in bearings
         ]
     links = tuple(link for link in press.links if owner(link) == link)
-    placements = {link: np.array(data.oMf[frames[link]].homogeneous) for link in press.links}
+    placements = {link: (places[joint[link]] * model.frames[frame].placement).homogeneous for link, frame in frames.items()}
     welded = {link: placements[link][:3, 3] for link in links if joint[link] in mixed and link != press.root}
     own = {link: joint[link] for link in links if joint[link] not in mixed | {0}}
-    found = _masses(data, {link: added[j].before if j in added else press.model.inertias[j] for link, j in own.items()}, own)
-    since = {link: Ballast(added[j].mass, data.oMi[j].act(added[j].centre)) for link, j in own.items() if j in added}
+    found = _masses(places, {link: added[j].before if j in added else model.inertias[j] for link, j in own.items()}, own)
+    since = {link: Ballast(added[j].mass, places[j].act(added[j].centre)) for link, j in own.items() if j in added}
     turning = frozenset(
         j + 1
-        for j, name in enumerate(press.joints)
-        if press.axes[j].turns and press.model.parents[j + 1] == 0 and (name in press.drivers or np.ptp(travel[:, j]) > FULLY)
+        for j, (name, axis) in enumerate(zip(press.joints, press.axes, strict=True))
+        if axis.turns and model.parents[j + 1] == 0 and (name in press.drivers or np.ptp(travel[:, j]) > FULLY)
     )
     cranks = frozenset(link for j in turning if (link := bearings[j - 1].links[1]) is not None)
     slide, upwards = (None, None) if press.slide is None else (owner(press.slide), press.slide_direction)
@@ -236,7 +243,7 @@ def _without_stubs(layout: BearingLayout) -> BearingLayout:
 
 
 def _bearings(
-    press: Linkage, data: pin.Data, travel: Array, owner: Callable[[str], str | None], joint: Mapping[str, int]
+    press: Linkage, places: Sequence[pin.SE3], travel: Array, owner: Callable[[str], str | None], joint: Mapping[str, int]
 ) -> list[PlacedBearing]:
     description = describe(press.document)
     between = {j.name: (j.parent, j.child) for j in description.joints}
@@ -247,14 +254,13 @@ def _bearings(
         return PlacedBearing(kind, (owner(one), owner(other)), (joint[one] == 0, joint[other] == 0), np.array(points), axis, (low, high))
 
     found = []
-    for j, name in enumerate(press.joints):
-        direction, turns = press.axes[j]
-        place, (low, high) = data.oMi[j + 1], travel[:, j].tolist()
+    for j, (name, (direction, turns)) in enumerate(zip(press.joints, press.axes, strict=True)):
+        place, (low, high) = places[j + 1], travel[:, j].tolist()
         found.append(bearing(name, "pin" if turns else "guide", [place.translation] * 2, place.rotation @ direction, low, high))
     kinds = {"revolute": "pin", "spherical": "ball", "fixed": "weld"}
     for loop in press.loops:
-        points = [data.oMi[loop.joint1].act(loop.point1), data.oMi[loop.joint2].act(loop.point2)]
-        found.append(bearing(loop.name, kinds[loop.type], points, data.oMi[loop.joint1].rotation @ loop.rotation1[:, 0], 0.0, 0.0))
+        points = [places[loop.joint1].act(loop.point1), places[loop.joint2].act(loop.point2)]
+        found.append(bearing(loop.name, kinds[loop.type], points, places[loop.joint1].rotation @ loop.rotation1[:, 0], 0.0, 0.0))
     return found
 
 
@@ -271,13 +277,13 @@ def _normal(bearings: list[PlacedBearing]) -> Array | None:
     return -normal if normal @ TOWARDS < 0 else normal
 
 
-def _masses(data: pin.Data, bodies: Mapping[str, pin.Inertia], joint: Mapping[str, int]) -> dict[str, BodyMass]:
+def _masses(places: Sequence[pin.SE3], bodies: Mapping[str, pin.Inertia], joint: Mapping[str, int]) -> dict[str, BodyMass]:
     found = {}
     for link, body in bodies.items():
         if body.mass > 0:
-            turned = data.oMi[joint[link]].rotation
+            turned = places[joint[link]].rotation
             with np.errstate(all="ignore"):
                 gyration = turned @ body.inertia @ turned.T / body.mass
             if np.isfinite(gyration).all():  # not of a mass next to nothing
-                found[link] = BodyMass(body.mass, data.oMi[joint[link]].act(body.lever), gyration)
+                found[link] = BodyMass(body.mass, places[joint[link]].act(body.lever), gyration)
     return found
