@@ -46,6 +46,10 @@ REASONS = {
         "no steady state is found near {speed:g} rad/s ({turns:g} r/min): the drive is too weak for the loads, or gives as much or more at"
         " every speed there (a constant torque has none); try another speed, or let the press run with simulate"
     ),
+    "does not repeat": (
+        "the press on its springs does not repeat its stroke: the lowest places of its slide in {strokes} strokes are {depths} um beside the"
+        " rigid one; let it run with simulate, or look at stiffness, damping and load"
+    ),
     "no period": (
         "a shaft of {press_name} comes back only after more than {most} turns, so that there is no period to tabulate:"
         " use method='constraint', or another gear ratio"

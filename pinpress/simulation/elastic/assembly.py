@@ -1,0 +1,351 @@
+"""A planar linkage taken apart into bodies on springs: `sprung_press`.
+
+A rod yields along the line of its two pins, in series with them: the pins at its ends are softer along that line, by half of the rod's
+compliance each. Where another rod ends at a pin too, all of it is at the other pin. An arm of a link with more bearings yields at its end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.arguments import number, positive
+from ...common.errors import PinpressError, UnknownNameError, shown
+from ...common.quantities import Array, ComplexArray
+from ...engines.joints import plain
+from ...engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity
+from ...engines.planar.model import Plane, to_complex
+from ...kinematics.motion import Motion, servo_cycle
+from ...kinematics.slide_path import dead_centres
+from ...linkage.linkage import Linkage
+from .description import Elastic, Rod
+from .sprung_press import LineSprings, SprungPress, TurningSprings
+
+LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
+MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
+
+
+def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
+    """A planar press on its springs and dampers.
+
+    Raises:
+        UnknownNameError: the linkage has no such bearing or link.
+        PinpressError: the press is not planar, has several drivers or no slide, a link has no mass, a bearing has no stiffness, a driver or
+            gear pair slides, a loop is welded, or a rod is not as described.
+    """
+    if not isinstance(elastic, Elastic):
+        raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
+    if "plane" not in press.engines:
+        raise PinpressError(f"{press.name} does not move in a plane, or has several drivers: elastic motion is that of a planar press with one")
+    press.refuse_sliding_driver("elastic motion is that of a press with a crank")
+    _ = press.slide_guide
+    drawn = DrawnPress(press)
+    bodies = _bodies(press, drawn, elastic)
+    stiff = _with_springs(drawn, bodies, elastic)
+    return _with_dampers(drawn, stiff, elastic)
+
+
+def coordinates_of(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, Array]:
+    """All coordinates, rates and accelerations (n, 3 (bodies + 1)) of the rigid press in a motion."""
+    drawn = DrawnPress(sprung.press)
+    plane, states = drawn.plane, motion.states(sprung.press)
+    basis = basis_at(plane, states.position)
+    rows = plane.origins + plane.centers
+    points = [rows @ basis - drawn.centers[:, None], rows @ basis_velocity(plane, basis, states.v)]
+    points.append(rows @ basis_acceleration(plane, basis, states.v, states.a))
+    found = [np.zeros((states.v.shape[1], len(sprung.drawn))) for _ in range(3)]
+    links = 3 * len(drawn.centers)
+    drivers = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
+    for each, place, joints, driver in zip(found, points, (states.position, states.v, states.a), drivers, strict=True):
+        each[:, :links:3], each[:, 1:links:3], each[:, 2:links:3] = place.real.T, place.imag.T, (plane.spin @ joints).T
+        if sprung.rotor is not None:
+            each[:, 3 * sprung.rotor + 2] = plane.sense[plane.driver] * driver
+    return found[0], found[1], found[2]
+
+
+class DrawnPress:
+    """A planar press in its drawn pose, all joints at zero.
+
+    Attributes:
+        press: the linkage.
+        plane: its constants.
+        origins: (links,) origins of the joints.
+        centers: (links,) centres of mass.
+        directions: by the joint of each guide.
+    """
+
+    def __init__(self, press: Linkage) -> None:
+        self.press = press
+        engine = press.engine("plane")
+        self.plane: Plane = engine.plane.dense
+        basis = basis_at(self.plane, np.zeros((press.model.nv, 1)))
+        self.origins: ComplexArray = plain(self.plane.origins @ basis)[:, 0]
+        self.centers: ComplexArray = plain((self.plane.origins + self.plane.centers) @ basis)[:, 0]
+        self.directions = dict(zip(self.plane.prismatic, plain(self.plane.directions @ basis)[:, 0], strict=True))
+
+    def point(self, joint: int, point: Array) -> complex:
+        """A point of a link, in the frame of its joint (-1: the world), in the axes of the plane [m]."""
+        if joint < 0:
+            return complex(to_complex(self.plane, point))
+        return complex(self.origins[joint] + complex(*(self.plane.frames[joint] @ point)[:2]))
+
+    def bearing(self, number: int) -> tuple[int, complex, int, complex]:
+        """Link (-1: the frame) and point of both sides of a bearing: parent and child, or link1 and link2."""
+        count = self.press.model.nv
+        if number < count:
+            return self.plane.parents[number], complex(self.origins[number]), number, complex(self.origins[number])
+        loop = self.press.loops[number - count]
+        if loop.type == "fixed":
+            raise PinpressError(f"loop {shown(loop.name)} of {self.press.name} is welded: elastic motion takes bearings that turn")
+        one, two = loop.joint1 - 1, loop.joint2 - 1
+        return one, self.point(one, loop.point1), two, self.point(two, loop.point2)
+
+
+# ---------------------------------------------------------------------------------------------------------------------------------- bodies
+
+
+def _bodies(press: Linkage, drawn: DrawnPress, elastic: Elastic) -> SprungPress:
+    """The bodies, with no springs yet."""
+    model, plane, count = press.model, drawn.plane, press.model.nv
+    mass = np.array([model.inertias[j + 1].mass for j in range(count)])
+    moment = np.array([frame[2] @ model.inertias[j + 1].inertia @ frame[2] for j, frame in enumerate(plane.frames)])
+    for j in range(count):
+        if not mass[j] > LIGHTEST * mass.max() or not moment[j] > 0:
+            raise PinpressError(
+                f"link {shown(press.links[j + 1])} of {press.name} has no mass or no moment of inertia about the plane's normal, so that"
+                " nothing says how it moves on its springs: give it those of the real part"
+            )
+    crown = count if elastic.crown_mass is not None else None
+    rotor = count + (crown is not None) if elastic.stiffness.shaft is not None else None
+    bodies = count + (crown is not None) + (rotor is not None)
+    inertia, weight, gravity = np.zeros(3 * bodies + 3), np.zeros(3 * bodies + 3), complex(to_complex(plane, model.gravity.linear))
+    inertia[: 3 * count : 3] = inertia[1 : 3 * count : 3] = mass
+    inertia[2 : 3 * count : 3] = moment
+    weight[: 3 * count : 3], weight[1 : 3 * count : 3] = mass * gravity.real, mass * gravity.imag
+    if crown is not None:
+        inertia[3 * crown : 3 * crown + 2] = positive("Elastic: crown_mass", elastic.crown_mass, "kg")
+    carry, rest = _conditions(press, drawn, bodies, crown, rotor)
+    nothing = np.zeros(0, dtype=np.intp)
+    return SprungPress(
+        press=press,
+        centers=np.concatenate([drawn.centers, np.zeros(bodies - count + 1)]),
+        inertia=inertia,
+        weight=weight,
+        lines=LineSprings(*[nothing] * 10),
+        turns=TurningSprings(*[nothing] * 5),
+        carry=carry,
+        drawn=rest,
+        crown=crown,
+        rotor=rotor,
+    )
+
+
+def _conditions(press: Linkage, drawn: DrawnPress, bodies: int, crown: int | None, rotor: int | None) -> tuple[Array, Array]:
+    """``carry`` and ``drawn`` of `SprungPress`: the crank's angle and the gear pairs are conditions on the links' angles."""
+    plane, count, size = drawn.plane, press.model.nv, 3 * bodies + 3
+    turns = [axis.turns for axis in press.axes]
+    if not all(turns[c.follower] and turns[c.leader] for c in press.couplings):
+        raise PinpressError(f"a gear pair of {press.name} slides: elastic motion takes gears that turn")
+    rows, constants, by_angle, eliminated = [], [], [], []
+    if rotor is None:
+        rows, constants, by_angle, eliminated = [_angle_row(plane, plane.driver, size)], [0.0], [1.0], [3 * plane.driver + 2]
+    for coupling in press.couplings:
+        rows.append(_angle_row(plane, coupling.follower, size) - coupling.multiplier * _angle_row(plane, coupling.leader, size))
+        constants.append(coupling.offset)
+        by_angle.append(0.0)
+        eliminated.append(3 * coupling.follower + 2)
+    kept = [i for i in range(3 * count) if i not in eliminated]
+    carry, rest = np.zeros((size, len(kept) + (crown is not None) + 1)), np.zeros(size)
+    carry[kept, np.arange(len(kept))] = 1.0
+    if rows:
+        matrix = np.array(rows)
+        inverse = np.linalg.inv(matrix[:, eliminated])
+        carry[eliminated, : len(kept)], carry[eliminated, -1] = -inverse @ matrix[:, kept], inverse @ by_angle
+        rest[eliminated] = inverse @ constants
+    if crown is not None:
+        along = complex(to_complex(plane, press.slide_direction))
+        carry[3 * crown : 3 * crown + 2, len(kept)] = along.real, along.imag
+    if rotor is not None:
+        if plane.parents[plane.driver] >= 0:
+            raise PinpressError(f"the crank of {press.name} is not carried by the frame: a shaft that twists is one on the frame")
+        carry[3 * rotor + 2, -1] = plane.sense[plane.driver]
+    return carry, rest
+
+
+def _angle_row(plane: Plane, joint: int, size: int) -> Array:
+    """(size,) all coordinates to the angle of a joint that turns."""
+    row, parent = np.zeros(size), plane.parents[joint]
+    row[3 * joint + 2] = plane.sense[joint]
+    if parent >= 0:
+        row[3 * parent + 2] -= plane.sense[joint]
+    return row
+
+
+# --------------------------------------------------------------------------------------------------------------------------------- springs
+
+
+class _Softer(NamedTuple):
+    """A pin that yields more along a rod that ends there.
+
+    Attributes:
+        body: the rod's link.
+        along: direction of the rod in the drawn pose.
+        compliance: of the rod at this pin [m/N].
+    """
+
+    body: int
+    along: complex
+    compliance: float
+
+
+def _with_springs(drawn: DrawnPress, bare: SprungPress, elastic: Elastic) -> SprungPress:
+    press, stiffness, frame = drawn.press, elastic.stiffness, len(bare.centers) - 1
+    radial = _by_bearing(press, "bearings", stiffness.bearings, "N/m", range(len(press.bearings)))
+    guides = list(drawn.plane.prismatic)
+    turning = _by_bearing(press, "moments", stiffness.moments, "N m/rad", guides)
+    softer = _rods(drawn, stiffness.rods)
+    rows: list[tuple[int, int, complex, complex, complex, float, float, float, int, float]] = []
+
+    def body(link: int) -> int:
+        """A link, or what carries the bearings on the frame."""
+        return link if link >= 0 else frame if bare.crown is None else bare.crown
+
+    def add(first: int, one: complex, second: int, two: complex, along: complex, turns: bool, value: float, number: int, sign: float) -> None:
+        arms = one - bare.centers[first], two - bare.centers[second]
+        rows.append((first, second, *arms, along, float(turns), value, 0.0, number, sign))
+
+    for place in range(len(press.bearings)):
+        link1, one, link2, two = drawn.bearing(place)
+        first, second = body(link1), body(link2)
+        if place in drawn.directions:
+            add(first, one, second, two, 1j * drawn.directions[place], True, radial[place], place, 1.0)
+        elif place in softer:
+            rod = softer[place]
+            soft = 1 / (1 / radial[place] + rod.compliance)
+            ends, sign = ((first, one, second, two), 1.0) if rod.body == first else ((second, two, first, one), -1.0)
+            add(*ends, rod.along, True, soft, place, sign)
+            add(*ends, 1j * rod.along, True, radial[place], place, sign)
+        else:
+            for across in (1.0 + 0j, 1j):
+                add(first, one, second, two, across, False, radial[place], place, 1.0)
+    if bare.crown is not None:
+        along = complex(to_complex(drawn.plane, press.slide_direction))
+        add(frame, 0j, bare.crown, 0j, along, False, positive("stiffness of the frame", stiffness.frame, "N/m"), -1, 1.0)
+    turns = [(body(drawn.plane.parents[j]), j, turning[j], 0.0, j) for j in guides]
+    if bare.rotor is not None:
+        turns.append((bare.rotor, drawn.plane.driver, positive("stiffness of the shaft", stiffness.shaft, "N m/rad"), 0.0, -1))
+    lines = LineSprings(*(np.array(column) for column in zip(*rows, strict=True)))
+    return replace(bare, lines=lines, turns=TurningSprings(*(np.array(column) for column in zip(*turns, strict=True))))
+
+
+def _by_bearing(press: Linkage, what: str, given: object, unit: str, needed: Sequence[int] | range) -> dict[int, float]:
+    """Values by the numbers of the bearings that need one."""
+    if not isinstance(given, Mapping):
+        raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
+    found = {}
+    for name, value in given.items():
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+        place = press.bearings.index(name)
+        if place not in needed:
+            raise PinpressError(f"{what} names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
+        found[place] = positive(f"stiffness of {shown(name)}", value, unit)
+    missing = [press.bearings[place] for place in needed if place not in found]
+    if missing:
+        raise PinpressError(
+            f"Stiffness.{what} lacks {', '.join(map(shown, missing))} of {press.name}: in an elastic motion every bearing yields, and every"
+            f" guide also against turning; give each a stiffness [{unit}]"
+        )
+    return found
+
+
+def _rods(drawn: DrawnPress, rods: Sequence[Rod]) -> dict[int, _Softer]:
+    """By the number of a pin what it yields more along the rod that ends there."""
+    press = drawn.press
+    if not isinstance(rods, Sequence) or not all(isinstance(rod, Rod) for rod in rods):
+        raise PinpressError(f"rods is {shown(rods)}: give a list of Rod(link, (bearing, bearing), stiffness)")
+    ends = [_rod_ends(drawn, rod) for rod in rods]
+    used = [number for _, pins, _ in ends for number in pins]
+    found: dict[int, _Softer] = {}
+    for rod, (body, pins, along) in zip(rods, ends, strict=True):
+        alone = [number for number in pins if used.count(number) == 1] or [number for number in pins if number not in found][:1]
+        if not alone:
+            raise PinpressError(f"rod {shown(rod.name)}: other rods end at both of its pins; give one of them to the stiffness of the pin")
+        for number in alone:
+            if number in found:
+                raise PinpressError(f"rod {shown(rod.name)}: another rod yields at its pin {shown(press.bearings[number])}: give one of them to the stiffness of the pin")
+            found[number] = _Softer(body, along, 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m") / len(alone))
+    return found
+
+
+def _rod_ends(drawn: DrawnPress, rod: Rod) -> tuple[int, list[int], complex]:
+    """Link of a rod, the pins at which it may yield, and its direction in the drawn pose."""
+    press = drawn.press
+    if rod.link not in press.links or rod.link == press.root:
+        raise UnknownNameError("moving link", rod.link, [link for link in press.links if link != press.root])
+    body = int(press.model.frames[press.model.getFrameId(rod.link, pin.BODY)].parentJoint) - 1
+    own = [place for place in range(len(press.bearings)) if body in drawn.bearing(place)[::2]]
+    if not isinstance(rod.between, tuple | list) or len(rod.between) != 2 or rod.between[0] == rod.between[1]:
+        raise PinpressError(f"rod of {shown(rod.link)}: between is {shown(rod.between)}; give the names of two of its bearings")
+    pins = []
+    for name in rod.between:
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+        place = press.bearings.index(name)
+        if place not in own or place in drawn.directions:
+            names = ", ".join(press.bearings[i] for i in own if i not in drawn.directions)
+            raise PinpressError(f"rod of {shown(rod.link)}: {shown(name)} is no pin on that link; there are: {names}")
+        pins.append(place)
+    places = []
+    for place in pins:
+        link1, one, _, two = drawn.bearing(place)
+        places.append(one if link1 == body else two)
+    line = places[1] - places[0]
+    if not abs(line) > MEET * press.size:
+        raise PinpressError(f"rod {shown(rod.name)}: its bearings meet, so that it has no direction; name two that stay apart")
+    return body, pins if len(own) == 2 else pins[1:], line / abs(line)
+
+
+# --------------------------------------------------------------------------------------------------------------------------------- dampers
+
+
+def _with_dampers(drawn: DrawnPress, sprung: SprungPress, elastic: Elastic) -> SprungPress:
+    """Dampers in proportion to the springs, or as given."""
+    factor = 2 * elastic.damping_ratio / float(frequencies(sprung, reference_angle(sprung.press))[0]) if elastic.damping_ratio else 0.0
+    damping, press = factor * sprung.lines.stiffness, drawn.press
+    for name, value in elastic.dampers.items():
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+        given = number(f"damper of {shown(name)}", value, "N s/m")
+        if given < 0:
+            raise PinpressError(f"damper of {shown(name)} is {given:g}: give a number that is not negative [N s/m]")
+        damping[sprung.lines.bearing == press.bearings.index(name)] = given
+    lines, turns = sprung.lines._replace(damping=damping), sprung.turns._replace(damping=factor * sprung.turns.stiffness)
+    return replace(sprung, lines=lines, turns=turns)
+
+
+def reference_angle(press: Linkage) -> float:
+    """Crank angle of the rigid bottom dead centre, else 0 [rad]."""
+    try:
+        return dead_centres(press).bottom_angle
+    except PinpressError:
+        return 0.0
+
+
+def frequencies(sprung: SprungPress, angle: float) -> Array:
+    """Natural frequencies (f,) with the crank held at an angle, rising, without dampers and loads [rad/s]."""
+    stiffness, mass = held_matrices(sprung, angle)
+    inverse = np.linalg.inv(np.linalg.cholesky(mass))
+    return np.sqrt(np.maximum(np.linalg.eigvalsh(inverse @ stiffness @ inverse.T), 0.0))
+
+
+def held_matrices(sprung: SprungPress, angle: float) -> tuple[Array, Array]:
+    """Stiffness and mass matrix (f, f) of the free coordinates with the crank held at an angle, in the rigid pose."""
+    place, _, _ = coordinates_of(sprung, servo_cycle(sprung.press, angle=np.array([angle]), speed=0.0))
+    forces = sprung.spring_forces(place, np.zeros_like(place))
+    assert forces.stiffness is not None
+    return forces.stiffness[0, :-1, :-1], sprung.mass[:-1, :-1]

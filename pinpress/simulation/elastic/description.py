@@ -1,0 +1,87 @@
+"""What yields in a press, and by how much: stiffnesses, dampers, and the mass of a crown that its columns carry.
+
+Stiffnesses are static quantities; a motion on them also needs dampers. Without better knowledge they are proportional to the springs, so
+that the lowest vibration of the press at its bottom dead centre has the damping ratio that is given. A vibration of a higher frequency then
+has a larger damping ratio, in proportion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from ...common.arguments import number
+from ...common.errors import PinpressError, shown
+from ...common.frozen import Frozen
+
+MOST_DAMPING = 2.0  # largest damping ratio
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A link, or an arm of one, that stretches along the line of two of its bearings.
+
+    The force in a rod is the mean of the pulls of both bearings along their line, which is exact for a rod whose mass is symmetric about
+    its middle. On a link with more bearings it is an arm: it begins at the first of the two bearings, and is loaded by the second alone.
+
+    Attributes:
+        link: name of the link.
+        between: names of two of its bearings.
+        stiffness: stiffness E A / l between them [N/m].
+    """
+
+    link: str
+    between: tuple[str, str]
+    stiffness: float
+
+    @property
+    def name(self) -> str:
+        """Name of the part in tables."""
+        return f"{self.link} {self.between[0]}-{self.between[1]}"
+
+
+@dataclass(frozen=True, eq=False)
+class Stiffness(Frozen):
+    """Stiffnesses of the parts of a press. All parts without one are rigid, and so are gear pairs.
+
+    Attributes:
+        bearings: name of a bearing -> radial stiffness; of a guide, stiffness across its axis [N/m].
+        moments: name of a guide -> stiffness against turning [N m/rad]. Its moment is about the origin of the sliding link's joint frame,
+            as in `Reactions`.
+        rods: links and arms that stretch.
+        shaft: torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid.
+        frame: stiffness of the columns between the crown, which has all bearings on the frame, and the table [N/m]; None: rigid. The table
+            stands on the floor, so that weight and inertia forces that press on the crown load the columns too.
+    """
+
+    bearings: Mapping[str, float] = field(default_factory=dict)
+    moments: Mapping[str, float] = field(default_factory=dict)
+    rods: Sequence[Rod] = ()
+    shaft: float | None = None
+    frame: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Elastic(Frozen):
+    """A press that yields while it runs: springs, dampers and the crown's mass.
+
+    Attributes:
+        stiffness: of its parts; it must name all bearings, and all guides against turning.
+        damping_ratio: of the lowest vibration at bottom dead centre, from 0 to 2 [-]; all springs have dampers in proportion.
+        dampers: name of a bearing or guide -> its damper in place of that [N s/m].
+        crown_mass: mass of the crown on its columns, without the linkage [kg]; it is needed where ``stiffness.frame`` is given.
+    """
+
+    stiffness: Stiffness
+    damping_ratio: float = 0.02
+    dampers: Mapping[str, float] = field(default_factory=dict)
+    crown_mass: float | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.stiffness, Stiffness):
+            raise PinpressError(f"Elastic: stiffness is {shown(self.stiffness)}: give a Stiffness(bearings={{...}}, moments={{...}})")
+        ratio = number("Elastic: damping_ratio", self.damping_ratio)
+        if not 0.0 <= ratio <= MOST_DAMPING:
+            raise PinpressError(f"Elastic: damping_ratio is {ratio:g}: give a number from 0 to {MOST_DAMPING:g}; steel structures have 0.01 to 0.05")
+        if (self.stiffness.frame is None) != (self.crown_mass is None):
+            raise PinpressError("Elastic: a crown on its columns needs both stiffness.frame [N/m] and crown_mass [kg]; give both, or none")

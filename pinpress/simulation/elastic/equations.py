@@ -1,0 +1,191 @@
+"""Equations of motion of a press on springs with its drive and its loads.
+
+The loads are those of `driven_press`. Each acts along a path; which of its intervals acts is the same all through a segment of the motion:
+`Segment`. A blank that is cut through stays cut until the press has turned, even where the slide rises again through the same heights while
+the links ring, so that the direction of travel is that of the rigid press.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.quantities import Array
+from ...loads.process import ForceInterval
+from ..driven_press import DrivenPress, GeneralizedForce
+from .load_paths import LoadPath, PathMotion
+from .panels import Indices
+from .sprung_press import SprungPress
+
+SLOW = 1e-3  # [m/s] speed below which the slope of a law by the speed is found with steps for this speed
+STEP = 1e-6  # share of a load's extent, or of the size of a speed, by which its slope is found
+
+Segment = tuple[ForceInterval | None, ...]
+"""The interval of each force that acts; None where none does."""
+
+
+class Event(NamedTuple):
+    """What ends a segment at a time that is not known before: a path reaches a border.
+
+    Attributes:
+        path: its number; -1: the crank's angle.
+        value: at the border [m or rad].
+    """
+
+    path: int
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class HeldCrank:
+    """A crank that turns at a constant speed.
+
+    Attributes:
+        angle: at time 0 [rad].
+        speed: [rad/s].
+    """
+
+    angle: float
+    speed: float
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticEquations:
+    """Equations of motion over the segments of a motion; see `panels.EquationsOfMotion`.
+
+    Attributes:
+        sprung: the press.
+        driven: its drive and loads.
+        paths: along which the loads act, by the rows of `DrivenPress.coordinates`.
+        crank: its prescribed motion; None: it turns freely, under the drive.
+        segments: the forces that act in each segment.
+        events: what happens at the knots whose times are free.
+    """
+
+    sprung: SprungPress
+    driven: DrivenPress
+    paths: tuple[LoadPath, ...]
+    crank: HeldCrank | None
+    segments: tuple[Segment, ...] = ()
+    events: dict[int, Event] | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of unknown coordinates."""
+        return self.sprung.free - (self.crank is not None)
+
+    @property
+    def mass(self) -> Array:
+        return self.whole_mass[: self.size, : self.size]
+
+    @property
+    def whole_mass(self) -> Array:
+        """(f, f) mass matrix with flywheel and drive."""
+        found = self.sprung.mass.copy()
+        found[-1, -1] += float(self.driven.inertia)
+        return found
+
+    def whole(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
+        """Free coordinates and rates (n, f), that of the crank last, of the unknown ones (n, size)."""
+        if self.crank is None:
+            return y, v
+        angle, speed = self.crank.angle + self.crank.speed * time, np.full(len(time), self.crank.speed)
+        return np.column_stack([y, angle]), np.column_stack([v, speed])
+
+    def forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array, Array]:
+        force, stiffness, damping = self.whole_forces(time, y, v, segments)
+        n = self.size
+        by_time = -stiffness[:, :n, -1] * self.crank.speed if self.crank is not None else np.zeros((len(time), n))
+        return force[:, :n], stiffness[:, :n, :n], damping[:, :n, :n], by_time
+
+    def whole_forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array]:
+        """Forces (n, f) on all free coordinates, the crank's last, and minus their derivatives by these coordinates and rates."""
+        free, rates = self.whole(time, y, v)
+        coordinates, all_rates = self.sprung.all_coordinates(free), rates @ self.sprung.carry.T
+        force, stiffness, damping = self.sprung.spring_forces(coordinates, all_rates)
+        assert stiffness is not None and damping is not None
+        for number, law in enumerate(self.driven.forces):
+            on = [segment for segment in np.unique(segments) if self.segments[segment][number] is not None]
+            if not on:
+                continue
+            some = np.flatnonzero(np.isin(segments, on))
+            path = self.paths[law.row].over(self.sprung, coordinates[some], all_rates[some])
+            values, by_place, by_rate = self._law_values(law, number, segments[some], path)
+            force[some] += values[:, None] * path.gradient
+            outer = path.gradient[:, :, None] * path.gradient[:, None, :]
+            stiffness[some] -= by_place[:, None, None] * outer + values[:, None, None] * path.bend
+            if by_rate.any():
+                turned = np.matmul(path.bend, rates[some, :, None]).transpose(0, 2, 1)
+                stiffness[some] -= by_rate[:, None, None] * path.gradient[:, :, None] * turned
+                damping[some] -= by_rate[:, None, None] * outer
+        if self.crank is None:
+            self._add_drive(rates[:, -1], free[:, -1], time, force, stiffness, damping)
+        return force, stiffness, damping
+
+    def load_forces(self, segments: Indices, coordinates: Array, rates: Array) -> list[tuple[Array, Array]]:
+        """Of each load its force along its path (n,) [N], and the rate of the path (n,) [m/s]."""
+        found = []
+        for number, law in enumerate(self.driven.forces):
+            path = self.paths[law.row].over(self.sprung, coordinates, rates)
+            found.append((self._law_values(law, number, segments, path)[0], path.rate))
+        return found
+
+    def _law_values(self, law: GeneralizedForce, number: int, segments: Indices, path: PathMotion) -> tuple[Array, Array, Array]:
+        """Force (n,) of a load where its path is so, and its slopes by place and rate."""
+        values, by_place, by_rate = np.zeros(len(segments)), np.zeros(len(segments)), np.zeros(len(segments))
+        for segment in np.unique(segments):
+            interval = self.segments[segment][number]
+            if interval is None:
+                continue
+            there = segments == segment
+            place, rate, force = path.value[there] - law.datum, path.rate[there], interval.force
+            values[there] = force(place, rate)
+            by_place[there] = _slope(partial(_by_place, force, rate), place, _extent(interval))
+            if interval.heeds_velocity:
+                by_rate[there] = _slope(partial(force, place), rate, max(SLOW, float(np.abs(rate).max())))
+        return values, by_place, by_rate
+
+    def _add_drive(self, speed: Array, angle: Array, time: Array, force: Array, stiffness: Array, damping: Array) -> None:
+        drive = self.driven.drive
+        if drive is None:
+            return
+        force[:, -1] += np.broadcast_to(drive.torque(speed, angle, time), speed.shape)
+        damping[:, -1, -1] -= _slope(lambda w: drive.torque(w, angle, time), speed, float(np.abs(speed).max()) or 1.0)
+
+    def event(self, knot: int, y: Array, v: Array) -> tuple[float, Array]:
+        assert self.events is not None
+        path, value = self.events[knot]
+        if path < 0:
+            gradient = np.zeros(2 * self.size)
+            gradient[self.size - 1] = 1.0
+            return float(y[-1] - value), gradient
+        free, rates = self.whole(np.zeros(1), y[None], v[None])  # no path on the crank's own link: its angle does not matter
+        at = self.paths[path].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
+        return float(at.value[0] - value), np.concatenate([at.gradient[0, : self.size], np.zeros(self.size)])
+
+    def crank_torque(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Array:
+        """Torque (n,) on the crank that holds its speed, or that of the drive [N m]."""
+        force, _, _ = self.whole_forces(time, y, v, segments)
+        if self.crank is None:
+            drive = self.driven.drive
+            return np.zeros(len(time)) if drive is None else np.broadcast_to(drive.torque(v[:, -1], y[:, -1], time), time.shape)
+        return np.asarray(a @ self.whole_mass[-1, :-1] - force[:, -1])
+
+
+def _slope(law: Callable[[Array], Array], at: Array, size: float) -> Array:
+    """Slope of a law by a central difference."""
+    step = STEP * size
+    return np.asarray((np.asarray(law(at + step)) - np.asarray(law(at - step))) / (2 * step) + 0.0 * at)
+
+
+def _by_place(force: Callable[[Array, Array], Array], rate: Array, place: Array) -> Array:
+    return force(place, rate)
+
+
+def _extent(interval: ForceInterval) -> float:
+    extent = interval.upper - interval.lower
+    return float(extent) if np.isfinite(extent) else 1e-3

@@ -1,0 +1,130 @@
+"""The lengths along which loads act on a press on springs: a point of a link along a direction, the distance between two points.
+
+They are `Coordinate`s of the driven press, for links that yield: values, rates and derivatives by the free coordinates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ...common.quantities import Array
+from ...engines.planar.model import Plane, to_complex
+from ...linkage.linkage import Linkage
+from ..driven_press import Coordinate, JointPosition, Length, WorkOfForce
+from .assembly import DrawnPress
+from .sprung_press import SprungPress
+
+
+class PathMotion(NamedTuple):
+    """A length along which a load acts, at n states.
+
+    Attributes:
+        value: (n,) [m].
+        rate: (n,) [m/s].
+        gradient: (n, f) of the value by the free coordinates.
+        bend: (n, f, f) its second derivatives.
+    """
+
+    value: Array
+    rate: Array
+    gradient: Array
+    bend: Array
+
+
+@dataclass(frozen=True)
+class PointPath:
+    """How far a point of a link has moved along a direction.
+
+    Attributes:
+        body: the link; -1: the frame.
+        arm: the point from the link's centre of mass, in the drawn pose [m].
+        direction: of length 1, or a force, along which the value is its work.
+        offset: the value in the drawn pose.
+    """
+
+    body: int
+    arm: complex
+    direction: complex
+    offset: float
+
+    def over(self, sprung: SprungPress, coordinates: Array, rates: Array) -> PathMotion:
+        """The path at all coordinates and rates (n, 3 (bodies + 1))."""
+        place, along = 3 * self.body, self.direction.conjugate()
+        arm = along * self.arm * np.exp(1j * coordinates[:, place + 2])
+        gradient, bend = np.zeros_like(coordinates), np.zeros((*coordinates.shape, coordinates.shape[1]))
+        gradient[:, place], gradient[:, place + 1], gradient[:, place + 2] = self.direction.real, self.direction.imag, -arm.imag
+        bend[:, place + 2, place + 2] = -arm.real
+        moved = (along * (coordinates[:, place] + 1j * coordinates[:, place + 1])).real + (arm - along * self.arm).real
+        rate = np.einsum("nk,nk->n", gradient, rates)
+        return PathMotion(self.offset + moved, rate, sprung.to_free(gradient), sprung.to_free_twice(bend))
+
+
+@dataclass(frozen=True)
+class LengthPath:
+    """Distance between two points of links.
+
+    Attributes:
+        bodies: the links; -1: the frame.
+        arms: the points from their links' centres of mass, in the drawn pose [m].
+        height: how far they lie apart along the plane's normal [m].
+    """
+
+    bodies: tuple[int, int]
+    arms: tuple[complex, complex]
+    height: float
+
+    def over(self, sprung: SprungPress, coordinates: Array, rates: Array) -> PathMotion:
+        """The distance at all coordinates and rates (n, 3 (bodies + 1))."""
+        count = len(coordinates)
+        apart, parts = np.zeros(count, dtype=complex), np.zeros((count, coordinates.shape[1]), dtype=complex)
+        turned = []
+        for body, own, sign in zip(self.bodies, self.arms, (-1.0, 1.0), strict=True):
+            place = 3 * (body % len(sprung.centers))
+            arm = own * np.exp(1j * coordinates[:, place + 2])
+            apart += sign * (sprung.centers[body] + coordinates[:, place] + 1j * coordinates[:, place + 1] + arm)
+            parts[:, place] += sign
+            parts[:, place + 1] += sign * 1j
+            parts[:, place + 2] += sign * 1j * arm
+            turned.append((place + 2, -sign * arm))
+        length = np.sqrt(apart.real**2 + apart.imag**2 + self.height**2)
+        along = (apart / length).conj()
+        gradient = (along[:, None] * parts).real
+        bend = (parts.conj()[:, :, None] * parts[:, None, :]).real - gradient[:, :, None] * gradient[:, None, :]
+        bend /= length[:, None, None]
+        for place, second in turned:
+            bend[:, place, place] += (along * second).real
+        rate = np.einsum("nk,nk->n", gradient, rates)
+        return PathMotion(length, rate, sprung.to_free(gradient), sprung.to_free_twice(bend))
+
+
+LoadPath = PointPath | LengthPath
+
+
+def load_path(press: Linkage, coordinate: Coordinate) -> LoadPath:
+    """The path of a coordinate along which forces act."""
+    drawn = DrawnPress(press)
+    plane, centers = drawn.plane, drawn.centers
+    if isinstance(coordinate, JointPosition):  # with one driver it is the slide's
+        placement = press.model.frames[press.model.getFrameId(str(press.slide), pin.BODY)].placement
+        arm = drawn.point(coordinate.joint, placement.translation) - centers[coordinate.joint]
+        return PointPath(coordinate.joint, arm, complex(to_complex(plane, press.slide_direction)), coordinate.offset)
+    if isinstance(coordinate, Length):
+        bodies = (coordinate.first[0] - 1, coordinate.second[0] - 1)
+        points = (drawn.point(joint - 1, point) for joint, point in (coordinate.first, coordinate.second))
+        first, second = (point - (centers[body] if body >= 0 else 0.0) for body, point in zip(bodies, points, strict=True))
+        heights = [_height(plane, joint - 1, point) for joint, point in (coordinate.first, coordinate.second)]
+        return LengthPath(bodies, (first, second), heights[1] - heights[0])
+    assert isinstance(coordinate, WorkOfForce)
+    body = coordinate.end[0] - 1
+    point = drawn.point(body, coordinate.end[1])
+    force = complex(to_complex(plane, coordinate.force))
+    return PointPath(body, point - centers[body], force, (force.conjugate() * point).real)
+
+
+def _height(plane: Plane, joint: int, point: Array) -> float:
+    """Where a point of a link lies along the plane's normal [m]."""
+    return float(plane.normal @ point) if joint < 0 else float(plane.heights[joint] + plane.frames[joint][2] @ point)

@@ -1,0 +1,162 @@
+"""Which interval of each load acts, from one event to the next, while the links yield.
+
+A load that acts one way alone, such as blanking, begins anew with every stroke: it waits, acts between its borders, and once the slide has
+passed the last of them it is through, even if the slide swings back. Its stroke ends where the rigid press turns. A load that acts both
+ways, such as a cushion, acts wherever the slide is between its borders.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.quantities import Array
+from ...loads.process import ForceInterval
+from ..driven_press import DrivenPress, GeneralizedForce
+from ..reduced_model import COORDINATES, roots
+from .equations import Event, Segment
+
+ASIDE = 1e-9  # angle from the start within which an event belongs to the start [rad]
+
+
+class Border(NamedTuple):
+    """A place of a path at which a force is not smooth.
+
+    Attributes:
+        path: number of the path.
+        value: of the path [m].
+    """
+
+    path: int
+    value: float
+
+
+@dataclass(frozen=True)
+class Phase:
+    """What acts, and what is over.
+
+    Attributes:
+        rising: whether the rigid slide rises.
+        through: for each force, whether its stroke is over.
+    """
+
+    rising: bool
+    through: tuple[bool, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class LoadPhases:
+    """The loads of a press over its turns.
+
+    Attributes:
+        driven: the press with its loads.
+        direction: 1 where the crank turns forwards, else -1.
+    """
+
+    driven: DrivenPress
+    direction: int
+
+    @cached_property
+    def one_way(self) -> tuple[bool, ...]:
+        """For each force, whether it acts one way alone."""
+        return tuple(force.rising is not force.falling for force in self.driven.forces)
+
+    @cached_property
+    def borders(self) -> tuple[Border, ...]:
+        """All places at which a force is not smooth."""
+        found = {Border(force.row, value) for force in self.driven.forces for value in force.borders()}
+        return tuple(sorted(found))
+
+    @cached_property
+    def turnings(self) -> Array:
+        """(k,) crank angles in a period at which the rigid slide turns; () where all loads act both ways."""
+        return np.array([]) if self._row is None else np.sort(roots(self.driven.model, COORDINATES + self._row, 0.0, slope=True))
+
+    @cached_property
+    def _row(self) -> int | None:
+        """The path of the loads that act one way: that of the slide."""
+        return next((force.row for force, one_way in zip(self.driven.forces, self.one_way, strict=True) if one_way), None)
+
+    def places(self, angle: float) -> Array:
+        """(paths,) values of the paths of the rigid press at a crank angle [m]."""
+        return self.driven.model.at(np.array(angle))[0][COORDINATES:]
+
+    def begun(self, angle: float) -> Phase:
+        """The phase of a stroke in which nothing has happened yet, at a crank angle."""
+        slope = 0.0 if self._row is None else float(self.driven.model.at(np.array(angle))[1][COORDINATES + self._row])
+        return Phase(slope * self.direction > 0, (False,) * len(self.driven.forces))
+
+    def active(self, phase: Phase, places: Array) -> Segment:
+        """The intervals that act where the paths have the values ``places`` (paths,)."""
+        return tuple(
+            None if over else _interval(force, phase.rising, float(places[force.row]) - force.datum)
+            for force, over in zip(self.driven.forces, phase.through, strict=True)
+        )
+
+    def advanced(self, phase: Phase, places: Array) -> Phase:
+        """The phase once the paths have the values ``places`` (paths,): loads whose last border is passed are through."""
+        through = [
+            over or (one_way and _passed(force, phase.rising, float(places[force.row]) - force.datum))
+            for force, one_way, over in zip(self.driven.forces, self.one_way, phase.through, strict=True)
+        ]
+        return Phase(phase.rising, tuple(through))
+
+    def planned(self, start: float) -> Plan:
+        """The segments of a period of the rigid press from a crank angle on, at which it turns or no load acts."""
+        period = self.driven.model.period
+        assert period is not None
+        found: list[tuple[float, Border | None]] = [(self._ahead(angle, start), None) for angle in self.turnings]
+        for border in self.borders:
+            at = roots(self.driven.model, COORDINATES + border.path, border.value)
+            found += [(self._ahead(angle, start), border) for angle in at]
+        found = sorted((each for each in found if ASIDE < each[0] < period - ASIDE), key=lambda each: each[0])
+        ends = [*(at for at, _ in found[1:]), period] if found else []
+        first = found[0][0] if found else period
+        phase = self.begun(start + 0.5 * self.direction * first)
+        segments, knots, events = [self.active(phase, self.places(start + 0.5 * self.direction * first))], [0.0], {}
+        for (at, border), end in zip(found, ends, strict=True):
+            middle = start + 0.5 * self.direction * (at + end)
+            places = self.places(middle)
+            phase = self.begun(middle) if border is None else self.advanced(phase, places)
+            segment = self.active(phase, places)
+            if segment == segments[-1]:
+                continue
+            angle = start + self.direction * at
+            events[len(knots)] = Event(-1, angle) if border is None else Event(border.path, border.value)
+            knots.append(at)
+            segments.append(segment)
+        return Plan(tuple(segments), events, np.array([*knots, period]))
+
+    def _ahead(self, angle: float, start: float) -> float:
+        """How far the crank turns from ``start`` to an angle of the period [rad]."""
+        assert self.driven.model.period is not None
+        return float((self.direction * (angle - start)) % self.driven.model.period)
+
+
+class Plan(NamedTuple):
+    """Segments between knots, and what happens there.
+
+    Attributes:
+        segments: the forces that act in each.
+        events: what happens at each knot but the first and the last one.
+        knots: how far the crank has turned at the knots [rad].
+    """
+
+    segments: tuple[Segment, ...]
+    events: dict[int, Event]
+    knots: Array
+
+
+def _interval(force: GeneralizedForce, rising: bool, place: float) -> ForceInterval | None:
+    return next((each for each in force.intervals(rising) if each.lower < place <= each.upper), None)
+
+
+def _passed(force: GeneralizedForce, rising: bool, place: float) -> bool:
+    """Whether a place lies beyond the last border of a force that acts one way."""
+    intervals = force.intervals(rising)
+    if not intervals:
+        return False
+    return place > max(each.upper for each in intervals) if rising else place <= min(each.lower for each in intervals)

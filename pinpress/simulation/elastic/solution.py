@@ -1,0 +1,386 @@
+"""The motion of a press on springs: one period found directly, or step by step from a known state.
+
+The period is one system of equations: all panels, the first state and the times at which loads begin and end (`panels`). It starts from the
+rigid motion with its own events. Where Newton's method fails from there, or the links swing through more events than the rigid press, some
+strokes are followed step by step first. Panels are divided until the error of each is below the tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.quantities import Array
+from ..failures import failure
+from .equations import ElasticEquations, Event, Segment
+from .panels import Border, Indices, Mesh, PanelSolution, radau, solve
+from .phases import Border as LoadBorder
+from .phases import LoadPhases, Phase, Plan
+
+STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
+FIRST, LEAST = 24, 6  # panels of a period at first, and of each segment
+MOST_STEPS = 16  # of Newton's method
+ROUNDS = 8  # in which panels are divided
+SETTLED = 1e-3  # Newton's method ends where it changes coordinates by less than this share of the tolerance
+WINDOW = 6  # panels that are solved at a time on the way from a known state
+STROKES = 6  # that are followed before a press counts as one that does not repeat its stroke
+LOOKS = 12  # places on a panel at which events are looked for
+BESIDE = 1e-9  # lengths of the linkage beside a border at which it is seen what acts there
+SHORTEST = 1e-9  # share of a period below which a window counts as stuck
+
+RigidMotion = Callable[[Array], tuple[Array, Array, Array]]
+"""Times (n,) to coordinates, rates and accelerations (n, f) of the rigid press."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticSolution:
+    """A motion on its segments.
+
+    Attributes:
+        equations: with the forces and events of the segments.
+        panels: the motion.
+        periodic: whether it is a period.
+    """
+
+    equations: ElasticEquations
+    panels: PanelSolution
+    periodic: bool
+
+    @property
+    def decay(self) -> float:
+        """Factor by which a disturbance shrinks in a period: the largest size of an eigenvalue of its passage [-]."""
+        return float(np.abs(np.linalg.eigvals(self.panels.passage)).max())
+
+
+class Task(NamedTuple):
+    """What is to be found.
+
+    Attributes:
+        equations: of the press; their segments are not yet known.
+        phases: of its loads.
+        rigid: the motion of the rigid press at the same speed.
+        period: of a turn at that speed [s].
+        speed: of the crank [rad/s].
+        gain: (2 f,) what coordinates and rates have gained after a period.
+        tolerance: error of a coordinate [m or rad].
+    """
+
+    equations: ElasticEquations
+    phases: LoadPhases
+    rigid: RigidMotion
+    period: float
+    speed: float
+    gain: Array
+    tolerance: float
+
+
+# ------------------------------------------------------------------------------------------------------------------------------ one period
+
+
+def periodic(task: Task, start: float) -> ElasticSolution:
+    """The motion that repeats itself after a period, from a crank angle at which the rigid press turns.
+
+    Raises:
+        SimulationError: it is not found: the press may not repeat its stroke.
+    """
+    plan = task.phases.planned(start)
+    found = _refined(task, plan, _rigid_guess(task, plan))
+    if found is not None and _as_planned(task, found, start):
+        return found
+    y, v, _ = task.rigid(np.zeros(1))
+    state, depths = np.concatenate([y[0], v[0]]), []
+    for stroke in range(STROKES):
+        followed = march(task, start, state, task.period)
+        state = followed.panels.states[-1] - task.gain
+        depths.append(_deepest(followed))
+        if stroke < 1:
+            continue
+        plan = Plan(followed.equations.segments, followed.equations.events or {}, followed.panels.mesh.knots * abs(task.speed))
+        found = _refined(task, plan, followed.panels)
+        if found is not None and _as_planned(task, found, start):
+            return found
+    shown = ", ".join(f"{1e6 * depth:.1f}" for depth in depths)
+    raise failure("does not repeat", strokes=STROKES, depths=shown)
+
+
+def _rigid_guess(task: Task, plan: Plan) -> PanelSolution:
+    """The rigid motion on the panels of a plan."""
+    rule, share = radau(STAGES), np.diff(plan.knots) / plan.knots[-1]
+    counts = np.maximum(LEAST, np.ceil(FIRST * share).astype(int))
+    mesh = _even_mesh(plan.knots * (task.period / plan.knots[-1]), counts)
+    y, v, _ = task.rigid(mesh.borders)
+    _, _, a = task.rigid((mesh.start[:, None] + mesh.length[:, None] * rule.points).ravel())
+    accelerations = a.reshape(len(mesh.start), len(rule.points), -1)
+    return PanelSolution(mesh, rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, np.eye(2 * y.shape[1]))
+
+
+def _even_mesh(knots: Array, counts: Indices) -> Mesh:
+    """Panels of equal length in each segment."""
+    low = np.concatenate([np.arange(count) / count for count in counts])
+    high = np.concatenate([np.arange(1, count + 1) / count for count in counts])
+    return Mesh(knots, np.repeat(np.arange(len(counts)), counts), low, high)
+
+
+def _refined(task: Task, plan: Plan, guess: PanelSolution) -> ElasticSolution | None:
+    """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails."""
+    equations = replace(task.equations, segments=plan.segments, events=plan.events)
+    free = [knot for knot, event in plan.events.items() if event.path >= 0 or equations.crank is None]
+    border = Border(True, task.gain, free)
+    for _ in range(ROUNDS):
+        found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS)
+        if found is None:
+            return None
+        errors = found.errors()
+        if errors.max() <= task.tolerance:
+            return ElasticSolution(equations, found, True)
+        guess = found.onto(_divided(found.mesh, errors, task.tolerance))
+    return None
+
+
+def _divided(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
+    """Panels so short that the errors (p,) of these panels become smaller than the tolerance."""
+    parts = np.maximum(1, np.ceil((errors / tolerance) ** (1 / (STAGES + 1)))).astype(int)
+    ends = [np.linspace(low, high, part + 1) for low, high, part in zip(mesh.low, mesh.high, parts, strict=True)]
+    low, high = (np.concatenate([each[piece] for each in ends]) for piece in (slice(None, -1), slice(1, None)))
+    return Mesh(mesh.knots, np.repeat(mesh.segment, parts), low, high)
+
+
+def _as_planned(task: Task, found: ElasticSolution, start: float) -> bool:
+    """Whether in each segment the forces act that belong to the places that the paths really reach."""
+    equations, mesh = found.equations, found.panels.mesh
+    panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
+    places, _ = _places(equations, found.panels, panel, share)
+    phase = task.phases.begun(start + 1e-6 * np.sign(task.speed))
+    for segment, law in enumerate(equations.segments):
+        event = (equations.events or {}).get(segment)
+        there = places[mesh.segment[panel] == segment]
+        if event is not None:
+            phase = task.phases.begun(event.value + 1e-6 * np.sign(task.speed)) if event.path < 0 else task.phases.advanced(phase, there[0])
+        if any(task.phases.active(task.phases.advanced(phase, row), row) != law for row in there):
+            return False
+    return True
+
+
+def _places(equations: ElasticEquations, panels: PanelSolution, panel: Indices, share: Array) -> tuple[Array, Array]:
+    """Values and rates (n, paths) of all paths at shares (n,) of panels (n,)."""
+    y, v, _ = panels.within(panel, share)
+    times = panels.mesh.start[panel] + share * panels.mesh.length[panel]
+    free, rates = equations.whole(times, y, v)
+    coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
+    found = [path.over(equations.sprung, coordinates, all_rates) for path in equations.paths]
+    return np.stack([each.value for each in found], axis=1), np.stack([each.rate for each in found], axis=1)
+
+
+def _deepest(found: ElasticSolution) -> float:
+    """Lowest place of the first path, the slide's [m]."""
+    count = len(found.panels.mesh.start)
+    places, _ = _places(found.equations, found.panels, np.repeat(np.arange(count), LOOKS), np.tile(np.arange(LOOKS) / LOOKS, count))
+    return float(places[:, 0].min())
+
+
+# ---------------------------------------------------------------------------------------------------------------------------- step by step
+
+
+def march(task: Task, start: float, state: Array, until: float) -> ElasticSolution:
+    """The motion from a state (2 f,) at time 0, at a crank angle, to a time [s].
+
+    Raises:
+        SimulationError: the steps become too short.
+    """
+    marching = _March(task, start, state)
+    while marching.time < until * (1 - 1e-12):
+        marching.step(until)
+    return marching.joined()
+
+
+class _Passing(NamedTuple):
+    """A path passes a border.
+
+    Attributes:
+        time: about which it does [s].
+        border: the border.
+        rise: change of the path there: positive where it rises.
+    """
+
+    time: float
+    border: LoadBorder
+    rise: float
+
+
+class _March:
+    """A motion on its way."""
+
+    def __init__(self, task: Task, start: float, state: Array) -> None:
+        self.task, self.state, self.time = task, state, 0.0
+        self.direction = 1 if task.speed > 0 else -1
+        self.phase = task.phases.begun(start + 1e-6 * self.direction)
+        self.turnings = self._turning_times(start)
+        self.length = task.period / FIRST / WINDOW
+        self.windows: list[tuple[PanelSolution, int]] = []  # with the segment of each
+        size = len(state) // 2
+        self.acceleration = np.zeros(size)
+        self.segments: list[Segment] = [task.phases.active(self.phase, self._places_now())]
+        self.events: dict[int, Event] = {}
+        self.knots = [0.0]
+
+    def _turning_times(self, start: float) -> Callable[[float], tuple[float, float]]:
+        period = abs(float(self.task.phases.driven.model.period or 2 * np.pi))
+        ahead = np.sort([(self.direction * (angle - start)) % period for angle in self.task.phases.turnings])
+
+        def following(time: float) -> tuple[float, float]:
+            """Time and crank angle of the next turning after a time."""
+            if not len(ahead):
+                return np.inf, 0.0
+            travelled = abs(self.task.speed) * time
+            whole = np.floor(travelled / period) * period
+            options = np.concatenate([ahead + whole, ahead + whole + period])
+            after = float(options[options > travelled + 1e-9][0])
+            return after / abs(self.task.speed), start + self.direction * after
+
+        return following
+
+    def _equations(self) -> ElasticEquations:
+        return replace(self.task.equations, segments=(self.segments[-1],), events={})
+
+    def _places_now(self) -> Array:
+        equations, size = self.task.equations, len(self.state) // 2
+        free, rates = equations.whole(np.array([self.time]), self.state[None, :size], self.state[None, size:])
+        coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
+        return np.array([path.over(equations.sprung, coordinates, all_rates).value[0] for path in equations.paths])
+
+    def step(self, until: float) -> None:
+        """Go on by a window, or to the next event in it."""
+        turning, angle = self.turnings(self.time)
+        end = min(until, turning)
+        span = min(WINDOW * self.length, end - self.time)
+        found = self._solved(span, {}, None)
+        error = np.inf if found is None else float(found.errors().max())
+        factor = 0.9 * (self.task.tolerance / max(error, 1e-300)) ** (1 / (STAGES + 1)) if np.isfinite(error) else 0.25
+        if not error <= self.task.tolerance:
+            self.length = min(max(factor, 0.2), 0.9) * span / WINDOW
+            if self.length < SHORTEST * self.task.period:
+                raise failure("cannot go on", self.time, message="the steps become too short")
+            return
+        assert found is not None
+        self.length = min(min(factor, 3.0) * span / WINDOW, self.task.period / FIRST)
+        event = self._first_event(found)
+        if event is not None:
+            ended = self._solved(event.time - self.time, {1: Event(*event.border)}, found)
+            if ended is None:
+                self.length *= 0.25
+                return
+            self._take(ended)
+            self._cross(event)
+        else:
+            self._take(found)
+            if self.time >= turning - 1e-12 * self.task.period:
+                self.phase = self.task.phases.begun(angle + 1e-6 * self.direction)
+                self._begin(Event(-1, angle), self._places_now())
+
+    def _solved(self, span: float, events: dict[int, Event], near: PanelSolution | None) -> PanelSolution | None:
+        """A window from the present state; its end is free where an event ends it."""
+        size, rule = len(self.state) // 2, radau(STAGES)
+        mesh = _even_mesh(np.array([self.time, self.time + span]), np.array([WINDOW]))
+        if near is None:
+            h, y, v = mesh.length[0], self.state[:size], self.state[size:]
+            ahead = np.arange(WINDOW + 1)[:, None] * h
+            states = np.concatenate([y + ahead * v, np.tile(v, (WINDOW + 1, 1))], axis=1)
+            accelerations = np.tile(self.acceleration, (WINDOW, STAGES, 1))
+            guess = PanelSolution(mesh, rule, states, accelerations, np.inf, 0, np.eye(2 * size))
+        else:
+            guess = _cut(near, mesh)
+        equations = replace(self._equations(), events=events)
+        border = Border(False, np.zeros(2 * size), list(events))
+        return solve(equations, guess, border, SETTLED * self.task.tolerance, MOST_STEPS)
+
+    def _first_event(self, found: PanelSolution) -> _Passing | None:
+        """The first border that a path passes within a window, so that other forces act."""
+        count, phases = len(found.mesh.start), self.task.phases
+        if not phases.borders:
+            return None
+        panel, share = np.repeat(np.arange(count), LOOKS), np.tile(np.arange(1, LOOKS + 1) / LOOKS, count)
+        places = np.concatenate([self._places_now()[None], _places(self._equations(), found, panel, share)[0]])
+        times = np.append(self.time, found.mesh.start[panel] + share * found.mesh.length[panel])
+        for k in range(1, len(times)):
+            if phases.active(phases.advanced(self.phase, places[k]), places[k]) == self.segments[-1]:
+                continue
+            passed = []
+            for border in phases.borders:
+                before, after = places[k - 1, border.path] - border.value, places[k, border.path] - border.value
+                if before * after <= 0 and before != after:
+                    passed.append(_Passing(float(times[k - 1] + (times[k] - times[k - 1]) * before / (before - after)), border, after - before))
+            if passed:
+                return min(passed)
+        return None
+
+    def _cross(self, passing: _Passing) -> None:
+        """Pass a border."""
+        places = self._places_now()
+        beside = np.copysign(BESIDE * self.task.equations.sprung.press.size, passing.rise)
+        places[passing.border.path] = passing.border.value + beside
+        self.phase = self.task.phases.advanced(self.phase, places)
+        self._begin(Event(*passing.border), places)
+
+    def _begin(self, event: Event, places: Array) -> None:
+        """Begin a new segment where other forces act."""
+        segment = self.task.phases.active(self.phase, places)
+        if segment != self.segments[-1]:
+            self.events[len(self.knots)] = event
+            self.knots.append(self.time)
+            self.segments.append(segment)
+
+    def _take(self, window: PanelSolution) -> None:
+        self.windows.append((window, len(self.segments) - 1))
+        self.time, self.state = float(window.mesh.knots[-1]), window.states[-1]
+        self.acceleration = window.accelerations[-1, -1]
+
+    def joined(self) -> ElasticSolution:
+        """All windows as one motion."""
+        knots = np.array([*self.knots, self.time])
+        borders = np.concatenate([*(window.mesh.start for window, _ in self.windows), [self.time]])
+        segment = np.concatenate([np.full(len(window.mesh.start), number) for window, number in self.windows])
+        spans = np.diff(knots)[segment]
+        low, high = (borders[:-1] - knots[segment]) / spans, (borders[1:] - knots[segment]) / spans
+        states = np.concatenate([*(window.states[:-1] for window, _ in self.windows), self.state[None]])
+        passage = np.eye(len(self.state))
+        for window, _ in self.windows:
+            passage = window.passage @ passage
+        panels = PanelSolution(
+            Mesh(knots, segment, low, high),
+            self.windows[0][0].rule,
+            states,
+            np.concatenate([window.accelerations for window, _ in self.windows]),
+            0.0,
+            sum(window.steps for window, _ in self.windows),
+            passage,
+        )
+        return ElasticSolution(replace(self.task.equations, segments=tuple(self.segments), events=self.events), panels, False)
+
+
+def _cut(near: PanelSolution, mesh: Mesh) -> PanelSolution:
+    """The first part of a motion, as a guess on other panels."""
+    y, v, _ = near.at(mesh.borders)
+    _, _, a = near.at((mesh.start[:, None] + mesh.length[:, None] * near.rule.points).ravel() - 1e-12 * mesh.length[0])
+    accelerations = a.reshape(len(mesh.start), len(near.rule.points), -1)
+    return PanelSolution(mesh, near.rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, near.passage)
+
+
+def resting(task: Task, start: float) -> Array:
+    """The state (2 f,) at time 0 whose springs carry weight, loads and the inertia forces of the rigid motion, so that no vibration begins.
+
+    Raises:
+        SimulationError: the springs do not carry them.
+    """
+    y, v, a = task.rigid(np.zeros(1))
+    phase = task.phases.begun(start + 1e-6 * np.sign(task.speed))
+    equations = replace(task.equations, segments=(task.phases.active(phase, task.phases.places(start)),))
+    for _ in range(MOST_STEPS):
+        force, stiffness, _, _ = equations.forces(np.zeros(1), y, v, np.zeros(1, dtype=int))
+        step = np.linalg.solve(stiffness[0], force[0] - a[0] @ equations.mass)
+        y = y + step
+        if np.abs(step).max() <= SETTLED * task.tolerance:
+            return np.concatenate([y[0], v[0]])
+    raise failure("cannot go on", 0.0, message="the springs do not carry the links at the start")
