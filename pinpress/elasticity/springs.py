@@ -8,7 +8,6 @@ under a unit force on the slide (unit-load method). The sign of N does not matte
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -16,58 +15,16 @@ import pinocchio as pin
 
 from ..common.arguments import positive
 from ..common.errors import PinpressError, UnknownNameError, shown
-from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import Reactions, on_frame
 from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
+from ..simulation.elastic.description import Elastic as Elastic
+from ..simulation.elastic.description import Rod as Rod
+from ..simulation.elastic.description import Stiffness as Stiffness
 
 SHAFT, FRAME = "shaft", "frame"  # names of these parts
 MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
-
-
-@dataclass(frozen=True)
-class Rod:
-    """A link, or an arm of one, that stretches along the line of two of its bearings.
-
-    The force in a rod is the mean of the pulls of both bearings along their line, which is exact for a rod whose mass is symmetric about
-    its middle. On a link with more bearings it is an arm: it begins at the first of the two bearings, and is loaded by the second alone.
-
-    Attributes:
-        link: name of the link.
-        between: names of two of its bearings.
-        stiffness: stiffness E A / l between them [N/m].
-    """
-
-    link: str
-    between: tuple[str, str]
-    stiffness: float
-
-    @property
-    def name(self) -> str:
-        """Name of the part in tables."""
-        return f"{self.link} {self.between[0]}-{self.between[1]}"
-
-
-@dataclass(frozen=True, eq=False)
-class Stiffness(Frozen):
-    """Stiffnesses of the parts of a press. All parts without one are rigid, and so are gear pairs.
-
-    Attributes:
-        bearings: name of a bearing -> radial stiffness; of a guide, stiffness across its axis [N/m].
-        moments: name of a guide -> stiffness against turning [N m/rad]. Its moment is about the origin of the sliding link's joint frame,
-            as in `Reactions`.
-        rods: links and arms that stretch.
-        shaft: torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid.
-        frame: stiffness of the columns between the crown, which has all bearings on the frame, and the table [N/m]; None: rigid. The table
-            stands on the floor, so that weight and inertia forces that press on the crown load the columns too.
-    """
-
-    bearings: Mapping[str, float] = field(default_factory=dict)
-    moments: Mapping[str, float] = field(default_factory=dict)
-    rods: Sequence[Rod] = ()
-    shaft: float | None = None
-    frame: float | None = None
 
 
 class Spring(NamedTuple):

@@ -47,8 +47,8 @@ REASONS = {
         " every speed there (a constant torque has none); try another speed, or let the press run with simulate"
     ),
     "does not repeat": (
-        "the press on its springs does not repeat its stroke: the lowest places of its slide in {strokes} strokes are {depths} um beside the"
-        " rigid one; let it run with simulate, or look at stiffness, damping and load"
+        "the press on its springs does not repeat its stroke: the lowest positions of its slide in {strokes} strokes are {depths} mm; let"
+        " it run with simulate, or look at stiffness, damping and load"
     ),
     "no period": (
         "a shaft of {press_name} comes back only after more than {most} turns, so that there is no period to tabulate:"

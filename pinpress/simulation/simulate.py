@@ -40,6 +40,8 @@ from ..loads import caller_laws
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from .driven_press import DrivenPress, driven_press, press_with_drives, refuse_unlisted_loads
+from .elastic.description import Elastic
+from .elastic.simulate_elastic import elastic_simulation
 from .failures import failure, told_of
 from .hybrid_system import HOLDING
 from .law_trials import asked_drive
@@ -53,6 +55,7 @@ from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
 METHODS = ("auto", "reduced", "implicit", "constraint")
 MOST_STEPS = 1_000_000  # most steps of the Runge-Kutta method
 LEAST_TOLERANCE = 1e-13
+TOLERANCE, ELASTIC_TOLERANCE = 1e-11, 1e-5  # by default, of a rigid and of an elastic motion
 MOVED = 1e-6  # a rest is stable or unstable by the accelerations this far on either side of it [rad]
 PUSHED, CREEPING = 1e-4, 1e-9  # displacement [rad] and speed [rad/s] by which a press at rest is pushed
 LOOKS = 240  # instants at which two runs are compared
@@ -75,7 +78,8 @@ def simulate(
     friction: Mapping[str, Friction] = NONE_GIVEN,
     method: str = "auto",
     points: int | None = None,
-    tolerance: float = 1e-11,
+    elastic: Elastic | None = None,
+    tolerance: float | None = None,
     step: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
@@ -97,7 +101,11 @@ def simulate(
         method: "auto", "reduced", "implicit" or "constraint", see the module. Where a linkage locks the first three end, "constraint" runs
             on through the lock.
         points: number of states returned; by default 120 a turn, and at least 120.
-        tolerance: error accepted of a step, relative to 1 rad and to the speeds of the crank.
+        elastic: springs and dampers of bearings, guides, rods, shaft and frame; None: all parts are rigid. The result is then an
+            `ElasticRun`, from a start at which the springs carry what acts on them, so that nothing rings yet. The drive is a
+            `PrescribedSpeed`; the method is "auto".
+        tolerance: error accepted of a step, relative to 1 rad and to the speeds of the crank, by default 1e-11. With ``elastic`` that of
+            a coordinate on a panel, as a share of the largest displacement, by default 1e-5.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
         progress: called with the time reached [s], from time to time.
 
@@ -113,7 +121,8 @@ def simulate(
     if not isinstance(press, Linkage):
         raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
     method = _method(press, method)
-    until, tolerance = number("duration", duration, "s", positive=True), checked_tolerance(tolerance)
+    until = number("duration", duration, "s", positive=True)
+    error = checked_tolerance(tolerance, elastic)
     fixed = _fixed_step(step, until)
     if progress is not None and (not callable(progress) or isinstance(progress, type)):
         raise PinpressError(f"progress is {shown(progress)}: give a function of the time reached [s]")
@@ -127,8 +136,10 @@ def simulate(
     refuse_many_turns(speeds, until, float(angles[0]))
     with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
         driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction)
-        problem = _problem(driven, method, angles, speeds, until, tolerance, fixed)
+        problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
+        if elastic is not None:
+            return elastic_simulation(problem, elastic, points, began)
         trajectory = march(problem, progress)
         run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))
     if (since := trajectory.standing) is not None:
@@ -232,9 +243,9 @@ def _start(press: Linkage, name: str, value: ArrayLike, by: str = "") -> Array:
     return np.broadcast_to(given, (len(press.drivers),)).copy()
 
 
-def checked_tolerance(tolerance: float) -> float:
-    """The tolerance as a number; raises PinpressError outside the range that can be kept."""
-    value = number("tolerance", tolerance, positive=True)
+def checked_tolerance(tolerance: float | None, elastic: Elastic | None = None) -> float:
+    """The tolerance as a number, that by default where none is given; raises PinpressError outside the range that can be kept."""
+    value = number("tolerance", (TOLERANCE if elastic is None else ELASTIC_TOLERANCE) if tolerance is None else tolerance, positive=True)
     if not LEAST_TOLERANCE <= value <= 1e-2:
         raise PinpressError(f"tolerance is {value:g}: give one from {LEAST_TOLERANCE:g} to 0.01")
     return value

@@ -59,8 +59,8 @@ class SimulationProblem:
 
     @property
     def equations(self) -> str:
-        """ "reduced" or "constraint"."""
-        return "constraint" if self.method == "constraint" else "reduced"
+        """ "reduced", "constraint" or "elastic"."""
+        return self.method if self.method in ("constraint", "elastic") else "reduced"
 
 
 class Leg(NamedTuple):

@@ -17,7 +17,7 @@ from ..common.errors import PinpressError, SimulationError, shown
 from ..common.parameters import refuse_scenarios
 from ..common.quantities import RPM, Array
 from ..drives.protocol import Drive
-from ..drives.transmission import Flywheel
+from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.motion import doubt_speeds
 from ..linkage.assembly import refuse_far
@@ -26,7 +26,9 @@ from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
 from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
-from .failures import failure
+from .elastic.description import Elastic
+from .elastic.simulate_elastic import elastic_steady_state
+from .failures import failure, told_of
 from .law_trials import asked_drive
 from .over_angle import collocation
 from .over_angle.collocation import CollocationSolution
@@ -56,12 +58,13 @@ def steady_state(
     speed: float,
     *,
     angle: float = 0.0,
-    drive: Drive,
+    drive: Drive | PrescribedSpeed,
     flywheel: Flywheel | None = None,
     loads: Sequence[Load] = (),
     friction: Mapping[str, Friction] = NONE_GIVEN,
     points: int | None = None,
-    tolerance: float = 1e-11,
+    elastic: Elastic | None = None,
+    tolerance: float | None = None,
 ) -> Run:
     """One period of the steady state of a press: from crank angle ``angle`` on, until angle and speed are the same again.
 
@@ -74,6 +77,8 @@ def steady_state(
         loads: as in `simulate`; nothing in them may depend on time.
         friction: as in `simulate`.
         points: number of states returned; by default 120 a turn.
+        elastic: as in `simulate`; the drive is then a `PrescribedSpeed`, and the steady state the stroke that the press repeats on its
+            springs.
         tolerance: as in `simulate`.
 
     Raises:
@@ -86,11 +91,15 @@ def steady_state(
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
         raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
     press.refuse_sliding_driver("it has no steady state; let it run with simulate, or prescribe its motion with cycle or servo_cycle")
-    start, near, tolerance = number("angle", angle, "rad"), _speed(speed), checked_tolerance(tolerance)
+    start, near, tolerance = number("angle", angle, "rad"), _speed(speed), checked_tolerance(tolerance, elastic)
     refuse_far("angle", np.array(start), press.driver_coordinates)
     refuse_unlisted_loads(loads)
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
     driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction)
+    if elastic is not None:
+        doubt_speeds(press, near)
+        with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
+            return elastic_steady_state(driven, elastic, near, start, points, tolerance, began)
     _refuse_without_steady_state(driven, drive)
     doubt_speeds(press, near)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises

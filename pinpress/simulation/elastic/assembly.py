@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -17,9 +17,10 @@ from ...common.arguments import number, positive
 from ...common.errors import PinpressError, UnknownNameError, shown
 from ...common.quantities import Array, ComplexArray
 from ...engines.joints import plain
+from ...engines.planar.engine import PlanarEngine
 from ...engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity
 from ...engines.planar.model import Plane, to_complex
-from ...kinematics.motion import Motion, servo_cycle
+from ...kinematics.motion import Motion, motion_through_change_points
 from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from .description import Elastic, Rod
@@ -40,7 +41,9 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     if not isinstance(elastic, Elastic):
         raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
     if "plane" not in press.engines:
-        raise PinpressError(f"{press.name} does not move in a plane, or has several drivers: elastic motion is that of a planar press with one")
+        raise PinpressError(
+            f"{press.name} does not move in a plane, or has several drivers: elastic motion is that of a planar press with one"
+        )
     press.refuse_sliding_driver("elastic motion is that of a press with a crank")
     _ = press.slide_guide
     drawn = DrawnPress(press)
@@ -81,6 +84,7 @@ class DrawnPress:
     def __init__(self, press: Linkage) -> None:
         self.press = press
         engine = press.engine("plane")
+        assert isinstance(engine, PlanarEngine)
         self.plane: Plane = engine.plane.dense
         basis = basis_at(self.plane, np.zeros((press.model.nv, 1)))
         self.origins: ComplexArray = plain(self.plane.origins @ basis)[:, 0]
@@ -129,14 +133,13 @@ def _bodies(press: Linkage, drawn: DrawnPress, elastic: Elastic) -> SprungPress:
     if crown is not None:
         inertia[3 * crown : 3 * crown + 2] = positive("Elastic: crown_mass", elastic.crown_mass, "kg")
     carry, rest = _conditions(press, drawn, bodies, crown, rotor)
-    nothing = np.zeros(0, dtype=np.intp)
     return SprungPress(
         press=press,
         centers=np.concatenate([drawn.centers, np.zeros(bodies - count + 1)]),
         inertia=inertia,
         weight=weight,
-        lines=LineSprings(*[nothing] * 10),
-        turns=TurningSprings(*[nothing] * 5),
+        lines=_columns(LineSprings, []),
+        turns=_columns(TurningSprings, []),
         carry=carry,
         drawn=rest,
         crown=crown,
@@ -214,7 +217,9 @@ def _with_springs(drawn: DrawnPress, bare: SprungPress, elastic: Elastic) -> Spr
         """A link, or what carries the bearings on the frame."""
         return link if link >= 0 else frame if bare.crown is None else bare.crown
 
-    def add(first: int, one: complex, second: int, two: complex, along: complex, turns: bool, value: float, number: int, sign: float) -> None:
+    def add(
+        first: int, one: complex, second: int, two: complex, along: complex, turns: bool, value: float, number: int, sign: float
+    ) -> None:
         arms = one - bare.centers[first], two - bare.centers[second]
         rows.append((first, second, *arms, along, float(turns), value, 0.0, number, sign))
 
@@ -238,8 +243,15 @@ def _with_springs(drawn: DrawnPress, bare: SprungPress, elastic: Elastic) -> Spr
     turns = [(body(drawn.plane.parents[j]), j, turning[j], 0.0, j) for j in guides]
     if bare.rotor is not None:
         turns.append((bare.rotor, drawn.plane.driver, positive("stiffness of the shaft", stiffness.shaft, "N m/rad"), 0.0, -1))
-    lines = LineSprings(*(np.array(column) for column in zip(*rows, strict=True)))
-    return replace(bare, lines=lines, turns=TurningSprings(*(np.array(column) for column in zip(*turns, strict=True))))
+    return replace(bare, lines=_columns(LineSprings, rows), turns=_columns(TurningSprings, turns))
+
+
+def _columns(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:
+    """Springs of a kind from their rows."""
+    columns = zip(*rows, strict=True) if rows else ((),) * len(kind._fields)
+    whole, points = ("first", "second", "bearing"), ("arm1", "arm2", "direction")
+    types = (np.intp if name in whole else complex if name in points else float for name in kind._fields)
+    return kind(*(np.array(column, dtype=each) for each, column in zip(types, columns, strict=True)))
 
 
 def _by_bearing(press: Linkage, what: str, given: object, unit: str, needed: Sequence[int] | range) -> dict[int, float]:
@@ -275,10 +287,13 @@ def _rods(drawn: DrawnPress, rods: Sequence[Rod]) -> dict[int, _Softer]:
         alone = [number for number in pins if used.count(number) == 1] or [number for number in pins if number not in found][:1]
         if not alone:
             raise PinpressError(f"rod {shown(rod.name)}: other rods end at both of its pins; give one of them to the stiffness of the pin")
-        for number in alone:
-            if number in found:
-                raise PinpressError(f"rod {shown(rod.name)}: another rod yields at its pin {shown(press.bearings[number])}: give one of them to the stiffness of the pin")
-            found[number] = _Softer(body, along, 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m") / len(alone))
+        for pin_number in alone:
+            if pin_number in found:
+                raise PinpressError(
+                    f"rod {shown(rod.name)}: another rod yields at its pin {shown(press.bearings[pin_number])}; give one of them to the"
+                    " stiffness of the pin"
+                )
+            found[pin_number] = _Softer(body, along, 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m") / len(alone))
     return found
 
 
@@ -340,12 +355,12 @@ def frequencies(sprung: SprungPress, angle: float) -> Array:
     """Natural frequencies (f,) with the crank held at an angle, rising, without dampers and loads [rad/s]."""
     stiffness, mass = held_matrices(sprung, angle)
     inverse = np.linalg.inv(np.linalg.cholesky(mass))
-    return np.sqrt(np.maximum(np.linalg.eigvalsh(inverse @ stiffness @ inverse.T), 0.0))
+    return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(inverse @ stiffness @ inverse.T), 0.0)))
 
 
 def held_matrices(sprung: SprungPress, angle: float) -> tuple[Array, Array]:
     """Stiffness and mass matrix (f, f) of the free coordinates with the crank held at an angle, in the rigid pose."""
-    place, _, _ = coordinates_of(sprung, servo_cycle(sprung.press, angle=np.array([angle]), speed=0.0))
+    place, _, _ = coordinates_of(sprung, motion_through_change_points(sprung.press, np.array([angle]), 0.0))
     forces = sprung.spring_forces(place, np.zeros_like(place))
     assert forces.stiffness is not None
     return forces.stiffness[0, :-1, :-1], sprung.mass[:-1, :-1]

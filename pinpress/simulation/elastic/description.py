@@ -82,6 +82,8 @@ class Elastic(Frozen):
             raise PinpressError(f"Elastic: stiffness is {shown(self.stiffness)}: give a Stiffness(bearings={{...}}, moments={{...}})")
         ratio = number("Elastic: damping_ratio", self.damping_ratio)
         if not 0.0 <= ratio <= MOST_DAMPING:
-            raise PinpressError(f"Elastic: damping_ratio is {ratio:g}: give a number from 0 to {MOST_DAMPING:g}; steel structures have 0.01 to 0.05")
+            raise PinpressError(
+                f"Elastic: damping_ratio is {ratio:g}: give a number from 0 to {MOST_DAMPING:g}; steel structures have 0.01 to 0.05"
+            )
         if (self.stiffness.frame is None) != (self.crown_mass is None):
             raise PinpressError("Elastic: a crown on its columns needs both stiffness.frame [N/m] and crown_mass [kg]; give both, or none")

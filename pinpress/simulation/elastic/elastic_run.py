@@ -7,15 +7,14 @@ bearings. Slide position, velocity and acceleration are those of the slide on it
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
 
-from ...common.frozen import read_only
+from ...common.frozen import FrozenMapping, NamedArrays, read_only
 from ...common.quantities import Array, ComplexArray
-from ...common.results import NamedArrays
 from ...engines.planar.model import to_complex, to_world
 from ...kinematics.motion import Motion, motion_through_change_points
 from ..driven_press import WorkOfForce
@@ -23,10 +22,12 @@ from ..run import Run, Stats
 from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 from .assembly import DrawnPress, coordinates_of
+from .description import Elastic
 from .panels import Indices
 from .solution import ElasticSolution
 
-FINE = 24  # places on a panel at which extremes are looked for
+FINE = 24  # parts of a panel at whose ends extremes are looked for, and of the two parts about one of them
+HIGHEST = 3  # values about which the largest is looked for
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -47,7 +48,8 @@ class ElasticRun(Run):
     bearing_force: NamedArrays[np.float64]
     shaking_force: Array
     decay_per_stroke: float | None
-    _slide: Array
+    elastic: Elastic
+    _on_springs: Array
     _extremes: Extremes
 
     @property
@@ -55,16 +57,16 @@ class ElasticRun(Run):
         return f"ElasticRun of {self.linkage}: {len(self.crank_angle)} states, {self.time[-1]:.6g} s, slide down to {self.deepest:.6g} m"
 
     @cached_property
-    def slide_position(self) -> Array:  # type: ignore[override]
-        return read_only(self._slide[:, 0].copy())
+    def slide_position(self) -> Array:
+        return read_only(self._on_springs[:, 0].copy())
 
     @property
     def slide_velocity(self) -> Array:
-        return read_only(self._slide[:, 1].copy())
+        return read_only(self._on_springs[:, 1].copy())
 
     @property
     def slide_acceleration(self) -> Array:
-        return read_only(self._slide[:, 2].copy())
+        return read_only(self._on_springs[:, 2].copy())
 
     @property
     def deepest(self) -> float:
@@ -118,12 +120,14 @@ class ElasticSegment:
         first: time of the solution at which the segment begins [s]; a periodic solution goes on at its start.
         end: time of the segment's end [s].
         gain: (2 f,) what coordinates and rates gain in a period.
+        angle: of the crank at the segment's start, which may lie whole periods from that of the solution [rad].
     """
 
     solution: ElasticSolution
     first: float
     end: float
     gain: Array
+    angle: float
 
     start = 0.0
     standing = None
@@ -144,7 +148,7 @@ class ElasticSegment:
 
     def states(self, times: Array) -> SolutionStates:
         """States at times (n,) of the segment."""
-        panels, mesh = self.solution.panels, self.solution.panels.mesh
+        mesh = self.solution.panels.mesh
         begin, until = mesh.knots[0], mesh.knots[-1]
         own = self.first + times
         turns = np.floor((own - begin) / (until - begin) - 1e-12).clip(0) if self.solution.periodic else np.zeros(len(times))
@@ -165,7 +169,14 @@ class ElasticSegment:
         rotor, spin = at.whole[0][:, -1], at.whole[1][:, -1]
         torque = self.solution.equations.crank_torque(at.times, at.y, at.v, at.a, at.segments)
         motor = torque if drive is None else np.broadcast_to(drive.motor_torque(spin, rotor, times), torque.shape)
+        angle = angle + self._whole_periods
         return Sample(angle[None], speed[None], acceleration[None], torque, motor, spin, self.integrals(at))
+
+    @cached_property
+    def _whole_periods(self) -> float:
+        """Angle (of whole periods) by which the crank angles of the solution differ from those of the segment [rad]."""
+        own = float(self.crank(*self.states(np.zeros(1)).whole)[0][0])
+        return float(np.round((self.angle - own) / (2 * np.pi)) * 2 * np.pi)
 
     @cached_property
     def _powers(self) -> tuple[Array, Array]:
@@ -173,7 +184,7 @@ class ElasticSegment:
         panels = self.solution.panels
         count, stages = panels.accelerations.shape[:2]
         at = solution_states(self.solution, np.repeat(np.arange(count), stages), np.tile(panels.rule.points, count), None, self.gain)
-        powers = np.stack(list(_powers(self.solution, at).T), axis=1).reshape(count, stages, len(INTEGRALS))
+        powers = _powers(self.solution, at).T.reshape(count, stages, len(INTEGRALS))
         gains = panels.mesh.length[:, None] * np.einsum("s,psk->pk", panels.rule.integrate[-1], powers)
         return powers, np.concatenate([np.zeros((1, len(INTEGRALS))), np.cumsum(gains, axis=0)])
 
@@ -251,16 +262,20 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     driven, (free, rates) = equations.driven, at.whole
     coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
     torque = equations.crank_torque(at.times, at.y, at.v, at.a, at.segments)
-    motor = torque if driven.drive is None else np.broadcast_to(driven.drive.motor_torque(rates[:, -1], free[:, -1], at.times), torque.shape)
+    motor = (
+        torque if driven.drive is None else np.broadcast_to(driven.drive.motor_torque(rates[:, -1], free[:, -1], at.times), torque.shape)
+    )
     found = np.zeros((len(INTEGRALS), len(torque)))
     found[DRIVE_WORK], found[MOTOR_SQUARED] = torque * rates[:, -1], motor**2
     geometry = sprung.geometry(coordinates, all_rates)
     found[LOST] = (geometry.opening**2) @ sprung.lines.damping + sprung.turning_rates(all_rates) ** 2 @ sprung.turns.damping
-    found[LOAD_WORK] = -sum((force * rate for force, rate in equations.load_forces(at.segments, coordinates, all_rates)), np.zeros(len(torque)))
+    found[LOAD_WORK] = -sum(
+        (force * rate for force, rate in equations.load_forces(at.segments, coordinates, all_rates)), np.zeros(len(torque))
+    )
     return found
 
 
-def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: object, points: int, began: float) -> ElasticRun:
+def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: Elastic, points: int, began: float) -> ElasticRun:
     """The run of a motion on springs.
 
     Args:
@@ -302,7 +317,8 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: ob
         bearing_force=NamedArrays(press.bearings, forces),
         shaking_force=read_only(_shaking_force(solution, at.whole_acceleration)),
         decay_per_stroke=solution.decay if solution.periodic else None,
-        _slide=_slide(solution, at),
+        elastic=elastic,
+        _on_springs=_slide(solution, at),
         _extremes=_extremes(segment),
     )
 
@@ -360,35 +376,65 @@ def _energy_error(segment: ElasticSegment) -> float:
 
 
 def _extremes(segment: ElasticSegment) -> Extremes:
-    """Largest values over all panels of the segment, between fine places by parabolas."""
-    solution, panels, press = segment.solution, segment.solution.panels, segment.solution.equations.driven.press
-    sprung, equations, count = solution.equations.sprung, solution.equations, len(panels.mesh.start)
+    """Largest values over all panels of the segment."""
+    solution, names = segment.solution, segment.solution.equations.driven.press.bearings
+
+    def all_values(panel: Indices, share: Array) -> Array:
+        """Slide position, pull on the slide, and size of each bearing's force, (2 + bearings, n)."""
+        at = solution_states(solution, panel, share, None, segment.gain)
+        free, rates = at.whole
+        sprung = solution.equations.sprung
+        forces = _bearing_forces(solution, sprung.all_coordinates(free), rates @ sprung.carry.T)
+        return np.stack([-_slide(solution, at)[:, 0], _pull_on_slide(solution, forces), *np.abs(forces)])
+
+    found = _largest(all_values, len(solution.panels.mesh.start))
+    deep = solution_states(solution, np.array([found[0][1]]), np.array([found[0][2]]), None, segment.gain)
+    return Extremes(
+        deepest=-found[0][0],
+        deepest_angle=float(crank_of(solution, *deep.whole)[0][0]),
+        reverse_force=max(0.0, found[1][0]),
+        peaks=FrozenMapping({name: value for name, (value, _, _) in zip(names, found[2:], strict=True)}),
+        events=_events(segment),
+    )
+
+
+def _largest(values: Callable[[Indices, Array], Array], panels: int) -> list[tuple[float, int, float]]:
+    """Largest value of each of k functions on panels, the panel, and the share of it where it is.
+
+    Args:
+        values: of panels (n,) and shares of them (n,) to values (k, n).
+        panels: their number.
+    """
     places = np.linspace(0.0, 1.0, FINE + 1)
-    at = solution_states(solution, np.repeat(np.arange(count), FINE + 1), np.tile(places, count), None, segment.gain)
-    free, rates = at.whole
-    coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
-    forces = _bearing_forces(solution, coordinates, all_rates)
-    slide = _slide(solution, at)[:, 0]
-    low, where = _lowest(slide.reshape(count, -1))
-    panel, share = int(where), (where % 1.0)
-    deep = solution_states(solution, np.array([panel]), np.array([share]), None, segment.gain)
-    pull = _pull_on_slide(solution, forces)
-    peaks = {name: -_lowest(-np.abs(force).reshape(count, -1))[0] for name, force in zip(press.bearings, forces, strict=True)}
-    events = []
-    for knot in sorted(equations.events or {}):
-        first = int(np.searchsorted(panels.mesh.segment, knot))
-        there = solution_states(solution, np.array([first]), np.zeros(1), None, segment.gain)
+    coarse = values(np.repeat(np.arange(panels), FINE + 1), np.tile(places, panels))
+    found = []
+    for row, function in enumerate(coarse):
+        candidates = np.argsort(function)[-HIGHEST:]  # a peak at a border is on one of two panels
+        panel, place = candidates // (FINE + 1), places[candidates % (FINE + 1)]
+        low, high = np.maximum(place - 1 / FINE, 0.0), np.minimum(place + 1 / FINE, 1.0)
+        shares = low[:, None] + (high - low)[:, None] * places
+        fine = values(np.repeat(panel, FINE + 1), shares.ravel())[row].reshape(HIGHEST, -1)
+        where, best = np.unravel_index(int(fine.argmax()), fine.shape)
+        value, beside = float(fine[where, best]), 0.0
+        if 0 < best < FINE:
+            before, after = fine[where, best - 1], fine[where, best + 1]
+            bend = 2 * value - before - after
+            beside = 0.5 * (after - before) / bend if bend > 0 else 0.0
+            value += 0.25 * beside * float(after - before)
+        found.append((value, int(panel[where]), float(shares[where, best] + beside * (shares[where, 1] - shares[where, 0]))))
+    return found
+
+
+def _events(segment: ElasticSegment) -> tuple[tuple[float, float, float], ...]:
+    """Time, crank angle and slide position of each event."""
+    solution, mesh, found = segment.solution, segment.solution.panels.mesh, []
+    for knot in solution.equations.events or {}:
+        there = solution_states(solution, np.array([int(np.searchsorted(mesh.segment, knot))]), np.zeros(1), None, segment.gain)
         time = float(there.times[0]) - segment.first
         if solution.periodic:
-            time %= float(panels.mesh.knots[-1] - panels.mesh.knots[0])
-        events.append((time, float(crank_of(solution, *there.whole)[0][0]), float(_slide(solution, there)[0, 0])))
-    return Extremes(
-        deepest=low,
-        deepest_angle=float(crank_of(solution, *deep.whole)[0][0]),
-        reverse_force=max(0.0, -_lowest(-pull.reshape(count, -1))[0]),
-        peaks=peaks,
-        events=tuple(sorted(events)),
-    )
+            time %= float(mesh.knots[-1] - mesh.knots[0])
+        found.append((time, float(segment.at(np.array([time])).position[0, 0]), float(_slide(solution, there)[0, 0])))
+    return tuple(sorted(found))
 
 
 def _pull_on_slide(solution: ElasticSolution, forces: ComplexArray) -> Array:
@@ -401,17 +447,3 @@ def _pull_on_slide(solution: ElasticSolution, forces: ComplexArray) -> Array:
         if slide in (link1, link2) and number not in drawn.directions:
             found += (along.conjugate() * force).real * (1.0 if link2 == slide else -1.0)
     return found
-
-
-def _lowest(values: Array) -> tuple[float, float]:
-    """Least value of a function by its values (panels, k) at even places from 0 to 1 on each panel, and where it is: panel + share."""
-    panel, place = np.unravel_index(int(values.argmin()), values.shape)
-    last = values.shape[1] - 1
-    if not 0 < place < last:
-        return float(values[panel, place]), float(panel + min(place / last, 1 - 1e-12))
-    before, at, after = values[panel, place - 1 : place + 2]
-    bend = before - 2 * at + after
-    if not bend > 0:
-        return float(at), float(panel + place / last)
-    beside = 0.5 * (before - after) / bend
-    return float(at - 0.125 * (before - after) ** 2 / bend), float(panel + (place + beside) / last)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -107,7 +107,8 @@ class ElasticEquations:
         free, rates = self.whole(time, y, v)
         coordinates, all_rates = self.sprung.all_coordinates(free), rates @ self.sprung.carry.T
         force, stiffness, damping = self.sprung.spring_forces(coordinates, all_rates)
-        assert stiffness is not None and damping is not None
+        assert stiffness is not None
+        assert damping is not None
         for number, law in enumerate(self.driven.forces):
             on = [segment for segment in np.unique(segments) if self.segments[segment][number] is not None]
             if not on:
@@ -176,7 +177,7 @@ class ElasticEquations:
         return np.asarray(a @ self.whole_mass[-1, :-1] - force[:, -1])
 
 
-def _slope(law: Callable[[Array], Array], at: Array, size: float) -> Array:
+def _slope(law: Callable[[Any], Any], at: Array, size: float) -> Array:
     """Slope of a law by a central difference."""
     step = STEP * size
     return np.asarray((np.asarray(law(at + step)) - np.asarray(law(at - step))) / (2 * step) + 0.0 * at)

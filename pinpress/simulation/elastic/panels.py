@@ -28,6 +28,7 @@ from ...common.quantities import Array
 Indices = NDArray[np.intp]
 
 
+STALLED = 100.0  # multiples of the tolerance within which Newton's method may end where it gains no more
 AT_A_TIME = 16  # panels whose equations are built and solved together: they stay in the cache
 
 
@@ -57,7 +58,7 @@ def radau(stages: int) -> Rule:
     points[-1] = 1.0
     series = np.linalg.inv(legendre.legvander(2 * points - 1, stages - 1))
     integrate = legendre.legvander(2 * points - 1, stages) @ _integral(stages) @ series
-    return Rule(points, integrate, integrate @ integrate, series)
+    return Rule(points, integrate, integrate @ integrate, np.asarray(series, dtype=float))
 
 
 def _integral(stages: int) -> Array:
@@ -133,7 +134,7 @@ class PanelSolution:
         accelerations: (p, s, f) at the points of each panel.
         change: largest change of a coordinate in the last Newton step [m or rad].
         steps: number of Newton steps.
-        passage: (2 f, 2 f) derivative of the last state by the first one.
+        passage: (2 f, 2 f) derivative of the last state by the first one, with the events met at their own times.
     """
 
     mesh: Mesh
@@ -180,7 +181,7 @@ class PanelSolution:
         times = np.interp(new.borders, new.knots, old.knots)  # piece by piece: events stay events
         inside = np.interp((new.start[:, None] + new.length[:, None] * self.rule.points).ravel(), new.knots, old.knots)
         y, v, _ = self.at(times)
-        nudged = inside - 1e-12 * old.spans.max() # the last point of a panel belongs to it, not to the next
+        nudged = inside - 1e-12 * old.spans.max()  # the last point of a panel belongs to it, not to the next
         _, _, a = self.at(nudged)
         accelerations = a.reshape(len(new.start), len(self.rule.points), -1)
         return PanelSolution(mesh, self.rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, self.passage)
@@ -217,7 +218,7 @@ def solve(equations: EquationsOfMotion, guess: PanelSolution, border: Border, to
         change = found.change
         if not np.isfinite(change) or not (np.diff(found.mesh.knots) > 0).all():
             return None
-        if change <= tolerance:
+        if change <= tolerance or (change <= STALLED * tolerance and change > 0.1 * before):  # rounding ends what Newton's method gains
             return found
         if count > 3 and change > 2.0 * before:
             return None
@@ -228,7 +229,7 @@ def _newton_step(equations: EquationsOfMotion, at: PanelSolution, border: Border
     """One Newton step."""
     mesh, rule, a = at.mesh, at.rule, at.accelerations
     (panels, stages, size), h = a.shape, mesh.length
-    first, free = at.states[:-1], list(border.free)
+    free = list(border.free)
     step = _Step(equations, at)
     alone, by_state, by_time = step.solved(bool(free))
     ends, passages, timed = step.ends(alone, by_state, by_time)
@@ -244,7 +245,7 @@ def _newton_step(equations: EquationsOfMotion, at: PanelSolution, border: Border
             if starts[p] or lengths[p]:
                 carried[p + 1, :, 2 * size + k] += timed[p] @ (starts[p], lengths[p])
         alone_at[p + 1] = passages[p] @ alone_at[p] + defects[p]
-    changes = _border_changes(equations, at, border, carried, alone_at)
+    changes, passing = _border_changes(equations, at, border, carried, alone_at)
     moved = carried @ changes + alone_at
     inner = alone + np.einsum("pkx,px->pk", by_state, moved[:-1])
     knots = mesh.knots.copy()
@@ -255,13 +256,12 @@ def _newton_step(equations: EquationsOfMotion, at: PanelSolution, border: Border
     largest = float(np.abs(moved[:, :size]).max())
     inner = inner.reshape(panels, stages, size)
     largest = max(largest, float((h**2 * np.abs(inner).max(axis=(1, 2))).max()))
-    return PanelSolution(
-        Mesh(knots, mesh.segment, mesh.low, mesh.high), rule, states, a + inner, largest, count, carried[-1, :, : 2 * size]
-    )
+    return PanelSolution(Mesh(knots, mesh.segment, mesh.low, mesh.high), rule, states, a + inner, largest, count, carried[-1] @ passing)
 
 
-def _border_changes(equations: EquationsOfMotion, at: PanelSolution, border: Border, carried: Array, alone: Array) -> Array:
-    """Changes (2 f + m,) of the first state and of the free times that fulfil the conditions at the borders."""
+def _border_changes(equations: EquationsOfMotion, at: PanelSolution, border: Border, carried: Array, alone: Array) -> tuple[Array, Array]:
+    """Changes (2 f + m,) of the first state and of the free times that fulfil the conditions at the borders; and the derivative
+    (2 f + m, 2 f) of both by the first state, where the events are met."""
     size, free = at.states.shape[1] // 2, list(border.free)
     matrix, right = np.zeros((2 * size + len(free),) * 2), np.zeros(2 * size + len(free))
     if border.periodic:
@@ -274,7 +274,9 @@ def _border_changes(equations: EquationsOfMotion, at: PanelSolution, border: Bor
         value, gradient = equations.event(knot, at.states[place, :size], at.states[place, size:])
         matrix[2 * size + k] = gradient @ carried[place]
         right[2 * size + k] = -(value + gradient @ alone[place])
-    return np.linalg.solve(matrix, right)
+    events = matrix[2 * size :]
+    times = -np.linalg.solve(events[:, 2 * size :], events[:, : 2 * size]) if free else np.zeros((0, 2 * size))
+    return np.linalg.solve(matrix, right), np.concatenate([np.eye(2 * size), times])
 
 
 class _Step:
@@ -294,9 +296,7 @@ class _Step:
         times = mesh.start[:, None] + self.h[:, None] * rule.points
         count = self.panels * self.stages
         segments = np.repeat(mesh.segment, self.stages)
-        force, stiffness, damping, by_time = equations.forces(
-            times.ravel(), self.y.reshape(count, -1), self.v.reshape(count, -1), segments
-        )
+        force, stiffness, damping, by_time = equations.forces(times.ravel(), self.y.reshape(count, -1), self.v.reshape(count, -1), segments)
         shape = self.panels, self.stages, self.size
         self.left = force.reshape(shape) - a @ equations.mass
         self.stiffness, self.damping = stiffness.reshape(*shape, -1), damping.reshape(*shape, -1)
@@ -344,7 +344,7 @@ class _Step:
 
         def summed(changes: Array) -> Array:
             found = np.einsum("ks,psfx->pkfx", weights, changes.reshape(self.panels, self.stages, size, -1))
-            return (powers[:, :, None, None] * found).reshape(self.panels, 2 * size, -1)
+            return np.asarray((powers[:, :, None, None] * found).reshape(self.panels, 2 * size, -1))
 
         ends = np.concatenate([self.y[:, -1], self.v[:, -1]], axis=1) + summed(alone[..., None])[..., 0]
         passage = summed(by_state)

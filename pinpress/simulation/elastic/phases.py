@@ -108,11 +108,11 @@ class LoadPhases:
         """The segments of a period of the rigid press from a crank angle on, at which it turns or no load acts."""
         period = self.driven.model.period
         assert period is not None
-        found: list[tuple[float, Border | None]] = [(self._ahead(angle, start), None) for angle in self.turnings]
-        for border in self.borders:
-            at = roots(self.driven.model, COORDINATES + border.path, border.value)
-            found += [(self._ahead(angle, start), border) for angle in at]
-        found = sorted((each for each in found if ASIDE < each[0] < period - ASIDE), key=lambda each: each[0])
+        found: list[tuple[float, Border | None]] = [(at, None) for at in self.turnings_ahead(start)]
+        for each in self.borders:
+            angles = roots(self.driven.model, COORDINATES + each.path, each.value)
+            found += [(self._ahead(angle, start), each) for angle in angles]
+        found = sorted((one for one in found if ASIDE < one[0] < period - ASIDE), key=lambda one: one[0])
         ends = [*(at for at, _ in found[1:]), period] if found else []
         first = found[0][0] if found else period
         phase = self.begun(start + 0.5 * self.direction * first)
@@ -129,6 +129,12 @@ class LoadPhases:
             knots.append(at)
             segments.append(segment)
         return Plan(tuple(segments), events, np.array([*knots, period]))
+
+    def turnings_ahead(self, start: float) -> Array:
+        """How far the crank turns from ``start`` to each turning of a period, rising; one at the start itself is left out [rad]."""
+        ahead = np.sort([self._ahead(angle, start) for angle in self.turnings])
+        period = self.driven.model.period or np.inf
+        return np.asarray(ahead[(ahead > ASIDE) & (ahead < period - ASIDE)])
 
     def _ahead(self, angle: float, start: float) -> float:
         """How far the crank turns from ``start`` to an angle of the period [rad]."""

@@ -18,7 +18,7 @@ from ..failures import failure
 from .equations import ElasticEquations, Event, Segment
 from .panels import Border, Indices, Mesh, PanelSolution, radau, solve
 from .phases import Border as LoadBorder
-from .phases import LoadPhases, Phase, Plan
+from .phases import LoadPhases, Plan
 
 STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
 FIRST, LEAST = 24, 6  # panels of a period at first, and of each segment
@@ -27,8 +27,10 @@ ROUNDS = 8  # in which panels are divided
 SETTLED = 1e-3  # Newton's method ends where it changes coordinates by less than this share of the tolerance
 WINDOW = 6  # panels that are solved at a time on the way from a known state
 STROKES = 6  # that are followed before a press counts as one that does not repeat its stroke
+SAMPLES = 16  # places of a segment at which the largest deflection is looked for
 LOOKS = 12  # places on a panel at which events are looked for
 BESIDE = 1e-9  # lengths of the linkage beside a border at which it is seen what acts there
+ASIDE = 1e-6  # angle beside a turning at which it is seen which way the rigid press goes [rad]
 SHORTEST = 1e-9  # share of a period below which a window counts as stuck
 
 RigidMotion = Callable[[Array], tuple[Array, Array, Array]]
@@ -102,7 +104,7 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         found = _refined(task, plan, followed.panels)
         if found is not None and _as_planned(task, found, start):
             return found
-    shown = ", ".join(f"{1e6 * depth:.1f}" for depth in depths)
+    shown = ", ".join(f"{1e3 * depth:.4f}" for depth in depths)
     raise failure("does not repeat", strokes=STROKES, depths=shown)
 
 
@@ -150,16 +152,19 @@ def _divided(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
 
 def _as_planned(task: Task, found: ElasticSolution, start: float) -> bool:
     """Whether in each segment the forces act that belong to the places that the paths really reach."""
-    equations, mesh = found.equations, found.panels.mesh
+    equations, mesh, phases = found.equations, found.panels.mesh, task.phases
+    if not phases.borders:
+        return True
     panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
     places, _ = _places(equations, found.panels, panel, share)
-    phase = task.phases.begun(start + 1e-6 * np.sign(task.speed))
-    for segment, law in enumerate(equations.segments):
-        event = (equations.events or {}).get(segment)
-        there = places[mesh.segment[panel] == segment]
-        if event is not None:
-            phase = task.phases.begun(event.value + 1e-6 * np.sign(task.speed)) if event.path < 0 else task.phases.advanced(phase, there[0])
-        if any(task.phases.active(task.phases.advanced(phase, row), row) != law for row in there):
+    turned = np.searchsorted(phases.turnings_ahead(start), abs(task.speed) * (mesh.start[panel] + share * mesh.length[panel]))
+    segments, direction = mesh.segment[panel], float(np.sign(task.speed))
+    phase = phases.begun(start + ASIDE * direction)
+    for k in range(len(panel)):
+        if k and turned[k] != turned[k - 1]:
+            phase = phases.begun(start + direction * (phases.turnings_ahead(start)[turned[k] - 1] + ASIDE))
+        phase = phases.advanced(phase, places[k])
+        if phases.active(phase, places[k]) != equations.segments[segments[k]]:
             return False
     return True
 
@@ -216,7 +221,7 @@ class _March:
     def __init__(self, task: Task, start: float, state: Array) -> None:
         self.task, self.state, self.time = task, state, 0.0
         self.direction = 1 if task.speed > 0 else -1
-        self.phase = task.phases.begun(start + 1e-6 * self.direction)
+        self.phase = task.phases.begun(start + ASIDE * self.direction)
         self.turnings = self._turning_times(start)
         self.length = task.period / FIRST / WINDOW
         self.windows: list[tuple[PanelSolution, int]] = []  # with the segment of each
@@ -228,7 +233,7 @@ class _March:
 
     def _turning_times(self, start: float) -> Callable[[float], tuple[float, float]]:
         period = abs(float(self.task.phases.driven.model.period or 2 * np.pi))
-        ahead = np.sort([(self.direction * (angle - start)) % period for angle in self.task.phases.turnings])
+        ahead = self.task.phases.turnings_ahead(start)
 
         def following(time: float) -> tuple[float, float]:
             """Time and crank angle of the next turning after a time."""
@@ -277,7 +282,7 @@ class _March:
         else:
             self._take(found)
             if self.time >= turning - 1e-12 * self.task.period:
-                self.phase = self.task.phases.begun(angle + 1e-6 * self.direction)
+                self.phase = self.task.phases.begun(angle + ASIDE * self.direction)
                 self._begin(Event(-1, angle), self._places_now())
 
     def _solved(self, span: float, events: dict[int, Event], near: PanelSolution | None) -> PanelSolution | None:
@@ -311,7 +316,9 @@ class _March:
             for border in phases.borders:
                 before, after = places[k - 1, border.path] - border.value, places[k, border.path] - border.value
                 if before * after <= 0 and before != after:
-                    passed.append(_Passing(float(times[k - 1] + (times[k] - times[k - 1]) * before / (before - after)), border, after - before))
+                    passed.append(
+                        _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * before / (before - after)), border, after - before)
+                    )
             if passed:
                 return min(passed)
         return None
@@ -368,6 +375,23 @@ def _cut(near: PanelSolution, mesh: Mesh) -> PanelSolution:
     return PanelSolution(mesh, near.rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, near.passage)
 
 
+def largest_deflection(task: Task, start: float) -> float:
+    """Largest displacement of a coordinate by what acts in a period of the rigid press, on springs that follow at once [m or rad].
+
+    It is that to which errors are compared.
+    """
+    plan = task.phases.planned(start)
+    share = (np.arange(SAMPLES) + 1) / SAMPLES
+    times = (plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel() * (task.period / plan.knots[-1])
+    y, v, a = task.rigid(times)
+    equations = replace(task.equations, segments=plan.segments)
+    segments = np.repeat(np.arange(len(plan.segments)), SAMPLES)
+    force, _, _, _ = equations.forces(times, y, v, segments)
+    bare = replace(task.equations, segments=tuple((None,) * len(segment) for segment in plan.segments))
+    _, stiffness, _, _ = bare.forces(times, y, v, segments)
+    return float(np.abs(np.linalg.solve(stiffness, (force - a @ equations.mass)[..., None])).max())
+
+
 def resting(task: Task, start: float) -> Array:
     """The state (2 f,) at time 0 whose springs carry weight, loads and the inertia forces of the rigid motion, so that no vibration begins.
 
@@ -375,7 +399,7 @@ def resting(task: Task, start: float) -> Array:
         SimulationError: the springs do not carry them.
     """
     y, v, a = task.rigid(np.zeros(1))
-    phase = task.phases.begun(start + 1e-6 * np.sign(task.speed))
+    phase = task.phases.begun(start + ASIDE * np.sign(task.speed))
     equations = replace(task.equations, segments=(task.phases.active(phase, task.phases.places(start)),))
     for _ in range(MOST_STEPS):
         force, stiffness, _, _ = equations.forces(np.zeros(1), y, v, np.zeros(1, dtype=int))

@@ -1,17 +1,17 @@
 """A planar press as bodies joined by springs: its inertias, its spring forces, and their derivatives, at many states at once.
 
 Every link is a free body of the plane with three coordinates: the displacement x + i z of its centre of mass, in the axes of the plane, and
-its turn phi, both from the drawn pose. A bearing is two springs across each other between a point of one body and a point of another; a guide
-is a spring across its axis, which turns with the body that carries it, and one against turning. With the arms s of the points, turned by
-u = exp(i phi), and d from point 1 to point 2, a spring along the direction n has the extension
+its turn phi, both from the drawn pose. A bearing is two springs across each other between a point of one body and a point of another. A
+guide is a spring across its axis, which turns with the body that carries it, and one against turning. With the arms s of the points, turned
+by u = exp(i phi), and d from point 1 to point 2, a spring along the direction n has the extension
 
     y = Re(conj(n) d),   d = r2 + u2 s2 - r1 - u1 s1
 
 and pulls with k y + c y'. Its gradient and second derivatives stand in closed form, so that Newton's method has exact Jacobians.
 
-What the springs do not join is kept rigidly: the crank by its angle, gear pairs by their ratio, a crown by its columns. These conditions are
-linear, so that the coordinates of all bodies are a constant matrix times the free ones: ``carry @ y + drawn``. The last of the free ones is
-the angle of the crank, which may be prescribed.
+What the springs do not join is kept rigidly: the crank by its angle, gear pairs by their ratio, a crown by its columns. These conditions
+are linear, so that the coordinates of all bodies are a constant matrix times the free ones: ``carry @ y + drawn``. The last of the free
+ones is the angle of the crank, which may be prescribed.
 """
 
 from __future__ import annotations

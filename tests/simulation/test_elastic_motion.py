@@ -1,0 +1,173 @@
+"""Presses on springs: against independently computed strokes, the rigid limit, energy, and the order of the collocation."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from support.texts import shipped
+
+import pinpress as pp
+from pinpress.simulation.elastic import panels
+from pinpress.simulation.elastic.assembly import coordinates_of, frequencies, sprung_press
+
+JF75G, SIX_BAR = ("jf75g_125_plain", 300.0), ("zxn2_3000b", 70.0)
+BLANKING = {"jf75g_125_plain": pp.loads.Blanking(1.25e6, 0.010, 0.005), "zxn2_3000b": pp.loads.Blanking(2e6, 0.010, 0.006)}
+
+
+def springs(press, stiffness=2e9):
+    guides = [joint for joint, axis in zip(press.joints, press.axes, strict=True) if not axis.turns]
+    return pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments=dict.fromkeys(guides, 0.1 * stiffness))
+
+
+@cache
+def stroke(name, rpm, stiffness=2e9, loaded=True, points=361, **more):
+    press, speed = shipped(name), rpm * pp.RPM
+    elastic = pp.elasticity.Elastic(springs(press, stiffness))
+    loads = [BLANKING[name]] if loaded else []
+    return pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), loads=loads, elastic=elastic, points=points, **more)
+
+
+# The same presses, loads and springs in a program of its own, with seven and with eight collocation points: they agree to 4e-10 in the
+# forces. Depth beside the rigid bottom dead centre [um], crank angles from there [deg], forces [N], works [J].
+REFERENCE = [
+    (
+        *JF75G,
+        -1643.1889,
+        -5.4,
+        (-69.25835, -36.69391),
+        {"O": 1303074.8, "P2": 1292157.7, "P4": 1261977.9},
+        (5256.46962, 3978.87358, 1277.59604),
+    ),
+    (
+        *SIX_BAR,
+        -1949.6454,
+        -11.5,
+        (-48.34404, -33.56629),
+        {"A": 599454.7, "D": 1906926.6, "E": 2038080.0, "F": 2032259.9},
+        (7760.26462, 5092.95818, 2667.30644),
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "rpm", "depth", "angle", "events", "peaks", "works"), REFERENCE)
+def test_blanking_against_another_program(name, rpm, depth, angle, events, peaks, works):
+    run, bottom = stroke(name, rpm), pp.dead_centres(shipped(name))
+    assert 1e6 * (run.deepest - bottom.bottom_position) == pytest.approx(depth, abs=1e-3)
+    beside = [np.degrees(at - bottom.bottom_angle + np.pi) % 360 - 180 for at in (run.deepest_angle, *(at for _, at, _ in run.events))]
+    assert beside[0] == pytest.approx(angle, abs=0.06)
+    np.testing.assert_allclose(beside[1:], events, rtol=0, atol=1e-5)
+    for bearing, peak in peaks.items():
+        assert run.peaks[bearing] == pytest.approx(peak, rel=3e-6), bearing
+    np.testing.assert_allclose([run.drive_work[-1], run.load_work[-1], run.lost[-1]], works, rtol=0, atol=6e-6)  # as printed
+
+
+def test_decay_is_that_of_the_lowest_vibration():
+    """Between the strokes the lowest vibration decays as exp(-zeta w T); its frequency changes a little along the turn."""
+    press = shipped(JF75G[0])
+    lowest = frequencies(sprung_press(press, pp.elasticity.Elastic(springs(press))), pp.dead_centres(press).bottom_angle)[0]
+    assert lowest / (2 * np.pi) == pytest.approx(86.814, abs=1e-3)
+    assert stroke(*JF75G, loaded=False).decay_per_stroke == pytest.approx(np.exp(-0.02 * lowest * 0.2), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "rpm"), [JF75G, SIX_BAR, ("thin_wall", 40.0), ("jf75g_125_symmetric", 300.0), ("jf75g_125_two_point", 300.0)]
+)
+def test_rigid_limit(name, rpm):
+    """What is left of the rigid press's forces, torque and motion goes with 1 / stiffness."""
+    press = shipped(name)
+    rigid = pp.inverse_dynamics(press, pp.cycle(press, rpm * pp.RPM, points=36))
+    errors = []
+    for stiffness in (5e8, 1e9) if name == "thin_wall" else (2e10, 4e10):  # a light press: rounding of its places is force
+        run = stroke(name, rpm, stiffness, loaded=False, points=37)
+        force = max(
+            np.abs(run.bearing_force[bearing][:-1, [0, 2]] - rigid.bearing_force[bearing][:, [0, 2]]).max() for bearing in press.bearings
+        )
+        torque = np.abs(run.drive_torque[:-1] - rigid.driving_torque).max() / np.abs(rigid.driving_torque).max()
+        shaking = np.abs(run.shaking_force[:-1] - rigid.shaking_force).max()
+        errors.append((force, torque, shaking, np.abs(run.displacement).max()))
+    order = np.log2(np.divide(*errors))
+    np.testing.assert_allclose(order, 1.0, atol=0.02)
+    assert errors[1][1] < 2e-3
+
+
+def test_energy():
+    for run in (stroke(*JF75G), stroke(*SIX_BAR)):
+        assert run.stats.energy_error < 1e-10
+        assert abs(run.drive_work[-1] - run.load_work[-1] - run.lost[-1]) < 1e-10 * run.drive_work[-1]
+
+
+def test_marched_strokes_come_to_the_steady_one():
+    press, speed, steady = shipped(JF75G[0]), JF75G[1] * pp.RPM, stroke(*JF75G, points=121)
+    elastic, drive = steady.elastic, pp.drives.PrescribedSpeed(speed)
+    run = pp.simulate(press, 1.0, drive=drive, loads=[BLANKING[press.name]], elastic=elastic, points=601)
+    assert run.stats.energy_error < 1e-10
+    beside = [np.abs(run.slide_position[120 * k : 120 * k + 121] - steady.slide_position).max() for k in range(5)]
+    np.testing.assert_allclose(np.divide(beside[3:], beside[2:-1]), steady.decay_per_stroke, rtol=0.02)
+
+
+def test_the_start_rings_no_bell():
+    """An idle run from its start, at which the springs carry the rigid motion's forces, stays beside the steady state."""
+    press, speed, steady = shipped(JF75G[0]), JF75G[1] * pp.RPM, stroke(*JF75G, loaded=False, points=121)
+    run = pp.simulate(press, 0.2, drive=pp.drives.PrescribedSpeed(speed), elastic=steady.elastic, points=121)
+    assert np.abs(run.slide_position - steady.slide_position).max() < 0.02 * np.abs(steady.displacement).max()
+
+
+@pytest.mark.parametrize("stages", [2, 3, 4])
+def test_order_of_the_collocation(stages, monkeypatch):
+    """2 s - 1 at the borders of the panels, on a smooth stroke."""
+    run = stroke(*JF75G, stiffness=2e7, loaded=False)
+    found = run.trajectory.segments[0].solution
+    gain, errors = run.trajectory.segments[0].gain, []
+    for count in (40, 80):
+        borders = np.arange(count + 1) / count
+        mesh = panels.Mesh(found.panels.mesh.knots, np.zeros(count, dtype=int), borders[:-1], borders[1:])
+        rule = panels.radau(stages)
+        y, v, _ = found.panels.at(mesh.borders)
+        _, _, a = found.panels.at((mesh.start[:, None] + mesh.length[:, None] * rule.points).ravel() - 1e-15)
+        guess = panels.PanelSolution(
+            mesh, rule, np.concatenate([y, v], axis=1), a.reshape(count, stages, -1), np.inf, 0, np.eye(2 * y.shape[1])
+        )
+        coarse = panels.solve(found.equations, guess, panels.Border(True, gain, []), 1e-13, 9)
+        errors.append(np.abs(coarse.states - guess.states)[:, : y.shape[1]].max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2 * stages - 1, abs=0.5)
+
+
+def test_derivatives_of_the_forces():
+    """Closed-form Jacobians against differences, with a crown, a twisting shaft and rods."""
+    press, rng = shipped(SIX_BAR[0]), np.random.default_rng(1)
+    stiffness = replace(springs(press), frame=4e9, shaft=3e7)
+    sprung = sprung_press(press, pp.elasticity.Elastic(stiffness, crown_mass=5000.0, damping_ratio=0.1))
+    place, _, _ = coordinates_of(sprung, pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))
+    free = sprung.free_coordinates(place) + 1e-3 * rng.normal(size=(3, sprung.free))
+    rates = rng.normal(size=free.shape)
+    at = sprung.spring_forces(sprung.all_coordinates(free), rates @ sprung.carry.T)
+    for given, by_rate in ((at.stiffness, False), (at.damping, True)):
+        for k in range(sprung.free):
+            step = 1e-6 * np.eye(sprung.free)[k]
+            ends = [
+                sprung.spring_forces(
+                    sprung.all_coordinates(free + (0 if by_rate else s) * step),
+                    (rates + (s if by_rate else 0) * step) @ sprung.carry.T,
+                    False,
+                ).force
+                for s in (1, -1)
+            ]
+            np.testing.assert_allclose(given[:, :, k], (ends[1] - ends[0]) / 2e-6, rtol=0, atol=1e-7 * np.abs(given).max())
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"elastic": pp.elasticity.Elastic(pp.elasticity.Stiffness({"O": 1e9}))}, "lacks 'P2', 'slide_guide', 'P4'"),
+        ({"elastic": 2e9}, "give an Elastic"),
+        ({"drive": pp.drives.ConstantTorque(10.0)}, "PrescribedSpeed"),
+        ({"drive": pp.drives.PrescribedSpeed(1.0)}, "prescribes 1"),
+        ({"friction": {"O": pp.loads.Friction(0.1, 0.05)}}, "no friction"),
+    ],
+)
+def test_refused(change, message):
+    press, speed = shipped(JF75G[0]), 31.4
+    given = {"drive": pp.drives.PrescribedSpeed(speed), "elastic": pp.elasticity.Elastic(springs(press))} | change
+    with pytest.raises(pp.PinpressError, match=message):
+        pp.steady_state(press, speed, **given)
