@@ -44,7 +44,16 @@ MADE |= {
     "OperatingMap",
     "CriterionChange",
 }
-MADE |= {"PressRatings", "Reactions", "Run", "DeflectedSlide", "SnapThroughResponse", "PermissibleSpeed", "SweepTable", "SynthesisResult"}
+MADE |= {
+    "PressRatings",
+    "Reactions",
+    "Run",
+    "DeflectedSlide",
+    "SnapThroughResponse",
+    "PermissibleSpeed",
+    "SweepTable",
+    "SynthesisResult",
+}
 MADE |= {
     "Correction",
     "CrankSlider",
@@ -57,7 +66,7 @@ MADE |= {
     "SpeedResponse",
     "ForceInterval",
 }
-MADE |= {"LiveView", "RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
+MADE |= {"ElasticRun", "LiveView", "RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
 
 
 @pytest.fixture(autouse=True)

@@ -69,6 +69,13 @@ def run():
 
 
 @cache
+def elastic_run():
+    stiffness = pp.elasticity.Stiffness(dict.fromkeys(press().bearings, 2e8), moments={"slide_guide": 2e7})
+    drive = pp.drives.PrescribedSpeed(SPEED)
+    return pp.steady_state(press(), SPEED, drive=drive, loads=[DEEP], elastic=pp.elasticity.Elastic(stiffness), points=20)
+
+
+@cache
 def run_over_joints():
     clutch = pp.drives.Clutch(torque=500.0, closes=pp.drives.SwitchPoint(time=0.01), rise=0.01)
     return pp.simulate(press(), 0.05, speed=SPEED, flywheel=pp.drives.Flywheel(20.0), clutch=clutch, method="constraint", points=10)
@@ -156,7 +163,7 @@ def two_cranks():
 def made():
     """One of each."""
     found = [
-        *(press(), motion(), reactions(), run(), run_over_joints(), runs(), sweep(), *sweep().failed, run().stats),
+        *(press(), motion(), reactions(), run(), elastic_run(), run_over_joints(), runs(), sweep(), *sweep().failed, run().stats),
         *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *pp.measures.least_transmission_angles(press()), *checked()),
         *(
             balance(),
@@ -184,11 +191,15 @@ def made():
         ),
         *(
             STIFFNESS,
+            pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0),
             *STIFFNESS.rods,
-            pp.elasticity.compliance(press(), STIFFNESS, angle=[0.1, 0.5]),
+            pp.elasticity.compliance(press(), STIFFNESS, pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0), angle=[0.1, 0.5]),
             pp.elasticity.slide_deflection(press(), motion(), STIFFNESS),
         ),
-        *(pp.elasticity.dead_centre_shift(press(), STIFFNESS, speed=[1.0, SPEED]), pp.elasticity.snap_through(1e6, 6e8, mass=2600.0)),
+        *(
+            pp.elasticity.dead_centre_shift(press(), STIFFNESS, pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0), speed=[1.0, SPEED]),
+            pp.elasticity.snap_through(1e6, 6e8, mass=2600.0),
+        ),
         *(
             CAPACITIES,
             pp.ratings.rate(press(), SPEED, CAPACITIES, points=9),
@@ -265,6 +276,7 @@ def public():
 DESCRIPTIONS = {
     "DriverCoordinate",
     "AddedMass",
+    "Elastic",
     "Capacities",
     "Frame",
     "Friction",

@@ -46,7 +46,7 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
         )
     press.refuse_sliding_driver("elastic motion is that of a press with a crank")
     _ = press.slide_guide
-    drawn = DrawnPress(press)
+    drawn = DrawnBodies(press)
     bodies = _bodies(press, drawn, elastic)
     stiff = _with_springs(drawn, bodies, elastic)
     return _with_dampers(drawn, stiff, elastic)
@@ -54,7 +54,7 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
 
 def coordinates_of(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, Array]:
     """All coordinates, rates and accelerations (n, 3 (bodies + 1)) of the rigid press in a motion."""
-    drawn = DrawnPress(sprung.press)
+    drawn = DrawnBodies(sprung.press)
     plane, states = drawn.plane, motion.states(sprung.press)
     basis = basis_at(plane, states.position)
     rows = plane.origins + plane.centers
@@ -70,7 +70,7 @@ def coordinates_of(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, A
     return found[0], found[1], found[2]
 
 
-class DrawnPress:
+class DrawnBodies:
     """A planar press in its drawn pose, all joints at zero.
 
     Attributes:
@@ -112,7 +112,7 @@ class DrawnPress:
 # ---------------------------------------------------------------------------------------------------------------------------------- bodies
 
 
-def _bodies(press: Linkage, drawn: DrawnPress, elastic: Elastic) -> SprungPress:
+def _bodies(press: Linkage, drawn: DrawnBodies, elastic: Elastic) -> SprungPress:
     """The bodies, with no springs yet."""
     model, plane, count = press.model, drawn.plane, press.model.nv
     mass = np.array([model.inertias[j + 1].mass for j in range(count)])
@@ -147,7 +147,7 @@ def _bodies(press: Linkage, drawn: DrawnPress, elastic: Elastic) -> SprungPress:
     )
 
 
-def _conditions(press: Linkage, drawn: DrawnPress, bodies: int, crown: int | None, rotor: int | None) -> tuple[Array, Array]:
+def _conditions(press: Linkage, drawn: DrawnBodies, bodies: int, crown: int | None, rotor: int | None) -> tuple[Array, Array]:
     """``carry`` and ``drawn`` of `SprungPress`: the crank's angle and the gear pairs are conditions on the links' angles."""
     plane, count, size = drawn.plane, press.model.nv, 3 * bodies + 3
     turns = [axis.turns for axis in press.axes]
@@ -205,7 +205,7 @@ class _Softer(NamedTuple):
     compliance: float
 
 
-def _with_springs(drawn: DrawnPress, bare: SprungPress, elastic: Elastic) -> SprungPress:
+def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> SprungPress:
     press, stiffness, frame = drawn.press, elastic.stiffness, len(bare.centers) - 1
     radial = _by_bearing(press, "bearings", stiffness.bearings, "N/m", range(len(press.bearings)))
     guides = list(drawn.plane.prismatic)
@@ -275,7 +275,7 @@ def _by_bearing(press: Linkage, what: str, given: object, unit: str, needed: Seq
     return found
 
 
-def _rods(drawn: DrawnPress, rods: Sequence[Rod]) -> dict[int, _Softer]:
+def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
     """By the number of a pin what it yields more along the rod that ends there."""
     press = drawn.press
     if not isinstance(rods, Sequence) or not all(isinstance(rod, Rod) for rod in rods):
@@ -297,7 +297,7 @@ def _rods(drawn: DrawnPress, rods: Sequence[Rod]) -> dict[int, _Softer]:
     return found
 
 
-def _rod_ends(drawn: DrawnPress, rod: Rod) -> tuple[int, list[int], complex]:
+def _rod_ends(drawn: DrawnBodies, rod: Rod) -> tuple[int, list[int], complex]:
     """Link of a rod, the pins at which it may yield, and its direction in the drawn pose."""
     press = drawn.press
     if rod.link not in press.links or rod.link == press.root:
@@ -328,7 +328,7 @@ def _rod_ends(drawn: DrawnPress, rod: Rod) -> tuple[int, list[int], complex]:
 # --------------------------------------------------------------------------------------------------------------------------------- dampers
 
 
-def _with_dampers(drawn: DrawnPress, sprung: SprungPress, elastic: Elastic) -> SprungPress:
+def _with_dampers(drawn: DrawnBodies, sprung: SprungPress, elastic: Elastic) -> SprungPress:
     """Dampers in proportion to the springs, or as given."""
     factor = 2 * elastic.damping_ratio / float(frequencies(sprung, reference_angle(sprung.press))[0]) if elastic.damping_ratio else 0.0
     damping, press = factor * sprung.lines.stiffness, drawn.press

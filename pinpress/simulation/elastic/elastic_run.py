@@ -21,7 +21,7 @@ from ..driven_press import WorkOfForce
 from ..run import Run, Stats
 from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
-from .assembly import DrawnPress, coordinates_of
+from .assembly import DrawnBodies, coordinates_of
 from .description import Elastic
 from .panels import Indices
 from .solution import ElasticSolution
@@ -246,7 +246,7 @@ def solution_states(solution: ElasticSolution, panel: Indices, share: Array, tur
 def crank_of(solution: ElasticSolution, free: Array, rates: Array) -> tuple[Array, Array]:
     """Angle and speed (n,) of the crank's joint, of free coordinates and rates (n, f)."""
     sprung = solution.equations.sprung
-    plane = DrawnPress(sprung.press).plane
+    plane = DrawnBodies(sprung.press).plane
     driver, parent, sense = plane.driver, plane.parents[plane.driver], float(plane.sense[plane.driver])
     coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
     found = []
@@ -293,7 +293,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
     rigid, _, _ = coordinates_of(sprung, motion)
     moved = (coordinates - rigid).reshape(points, -1, 3)[:, : press.model.nv]
-    forces = to_world(DrawnPress(press).plane, _bearing_forces(solution, coordinates, rates))
+    forces = to_world(DrawnBodies(press).plane, _bearing_forces(solution, coordinates, rates))
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     stats = Stats(
@@ -341,7 +341,7 @@ def _shaking_force(solution: ElasticSolution, accelerations: Array) -> Array:
     sprung, driven = solution.equations.sprung, solution.equations.driven
     model = driven.press.model
     left = sprung.weight - (accelerations @ sprung.carry.T) * sprung.inertia
-    found = to_world(DrawnPress(driven.press).plane, left[:, ::3].sum(axis=1) + 1j * left[:, 1::3].sum(axis=1))
+    found = to_world(DrawnBodies(driven.press).plane, left[:, ::3].sum(axis=1) + 1j * left[:, 1::3].sum(axis=1))
     outside = [coordinate.force for coordinate in driven.coordinates if isinstance(coordinate, WorkOfForce)]
     return np.asarray(found + sum(outside, model.inertias[0].mass * model.gravity.linear))
 
@@ -439,7 +439,7 @@ def _events(segment: ElasticSegment) -> tuple[tuple[float, float, float], ...]:
 
 def _pull_on_slide(solution: ElasticSolution, forces: ComplexArray) -> Array:
     """Force (n,) of the pins on the slide along its direction [N]."""
-    press, drawn = solution.equations.driven.press, DrawnPress(solution.equations.driven.press)
+    press, drawn = solution.equations.driven.press, DrawnBodies(solution.equations.driven.press)
     slide, along = press.slide_guide.joint, complex(to_complex(drawn.plane, press.slide_direction))
     found = np.zeros(forces.shape[1])
     for number, force in enumerate(forces):

@@ -15,7 +15,7 @@ from ...common.quantities import Array
 from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
 from ..driven_press import Coordinate, JointPosition, Length, WorkOfForce
-from .assembly import DrawnPress
+from .assembly import DrawnBodies
 from .sprung_press import SprungPress
 
 
@@ -106,7 +106,7 @@ LoadPath = PointPath | LengthPath
 
 def load_path(press: Linkage, coordinate: Coordinate) -> LoadPath:
     """The path of a coordinate along which forces act."""
-    drawn = DrawnPress(press)
+    drawn = DrawnBodies(press)
     plane, centers = drawn.plane, drawn.centers
     if isinstance(coordinate, JointPosition):  # with one driver it is the slide's
         placement = press.model.frames[press.model.getFrameId(str(press.slide), pin.BODY)].placement

@@ -128,6 +128,12 @@ def run() -> pp.Run:
 
 
 @cache
+def springs() -> pp.elasticity.Stiffness:
+    bearings = dict.fromkeys(press().bearings, 1e9)
+    return pp.elasticity.Stiffness(bearings, moments={"slide_guide": 1e8})
+
+
+@cache
 def stiffness() -> pp.elasticity.Stiffness:
     return pp.elasticity.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
 
@@ -263,6 +269,24 @@ def calls() -> dict[str, Call]:
             },
         ),
         ("Stiffness", pp.elasticity.Stiffness, lambda: bare),
+        (
+            "Elastic",
+            pp.elasticity.Elastic,
+            lambda: {"stiffness": stiffness(), "damping_ratio": 0.02, "dampers": {"O": 1e4}, "crown_mass": None},
+        ),
+        (
+            "steady_state elastic",
+            pp.steady_state,
+            lambda: {
+                "press": press(),
+                "speed": 7.0,
+                "drive": pp.drives.PrescribedSpeed(7.0),
+                "loads": [],
+                "elastic": pp.elasticity.Elastic(springs()),
+                "points": 11,
+                "tolerance": 1e-4,
+            },
+        ),
         ("loads.Blanking", pp.loads.Blanking, lambda: {"force": 1e3, "start": 0.01, "end": 0.005, "stripping": 10.0, "datum": 0.0}),
         ("loads.DeepDrawing", pp.loads.DeepDrawing, lambda: {"force": 1e3, "start": 0.01, "end": 0.0, "datum": 0.0}),
         ("loads.ElasticDie", pp.loads.ElasticDie, lambda: {"height": 0.01, "stiffness": 1e5, "damping": 10.0, "datum": 0.0}),
