@@ -116,8 +116,7 @@ def motion_derivatives(press: Linkage, motion: Motion, directions: Sequence[Pivo
         UnknownNameError: a bearing or link that the linkage does not have.
     """
     plane = planar(press)
-    if motion.joints != press.joints or motion.drivers != press.drivers:
-        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+    refuse_motion_of_another(press, motion)
     states, drawn = States.of(plane, motion.joint_position.T), States.of(plane, press.closed[:, None])
     rates = Rates.of(states, motion.v.T, motion.a.T)
     units = tuple("rad" if axis.turns else "m" for axis in press.axes)
@@ -150,6 +149,12 @@ def pivot_positions(press: Linkage) -> dict[tuple[str, str], Array]:
         for joint, point in ((loop.joint1, loop.point1), (loop.joint2, loop.point2)):
             positions[loop.name, _links(press, joint)[0]] = point
     return {(name, link): _placement(press, link).actInv(point) for (name, link), point in positions.items()}
+
+
+def refuse_motion_of_another(press: Linkage, motion: Motion) -> None:
+    """Raise PinpressError where a motion is not of this linkage."""
+    if motion.joints != press.joints or motion.drivers != press.drivers:
+        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
 
 
 def planar(press: Linkage) -> Plane:

@@ -55,6 +55,7 @@ MADE |= {
     "SynthesisResult",
 }
 MADE |= {
+    "AccelerationSensitivity",
     "Correction",
     "CrankSlider",
     "DrawnPress",

@@ -103,6 +103,8 @@ ENTRIES: dict[str, Callable[[Any], object]] = {
     "values of a sweep": lambda v: pp.sweeps.operating_points(press(), [1.0], forces=v),
     "height of a speed": lambda v: measures.speed_at(turn(), v),
     "pivots": lambda v: pp.derivatives.motion_derivatives(press(), turn(), {("P", "crank"): v}),
+    "efforts": lambda v: pp.derivatives.acceleration_derivatives(press(), turn(), efforts=v),
+    "armature": lambda v: pp.derivatives.acceleration_derivatives(press(), turn(), armature=v),
     "reshaped": lambda v: pp.derivatives.reshaped(press(), {("P", "crank"): v}),
 }
 

@@ -214,6 +214,7 @@ def made():
             pp.measures.driving_energy(reactions()),
             pp.measures.harmonics(motion(), motion().v),
         ),
+        pp.derivatives.acceleration_derivatives(press(), motion()),
         *(pp.measures.extremes(reactions())[0], *pp.derivatives.motion_derivatives(press(), motion(), [{("P", "crank"): (1, 0, 0)}])),
         *(
             pp.drives.Flywheel(2.0),

@@ -63,8 +63,10 @@ class ForwardDynamics:
     time.
 
     Attributes:
-        quick: the quick way; None where it does not suit the linkage.
-        why: words why it does or does not.
+        proximal: what `constraintDynamics` takes; None where it does not suit the linkage.
+        quick: the same where it is quicker than the null space too, and None elsewhere.
+        why: words why it is or is not.
+        ends: the points at which loops are held.
         quickly: number of accelerations so far that it found.
         generally: number of those that the null space found.
 
@@ -97,8 +99,11 @@ class ForwardDynamics:
         self._make_rows(spatial, [len(held) for held in by_loop])
         mass = pin.crba(self.model, self.data, closed)
         self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
-        self.quick, self.why = self._quick(closed, ends, mass)
-        self.quickly = self.generally = 0
+        self.proximal, self.why = self._proximal(closed, ends, mass)
+        self.quick = self.proximal
+        if len(self.offsets) > MOST_GEAR_PAIRS:
+            self.quick, self.why = None, f"more than {MOST_GEAR_PAIRS} gear pairs, of which Pinocchio has no constraint model"
+        self.ends, self.quickly, self.generally = ends, 0, 0
 
     def _make_tree(self, spatial: SpatialModel, armature: Array) -> None:
         """Pinocchio's model of the tree with the armature, and its data."""
@@ -135,7 +140,7 @@ class ForwardDynamics:
         # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
         from scipy.linalg import lapack
 
-        self.geqp3, self.orgqr, self.trtrs, self.posv, self.syev = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv, lapack.dsyev
+        self.geqp3, self.orgqr, self.trtrs, self.posv = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv
         self.units = np.array([self.size if axis.turns else 1.0 for axis in spatial.axes])
         self.per_unit, self.back_per_unit, self.column = 1 / self.units, -1 / self.units, (1 / self.units)[:, None]
         # a joint that carries both ends moves them by rounding, and by an open gap
@@ -162,9 +167,9 @@ class ForwardDynamics:
             PinpressError: no mass resists a motion, or a state or effort is not finite.
         """
         if self.quick is not None:
-            _, data, points, data_of_points, settings, _, _, gears, _ = self.quick
+            _, data, points, data_of_points, settings, _, _, gears, *_ = self.quick
             result: Array = pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings)
-            if self._held_clearly() and math.isfinite(result.dot(result)):
+            if self.quick.held_clearly() and math.isfinite(result.dot(result)):
                 geared = self._geared(x, result) if len(gears) else result
                 if geared is not None:
                     self.quickly += 1
@@ -172,21 +177,11 @@ class ForwardDynamics:
         self.generally += 1
         return self.acceleration_in_null_space(x, v, efforts)
 
-    def _held_clearly(self) -> bool:
-        """Whether as many rows were held as the closed linkage has equations, all of them clearly."""
-        assert self.quick is not None
-        clear, data, _, _, _, pivots, bounds, _, least = self.quick
-        if least is None:
-            return bool(np.count_nonzero(np.abs(pivots) > bounds) == clear)
-        # a row that others hold may have a pivot of any size; eigenvalues are those of the whole matrix
-        eigenvalues, _, failed = self.syev(data.constraint_chol.getInverseOperationalSpaceInertiaMatrix(), compute_v=0)
-        return not failed and bool(np.count_nonzero(eigenvalues > least) == clear)
-
     def _geared(self, x: Array, without: Array) -> Array | None:
         """Joint accelerations (nv,) that keep the ratios of gear pairs, from those ``without`` gear pairs; None where rounding would be
         seen in them."""
         assert self.quick is not None
-        _, data, points, data_of_points, settings, _, _, gears, _ = self.quick
+        _, data, points, data_of_points, settings, _, _, gears, *_ = self.quick
         answers = np.array(
             [pin.constraintDynamics(self.weightless, data, x, self.still, gear, points, data_of_points, settings) for gear in gears]
         )
@@ -376,8 +371,8 @@ class ForwardDynamics:
         mass = sum(float(inertia.mass) for inertia in self.model.inertias)
         return mass * (float(np.linalg.norm(self.model.gravity.linear)) or self.size)
 
-    def _quick(self, closed: Array, ends: list[PointPair], mass: Array) -> tuple[_Quick | None, str]:
-        """The quick way, None where it does not suit the linkage, and why."""
+    def _proximal(self, closed: Array, ends: list[PointPair], mass: Array) -> tuple[Proximal | None, str]:
+        """What `constraintDynamics` takes, None where it does not suit the linkage, and why."""
         if not ends:
             return None, "no loops"
         if not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
@@ -385,14 +380,14 @@ class ForwardDynamics:
         data, (points, data_of_points) = data_of(self.model), _contacts(self.model, ends)
         opened = closed + OPENED * self.size * self.per_unit * np.random.default_rng(0).uniform(-1, 1, len(closed))
         rows, opened_rows = (_contact_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
-        if len(self.offsets) > MOST_GEAR_PAIRS:
-            return None, f"more than {MOST_GEAR_PAIRS} gear pairs, of which Pinocchio has no constraint model"
         rank = self.rank - len(self.offsets)  # of the points' rows, where gear pairs add equations of their own
         if len(self.offsets) and self._rank_of_points(closed, data, points, data_of_points) != rank:
             return None, "a gear pair whose ratio the loops keep too, as its torque is then undetermined"
         values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)
         hold_each_other = bool(values[rank:].max(initial=0.0) > SMALLEST_MARGIN * values[0])
-        proximal, iterations = (HELD_PROXIMAL, HELD_ITERATIONS) if hold_each_other else (PROXIMAL, ITERATIONS)
+        damping, iterations = (HELD_PROXIMAL, HELD_ITERATIONS) if hold_each_other else (PROXIMAL, ITERATIONS)
+        from scipy.linalg import lapack  # its import takes long
+
         try:
             largest = float((rows @ np.linalg.solve(mass, rows.T)).diagonal().max())
             answers = (self.coupled @ np.linalg.solve(mass, self.coupled.T)).diagonal()
@@ -406,21 +401,22 @@ class ForwardDynamics:
         turned = [pin.SE3(left * np.linalg.det(left), end[1].translation) for left, end in zip(lefts, ends, strict=True)]
         points, data_of_points = _contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
         pin.initConstraintDynamics(self.model, data, points, data_of_points)
-        quick = _Quick(
+        proximal = Proximal(
             clear=rank if hold_each_other else rank + len(closed),
             data=data,
             points=points,
             data_of_points=data_of_points,
-            settings=pin.ProximalSettings(0.0, SETTLED * min(1.0, self._weight()), proximal * largest, iterations),
+            settings=pin.ProximalSettings(0.0, SETTLED * min(1.0, self._weight()), damping * largest, iterations),
             pivots=data.constraint_chol.D,
             bounds=CLEAR * np.concatenate([np.full(self.point_rows, largest), mass.diagonal()]),
             gears=self.coupled / np.sqrt(answers)[:, None],
             least=HELD_CLEAR * largest if hold_each_other else None,
+            eigenvalues=lapack.dsyev,
         )
         reasons = ["loops that hold each other, with a larger mu" if hold_each_other else "independent loops"]
         if len(self.offsets):
             reasons.append("gear pairs by their torques")
-        return quick, ", ".join(reasons)
+        return proximal, ", ".join(reasons)
 
     def _rank_of_points(self, closed: Array, data: pin.Data, points: Any, data_of_points: Any) -> int:
         """Rank of the points' rows in closed states, without gear pairs."""
@@ -431,7 +427,7 @@ class ForwardDynamics:
         return int(np.count_nonzero(values > SMALLEST_MARGIN * values[0]))
 
 
-class _Quick(NamedTuple):
+class Proximal(NamedTuple):
     """The quick way: arguments of `constraintDynamics`, and how its pivots are checked.
 
     Attributes:
@@ -445,6 +441,7 @@ class _Quick(NamedTuple):
         bounds: (point rows + nv,) above which a pivot is clearly not zero.
         gears: (couplings, nv) efforts of the gear pairs, to which they answer with an acceleration of 1 in the open tree.
         least: eigenvalue of J M^-1 J' above which a row is clearly held, where loops hold each other [1 / kg]; None where pivots decide.
+        eigenvalues: LAPACK's routine for them.
     """
 
     clear: int
@@ -456,6 +453,15 @@ class _Quick(NamedTuple):
     bounds: Array
     gears: Array
     least: float | None
+    eigenvalues: Any
+
+    def held_clearly(self) -> bool:
+        """Whether `constraintDynamics` has just held as many rows as the closed linkage has equations, all of them clearly."""
+        if self.least is None:
+            return bool(np.count_nonzero(np.abs(self.pivots) > self.bounds) == self.clear)
+        # a row that others hold may have a pivot of any size; eigenvalues are those of the whole matrix
+        values, _, failed = self.eigenvalues(self.data.constraint_chol.getInverseOperationalSpaceInertiaMatrix(), compute_v=0)
+        return not failed and bool(np.count_nonzero(values > self.least) == self.clear)
 
 
 def _bounded(model: pin.Model, axes: tuple[Axis, ...]) -> pin.Model:

@@ -548,6 +548,11 @@ def calls() -> dict[str, Call]:
             },
         ),
         ("motion_derivatives", pp.derivatives.motion_derivatives, lambda: {"press": press(), "motion": motion(), "directions": [LENGTHS]}),
+        (
+            "acceleration_derivatives",
+            pp.derivatives.acceleration_derivatives,
+            lambda: {"press": press(), "motion": motion(), "efforts": None, "armature": None},
+        ),
         ("pivot_positions", pp.derivatives.pivot_positions, lambda: {"press": press()}),
         ("reshaped", pp.derivatives.reshaped, lambda: {"press": press(), "pivots": LENGTHS}),
         (
