@@ -191,13 +191,12 @@ def made():
         ),
         *(
             STIFFNESS,
-            pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0),
             *STIFFNESS.rods,
-            pp.elasticity.compliance(press(), STIFFNESS, pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0), angle=[0.1, 0.5]),
+            pp.elasticity.compliance(press(), STIFFNESS, angle=[0.1, 0.5]),
             pp.elasticity.slide_deflection(press(), motion(), STIFFNESS),
         ),
         *(
-            pp.elasticity.dead_centre_shift(press(), STIFFNESS, pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0), speed=[1.0, SPEED]),
+            pp.elasticity.dead_centre_shift(press(), STIFFNESS, speed=[1.0, SPEED]),
             pp.elasticity.snap_through(1e6, 6e8, mass=2600.0),
         ),
         *(
