@@ -191,6 +191,7 @@ def made():
         ),
         *(
             STIFFNESS,
+            pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0),
             *STIFFNESS.rods,
             pp.elasticity.compliance(press(), STIFFNESS, angle=[0.1, 0.5]),
             pp.elasticity.slide_deflection(press(), motion(), STIFFNESS),
