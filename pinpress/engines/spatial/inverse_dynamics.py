@@ -279,8 +279,11 @@ class _Balance:
         """Efforts (nv, n) that loops, couplings and drives have to supply: those of the open tree less friction."""
         needed: Array = self.effort - friction.efforts
         if friction.couples.any():
-            turning = np.where(self.loops.bodies.turns[:, None, None], self.found.placed.axis, 0.0)
-            needed -= np.einsum("jl,jin,lin->jn", self.loops.spatial.incidence, turning, friction.couples, optimize=True)
+            loops = self.loops
+            shares = np.einsum("pin,pin->pn", self.found.placed.axis[loops.pair_joint], friction.couples[loops.pair_loop])
+            for pair, (_, joint, change) in enumerate(loops.pairs):
+                if loops.bodies.turns[joint]:
+                    change(needed[joint], shares[pair], out=needed[joint])
         return needed
 
     # -------------------------------------------------------------------------------------------------------------------- result
