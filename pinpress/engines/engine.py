@@ -122,6 +122,22 @@ class ClosedStates(NamedTuple):
         )
 
 
+class JointRates(NamedTuple):
+    """Rates of all joints at closed positions.
+
+    Attributes:
+        v: (nv, n) joint rates [rad/s or m/s].
+        a: (nv, n) joint accelerations [rad/s2 or m/s2].
+        gap: (n,) largest distance between the two sides of a loop [m].
+        solved: what the engine in space keeps, see `Closure`.
+    """
+
+    v: Array
+    a: Array
+    gap: Array
+    solved: Any = None
+
+
 class EnergyRates(NamedTuple):
     """Energies of states.
 
@@ -178,8 +194,8 @@ class Engine(Protocol):
     def closing_function(self) -> CloseDrivers:
         """A function that closes the loops at positions of all drivers, for many calls."""
 
-    def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-        """Joint rates and accelerations (nv, n) at closed positions (nv, n), from those (drivers, n) of the drivers, and the gaps (n,)."""
+    def rates(self, position: Array, speed: Array, acceleration: Array) -> JointRates:
+        """Joint rates and accelerations at closed positions (nv, n), from those (drivers, n) of the drivers."""
 
     def gaps(self, position: Array) -> Array:
         """Largest gap (n,) of a loop or coupling at positions (nv, n) [m]."""

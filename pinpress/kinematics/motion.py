@@ -343,19 +343,19 @@ def moved(
     with np.errstate(all="ignore"):  # what overflows is refused below
         if closure is None or branch is None:
             position = followed_from(press.engine(), press.spatial_model, press.closed, angles, press.name)
-            v, a, gap = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
+            v, a, gap, solved = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
+            kept = _KeptFromClosing(press, None, None, solved)
         else:
             position, gap = closure.position, closure.gap
             if isinstance(speeds, np.ndarray) and not np.any(accelerations) and np.all(speeds == speeds[0]):
                 speeds, accelerations = float(speeds[0]), 0.0
             v, a = _rates(closure, speeds, accelerations)
+            kept = _KeptFromClosing(press, closure.basis, closure.jacobian, closure.solved)
         finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
     if not finite:
         raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
     motion = of_states(press, position, v, a, gap, times, None if branch is None or branch.period is None else press.turns_until_back)
-    if closure is not None:
-        kept = _KeptFromClosing(press, closure.basis, closure.jacobian, closure.solved)
-        object.__setattr__(motion, "_closed_as", kept)
+    object.__setattr__(motion, "_closed_as", kept)
     return motion
 
 

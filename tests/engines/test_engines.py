@@ -70,7 +70,7 @@ def test_a_linkage_in_space_has_two():
 
 def test_rates_and_gaps_agree(press, states, both):
     speed, acceleration = np.full((1, 24), SPEED), np.full((1, 24), 2.0)
-    (v1, a1, gap1), (v2, a2, gap2) = (engine.rates(states.position, speed, acceleration) for engine in both)
+    (v1, a1, gap1, _), (v2, a2, gap2, _) = (engine.rates(states.position, speed, acceleration) for engine in both)
     np.testing.assert_allclose(v1, v2, rtol=0, atol=1e-9 * np.abs(v1).max())
     np.testing.assert_allclose(a1, a2, rtol=0, atol=1e-9 * np.abs(a1).max())
     assert max(gap1.max(), gap2.max()) < 1e-12

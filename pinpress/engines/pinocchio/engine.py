@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
+from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import kinematics
 from .model import SpatialModel
@@ -51,8 +51,8 @@ class PinocchioEngine:
 
         return close
 
-    def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-        return kinematics.rates(self.spatial, position, speed, acceleration)
+    def rates(self, position: Array, speed: Array, acceleration: Array) -> JointRates:
+        return JointRates(*kinematics.rates(self.spatial, position, speed, acceleration))
 
     def gaps(self, position: Array) -> Array:
         equations = self.spatial.equations()

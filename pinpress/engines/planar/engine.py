@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...common.frozen import read_only
 from ...common.quantities import Array, ComplexArray
-from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
+from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..joints import product
 from ..pinocchio.model import SpatialModel
@@ -68,10 +68,10 @@ class PlanarEngine:
 
         return close
 
-    def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    def rates(self, position: Array, speed: Array, acceleration: Array) -> JointRates:
         basis = kinematics.basis_at(self.plane, position)
         first, second = kinematics.influence(self.plane, basis)
-        return first * speed, first * acceleration + second * speed**2, kinematics.gaps(self.plane, position, basis)
+        return JointRates(first * speed, first * acceleration + second * speed**2, kinematics.gaps(self.plane, position, basis))
 
     def gaps(self, position: Array) -> Array:
         return kinematics.gaps(self.plane, position, kinematics.basis_at(self.plane, position))

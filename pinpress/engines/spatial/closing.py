@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure, joined
+from ..engine import ACCEPTED, MOST_NEWTON_STEPS, Closure, JointRates, joined
 from ..forces import RANK
 from .blocks import InBlocks
 from .bodies import motion_axes
@@ -217,13 +217,12 @@ def _solved(loops: Loops, x: Array) -> tuple[Equations, Array, int]:
         steps += 1
 
 
-def rates(loops: Loops, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+def rates(loops: Loops, position: Array, speed: Array, acceleration: Array) -> JointRates:
     """See `Engine.rates`."""
     n, step = position.shape[1], loops.piece
     if n > step:
         parts = [rates(loops, *(values[:, k : k + step] for values in (position, speed, acceleration))) for k in range(0, n, step)]
-        v, a, gaps = (np.concatenate(values, axis=-1) for values in zip(*parts, strict=True))
-        return v, a, gaps
+        return JointRates(*(np.concatenate([part[k] for part in parts], axis=-1) for k in range(3)))
     moving, found = list(loops.spatial.drivers), equations(loops, position)
     passive, columns = PassiveColumns(loops, found.entries), found.driving
     v = passive.rates(-np.einsum("rdn,dn->rn", columns, speed))
@@ -231,4 +230,4 @@ def rates(loops: Loops, position: Array, speed: Array, acceleration: Array) -> t
     axes = motion_axes(loops.bodies, found.placed)
     a = passive.rates(-np.einsum("rdn,dn->rn", columns, acceleration) - drift(loops, found, axes, v))
     a[moving] = acceleration
-    return v, a, found.widest()
+    return JointRates(v, a, found.widest(), Solved(found, passive))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, PowerBalance
+from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.engine import PinocchioEngine
 from . import bodies, closing, equations
@@ -70,7 +70,7 @@ class SpatialEngine:
 
         return close
 
-    def rates(self, position: Array, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    def rates(self, position: Array, speed: Array, acceleration: Array) -> JointRates:
         if position.shape[1] <= self.few:
             return self.one_by_one.rates(position, speed, acceleration)
         return closing.rates(self.loops, position, speed, acceleration)
