@@ -181,32 +181,20 @@ class InBlocks:
             result[block.rows] = found = np.einsum("kmn,kn->mn", inverse, left[block.joints])
             if len(block.known):
                 left[block.known] -= np.einsum("mpn,mn->pn", coupling, found)
-        if self._blocks.idle and len(self._blocks.blocks) > 1:
-            result -= (self.idle @ (self.idle.swapaxes(1, 2) @ result.T[:, :, None]))[:, :, 0].T
         return result
 
     @cached_property
     def idle(self) -> Array:
-        """(n, rows, idle) orthonormal basis of the multipliers that balance each other on the passive joints."""
-        n, count = len(self.regular), self._blocks.idle
-        left, result = (
-            np.zeros((max(max(block.joints) for block in self._blocks.blocks) + 1, count, n)),
-            np.zeros((self._blocks.rows, count, n)),
-        )
-        filled = 0
-        for block, inverse, coupling in reversed(list(self._each())):
-            found = np.einsum("kmn,kin->min", inverse, left[block.joints])
+        """(n, rows, idle) orthonormal basis of the multipliers that balance each other on the passive joints.
+
+        Each belongs to one block. On joints of earlier blocks it has no effort: their columns add nothing to the rank of a loop's own.
+        """
+        result, filled = np.zeros((self._blocks.rows, self._blocks.idle, len(self.regular))), 0
+        for block in self._blocks.blocks:
             own = self._factors[block.shape].idle[:, :, block.place]
-            found[:, filled : filled + len(own)] += own.swapaxes(0, 1)
+            result[block.rows, filled : filled + len(own)] = own.swapaxes(0, 1)
             filled += len(own)
-            result[block.rows] = found
-            if len(block.known):
-                left[block.known] -= np.einsum("mpn,min->pin", coupling, found)
-        basis = result.transpose(2, 0, 1)
-        if len(self._blocks.blocks) == 1:
-            return basis
-        # a vector has parts in earlier blocks, which are across those blocks' own: the squares are 1 or more
-        return np.asarray(np.linalg.solve(np.linalg.cholesky(basis.swapaxes(1, 2) @ basis), basis.swapaxes(1, 2)).swapaxes(1, 2))
+        return result.transpose(2, 0, 1)
 
     def margins(self) -> Array:
         """(blocks, n) smallest singular values, with the signs of determinants where a block is square."""
