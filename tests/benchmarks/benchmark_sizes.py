@@ -11,7 +11,9 @@ from __future__ import annotations
 
 import argparse
 import gc
+import itertools
 import os
+import subprocess
 import sys
 import time
 import tracemalloc
@@ -70,10 +72,14 @@ def of_linkages(kind: Kind, quick: bool) -> None:
 
 def costs(text: str, engine: str, count: int) -> dict[str, float]:
     """Of every step by its name: its time [ms]; the memory of them all [MB]."""
-    angles = np.linspace(0.05, 1.2, count)
+    steps = itertools.count()
 
     def motion(press: pp.Linkage) -> pp.Motion:
+        angles = np.linspace(0.05, 1.2, count) + 1e-4 * next(steps)  # new ones: a press remembers the last
         return pp.servo_cycle(press, angle=angles, speed=7.0, engine=engine)
+
+    def run(press: pp.Linkage) -> pp.Run:
+        return pp.simulate(press, 0.1, speed=7.0, angle=0.05 + 1e-4 * next(steps))
 
     gc.collect()
     tracemalloc.start()
@@ -91,10 +97,42 @@ def costs(text: str, engine: str, count: int) -> dict[str, float]:
     found["torque alone"] = milliseconds(lambda: pp.inverse_dynamics(press, states, engine=engine, bearings=()))
     if engine == press.engines[0]:
         started = time.process_time()
-        pp.simulate(press, 0.1, speed=7.0, angle=0.05)
+        run(press)
         found["its table"] = 1e3 * (time.process_time() - started)
-        found["free run"] = milliseconds(lambda: pp.simulate(press, 0.1, speed=7.0, angle=0.05))
+        found["free run"] = milliseconds(lambda: run(press))
     return found | {"memory": memory}
+
+
+def of_threads(quick: bool) -> None:
+    """Print processor times of motion and forces where BLAS may use all cores, over those where it may use one, in alternated processes."""
+    sizes = (5, 20) if quick else (20, 50)
+    print(f"\nProcessor time with as many BLAS threads as cores ({os.cpu_count()}), over that with one")
+    for number, kind in enumerate(KINDS):
+        for size in sizes:
+            best = {"1": np.inf, "": np.inf}
+            for _ in range(REPEATS):
+                for threads in best:
+                    settings = {**os.environ, "OPENBLAS_NUM_THREADS": threads or str(os.cpu_count())}
+                    command = [sys.executable, __file__, "--child", str(number), str(size)]
+                    found = subprocess.run(command, env=settings, capture_output=True, text=True, check=True, timeout=300)
+                    best[threads] = min(best[threads], float(found.stdout))
+            print(
+                f"{kind.title:>20} of {size:3}, engine in place {kind.engine}: {best['1']:8.1f} ms, ratio {best[''] / best['1']:5.2f}",
+                flush=True,
+            )
+
+
+def print_one(kind: Kind, size: int) -> None:
+    """Print the processor time of motion and forces at 360 new crank angles [ms]."""
+    press = large_linkages.load(kind.urdf(size))
+    engine, steps = press.engines[kind.engine], itertools.count()
+
+    def work() -> None:
+        angles = np.linspace(0.05, 1.2, 360) + 1e-4 * next(steps)
+        pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angles, speed=7.0, engine=engine), engine=engine)
+
+    work()
+    print(milliseconds(work))
 
 
 def of_lengths(quick: bool) -> None:
@@ -145,10 +183,16 @@ def table(title: str, sizes: Sequence[int], found: Sequence[Mapping[str, float]]
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="the smaller half of the sizes alone")
-    quick = parser.parse_args().quick
+    parser.add_argument("--child", nargs=2, type=int, help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.child:
+        print_one(KINDS[given.child[0]], given.child[1])
+        return
+    quick = given.quick
     for kind in KINDS:
         of_linkages(kind, quick)
     of_lengths(quick)
+    of_threads(quick)
 
 
 if __name__ == "__main__":
