@@ -7,10 +7,18 @@ from support import texts
 from support.generators import large_linkages
 from support.oracles import cassie, n_four_bar
 
+import pinpress as pp
 from pinpress.engines.engine import ClosedStates
 from pinpress.engines.forces import AppliedConditions
 from pinpress.engines.spatial.closing import PassiveColumns
+from pinpress.engines.spatial.engine import SpatialEngine
 from pinpress.engines.spatial.equations import Equations, equations
+
+
+def in_space(press: pp.Linkage) -> SpatialEngine:
+    engine = press.engine("space")
+    assert isinstance(engine, SpatialEngine)
+    return engine
 
 
 def passive_columns(found: Equations):
@@ -34,7 +42,7 @@ CASES = {
 def factorised(request):
     """The equations of a linkage near its drawn pose, their factors, and the columns that these are of."""
     press = CASES[request.param]()
-    loops = press.engine("space").loops
+    loops = in_space(press).loops
     found = equations(loops, press.closed[:, None] + 1e-3 * np.arange(5.0))
     assert len(loops.blocks.blocks) > 1
     return press, found, PassiveColumns(loops, found.entries), passive_columns(found)
@@ -47,7 +55,7 @@ def test_solutions_are_those_of_all_equations_at_once(factorised):
     wanted = np.sin(1.0 + np.arange(len(passive) * 5.0)).reshape(len(passive), 5)
     rates = solved.rates(np.einsum("nrk,kn->rn", columns, wanted))
     np.testing.assert_allclose(rates[passive], wanted, rtol=0, atol=1e-12)
-    assert not rates[list(press.engine("space").one_by_one.spatial.drivers)].any()
+    assert not rates[list(in_space(press).one_by_one.spatial.drivers)].any()
 
     effort = np.zeros((press.model.nv, 5))
     effort[passive] = wanted
@@ -66,7 +74,7 @@ def test_solutions_are_those_of_all_equations_at_once(factorised):
 
 def test_where_a_block_is_singular_the_whole_is_decomposed():
     """Two of its columns are equal at the second of three configurations, one is rounding at the last."""
-    loops = large_linkages.load(large_linkages.spatial_chain(4)).engine("space").loops
+    loops = in_space(large_linkages.load(large_linkages.spatial_chain(4))).loops
     entries = equations(loops, np.zeros((len(loops.bodies.parents), 3))).entries
     block = loops.blocks.blocks[1]
     own = loops.places_in(block.joints)[block.rows]
@@ -99,7 +107,7 @@ def test_a_long_chain(monkeypatch):
         forces = engine.inverse_dynamics(states, AppliedConditions([], None, None, False), range(len(press.bearings)))
         return closed, states, forces
 
-    engine, judge = press.engine("space"), press.engine("pinocchio")
+    engine, judge = in_space(press), press.engine("pinocchio")
     assert engine.loops.large
     (closed, *ours), regular = moved(engine), not engine.redundant(press.closed)
     assert not made
