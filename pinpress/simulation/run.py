@@ -25,14 +25,13 @@ from ..linkage.linkage import Linkage
 from ..loads.caller_laws import as_given
 from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointPosition
-from .equations_of_motion import ConstraintSolution
 from .failures import failure
 from .law_trials import confirm_torques
-from .solvers import SimulationProblem
 from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 
-if TYPE_CHECKING:
-    from .equations_of_motion import FullDynamics
+if TYPE_CHECKING:  # reports know runs, and need no solvers
+    from .equations_of_motion import ConstraintSolution, FullDynamics
+    from .solvers import SimulationProblem
     from .time_solver import TimeSegment
 
 POINTS = 120  # states returned per turn of the crank, and at least

@@ -3,14 +3,17 @@
 Run `python tests/benchmarks/benchmark_first_calls.py`, with words behind it for the calls whose names have one of them. pytest does not
 collect this file. The press is loaded, and what the call takes is there (see `GIVEN`). Both times are those of the processor, the least of
 three processes: of the first call, with the imports that it needs, and of the same call once more. Calls that search or run other programs,
-and those that need Matplotlib, whose import alone takes most of a second, stand in tables of their own.
+and those that need Matplotlib, whose import alone takes most of a second, stand in tables of their own. The last table has whole processes:
+commands, and what Python, NumPy and Pinocchio take of them.
 """
 
 import argparse
 import os
 import re
+import resource
 import subprocess
 import sys
+import tempfile
 
 REPEATS = 3
 
@@ -92,6 +95,7 @@ QUICK = {
     "inverse_dynamics, in space": "pp.inverse_dynamics(rssp, pp.cycle(rssp, 7.0))",
     "Reactions.indeterminate": "reactions.indeterminate",
     "simulate": "pp.simulate(press, 2.0, speed=7.0, drive=MOTOR, flywheel=FLYWHEEL, loads=[BLANKING])",
+    "simulate, all joints": "pp.simulate(press, 0.5, speed=7.0, method='constraint')",
     "simulate, in space": "pp.simulate(rssp, 0.5, speed=7.0)",
     "simulate_batch": "pp.simulate_batch(press, 0.5, speed=np.linspace(6.0, 7.0, 10))",
     "steady_state": "pp.steady_state(press, speed=7.0, drive=MOTOR, flywheel=FLYWHEEL, loads=[BLANKING])",
@@ -124,6 +128,7 @@ QUICK = {
     "elasticity.snap_through": "pp.elasticity.snap_through(1e5, 1e9, mass=500.0, break_time=1e-3, clearance=1e-4)",
     "elasticity.permissible_breakthrough": "pp.elasticity.permissible_breakthrough(1e4, 1e9, mass=500.0, break_time=1e-3, clearance=1e-4)",
     "derivatives.motion_derivatives": "pp.derivatives.motion_derivatives(press, motion, [{('F', 'rod'): (0.001, 0.0, 0.0)}])",
+    "derivatives.acceleration_derivatives": "pp.derivatives.acceleration_derivatives(press, motion)",
     "derivatives.pivot_positions": "pp.derivatives.pivot_positions(press)",
     "derivatives.reshaped": "pp.derivatives.reshaped(press, {('F', 'rod'): (0.485, 0.0, 0.0)})",
     "sweeps.operating_points": "pp.sweeps.operating_points(press, speeds=[5.0, 6.0], forces=[1e5, 1e6], unit_load=unit_load)",
@@ -171,6 +176,16 @@ KINDS = {
     "plots; `import matplotlib.pyplot` alone:": {"import": "import matplotlib.pyplot"} | PLOTS,
 }
 
+COMMANDS = {
+    "python": ["-c", "pass"],
+    "import numpy, pinocchio": ["-c", "import numpy, pinocchio"],
+    "pinpress --help": ["-m", "pinpress", "--help"],
+    "pinpress check": ["-m", "pinpress", "check", "zxn2_3000b"],
+    "pinpress analyse": ["-m", "pinpress", "analyse", "zxn2_3000b", "--speed", "70"],
+    "pinpress simulate": ["-m", "pinpress", "simulate", "zxn2_3000b", "--speed", "70", "--duration", "2"],
+    "pinpress report": ["-m", "pinpress", "report", "zxn2_3000b", "--speed", "70"],
+}
+
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -183,6 +198,26 @@ def main() -> None:
         found = {name: seconds(call) for name, call in wanted.items()}
         for name, (first, again) in sorted(found.items(), key=lambda each: -each[1][0]):
             print(f"| {name} | {1e3 * first:.0f} | {1e3 * again:.1f} |", flush=True)
+    commands = {name: line for name, line in COMMANDS.items() if not words or any(word in name for word in words)}
+    if commands:
+        print("\n| processes | whole [ms] |\n|---|---:|")
+    for name, line in commands.items():
+        print(f"| {name} | {1e3 * of_process(line):.0f} |", flush=True)
+
+
+def of_process(arguments: list[str]) -> float:
+    """Of a whole process of Python, from its start to its end: the least of several."""
+    compiled = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    times = []
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(REPEATS + 1):
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            run = subprocess.run([sys.executable, *arguments], capture_output=True, text=True, check=False, env=compiled, cwd=folder)
+            if run.returncode:
+                sys.exit(f"{arguments}\n{run.stderr}")
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            times.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return min(times[1:])
 
 
 def seconds(call: str) -> tuple[float, float]:

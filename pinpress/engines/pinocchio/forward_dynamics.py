@@ -167,7 +167,7 @@ class ForwardDynamics:
             PinpressError: no mass resists a motion, or a state or effort is not finite.
         """
         if self.quick is not None:
-            _, data, points, data_of_points, settings, _, _, gears, *_ = self.quick
+            _, _, data, points, data_of_points, settings, _, _, gears, *_ = self.quick
             result: Array = pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings)
             if self.quick.held_clearly() and math.isfinite(result.dot(result)):
                 geared = self._geared(x, result) if len(gears) else result
@@ -181,7 +181,7 @@ class ForwardDynamics:
         """Joint accelerations (nv,) that keep the ratios of gear pairs, from those ``without`` gear pairs; None where rounding would be
         seen in them."""
         assert self.quick is not None
-        _, data, points, data_of_points, settings, _, _, gears, *_ = self.quick
+        _, _, data, points, data_of_points, settings, _, _, gears, *_ = self.quick
         answers = np.array(
             [pin.constraintDynamics(self.weightless, data, x, self.still, gear, points, data_of_points, settings) for gear in gears]
         )
@@ -402,6 +402,7 @@ class ForwardDynamics:
         points, data_of_points = _contacts(self.model, [(end[0], place, *end[2:]) for place, end in zip(turned, ends, strict=True)])
         pin.initConstraintDynamics(self.model, data, points, data_of_points)
         proximal = Proximal(
+            largest=largest,
             clear=rank if hold_each_other else rank + len(closed),
             data=data,
             points=points,
@@ -431,6 +432,7 @@ class Proximal(NamedTuple):
     """The quick way: arguments of `constraintDynamics`, and how its pivots are checked.
 
     Attributes:
+        largest: entry of J M^-1 J' in the drawn pose [1/kg].
         clear: number of pivots that must be above their bounds, or of eigenvalues above the least.
         data: Pinocchio's workspace.
         points: constraint models of the loops' points.
@@ -444,6 +446,7 @@ class Proximal(NamedTuple):
         eigenvalues: LAPACK's routine for them.
     """
 
+    largest: float
     clear: int
     data: pin.Data
     points: pin.StdVec_RigidConstraintModel
