@@ -21,6 +21,8 @@ from ..engine import ClosedStates, EnergyRates, PowerBalance
 from ..forces import AppliedForce
 from ..pinocchio.model import SpatialModel
 
+ACROSS = (slice(1, 3), slice(2, None, -2), slice(0, 2))  # the other two axes of a frame, in cyclic order after each
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Bodies(Frozen):
@@ -29,8 +31,9 @@ class Bodies(Frozen):
     Attributes:
         parents: (nv,) Pinocchio's indices of the parents of the joints, 0 for the frame.
         turns: (nv,) whether a joint turns.
-        placement: (nv, 4, 3) of a joint in its parent's frame: the axes of its frame, of `aligned` where there is one, then its origin [m].
-        along: (nv,) which of these axes the joint has.
+        placement: (nv, 4, 3) of a joint in its parent's frame: the axes of its frame, of `aligned` where there is one, in cyclic order with
+            the joint's own axis last; then its origin [m].
+        along: (nv,) which axis of this frame is the joint's.
         aligned: (nv, 3, 3) the joint's frame from the frame of its placement, where the joint has none of its own frame's axes; None where
             it has.
         mass: (nv,) masses [kg].
@@ -58,8 +61,8 @@ def build_bodies(spatial: SpatialModel) -> Bodies:
         own = int(np.argmax(axis.direction))
         turned_frame = None if np.array_equal(axis.direction, np.eye(3)[own]) else _frame_with(axis.direction)
         frame = place.rotation if turned_frame is None else place.rotation @ turned_frame
-        placement.append(np.vstack([frame.T, place.translation]))
         along.append(own if turned_frame is None else 2)
+        placement.append(np.vstack([np.roll(frame.T, 2 - along[-1], axis=0), place.translation]))
         aligned.append(turned_frame)
     return Bodies(
         parents=tuple(int(parent) for parent in list(model.parents)[1:]),
@@ -134,13 +137,14 @@ class Accelerations(NamedTuple):
 def cross(one: Array, other: Array) -> Array:
     """The vector product of vectors (..., 3, n)."""
     shape = np.broadcast_shapes(one.shape, other.shape)
-    result = np.empty((3, *shape[:-2], shape[-1]))
-    less = np.empty(result.shape[1:])
-    for own, first, second in zip(result, (1, 2, 0), (2, 0, 1), strict=True):
+    result = np.empty(shape) if len(shape) == 2 else components_first(shape[-3], shape[-1], *shape[:-3])
+    less = np.empty((*shape[:-2], shape[-1]))
+    for row, first, second in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        own = result[..., row, :]
         np.multiply(one[..., first, :], other[..., second, :], out=own)
         np.multiply(one[..., second, :], other[..., first, :], out=less)
         own -= less
-    return np.moveaxis(result, 0, -2)
+    return result
 
 
 def turned(rotation: Array, vectors: Array) -> Array:
@@ -161,30 +165,25 @@ def components_first(count: int, n: int, *before: int) -> Array:
 def placements(bodies: Bodies, x: Array) -> Placements:
     """Where the bodies are at joint coordinates (nv, n)."""
     count, n = x.shape
-    sines, cosines = np.sin(x), np.cos(x)
+    cosines, sines = np.cos(x), np.empty((count, 2, n))
+    np.sin(x, out=sines[:, 0])
+    np.negative(sines[:, 0], out=sines[:, 1])
     rotation, origin, axis = np.empty((3, 3, count + 1, n)), np.empty((3, count + 1, n)), np.empty((3, count, n))
     rotation[:, :, 0], origin[:, 0] = np.eye(3)[:, :, None], 0.0
-    less = np.empty((3, n))
+    frame, more = np.empty((3, 4, n)), np.empty((3, 2, n))
     for joint, parent in enumerate(bodies.parents):
-        # axes of the frame before the joint moves, and its origin, from the parent's
-        frame = np.matmul(bodies.placement[joint], rotation[:, :, parent])  # (3, 4, n)
+        # axes of the frame before the joint moves, its own one last, and the origin, from the parent's
+        np.matmul(bodies.placement[joint], rotation[:, :, parent], out=frame)
         own, place, along = rotation[:, :, joint + 1], origin[:, joint + 1], bodies.along[joint]
+        across, own[:, along] = own[:, ACROSS[along]], frame[:, 2]
         np.add(origin[:, parent], frame[:, 3], out=place)
-        axis[:, joint] = frame[:, along]
-        if not bodies.turns[joint]:
-            place += axis[:, joint] * x[joint]
-            own[:] = frame[:, :3]
+        axis[:, joint] = frame[:, 2]
+        if bodies.turns[joint]:
+            np.multiply(frame[:, :2], cosines[joint], out=across)
+            across += np.multiply(frame[:, 1::-1], sines[joint], out=more)
         else:
-            sine, cosine = sines[joint], cosines[joint]
-            one, other = (along + 1) % 3, (along + 2) % 3
-            first, second = own[:, one], own[:, other]
-            np.multiply(frame[:, one], cosine, out=first)
-            np.multiply(frame[:, other], sine, out=less)
-            first += less
-            np.multiply(frame[:, other], cosine, out=second)
-            np.multiply(frame[:, one], sine, out=less)
-            second -= less
-            own[:, along] = frame[:, along]
+            across[:] = frame[:, :2]
+            place += axis[:, joint] * x[joint]
         aligned = bodies.aligned[joint]
         if aligned is not None:
             own[:] = np.matmul(aligned, own)
