@@ -233,15 +233,15 @@ def print_presses(n: int, repeats: int) -> None:
 
 
 def print_space(n: int, repeats: int) -> None:
-    """Time linkages in space, new angles in every call: engine `space` beside `pinocchio`. Of Cassie, whose twelve drivers have to be
-    followed from angle to angle, inverse dynamics alone."""
+    """Time linkages in space, new angles in every call: engine `space` beside `pinocchio`, from crank angles to forces. Cassie's twelve
+    drivers are followed by engine `space` in both columns; there is a line of its forces alone."""
     import pinpress as pp
 
-    def swung(press: pp.Linkage, engine: str, shift: float) -> pp.Reactions:
+    def swung(press: pp.Linkage, engine: str, shift: float, **more: Any) -> pp.Reactions:
         low, high = (0.0, 2 * np.pi) if press.branch.period else press.branch.angles[[0, -1]]
         angle = 0.5 * (low + high) + 0.4 * (high - low) * np.sin(np.linspace(shift, 6.0, n))
         motion = pp.servo_cycle(press, angle=angle, speed=np.cos(angle), acceleration=np.sin(angle), engine=engine)
-        return pp.inverse_dynamics(press, motion, engine=engine)
+        return pp.inverse_dynamics(press, motion, engine=engine, **more)
 
     shifts = itertools.count(0.0, 1e-5)
     rssp = Path(pp.__file__).parent / "pin_table" / "templates" / "rssp.yaml"
@@ -252,10 +252,20 @@ def print_space(n: int, repeats: int) -> None:
         "four-bar with a weld": texts.load(spatial_linkages.four_bar("fixed")),
     }
     works: dict[str, Callable[[str, float], pp.Reactions]] = {name: partial(swung, press) for name, press in presses.items()}
+    slide = presses["crank, ball-ended rod, slide"]
+    guides = [name for name, axis in zip(slide.bearings, slide.axes, strict=False) if not axis.turns]  # joints come before loops
+    rubbing = {name: pp.loads.Friction(0.06, None if name in guides else 0.02) for name in slide.bearings}
+    works["ball-ended rod, friction"] = partial(swung, slide, friction=rubbing)
     robot = _cassie()
-    sway = 0.005 * np.sin(np.linspace(0.0, 6.0, n)[:, None] + np.arange(len(robot.drivers)))
-    moved = pp.servo_cycle(robot, angle=sway, speed=sway, acceleration=-sway)
-    works["Cassie, 12 drivers, forces alone"] = lambda engine, _: pp.inverse_dynamics(robot, moved, engine=engine)
+    far = [0.3 if any(word in name for word in ("roll", "yaw", "pitch")) else 0.005 for name in robot.drivers]  # its knees lock soon
+    sway = far * np.sin(np.linspace(0.0, 6.0, n)[:, None] + np.arange(len(robot.drivers)))
+
+    def swayed(engine: str) -> pp.Motion:
+        return pp.servo_cycle(robot, angle=sway, speed=sway, acceleration=-sway, engine=engine)
+
+    moved = {engine: swayed(engine) for engine in ("space", "pinocchio")}
+    works["Cassie, 12 drivers"] = lambda engine, _: pp.inverse_dynamics(robot, swayed(engine), engine=engine)
+    works["Cassie, forces alone"] = lambda engine, _: pp.inverse_dynamics(robot, moved[engine], engine=engine)
     entries: list[Contestant] = [
         (f"{name}|{engine}", n, lambda work=work, engine=engine: work(engine, next(shifts)), lambda r: r)
         for name, work in works.items()
