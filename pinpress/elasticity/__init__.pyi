@@ -5,8 +5,10 @@ from .slide_under_load import DeflectedSlide as DeflectedSlide
 from .slide_under_load import ElasticDeadCentre as ElasticDeadCentre
 from .slide_under_load import dead_centre_shift as dead_centre_shift
 from .slide_under_load import slide_deflection as slide_deflection
+from .springs import Clearance as Clearance
 from .springs import Elastic as Elastic
 from .springs import Rod as Rod
 from .springs import Stiffness as Stiffness
+from .springs import hertz_stiffness as hertz_stiffness
 from .unit_load import SlideCompliance as SlideCompliance
 from .unit_load import compliance as compliance

@@ -19,6 +19,8 @@ from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import Reactions, on_frame
 from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
+from ..simulation.elastic.contact import Clearance as Clearance
+from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness
 from ..simulation.elastic.description import Elastic as Elastic
 from ..simulation.elastic.description import Rod as Rod
 from ..simulation.elastic.description import Stiffness as Stiffness

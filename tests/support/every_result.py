@@ -192,6 +192,7 @@ def made():
         *(
             STIFFNESS,
             pp.elasticity.Elastic(STIFFNESS, crown_mass=2000.0),
+            pp.elasticity.Clearance(1e-4),
             *STIFFNESS.rods,
             pp.elasticity.compliance(press(), STIFFNESS, angle=[0.1, 0.5]),
             pp.elasticity.slide_deflection(press(), motion(), STIFFNESS),
@@ -277,6 +278,7 @@ def public():
 DESCRIPTIONS = {
     "DriverCoordinate",
     "AddedMass",
+    "Clearance",
     "Elastic",
     "Capacities",
     "Frame",

@@ -23,6 +23,7 @@ from ...engines.planar.model import Plane, to_complex
 from ...kinematics.motion import Motion, motion_through_change_points
 from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
+from .contact import Clearance, OpenPin
 from .description import Elastic, Rod
 from .sprung_press import LineSprings, SprungPress, TurningSprings
 
@@ -49,7 +50,8 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     drawn = DrawnBodies(press)
     bodies = _bodies(press, drawn, elastic)
     stiff = _with_springs(drawn, bodies, elastic)
-    return _with_dampers(drawn, stiff, elastic)
+    closed = _with_dampers(drawn, stiff, elastic)
+    return _with_clearances(drawn, closed, elastic) if elastic.clearances else closed
 
 
 def coordinates_of(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, Array]:
@@ -211,7 +213,7 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
     guides = list(drawn.plane.prismatic)
     turning = _by_bearing(press, "moments", stiffness.moments, "N m/rad", guides)
     softer = _rods(drawn, stiffness.rods)
-    rows: list[tuple[int, int, complex, complex, complex, float, float, float, int, float]] = []
+    rows: list[tuple[int, int, complex, complex, complex, float, float, float, float, int, float]] = []
 
     def body(link: int) -> int:
         """A link, or what carries the bearings on the frame."""
@@ -221,7 +223,7 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
         first: int, one: complex, second: int, two: complex, along: complex, turns: bool, value: float, number: int, sign: float
     ) -> None:
         arms = one - bare.centers[first], two - bare.centers[second]
-        rows.append((first, second, *arms, along, float(turns), value, 0.0, number, sign))
+        rows.append((first, second, *arms, along, float(turns), value, 0.0, 0.0, number, sign))
 
     for place in range(len(press.bearings)):
         link1, one, link2, two = drawn.bearing(place)
@@ -341,6 +343,28 @@ def _with_dampers(drawn: DrawnBodies, sprung: SprungPress, elastic: Elastic) -> 
         damping[sprung.lines.bearing == press.bearings.index(name)] = given
     lines, turns = sprung.lines._replace(damping=damping), sprung.turns._replace(damping=factor * sprung.turns.stiffness)
     return replace(sprung, lines=lines, turns=turns)
+
+
+def _with_clearances(drawn: DrawnBodies, closed: SprungPress, elastic: Elastic) -> SprungPress:
+    """The press with clearance in some of its pins."""
+    press, found = drawn.press, []
+    if not isinstance(elastic.clearances, Mapping):
+        raise PinpressError(f"clearances is {shown(elastic.clearances)}: give a mapping, name of a pin: Clearance(...)")
+    for name, clearance in elastic.clearances.items():
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+        if not isinstance(clearance, Clearance):
+            raise PinpressError(f"clearance of {shown(name)} is {shown(clearance)}: give a Clearance(radial)")
+        place = press.bearings.index(name)
+        own = np.flatnonzero(closed.lines.bearing == place)
+        if place in drawn.directions or closed.lines.turning[own].any():
+            raise PinpressError(f"clearance of {shown(name)}: it is a guide, or a rod yields there; give clearance to other pins")
+        k, lines = int(own[0]), closed.lines
+        bodies, arms = (int(lines.first[k]), int(lines.second[k])), (complex(lines.arm1[k]), complex(lines.arm2[k]))
+        found.append(OpenPin(place, bodies, arms, clearance, float(lines.stiffness[k]), float(lines.damping[k])))
+    kept = ~np.isin(closed.lines.bearing, [open_pin.bearing for open_pin in found])
+    lines = LineSprings._make(column[kept] for column in closed.lines)
+    return replace(closed, lines=lines, open_pins=tuple(found), closed=closed)
 
 
 def reference_angle(press: Linkage) -> float:

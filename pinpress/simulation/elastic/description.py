@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from ...common.arguments import number
 from ...common.errors import PinpressError, shown
 from ...common.frozen import Frozen
+from .contact import Clearance
 
 MOST_DAMPING = 2.0  # largest damping ratio
 
@@ -70,12 +71,14 @@ class Elastic(Frozen):
         damping_ratio: of the lowest vibration at bottom dead centre, from 0 to 2 [-]; all springs have dampers in proportion.
         dampers: name of a bearing or guide -> its damper in place of that [N s/m].
         crown_mass: mass of the crown on its columns, without the linkage [kg]; it is needed where ``stiffness.frame`` is given.
+        clearances: name of a pin -> its clearance; such a press is simulated, it has no steady state.
     """
 
     stiffness: Stiffness
     damping_ratio: float = 0.02
     dampers: Mapping[str, float] = field(default_factory=dict)
     crown_mass: float | None = None
+    clearances: Mapping[str, Clearance] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not isinstance(self.stiffness, Stiffness):

@@ -22,9 +22,12 @@ from ..run import Run, Stats
 from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 from .assembly import DrawnBodies, coordinates_of
+from .contact import OpenPin
 from .description import Elastic
+from .load_paths import NEAREST
 from .panels import Indices
 from .solution import ElasticSolution
+from .sprung_press import SprungPress
 
 FINE = 24  # parts of a panel at whose ends extremes are looked for, and of the two parts about one of them
 HIGHEST = 3  # values about which the largest is looked for
@@ -139,7 +142,7 @@ class ElasticSegment:
 
     @property
     def evaluations(self) -> int:
-        return self.solution.panels.steps * self.steps * len(self.solution.panels.rule.points)
+        return self.solution.evaluations
 
     @property
     def travelled(self) -> float:
@@ -269,9 +272,9 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     found[DRIVE_WORK], found[MOTOR_SQUARED] = torque * rates[:, -1], motor**2
     geometry = sprung.geometry(coordinates, all_rates)
     found[LOST] = (geometry.opening**2) @ sprung.lines.damping + sprung.turning_rates(all_rates) ** 2 @ sprung.turns.damping
-    found[LOAD_WORK] = -sum(
-        (force * rate for force, rate in equations.load_forces(at.segments, coordinates, all_rates)), np.zeros(len(torque))
-    )
+    powers = [force * rate for force, rate in equations.load_forces(at.segments, coordinates, all_rates)]
+    loads, nothing = len(driven.forces), np.zeros(len(torque))
+    found[LOAD_WORK], found[LOST] = -sum(powers[:loads], nothing), found[LOST] - sum(powers[loads:], nothing)
     return found
 
 
@@ -293,7 +296,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
     rigid, _, _ = coordinates_of(sprung, motion)
     moved = (coordinates - rigid).reshape(points, -1, 3)[:, : press.model.nv]
-    forces = to_world(DrawnBodies(press).plane, _bearing_forces(solution, coordinates, rates))
+    forces = to_world(DrawnBodies(press).plane, _bearing_forces(solution, at.segments, coordinates, rates))
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     stats = Stats(
@@ -323,7 +326,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     )
 
 
-def _bearing_forces(solution: ElasticSolution, coordinates: Array, rates: Array) -> ComplexArray:
+def _bearing_forces(solution: ElasticSolution, segments: Indices, coordinates: Array, rates: Array) -> ComplexArray:
     """Forces (bearings, n) in the plane's axes, parent on child, or link1 on link2 [N]."""
     sprung = solution.equations.sprung
     lines, geometry = sprung.lines, sprung.geometry(coordinates, rates)
@@ -333,7 +336,19 @@ def _bearing_forces(solution: ElasticSolution, coordinates: Array, rates: Array)
     for spring, number in enumerate(lines.bearing):
         if number >= 0:
             found[number] += forces[:, spring]
+    loads = solution.equations.load_forces(segments, coordinates, rates)[len(solution.equations.driven.forces) :]
+    for pin, (force, _) in zip(sprung.open_pins, loads, strict=True):
+        gap = journal_places(sprung, pin, coordinates)
+        found[pin.bearing] = -force * gap / np.maximum(np.abs(gap), NEAREST)
     return found
+
+
+def journal_places(sprung: SprungPress, pin: OpenPin, coordinates: Array) -> ComplexArray:
+    """Centre (n,) of the second side of a pin from that of its first side, in the axes of the plane [m]."""
+    turned = np.exp(1j * coordinates[:, 2::3])
+    place = sprung.centers + coordinates[:, ::3] + 1j * coordinates[:, 1::3]
+    one, two = (place[:, body] + turned[:, body] * arm for body, arm in zip(pin.bodies, pin.arms, strict=True))
+    return np.asarray(two - one)
 
 
 def _shaking_force(solution: ElasticSolution, accelerations: Array) -> Array:
@@ -384,7 +399,7 @@ def _extremes(segment: ElasticSegment) -> Extremes:
         at = solution_states(solution, panel, share, None, segment.gain)
         free, rates = at.whole
         sprung = solution.equations.sprung
-        forces = _bearing_forces(solution, sprung.all_coordinates(free), rates @ sprung.carry.T)
+        forces = _bearing_forces(solution, at.segments, sprung.all_coordinates(free), rates @ sprung.carry.T)
         return np.stack([-_slide(solution, at)[:, 0], _pull_on_slide(solution, forces), *np.abs(forces)])
 
     found = _largest(all_values, len(solution.panels.mesh.start))

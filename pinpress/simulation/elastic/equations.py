@@ -7,8 +7,8 @@ the links ring, so that the direction of travel is that of the rigid press.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -40,6 +40,16 @@ class Event(NamedTuple):
     value: float
 
 
+class Release(NamedTuple):
+    """What ends a contact: its force vanishes; or what brings it back before its bodies are apart.
+
+    Attributes:
+        force: number of the contact among all forces.
+    """
+
+    force: int
+
+
 @dataclass(frozen=True, eq=False)
 class HeldCrank:
     """A crank that turns at a constant speed.
@@ -64,6 +74,8 @@ class ElasticEquations:
         crank: its prescribed motion; None: it turns freely, under the drive.
         segments: the forces that act in each segment.
         events: what happens at the knots whose times are free.
+        contacts: of pins with clearance; they come after the loads.
+        lost: laws of contacts whose bodies are not apart yet, but part too fast to push each other, by the numbers of their forces.
     """
 
     sprung: SprungPress
@@ -71,7 +83,14 @@ class ElasticEquations:
     paths: tuple[LoadPath, ...]
     crank: HeldCrank | None
     segments: tuple[Segment, ...] = ()
-    events: dict[int, Event] | None = None
+    events: Mapping[int, Event | Release] | None = None
+    contacts: tuple[GeneralizedForce, ...] = ()
+    lost: Mapping[int, ForceInterval] = field(default_factory=dict)
+
+    @property
+    def all_forces(self) -> tuple[GeneralizedForce, ...]:
+        """All loads, then the contacts."""
+        return self.driven.forces + self.contacts
 
     @property
     def size(self) -> int:
@@ -109,7 +128,7 @@ class ElasticEquations:
         force, stiffness, damping = self.sprung.spring_forces(coordinates, all_rates)
         assert stiffness is not None
         assert damping is not None
-        for number, law in enumerate(self.driven.forces):
+        for number, law in enumerate(self.all_forces):
             on = [segment for segment in np.unique(segments) if self.segments[segment][number] is not None]
             if not on:
                 continue
@@ -130,7 +149,7 @@ class ElasticEquations:
     def load_forces(self, segments: Indices, coordinates: Array, rates: Array) -> list[tuple[Array, Array]]:
         """Of each load its force along its path (n,) [N], and the rate of the path (n,) [m/s]."""
         found = []
-        for number, law in enumerate(self.driven.forces):
+        for number, law in enumerate(self.all_forces):
             path = self.paths[law.row].over(self.sprung, coordinates, rates)
             found.append((self._law_values(law, number, segments, path)[0], path.rate))
         return found
@@ -143,11 +162,7 @@ class ElasticEquations:
             if interval is None:
                 continue
             there = segments == segment
-            place, rate, force = path.value[there] - law.datum, path.rate[there], interval.force
-            values[there] = force(place, rate)
-            by_place[there] = _slope(partial(_by_place, force, rate), place, _extent(interval))
-            if interval.heeds_velocity:
-                by_rate[there] = _slope(partial(force, place), rate, max(SLOW, float(np.abs(rate).max())))
+            values[there], by_place[there], by_rate[there] = _values(interval, path.value[there] - law.datum, path.rate[there])
         return values, by_place, by_rate
 
     def _add_drive(self, speed: Array, angle: Array, time: Array, force: Array, stiffness: Array, damping: Array) -> None:
@@ -159,7 +174,10 @@ class ElasticEquations:
 
     def event(self, knot: int, y: Array, v: Array) -> tuple[float, Array]:
         assert self.events is not None
-        path, value = self.events[knot]
+        event = self.events[knot]
+        if isinstance(event, Release):
+            return self._contact_force(event.force, y, v)
+        path, value = event
         if path < 0:
             gradient = np.zeros(2 * self.size)
             gradient[self.size - 1] = 1.0
@@ -168,6 +186,17 @@ class ElasticEquations:
         at = self.paths[path].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
         return float(at.value[0] - value), np.concatenate([at.gradient[0, : self.size], np.zeros(self.size)])
 
+    def _contact_force(self, number: int, y: Array, v: Array) -> tuple[float, Array]:
+        """Force of a contact that acts before an event, and its gradient (2 size,) by state and rate."""
+        law = self.all_forces[number]
+        free, rates = self.whole(np.zeros(1), y[None], v[None])
+        path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
+        interval = self.lost.get(number, self.segments[-1][number])
+        assert interval is not None
+        value, by_place, by_rate = _values(interval, path.value - law.datum, path.rate)
+        gradient = by_place[0] * path.gradient[0] + by_rate[0] * (path.bend[0] @ rates[0])
+        return float(value[0]), np.concatenate([gradient[: self.size], by_rate[0] * path.gradient[0, : self.size]])
+
     def crank_torque(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Array:
         """Torque (n,) on the crank that holds its speed, or that of the drive [N m]."""
         force, _, _ = self.whole_forces(time, y, v, segments)
@@ -175,6 +204,14 @@ class ElasticEquations:
             drive = self.driven.drive
             return np.zeros(len(time)) if drive is None else np.broadcast_to(drive.torque(v[:, -1], y[:, -1], time), time.shape)
         return np.asarray(a @ self.whole_mass[-1, :-1] - force[:, -1])
+
+
+def _values(interval: ForceInterval, place: Array, rate: Array) -> tuple[Array, Array, Array]:
+    """Force (n,) of an interval, and its slopes by place and rate."""
+    force = interval.force
+    by_place = _slope(partial(_by_place, force, rate), place, _extent(interval))
+    by_rate = _slope(partial(force, place), rate, max(SLOW, float(np.abs(rate).max()))) if interval.heeds_velocity else np.zeros(len(rate))
+    return np.broadcast_to(force(place, rate), place.shape), by_place, by_rate
 
 
 def _slope(law: Callable[[Any], Any], at: Array, size: float) -> Array:

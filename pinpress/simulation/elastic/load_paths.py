@@ -18,6 +18,8 @@ from ..driven_press import Coordinate, JointPosition, Length, WorkOfForce
 from .assembly import DrawnBodies
 from .sprung_press import SprungPress
 
+NEAREST = 1e-300  # least length of a distance, which has no direction where it is zero [m]
+
 
 class PathMotion(NamedTuple):
     """A length along which a load acts, at n states.
@@ -71,11 +73,13 @@ class LengthPath:
         bodies: the links; -1: the frame.
         arms: the points from their links' centres of mass, in the drawn pose [m].
         height: how far they lie apart along the plane's normal [m].
+        sign: -1 where the path counts the distance negatively.
     """
 
     bodies: tuple[int, int]
     arms: tuple[complex, complex]
     height: float
+    sign: float = 1.0
 
     def over(self, sprung: SprungPress, coordinates: Array, rates: Array) -> PathMotion:
         """The distance at all coordinates and rates (n, 3 (bodies + 1))."""
@@ -90,15 +94,16 @@ class LengthPath:
             parts[:, place + 1] += sign * 1j
             parts[:, place + 2] += sign * 1j * arm
             turned.append((place + 2, -sign * arm))
-        length = np.sqrt(apart.real**2 + apart.imag**2 + self.height**2)
+        length = np.maximum(np.sqrt(apart.real**2 + apart.imag**2 + self.height**2), NEAREST)
         along = (apart / length).conj()
         gradient = (along[:, None] * parts).real
         bend = (parts.conj()[:, :, None] * parts[:, None, :]).real - gradient[:, :, None] * gradient[:, None, :]
         bend /= length[:, None, None]
         for place, second in turned:
             bend[:, place, place] += (along * second).real
+        gradient, bend = self.sign * gradient, self.sign * bend
         rate = np.einsum("nk,nk->n", gradient, rates)
-        return PathMotion(length, rate, sprung.to_free(gradient), sprung.to_free_twice(bend))
+        return PathMotion(self.sign * length, rate, sprung.to_free(gradient), sprung.to_free_twice(bend))
 
 
 LoadPath = PointPath | LengthPath

@@ -7,6 +7,7 @@ ways, such as a cushion, acts wherever the slide is between its borders.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -17,7 +18,7 @@ from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
 from ..reduced_model import COORDINATES, roots
-from .equations import Event, Segment
+from .equations import Event, Release, Segment
 
 ASIDE = 1e-9  # angle from the start within which an event belongs to the start [rad]
 
@@ -54,20 +55,27 @@ class LoadPhases:
     Attributes:
         driven: the press with its loads.
         direction: 1 where the crank turns forwards, else -1.
+        contacts: of pins with clearance, on paths after those of the driven press; the rigid press touches none of them.
     """
 
     driven: DrivenPress
     direction: int
+    contacts: tuple[GeneralizedForce, ...] = ()
+
+    @property
+    def forces(self) -> tuple[GeneralizedForce, ...]:
+        """All forces, the contacts last."""
+        return self.driven.forces + self.contacts
 
     @cached_property
     def one_way(self) -> tuple[bool, ...]:
         """For each force, whether it acts one way alone."""
-        return tuple(force.rising is not force.falling for force in self.driven.forces)
+        return tuple(force.rising is not force.falling for force in self.forces)
 
     @cached_property
     def borders(self) -> tuple[Border, ...]:
         """All places at which a force is not smooth."""
-        found = {Border(force.row, value) for force in self.driven.forces for value in force.borders()}
+        found = {Border(force.row, value) for force in self.forces for value in force.borders()}
         return tuple(sorted(found))
 
     @cached_property
@@ -78,31 +86,37 @@ class LoadPhases:
     @cached_property
     def _row(self) -> int | None:
         """The path of the loads that act one way: that of the slide."""
-        return next((force.row for force, one_way in zip(self.driven.forces, self.one_way, strict=True) if one_way), None)
+        return next((force.row for force, one_way in zip(self.forces, self.one_way, strict=True) if one_way), None)
 
     def places(self, angle: float) -> Array:
         """(paths,) values of the paths of the rigid press at a crank angle [m]."""
-        return self.driven.model.at(np.array(angle))[0][COORDINATES:]
+        return np.concatenate([self.driven.model.at(np.array(angle))[0][COORDINATES:], np.zeros(len(self.contacts))])
 
     def begun(self, angle: float) -> Phase:
         """The phase of a stroke in which nothing has happened yet, at a crank angle."""
         slope = 0.0 if self._row is None else float(self.driven.model.at(np.array(angle))[1][COORDINATES + self._row])
-        return Phase(slope * self.direction > 0, (False,) * len(self.driven.forces))
+        return Phase(slope * self.direction > 0, (False,) * len(self.forces))
 
     def active(self, phase: Phase, places: Array) -> Segment:
         """The intervals that act where the paths have the values ``places`` (paths,)."""
         return tuple(
             None if over else _interval(force, phase.rising, float(places[force.row]) - force.datum)
-            for force, over in zip(self.driven.forces, phase.through, strict=True)
+            for force, over in zip(self.forces, phase.through, strict=True)
         )
 
     def advanced(self, phase: Phase, places: Array) -> Phase:
-        """The phase once the paths have the values ``places`` (paths,): loads whose last border is passed are through."""
-        through = [
-            over or (one_way and _passed(force, phase.rising, float(places[force.row]) - force.datum))
-            for force, one_way, over in zip(self.driven.forces, self.one_way, phase.through, strict=True)
-        ]
+        """The phase once the paths have the values ``places`` (paths,): loads whose last border is passed are through, and contacts that
+        were lost can be struck again once their bodies are apart."""
+        through = []
+        for force, one_way, over in zip(self.forces, self.one_way, phase.through, strict=True):
+            place = float(places[force.row]) - force.datum
+            passed = _passed(force, phase.rising, place) if one_way else over and _interval(force, phase.rising, place) is not None
+            through.append(over or passed if one_way else passed)
         return Phase(phase.rising, tuple(through))
+
+    def released(self, phase: Phase, number: int) -> Phase:
+        """The phase once the force of a contact vanishes, or comes back before its bodies are apart."""
+        return Phase(phase.rising, tuple(over != (k == number) for k, over in enumerate(phase.through)))
 
     def planned(self, start: float) -> Plan:
         """The segments of a period of the rigid press from a crank angle on, at which it turns or no load acts."""
@@ -110,13 +124,16 @@ class LoadPhases:
         assert period is not None
         found: list[tuple[float, Border | None]] = [(at, None) for at in self.turnings_ahead(start)]
         for each in self.borders:
+            if each.path >= len(self.driven.coordinates):
+                continue
             angles = roots(self.driven.model, COORDINATES + each.path, each.value)
             found += [(self._ahead(angle, start), each) for angle in angles]
         found = sorted((one for one in found if ASIDE < one[0] < period - ASIDE), key=lambda one: one[0])
         ends = [*(at for at, _ in found[1:]), period] if found else []
         first = found[0][0] if found else period
         phase = self.begun(start + 0.5 * self.direction * first)
-        segments, knots, events = [self.active(phase, self.places(start + 0.5 * self.direction * first))], [0.0], {}
+        segments, knots = [self.active(phase, self.places(start + 0.5 * self.direction * first))], [0.0]
+        events: dict[int, Event | Release] = {}
         for (at, border), end in zip(found, ends, strict=True):
             middle = start + 0.5 * self.direction * (at + end)
             places = self.places(middle)
@@ -152,7 +169,7 @@ class Plan(NamedTuple):
     """
 
     segments: tuple[Segment, ...]
-    events: dict[int, Event]
+    events: Mapping[int, Event | Release]
     knots: Array
 
 

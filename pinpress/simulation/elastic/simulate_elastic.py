@@ -9,14 +9,14 @@ import numpy as np
 from ...common.errors import PinpressError
 from ...common.quantities import Array
 from ...kinematics.motion import motion_through_change_points
-from ..driven_press import DrivenPress
+from ..driven_press import DrivenPress, GeneralizedForce
 from ..run import state_count
 from ..solvers import SimulationProblem
 from .assembly import coordinates_of, sprung_press
 from .description import Elastic
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
-from .load_paths import load_path
+from .load_paths import LengthPath, load_path
 from .phases import LoadPhases
 from .solution import Task, largest_deflection, march, periodic, resting
 from .sprung_press import SprungPress
@@ -68,7 +68,13 @@ def elastic_simulation(problem: SimulationProblem, elastic: Elastic, points: int
 def _task(driven: DrivenPress, elastic: Elastic, speed: float, angle: float, tolerance: float, steady: bool) -> tuple[Task, float]:
     """What is to be found, and the crank angle at which the solution begins: for a steady state one at which the rigid press turns."""
     _refuse_unsuitable(driven)
-    sprung, phases = sprung_press(driven.press, elastic), LoadPhases(driven, 1 if speed > 0 else -1)
+    sprung = sprung_press(driven.press, elastic)
+    if steady and sprung.open_pins:
+        raise PinpressError(
+            "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"
+            " at the peaks of its turns"
+        )
+    phases = LoadPhases(driven, 1 if speed > 0 else -1, _contacts(driven, sprung))
     turning = float(phases.turnings[0]) if len(phases.turnings) else angle
     from_turning = _task_from(turning, sprung, phases, speed)
     error = max(tolerance * largest_deflection(from_turning, turning), ROUNDING * driven.press.size)
@@ -82,6 +88,7 @@ def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: flo
     if press.period_turns is None:
         raise PinpressError(f"the crank of {press.name} does not turn fully: an elastic motion is that of a crank that does")
     paths = tuple(load_path(press, coordinate) for coordinate in driven.coordinates)
+    paths += tuple(LengthPath(pin.bodies, pin.arms, 0.0, -1.0) for pin in sprung.open_pins)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
         found = coordinates_of(sprung, motion_through_change_points(press, start + speed * times, speed))
@@ -91,8 +98,17 @@ def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: flo
     ends = rigid(np.array([0.0, period]))[0]
     gained = np.round((ends[1] - ends[0]) / np.pi) * np.pi  # whole turns of links, and of others nothing
     gain = np.concatenate([gained, np.zeros(len(gained))])
-    equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed))
+    equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed), contacts=phases.contacts)
     return Task(equations, phases, rigid, period, speed, gain, 0.0)
+
+
+def _contacts(driven: DrivenPress, sprung: SprungPress) -> tuple[GeneralizedForce, ...]:
+    """The contacts of pins with clearance, on paths after those of the loads."""
+    found = []
+    for number, pin in enumerate(sprung.open_pins):
+        both = (pin.contact(),)
+        found.append(GeneralizedForce(len(driven.coordinates) + number, -pin.clearance.radial, both, both))
+    return tuple(found)
 
 
 def _refuse_unsuitable(driven: DrivenPress) -> None:

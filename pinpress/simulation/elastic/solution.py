@@ -14,11 +14,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.quantities import Array
+from ...loads.process import ForceInterval
 from ..failures import failure
-from .equations import ElasticEquations, Event, Segment
+from .contact import HertzContact
+from .equations import ElasticEquations, Event, Release, Segment
 from .panels import Border, Indices, Mesh, PanelSolution, radau, solve
 from .phases import Border as LoadBorder
 from .phases import LoadPhases, Plan
+from .sprung_press import LineSprings, SprungPress
 
 STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
 FIRST, LEAST = 24, 6  # panels of a period at first, and of each segment
@@ -45,11 +48,13 @@ class ElasticSolution:
         equations: with the forces and events of the segments.
         panels: the motion.
         periodic: whether it is a period.
+        evaluations: of the forces at one state, that the last panels took.
     """
 
     equations: ElasticEquations
     panels: PanelSolution
     periodic: bool
+    evaluations: int
 
     @property
     def decay(self) -> float:
@@ -129,7 +134,7 @@ def _even_mesh(knots: Array, counts: Indices) -> Mesh:
 def _refined(task: Task, plan: Plan, guess: PanelSolution) -> ElasticSolution | None:
     """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails."""
     equations = replace(task.equations, segments=plan.segments, events=plan.events)
-    free = [knot for knot, event in plan.events.items() if event.path >= 0 or equations.crank is None]
+    free = [knot for knot, event in plan.events.items() if isinstance(event, Release) or event.path >= 0 or equations.crank is None]
     border = Border(True, task.gain, free)
     for _ in range(ROUNDS):
         found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS)
@@ -137,7 +142,7 @@ def _refined(task: Task, plan: Plan, guess: PanelSolution) -> ElasticSolution | 
             return None
         errors = found.errors()
         if errors.max() <= task.tolerance:
-            return ElasticSolution(equations, found, True)
+            return ElasticSolution(equations, found, True, found.steps * errors.size * STAGES)
         guess = found.onto(_divided(found.mesh, errors, task.tolerance))
     return None
 
@@ -202,17 +207,23 @@ def march(task: Task, start: float, state: Array, until: float) -> ElasticSoluti
 
 
 class _Passing(NamedTuple):
-    """A path passes a border.
+    """A path passes a border, or the force of a contact vanishes.
 
     Attributes:
         time: about which it does [s].
-        border: the border.
+        border: the border; None: it is a contact's force.
         rise: change of the path there: positive where it rises.
+        force: number of the contact.
     """
 
     time: float
-    border: LoadBorder
-    rise: float
+    border: LoadBorder | None
+    rise: float = 0.0
+    force: int = -1
+
+    @property
+    def event(self) -> Event | Release:
+        return Release(self.force) if self.border is None else Event(*self.border)
 
 
 class _March:
@@ -224,11 +235,14 @@ class _March:
         self.phase = task.phases.begun(start + ASIDE * self.direction)
         self.turnings = self._turning_times(start)
         self.length = task.period / FIRST / WINDOW
+        self.lengths: dict[tuple[bool, ...], float] = {}  # of the last panels while the same forces acted
         self.windows: list[tuple[PanelSolution, int]] = []  # with the segment of each
         size = len(state) // 2
         self.acceleration = np.zeros(size)
         self.segments: list[Segment] = [task.phases.active(self.phase, self._places_now())]
-        self.events: dict[int, Event] = {}
+        self.laws = [self.segments[0]]  # the same, with contacts as they were struck
+        self.lost: dict[int, ForceInterval] = {}  # laws of contacts that push no more, by the numbers of their forces
+        self.events: dict[int, Event | Release] = {}
         self.knots = [0.0]
 
     def _turning_times(self, start: float) -> Callable[[float], tuple[float, float]]:
@@ -248,13 +262,21 @@ class _March:
         return following
 
     def _equations(self) -> ElasticEquations:
-        return replace(self.task.equations, segments=(self.segments[-1],), events={})
+        return replace(self.task.equations, segments=(self.laws[-1],), events={}, lost=self.lost)
 
     def _places_now(self) -> Array:
+        return self._paths_now()[0]
+
+    def _rates_now(self) -> Array:
+        return self._paths_now()[1]
+
+    def _paths_now(self) -> tuple[Array, Array]:
+        """Values and rates (paths,) of all paths."""
         equations, size = self.task.equations, len(self.state) // 2
         free, rates = equations.whole(np.array([self.time]), self.state[None, :size], self.state[None, size:])
         coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
-        return np.array([path.over(equations.sprung, coordinates, all_rates).value[0] for path in equations.paths])
+        found = [path.over(equations.sprung, coordinates, all_rates) for path in equations.paths]
+        return np.array([each.value[0] for each in found]), np.array([each.rate[0] for each in found])
 
     def step(self, until: float) -> None:
         """Go on by a window, or to the next event in it."""
@@ -273,7 +295,7 @@ class _March:
         self.length = min(min(factor, 3.0) * span / WINDOW, self.task.period / FIRST)
         event = self._first_event(found)
         if event is not None:
-            ended = self._solved(event.time - self.time, {1: Event(*event.border)}, found)
+            ended = self._solved(event.time - self.time, {1: event.event}, found)
             if ended is None:
                 self.length *= 0.25
                 return
@@ -285,7 +307,7 @@ class _March:
                 self.phase = self.task.phases.begun(angle + ASIDE * self.direction)
                 self._begin(Event(-1, angle), self._places_now())
 
-    def _solved(self, span: float, events: dict[int, Event], near: PanelSolution | None) -> PanelSolution | None:
+    def _solved(self, span: float, events: dict[int, Event | Release], near: PanelSolution | None) -> PanelSolution | None:
         """A window from the present state; its end is free where an event ends it."""
         size, rule = len(self.state) // 2, radau(STAGES)
         mesh = _even_mesh(np.array([self.time, self.time + span]), np.array([WINDOW]))
@@ -302,42 +324,79 @@ class _March:
         return solve(equations, guess, border, SETTLED * self.task.tolerance, MOST_STEPS)
 
     def _first_event(self, found: PanelSolution) -> _Passing | None:
-        """The first border that a path passes within a window, so that other forces act."""
-        count, phases = len(found.mesh.start), self.task.phases
+        """What first changes the forces that act within a window; without such an event the phase goes on to its end."""
+        count, phases, phase = len(found.mesh.start), self.task.phases, self.phase
         if not phases.borders:
             return None
         panel, share = np.repeat(np.arange(count), LOOKS), np.tile(np.arange(1, LOOKS + 1) / LOOKS, count)
-        places = np.concatenate([self._places_now()[None], _places(self._equations(), found, panel, share)[0]])
+        places, rates = _places(self._equations(), found, panel, share)
+        places = np.concatenate([self._places_now()[None], places])
         times = np.append(self.time, found.mesh.start[panel] + share * found.mesh.length[panel])
+        pushing = [(k, law) for k, law in enumerate(self.laws[-1]) if law is not None and law.one_sided and law.heeds_velocity]
+        contacts = [*pushing, *self.lost.items()]
         for k in range(1, len(times)):
-            if phases.active(phases.advanced(self.phase, places[k]), places[k]) == self.segments[-1]:
+            for number, law in contacts:
+                if number in self.lost and not phase.through[number]:  # apart by now
+                    continue
+                row, datum = phases.forces[number].row, phases.forces[number].datum
+                pushes = float(law.force(places[k, row] - datum, rates[k - 1, row])) >= 0
+                if pushes == phase.through[number]:
+                    self.phase = phase
+                    return _Passing(float(times[k]), None, force=number)
+            before_step, phase = phase, phases.advanced(phase, places[k])
+            if phases.active(phase, places[k]) == self.segments[-1]:
                 continue
             passed = []
             for border in phases.borders:
                 before, after = places[k - 1, border.path] - border.value, places[k, border.path] - border.value
                 if before * after <= 0 and before != after:
-                    passed.append(
-                        _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * before / (before - after)), border, after - before)
-                    )
+                    at = float(times[k - 1] + (times[k] - times[k - 1]) * before / (before - after))
+                    passed.append(_Passing(at, border, after - before))
             if passed:
-                return min(passed)
+                self.phase = before_step
+                return min(passed, key=lambda passing: passing.time)
+        self.phase = phase
+        self.lost = {number: law for number, law in self.lost.items() if phase.through[number]}
         return None
 
     def _cross(self, passing: _Passing) -> None:
-        """Pass a border."""
+        """Go on after an event."""
         places = self._places_now()
-        beside = np.copysign(BESIDE * self.task.equations.sprung.press.size, passing.rise)
-        places[passing.border.path] = passing.border.value + beside
-        self.phase = self.task.phases.advanced(self.phase, places)
-        self._begin(Event(*passing.border), places)
+        if passing.border is None:
+            law = self.laws[-1][passing.force]
+            if law is not None:
+                self.lost[passing.force] = law
+            self.phase = self.task.phases.released(self.phase, passing.force)
+        else:
+            beside = np.copysign(BESIDE * self.task.equations.sprung.press.size, passing.rise)
+            places[passing.border.path] = passing.border.value + beside
+            self.phase = self.task.phases.advanced(self.phase, places)
+        self._begin(passing.event, places)
 
-    def _begin(self, event: Event, places: Array) -> None:
+    def _begin(self, event: Event | Release, places: Array) -> None:
         """Begin a new segment where other forces act."""
         segment = self.task.phases.active(self.phase, places)
         if segment != self.segments[-1]:
             self.events[len(self.knots)] = event
             self.knots.append(self.time)
+            self.lengths[_acting(self.segments[-1])] = self.length
+            self.length = self.lengths.get(_acting(segment), self.length)
+            self.laws.append(self._struck(segment))
+            self.lost = {number: law for number, law in self.lost.items() if self.phase.through[number]}
             self.segments.append(segment)
+
+    def _struck(self, segment: Segment) -> Segment:
+        """The intervals of a new segment; contacts by Hertz with the speed at which they are struck now."""
+        found, speeds = list(segment), None
+        for number, interval in enumerate(segment):
+            if not isinstance(interval, HertzContact):
+                continue
+            if self.segments[-1][number] is interval or number in self.lost:  # it goes on
+                found[number] = self.lost.get(number, self.laws[-1][number])
+                continue
+            speeds = self._rates_now() if speeds is None else speeds
+            found[number] = interval.struck(abs(float(speeds[self.task.phases.forces[number].row])))
+        return tuple(found)
 
     def _take(self, window: PanelSolution) -> None:
         self.windows.append((window, len(self.segments) - 1))
@@ -364,7 +423,12 @@ class _March:
             sum(window.steps for window, _ in self.windows),
             passage,
         )
-        return ElasticSolution(replace(self.task.equations, segments=tuple(self.segments), events=self.events), panels, False)
+        evaluations = sum(window.steps * WINDOW * STAGES for window, _ in self.windows)
+        return ElasticSolution(replace(self.task.equations, segments=tuple(self.laws), events=self.events), panels, False, evaluations)
+
+
+def _acting(segment: Segment) -> tuple[bool, ...]:
+    return tuple(interval is not None for interval in segment)
 
 
 def _cut(near: PanelSolution, mesh: Mesh) -> PanelSolution:
@@ -380,31 +444,56 @@ def largest_deflection(task: Task, start: float) -> float:
 
     It is that to which errors are compared.
     """
-    plan = task.phases.planned(start)
+    plan, sprung = task.phases.planned(start), task.equations.sprung
     share = (np.arange(SAMPLES) + 1) / SAMPLES
     times = (plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel() * (task.period / plan.knots[-1])
     y, v, a = task.rigid(times)
-    equations = replace(task.equations, segments=plan.segments)
+    equations = replace(task.equations, segments=plan.segments, sprung=sprung.closed or sprung)
     segments = np.repeat(np.arange(len(plan.segments)), SAMPLES)
     force, _, _, _ = equations.forces(times, y, v, segments)
-    bare = replace(task.equations, segments=tuple((None,) * len(segment) for segment in plan.segments))
+    bare = replace(equations, segments=tuple((None,) * len(segment) for segment in plan.segments))
     _, stiffness, _, _ = bare.forces(times, y, v, segments)
     return float(np.abs(np.linalg.solve(stiffness, (force - a @ equations.mass)[..., None])).max())
 
 
 def resting(task: Task, start: float) -> Array:
     """The state (2 f,) at time 0 whose springs carry weight, loads and the inertia forces of the rigid motion, so that no vibration begins.
+    Journals with clearance rest on their bearings on the side to which these forces press them.
 
     Raises:
         SimulationError: the springs do not carry them.
     """
     y, v, a = task.rigid(np.zeros(1))
     phase = task.phases.begun(start + ASIDE * np.sign(task.speed))
-    equations = replace(task.equations, segments=(task.phases.active(phase, task.phases.places(start)),))
+    segment = task.phases.active(phase, task.phases.places(start))
+    equations, sprung = replace(task.equations, segments=(segment,)), task.equations.sprung
+    if sprung.closed is None:
+        return np.concatenate([_balanced(equations, y, v, a, task.tolerance)[0], v[0]])
+    y = _balanced(replace(equations, sprung=sprung.closed), y, v, a, task.tolerance)
+    aside = replace(sprung.closed, lines=_pressed_aside(sprung, replace(equations, sprung=sprung.closed), y, v))
+    y = _balanced(replace(equations, sprung=aside), y, v, a, task.tolerance)
+    touching = segment[: len(task.phases.driven.forces)] + tuple(contact.rising[0] for contact in task.phases.contacts)
+    return np.concatenate([_balanced(replace(equations, segments=(touching,)), y, v, a, task.tolerance)[0], v[0]])
+
+
+def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, tolerance: float) -> Array:
+    """Coordinates (1, f) near ``y`` at which all forces balance the inertia forces of given accelerations (1, f)."""
     for _ in range(MOST_STEPS):
         force, stiffness, _, _ = equations.forces(np.zeros(1), y, v, np.zeros(1, dtype=int))
         step = np.linalg.solve(stiffness[0], force[0] - a[0] @ equations.mass)
         y = y + step
-        if np.abs(step).max() <= SETTLED * task.tolerance:
-            return np.concatenate([y[0], v[0]])
+        if np.abs(step).max() <= tolerance:
+            return y
     raise failure("cannot go on", 0.0, message="the springs do not carry the links at the start")
+
+
+def _pressed_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Array) -> LineSprings:
+    """The springs of the closed press, slack where journals with clearance lie beside their bearings' centres, as the forces press them."""
+    lines = closed.sprung.lines
+    free, _ = closed.whole(np.zeros(1), y, v)
+    coordinates = closed.sprung.all_coordinates(free)
+    extension, rest = closed.sprung.geometry(coordinates, np.zeros_like(coordinates)).extension[0], lines.rest.copy()
+    for pin in sprung.open_pins:
+        own = lines.bearing == pin.bearing
+        rest[own] = extension[own] * (pin.clearance.radial / max(float(np.linalg.norm(extension[own])), 1e-300))
+    return lines._replace(rest=rest)

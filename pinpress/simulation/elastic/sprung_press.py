@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array, ComplexArray
 from ...linkage.linkage import Linkage
+from .contact import OpenPin
 
 Indices = NDArray[np.intp]
 
@@ -41,6 +42,7 @@ class LineSprings(NamedTuple):
         turning: (S,) 1 where the direction turns with the first body, else 0.
         stiffness: (S,) [N/m].
         damping: (S,) [N s/m].
+        rest: (S,) extensions at which they are slack [m].
         bearing: (S,) number of the bearing of each; -1: the columns of a crown.
         sign: (S,) 1 where the pull on the second body is the force of the bearing, -1 where it is its opposite.
     """
@@ -53,6 +55,7 @@ class LineSprings(NamedTuple):
     turning: Array
     stiffness: Array
     damping: Array
+    rest: Array
     bearing: Indices
     sign: Array
 
@@ -105,6 +108,8 @@ class SprungPress:
         drawn: (3 (bodies + 1),) all coordinates where the free ones are zero.
         crown: the body that carries the bearings on the frame, on its columns; None: the frame carries them.
         rotor: the body that a shaft joins to the crank; None: the crank is the shaft's own.
+        open_pins: pins with clearance, which have no springs in ``lines``.
+        closed: the same press without clearance; None where there is none.
     """
 
     press: Linkage
@@ -117,6 +122,8 @@ class SprungPress:
     drawn: Array
     crown: int | None = None
     rotor: int | None = None
+    open_pins: tuple[OpenPin, ...] = ()
+    closed: SprungPress | None = None
 
     @property
     def free(self) -> int:
@@ -160,7 +167,7 @@ class SprungPress:
         apart = against * (speed[:, lines.second] - speed[:, lines.first])
         spin1, spin2 = rates[:, 3 * lines.first + 2], rates[:, 3 * lines.second + 2]
         opening = apart.real - lever2.imag * spin2 + lever1.imag * spin1
-        return LineGeometry(against, gap.real, opening, lever1, lever2, apart, spin1, spin2)
+        return LineGeometry(against, gap.real - lines.rest, opening, lever1, lever2, apart, spin1, spin2)
 
     def spring_forces(self, coordinates: Array, rates: Array, derivatives: bool = True) -> SpringForces:
         """Forces of all springs and of weight on the free coordinates, at all coordinates and rates (n, 3 (bodies + 1))."""
@@ -274,7 +281,7 @@ class LineGeometry(NamedTuple):
 
     Attributes:
         against: (n, S) conjugates of the directions in the plane's axes.
-        extension: (n, S) [m].
+        extension: (n, S) from where the spring is slack [m].
         opening: (n, S) rates of the extensions [m/s].
         lever1: (n, S) points 1 from the centre of mass of their body [m]; where the direction turns with that body, points 2 from there.
         lever2: (n, S) points 2 from the centre of mass of their body [m].

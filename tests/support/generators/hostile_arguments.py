@@ -274,6 +274,8 @@ def calls() -> dict[str, Call]:
             pp.elasticity.Elastic,
             lambda: {"stiffness": stiffness(), "damping_ratio": 0.02, "dampers": {"O": 1e4}, "crown_mass": None},
         ),
+        ("Clearance", pp.elasticity.Clearance, lambda: {"radial": 1e-4, "law": "hertz", "restitution": 0.7, "hertz_stiffness": 1e10}),
+        ("hertz_stiffness", pp.elasticity.hertz_stiffness, lambda: {"bearing_radius": 0.05, "journal_radius": 0.0499}),
         (
             "steady_state elastic",
             pp.steady_state,

@@ -1,0 +1,115 @@
+"""Pins with clearance: contact laws against bouncing balls, and runs against energy and DOP853."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from support.texts import shipped
+
+import pinpress as pp
+from pinpress.simulation.elastic import contact
+from pinpress.simulation.elastic.elastic_run import journal_places
+
+SPEED = 300 * pp.RPM
+
+
+@pytest.mark.parametrize(("restitution", "factor"), [(0.9, 0.16648195), (0.7, 0.63482828), (0.5, 1.43275053)])
+def test_damping_factor(restitution, factor):
+    """Printed values of an independent solution of the condition of the module."""
+    assert contact.damping_factor(restitution) == pytest.approx(factor, abs=5e-9)
+
+
+@pytest.mark.parametrize(("ratio", "restitution"), [(0.02, 0.939841), (0.05, 0.858758), (0.1, 0.744079)])
+def test_restitution_of_a_linear_contact(ratio, restitution):
+    assert contact.restitution_of_linear(ratio) == pytest.approx(restitution, abs=5e-7)
+
+
+def bounced(law, mass, speed):
+    """Speed after a ball of this mass has struck a contact, by DOP853 until its force vanishes."""
+
+    def rates(t, state):
+        return [state[1], -float(law.force(-state[0], -state[1])) / mass]
+
+    def parted(t, state):
+        return float(law.force(-state[0], -state[1])) if t > 0 else 1.0
+
+    parted.terminal, parted.direction = True, -1  # type: ignore[attr-defined]
+    found = solve_ivp(rates, (0.0, 1.0), [0.0, speed], "DOP853", events=parted, rtol=1e-11, atol=1e-14, first_step=1e-9, max_step=1e-4)
+    return -found.y[1, -1]
+
+
+def pin(clearance, stiffness=1e9, damping=0.0):
+    return contact.OpenPin(0, (0, 1), (0j, 0j), clearance, stiffness, damping)
+
+
+@pytest.mark.parametrize("restitution", [0.9, 0.5])
+@pytest.mark.parametrize(("mass", "speed"), [(10.0, 0.5), (0.2, 3.0)])
+def test_a_ball_bounces_with_the_restitution_asked_for(restitution, mass, speed):
+    law = pin(contact.Clearance(1e-4, "hertz", restitution, 1e10)).contact().struck(speed)
+    assert bounced(law, mass, speed) == pytest.approx(restitution * speed, rel=1e-6)
+
+
+def test_a_ball_bounces_on_a_linear_contact():
+    mass, stiffness, ratio = 10.0, 1e9, 0.05
+    law = pin(contact.Clearance(1e-4), stiffness, 2 * ratio * math.sqrt(stiffness * mass)).contact()
+    assert bounced(law, mass, 0.5) == pytest.approx(0.5 * contact.restitution_of_linear(ratio), rel=1e-6)
+
+
+def elastic(press, stiffness=2e9, **clearances):
+    springs = pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments={"slide_guide": 0.1 * stiffness})
+    return pp.elasticity.Elastic(springs, clearances=clearances)
+
+
+def run(clearance, duration=0.2, points=241, **more):
+    press = shipped("jf75g_125_plain")
+    return pp.simulate(press, duration, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic(press, P4=clearance), points=points, **more)
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("clearance", [pp.elasticity.Clearance(1e-4), pp.elasticity.Clearance(5e-5, "hertz", 0.7, 1e11)])
+def test_energy_of_a_turn_with_clearance(clearance):
+    found = run(clearance)
+    assert found.stats.energy_error < 1e-9
+    solution = found.trajectory.segments[0].solution
+    states = found.trajectory.segments[0].states(found.time)
+    sprung = solution.equations.sprung
+    gap = np.abs(journal_places(sprung, sprung.open_pins[0], sprung.all_coordinates(states.whole[0])))
+    force = np.linalg.norm(found.bearing_force["P4"], axis=1)
+    assert gap.max() > clearance.radial
+    assert gap.min() < clearance.radial  # it flies
+    assert (force[gap < clearance.radial] == 0).all()
+    assert len(found.events) > 5
+
+
+def test_small_clearance_changes_little_where_the_pin_is_always_pressed():
+    """Near bottom dead centre, from rest on its bearing, the journal follows the force: the slide stands lower by the clearance."""
+    press, clearance = shipped("jf75g_125_plain"), 1e-5
+    bottom, drive = pp.dead_centres(press).bottom_angle, pp.drives.PrescribedSpeed(SPEED)
+    ends = [
+        pp.simulate(press, 0.01, angle=bottom - 0.15, drive=drive, elastic=elastic(press, **pins), points=31)
+        for pins in ({}, {"P4": pp.elasticity.Clearance(clearance)})
+    ]
+    lower = ends[0].slide_position - ends[1].slide_position
+    np.testing.assert_allclose(lower, clearance, rtol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"radial": 5.0}, "in m"),
+        ({"radial": 1e-4, "law": "flores"}, "'linear', 'hertz'"),
+        ({"radial": 1e-4, "restitution": 0.5}, "restitution belongs to the law 'hertz'"),
+        ({"radial": 1e-4, "law": "hertz", "restitution": 0.5}, "hertz_stiffness belongs"),
+        ({"radial": 1e-4, "law": "hertz", "restitution": 1.5, "hertz_stiffness": 1e10}, "at most 1"),
+    ],
+)
+def test_refused(given, message):
+    with pytest.raises(pp.PinpressError, match=message):
+        pp.elasticity.Clearance(**given)
+
+
+def test_a_steady_state_with_clearance_is_refused():
+    press = shipped("jf75g_125_plain")
+    with pytest.raises(pp.PinpressError, match="no steady state"):
+        pp.steady_state(press, SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic(press, P4=pp.elasticity.Clearance(1e-4)))
