@@ -180,10 +180,10 @@ def programs() -> Figure:
     with (ROOT / "viz" / "accuracy.csv").open(encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["group"] == "free run" and row["error"]]
     words = {"reduced": "pinpress", "constraint": "pinpress, all joints", "SciPy DOP853, closed form": "hand script, SciPy DOP853"}
-    methods = [*words, *(name for name in dict.fromkeys(row["method"] for row in rows) if name.startswith(("MuJoCo", "Exudyn")))]
+    methods = [*words, *(name for name in dict.fromkeys(row["method"] for row in rows) if name.startswith(("MuJoCo", "Exudyn", "Drake")))]
     figure = _figure((6.3, 3.6))
     axes = figure.subplots()
-    for name, marker, colour in zip(methods, "os*D^v", (BLUE, "#56B4E9", "black", RED, "#E69F00", "#009E73"), strict=True):
+    for name, marker, colour in zip(methods, "os*D^vP", (BLUE, "#56B4E9", "black", RED, "#E69F00", "#009E73", "#CC79A7"), strict=True):
         points = [(1e3 * float(row["seconds [s]"]), float(row["error"])) for row in rows if row["method"] == name and float(row["error"])]
         axes.loglog(*np.array(points).T, marker, linestyle="-", markersize=4, color=colour, label=words.get(name, name))
     axes.set_xlabel("run time of two turns [ms]")

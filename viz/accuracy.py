@@ -1,19 +1,33 @@
-"""Error against run time of the six-bar press, pinpress and its peers: the tables and the picture of docs/accuracy.md.
+"""Error against run time of three linkages, pinpress and its peers: tables of docs/accuracy.md, docs/comparison.md and the README.
 
-Run `python viz/accuracy.py` (with `pip install -e '.[plots,peers]'`): in a few minutes it writes accuracy.csv and accuracy.png beside
-itself and prints the table. The page's tables are made from that file, so that both are of one run.
+Run `python viz/accuracy.py` (with `pip install -e '.[plots,peers,drake]'` and a C++ compiler): in a few minutes it writes accuracy.csv, of
+the six-bar press, accuracy_rssp.csv, accuracy_bricard.csv and accuracy.png beside itself, and puts the tables into the pages.
+`python viz/accuracy.py pages` makes the tables anew from the files.
 """
 
 import csv
+import re
+import sys
+from functools import cache
 from pathlib import Path
 
 import pinpress as pp
+from pinpress.pin_table import templates
 
 HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent
+SIX_BAR, RSSP, BRICARD = LINKAGES = {  # file -> words of the tables' heads
+    "accuracy.csv": "six-bar press",
+    "accuracy_rssp.csv": "ball-ended rod, in space",
+    "accuracy_bricard.csv": "Bricard's six pins",
+}
+POINTS = 360
+TURN = f"{POINTS} crank angles"
 WANTED = (1e-6, 1e-9)  # errors of a run that are asked for: of the crank angle [rad], or of a peak force
 AT_WORK = {"clutch and blanking": "error", "elastic die": "error", "stiff speed law": "force_error"}  # scene -> error that is asked for
 NAMES = {  # method -> what the table calls it
     "plane": "`pinpress`, engine `plane`",
+    "space": "`pinpress`, engine `space`",
     "pinocchio": "`pinpress`, engine `pinocchio`",
     "reduced": "`pinpress`, `reduced`",
     "reduced, its table anew": "`pinpress`, `reduced`, its table made anew",
@@ -23,41 +37,107 @@ NAMES = {  # method -> what the table calls it
     "constraint, Runge-Kutta 4": "`pinpress`, `constraint`, Runge-Kutta 4",
     "hand script": "hand script, batched NumPy",
 }
+PAGES = {"docs/accuracy.md": lambda: table(), "docs/comparison.md": lambda: comparison(), "README.md": lambda: in_short()}
+Row = dict[str, str]
 
 
-def table(path: Path = HERE / "accuracy.csv") -> str:
-    """The page's tables from a file that `WorkPrecision.to_csv` has written: inverse dynamics, then the least times of runs."""
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    turn = [row for row in rows if row["group"] == "inverse dynamics"]
-    least = min(float(row["seconds [s]"]) for row in turn)
-    lines = ["| inverse dynamics, 360 crank angles | time | | torque error | force error |", "|---|---|---|---|---|"]
-    for row in sorted(turn, key=lambda row: float(row["seconds [s]"])):
-        seconds = float(row["seconds [s]"])
-        errors = f"{float(row['error']):.0e} | {float(row['force_error']):.0e}"
-        lines.append(f"| {_name(row)} | {_milliseconds(seconds)} | {_times(seconds / least)} | {errors} |")
+def table() -> str:
+    """The tables of docs/accuracy.md: inverse dynamics, what programs cannot do, and the least times of runs."""
+    lines = _inverse_dynamics()
+    refused = {row["method"]: row["cannot"] for file in LINKAGES for row in rows_of(file) if row["cannot"]}
+    lines += ["", "| program | what it cannot do |", "|---|---|", *(f"| {_name(method)} | {words} |" for method, words in refused.items())]
+    rows = rows_of(SIX_BAR)
     runs = [row for row in rows if row["group"] == "free run" and row["error"]]
     best = {wanted: _fastest(runs, wanted) for wanted in WANTED}
     heads = " | ".join(f"to {wanted:.0e} rad | force error | loop gap" for wanted in WANTED)
     lines += ["", f"| free run of two turns, least time | {heads} |", "|---" * (1 + 3 * len(WANTED)) + "|"]
-    order = sorted(best[WANTED[0]], key=lambda method: float(best[WANTED[0]][method]["seconds [s]"]))
-    for method in order:
+    unreached = [method for method in dict.fromkeys(row["method"] for row in runs) if method not in best[WANTED[0]]]
+    for method in [*best[WANTED[0]], *unreached]:
         cells = []
         for wanted in WANTED:
             reached = best[wanted].get(method)
-            if reached is None:
-                cells += ["not reached", "", ""]
-            else:
-                cells += [
-                    _milliseconds(float(reached["seconds [s]"])),
-                    f"{float(reached['force_error']):.0e}",
-                    f"{float(reached['loop_gap [m]']):.0e} m" if reached["loop_gap [m]"] else "",
-                ]
-        lines.append(f"| {_name({'method': method})} | " + " | ".join(cells) + " |")
+            cells += ["not reached", "", ""] if reached is None else [_time(reached), _error(reached, "force_error"), _gap(reached)]
+        lines.append(f"| {_name(method)} | " + " | ".join(cells) + " |")
     return "\n".join([*lines, "", *_at_work(rows)])
 
 
-def _at_work(rows: list[dict[str, str]]) -> list[str]:
+def comparison() -> str:
+    """The table of docs/comparison.md: a turn of each linkage, and the least time of the six-bar's free run to 1e-6 rad."""
+    runs = [row for row in rows_of(SIX_BAR) if row["group"] == "free run" and row["error"]]
+    lines = [f"| program | {' | '.join(LINKAGES.values())} | run to 1e-6 rad | loop gap |", "|---" * (3 + len(LINKAGES)) + "|"]
+    for words, turning, running in PROGRAMS:
+        ran = [row for row in runs if running and _is(row, running)]
+        fastest = min((row for row in ran if float(row["error"]) <= WANTED[0]), key=_seconds, default=None)
+        run = ["not reached" if ran else "", ""] if fastest is None else [_time(fastest), _gap(fastest)]
+        lines.append(f"| {words} | {' | '.join([*_turns(turning), *run])} |")
+    return "\n".join(lines)
+
+
+PROGRAMS = (  # words, methods of inverse dynamics of which the first one counts, and those of runs, all without versions
+    ("pinpress", ("plane", "space"), "reduced"),
+    ("hand script, NumPy", ("hand script",), ""),
+    ("Pinocchio, a loop in C++", ("Pinocchio in C++",), ""),
+    ("MuJoCo, loops in NumPy", ("MuJoCo + NumPy",), "MuJoCo + NumPy"),
+    ("MuJoCo, `mj_step`", (), "MuJoCo, mj_step"),
+    ("Drake, loops in NumPy", ("Drake + NumPy",), ""),
+    ("Drake, its own steps", (), "Drake, SAP"),
+    ("Exudyn", ("Exudyn",), "Exudyn"),
+)
+
+
+def in_short() -> str:
+    """The table of the README: a turn of each linkage."""
+    programs = [(words, turning) for words, turning, _ in PROGRAMS if turning]
+    turns = [_turns(turning) for _, turning in programs]
+    lines = [f"| a turn, all forces | {' | '.join(words for words, _ in programs)} |", "|---" * (1 + len(programs)) + "|"]
+    return "\n".join([*lines, *(f"| {words} | {' | '.join(turn[k] for turn in turns)} |" for k, words in enumerate(LINKAGES.values()))])
+
+
+def put_into_pages() -> None:
+    """Replace the tables of the pages, each of which begins with the same cell as ours."""
+    for page, made in PAGES.items():
+        path = ROOT / page
+        blocks = path.read_text(encoding="utf-8").split("\n\n")
+        for new in made().split("\n\n"):
+            (k,) = [k for k, block in enumerate(blocks) if block.split(" | ")[0] == new.split(" | ")[0]]
+            blocks[k] = new + "\n" * (len(blocks[k]) - len(blocks[k].rstrip("\n")))
+        path.write_text("\n\n".join(blocks), encoding="utf-8")
+
+
+@cache
+def rows_of(file: str) -> list[Row]:
+    """Rows of a file that `WorkPrecision.to_csv` has written."""
+    with (HERE / file).open(newline="", encoding="utf-8") as opened:
+        return list(csv.DictReader(opened))
+
+
+def _inverse_dynamics() -> list[str]:
+    turns = {file: {row["method"]: row for row in rows_of(file) if row["group"] == "inverse dynamics"} for file in LINKAGES}
+    heads = " | torque error | force error | ".join(LINKAGES.values())
+    lines = [f"| {TURN} | {heads} | torque error |", "|---" * (3 * len(LINKAGES)) + "|"]
+    least = {method: _seconds(row) for turn in reversed(turns.values()) for method, row in turn.items()}  # of the six-bar where it is there
+    for method in sorted(least, key=lambda method: least[method]):
+        cells = []
+        for file, turn in turns.items():
+            row = turn.get(method)
+            errors = ("error",) if file == BRICARD else ("error", "force_error")
+            cells += [""] * (1 + len(errors)) if row is None else [_time(row), *(_error(row, error) for error in errors)]
+        lines.append(f"| {_name(method)} | {' | '.join(cells)} |")
+    return lines
+
+
+def _turns(methods: tuple[str, ...]) -> list[str]:
+    """Of each linkage the time of a turn by the first of these methods that treats it."""
+    cells = []
+    for file in LINKAGES:
+        turn = [row for row in rows_of(file) if row["group"] == "inverse dynamics"]
+        found = (row for method in methods for row in turn if _is(row, method))
+        row = next(found, None)
+        cells.append("" if row is None else _time(row))
+    return cells
+
+
+def _at_work(rows: list[Row]) -> list[str]:
     """The least times of the press at work, a method a line, in the order of their times in the first scene."""
     found = {
         (scene, wanted): _fastest([row for row in rows if row["group"] == scene and row["error"]], wanted, by)
@@ -68,43 +148,64 @@ def _at_work(rows: list[dict[str, str]]) -> list[str]:
     lines = [f"| two turns at work, least time | {' | '.join(heads)} |", "|---" * (1 + len(heads)) + "|"]
     methods = list(dict.fromkeys(method for best in found.values() for method in best))
     for method in methods:
-        cells = [
-            _milliseconds(float(best[method]["seconds [s]"])) if method in best else _missing(rows, scene, method)
-            for (scene, _), best in found.items()
-        ]
-        lines.append(f"| {_name({'method': method})} | {' | '.join(cells)} |")
+        cells = [_time(best[method]) if method in best else _missing(rows, scene, method) for (scene, _), best in found.items()]
+        lines.append(f"| {_name(method)} | {' | '.join(cells)} |")
     return lines
 
 
-def _missing(rows: list[dict[str, str]], scene: str, method: str) -> str:
+def _missing(rows: list[Row], scene: str, method: str) -> str:
     return "not reached" if any(row["group"] == scene and row["method"] == method for row in rows) else "left out"
 
 
-def _fastest(rows: list[dict[str, str]], wanted: float, by: str = "error") -> dict[str, dict[str, str]]:
-    """Of every method the fastest row with an error not above the wanted one."""
-    best: dict[str, dict[str, str]] = {}
-    for row in sorted(rows, key=lambda row: float(row["seconds [s]"])):
+def _fastest(rows: list[Row], wanted: float, by: str = "error") -> dict[str, Row]:
+    """Of every method the fastest row with an error not above the wanted one, the fastest first."""
+    best: dict[str, Row] = {}
+    for row in sorted(rows, key=_seconds):
         if float(row[by]) <= wanted:
             best.setdefault(row["method"], row)
     return best
 
 
-def _name(row: dict[str, str]) -> str:
-    return NAMES.get(row["method"], row["method"])
+def _is(row: Row, method: str) -> bool:
+    """Whether a row is of a method that is named without the version of its program."""
+    return re.sub(r" [0-9.]+\b", "", row["method"]) == method
 
 
-def _milliseconds(seconds: float) -> str:
-    return f"{1e3 * seconds:.3g} ms"
+def _name(method: str) -> str:
+    return NAMES.get(method, method)
 
 
-def _times(ratio: float) -> str:
-    return "" if ratio == 1 else f"{ratio:.3g} times" if ratio < 100 else f"{ratio:.0f} times"
+def _seconds(row: Row) -> float:
+    return float(row["seconds [s]"])
+
+
+def _time(row: Row) -> str:
+    return f"{1e3 * _seconds(row):.3g} ms"
+
+
+def _error(row: Row, name: str) -> str:
+    return f"{float(row[name]):.0e}" if row[name] else ""
+
+
+def _gap(row: Row) -> str:
+    return f"{float(row['loop_gap [m]']):.0e} m" if row["loop_gap [m]"] else ""
+
+
+def _measured() -> None:
+    from light import light  # type: ignore[import-not-found]  # beside this script
+
+    def measure(press: pp.Linkage, file: str, speed: float, **how: object) -> pp.accuracy.WorkPrecision:
+        measured = pp.accuracy.compare(press, speed=speed * pp.RPM, points=POINTS, repeats=4, **how)
+        measured.to_csv(HERE / file)
+        print(f"{measured}\n")
+        return measured
+
+    light(pp.plots.save(pp.accuracy.plot(measure(pp.load("zxn2_3000b"), SIX_BAR, 70)), HERE / "accuracy.png"))
+    measure(pp.build(Path(templates.__file__).with_name("rssp.yaml")), RSSP, 60, scenes=[])
+    measure(pp.load(ROOT / "pinpress" / "accuracy" / "peers" / "bricard.urdf"), BRICARD, 300, scenes=[])
 
 
 if __name__ == "__main__":
-    from light import light  # type: ignore[import-not-found]  # beside this script
-
-    measured = pp.accuracy.compare(pp.load("zxn2_3000b"), speed=70 * pp.RPM, repeats=4)
-    measured.to_csv(HERE / "accuracy.csv")
-    light(pp.plots.save(pp.accuracy.plot(measured), HERE / "accuracy.png"))
-    print(f"{measured}\n\n{table()}")
+    if sys.argv[1:] != ["pages"]:
+        _measured()
+    put_into_pages()

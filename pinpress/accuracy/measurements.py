@@ -31,7 +31,8 @@ UNITS = {  # meaning of `seconds` and `error` of a group
 HEIGHT = 28.0  # [cm]
 WIDTH = 98  # longest line of the text, but for problems
 ANGLE = "error of the crank angle [rad]"
-MARKERS = "osD^vP*X<>dhp12348"
+MARKERS = "osD^vP*X<>dhp1234x+"
+FAMILIES = {"plane": "reduced", "space": "reduced", "implicit": "reduced", "pinocchio": "constraint", "SciPy": "hand"}  # of one colour each
 
 
 @dataclass(frozen=True, repr=False)
@@ -238,7 +239,8 @@ def _looks(measured: WorkPrecision) -> dict[str, dict[str, Any]]:
     families: dict[str, str] = {}
     looks: dict[str, dict[str, Any]] = {}
     for method in dict.fromkeys(methods):
-        family = {"plane": "reduced", "space": "reduced", "pinocchio": "constraint"}.get(method, method.split(",")[0].split(" ")[0])
+        first = method.split(",")[0].split(" ")[0]
+        family = FAMILIES.get(first, first)
         colour = families.setdefault(family, COLOURS[len(families) % len(COLOURS)])
         fixed = "Runge-Kutta" in method or "mj_step" in method
         looks[method] = {"color": colour, "marker": MARKERS[len(looks) % len(MARKERS)], "linestyle": (0, (4, 1.5)) if fixed else "-"}

@@ -34,7 +34,7 @@ PEERS = {  # package that must be installed, the extra that installs it, our mod
     "Pinocchio in C++": ("pinocchio", "", "pinocchio_press", "PinocchioCpp"),
     "MuJoCo": ("mujoco", "peers", "mujoco_press", "Mujoco"),
     "MuJoCo's mj_step": ("mujoco", "peers", "mujoco_press", "MujocoSteps"),
-    "Exudyn": ("exudyn", "peers", "exudyn_press", "Exudyn"),
+    "Exudyn": ("exudyn", "peers", "exudyn_in_space", "exudyn_peer"),
     "Drake": ("pydrake", "drake", "drake_press", "Drake"),
     "Drake's steps": ("pydrake", "drake", "drake_press", "DrakeSteps"),
 }

@@ -34,6 +34,7 @@ KINDS = {  # peer -> package that must be installed, our module
     "Mujoco": ("mujoco", "mujoco_press"),
     "MujocoSteps": ("mujoco", "mujoco_press"),
     "Exudyn": ("exudyn", "exudyn_press"),
+    "ExudynInSpace": ("exudyn", "exudyn_in_space"),
     "Drake": ("pydrake", "drake_press"),
     "DrakeSteps": ("pydrake", "drake_press"),
 }
@@ -113,6 +114,20 @@ def test_the_hand_scripts_in_space(presses, name, speed):
 def test_programs_in_space(presses, made, kind, name):
     """A cross without mass, and a ring of pins whose loop says two things twice."""
     assert max(errors_in_space(presses(name), made(kind, name), 36)) < EXACT
+
+
+@pytest.mark.parametrize("speed", [7.0, -5.0])
+def test_exudyn_in_space(presses, made, speed):
+    """The trapezoidal rule, as in the plane, for torque and all forces; the cross without mass is a joint."""
+    press, peer = presses("rssp"), made("ExudynInSpace", "rssp")
+    coarse, fine = (np.array(errors(press, peer, points, speed)) for points in (360, 720))
+    assert (coarse < 6e-3).all()
+    assert (coarse / fine > 3.5).all()
+    assert (coarse / fine < 4.5).all()
+    with pytest.raises(pp.PinpressError, match="loops of bricard hold each other"):
+        made("ExudynInSpace", "bricard")
+    with pytest.raises(pp.PinpressError, match="equal steps"):
+        peer.inverse_dynamics(np.zeros(3), speed)
 
 
 @pytest.mark.exhaustive

@@ -72,7 +72,7 @@ def exudyn_runs(press: pp.Linkage) -> list[Contestant]:
 
     def run(step: float) -> Array:
         exudyn_press.begin(press, system, 0.0, 0.0)
-        exudyn_press.solve(system, exudyn_press.settings(DURATION, round(DURATION / step)))
+        exudyn_press.solve(system.mbs, exudyn_press.settings(DURATION, round(DURATION / step)))
         turned = np.concatenate([[0.0], mbs.systemData.GetODE2Coordinates().reshape(-1, 3)[:, 2]])
         parents = list(press.model.parents)[1:]
         return system.signs[1:] * (turned[1:] - turned[parents])

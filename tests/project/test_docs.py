@@ -1,6 +1,5 @@
 """The documentation says what is so: its code runs, its tables are what their scripts print, its site builds and has every public name."""
 
-import csv
 import importlib.util
 import inspect
 import os
@@ -14,6 +13,7 @@ from html import unescape
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from operator import attrgetter
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -85,39 +85,25 @@ def test_every_page_with_code_is_run() -> None:
     assert with_code - {*RUN, "tour"} == set()  # the tour has a test of its own
 
 
-@pytest.mark.parametrize("name", rest_exhaustive(TABLES, "accuracy", "balancing"))
-def test_tables_are_what_their_scripts_print(name: str) -> None:
+def script(name: str) -> ModuleType:
+    """A script of viz."""
     spec = importlib.util.spec_from_file_location(name, ROOT / "viz" / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    assert script.table() in text(name)
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
 
 
-def test_comparison_shows_what_was_measured() -> None:
-    assert measured() in text("comparison")
+@pytest.mark.parametrize("name", rest_exhaustive(TABLES, "accuracy", "balancing"))
+def test_tables_are_what_their_scripts_print(name: str) -> None:
+    assert script(name).table() in text(name)
 
 
-def measured() -> str:
-    """Markdown: of each program the turn's time and errors, and the least time of the free run to 1e-6 rad, from viz/accuracy.csv."""
-    with (ROOT / "viz" / "accuracy.csv").open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    programs = [("pinpress", "plane", "reduced"), ("hand script, NumPy", "hand script", ""), ("MuJoCo 4.0.0 + NumPy",) * 3]
-    programs += [("MuJoCo 4.0.0, mj_step", "", "MuJoCo 4.0.0, mj_step"), ("Exudyn 1.13.6",) * 3]
-    lines = ["| program | one turn, all forces | torque error | force error | run to 1e-6 rad | loop gap |", "|---|---|---|---|---|---|"]
-    for program, turning, running in programs:
-        turn = [row for row in rows if row["group"] == "inverse dynamics" and row["method"] == turning]
-        runs = [row for row in rows if row["group"] == "free run" and row["method"] == running and float(row["error"] or "inf") <= 1e-6]
-        cells = [_time(turn[0]), *(f"{float(turn[0][k]):.0e}" for k in ("error", "force_error"))] if turn else [""] * 3
-        fastest = min(runs, key=lambda row: float(row["seconds [s]"]), default=None)
-        cells += ["", ""] if fastest is None else [_time(fastest), f"{float(fastest['loop_gap [m]']):.0e} m"]
-        lines.append(f"| {program} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
-
-
-def _time(row: dict[str, str]) -> str:
-    return f"{1e3 * float(row['seconds [s]']):.3g} ms"
+def test_comparisons_show_what_was_measured() -> None:
+    measured = script("accuracy")
+    assert measured.comparison() in text("comparison")
+    assert measured.in_short() in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def test_shipped_presses_are_listed() -> None:

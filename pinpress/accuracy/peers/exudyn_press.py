@@ -158,7 +158,7 @@ def settings(duration: float, steps: int) -> Any:
     return made
 
 
-def solve(system: System, made: Any, solver: Any = exudyn.DynamicSolverType.TrapezoidalIndex2) -> None:
+def solve(mbs: Any, made: Any, solver: Any = exudyn.DynamicSolverType.TrapezoidalIndex2) -> None:
     """Run a system.
 
     Raises:
@@ -167,12 +167,12 @@ def solve(system: System, made: Any, solver: Any = exudyn.DynamicSolverType.Trap
     loud = exudyn.config.printToConsole
     exudyn.config.printToConsole = False  # it would print what the error says here
     try:
-        done = system.mbs.SolveDynamic(made, solverType=solver, showHints=False)
+        done = mbs.SolveDynamic(made, solverType=solver, showHints=False)
     except exudyn.ExudynError as error:
         raise SimulationError(f"Exudyn finds no solution: {' '.join(str(error).split())}") from None
     finally:
         exudyn.config.printToConsole = loud
-    if not done or not np.isfinite(system.mbs.systemData.GetODE2Coordinates()).all():
+    if not done or not np.isfinite(mbs.systemData.GetODE2Coordinates()).all():
         raise SimulationError("Exudyn finds no solution: give a shorter step")
 
 
@@ -226,7 +226,7 @@ class Exudyn:
         mbs = system.mbs
         mbs.SetObjectParameter(self._drive, "offset", float(self._sign * speed))
         begin(self._press, system, float(angle[0]), speed)
-        solve(system, settings(steps * step / speed, steps))
+        solve(system.mbs, settings(steps * step / speed, steps))
 
         def stored(sensor: Any) -> Array:
             return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:]
@@ -244,7 +244,7 @@ class Exudyn:
         begin(self._press, system, angle, speed)
         initial = exudyn.ConfigurationType.Initial
         kinetic, potential = self._energies(inertia, lambda get: get(configuration=initial))
-        solve(system, settings(duration, steps_of(duration, step)))
+        solve(system.mbs, settings(duration, steps_of(duration, step)))
         return self._end(system, (sum(self._energies(inertia, lambda get: get())) - kinetic - potential) / kinetic)
 
     def run(self, scene: Scene, step: float) -> RunEnd:
@@ -283,7 +283,7 @@ class Exudyn:
         begin(self._press, system, scene.angle, scene.speed)
         kind = exudyn.DynamicSolverType
         solver = kind.GeneralizedAlpha if isinstance(drive, SpeedLaw) else kind.TrapezoidalIndex2
-        solve(system, settings(scene.duration, steps_of(scene.duration, step)), solver)
+        solve(system.mbs, settings(scene.duration, steps_of(scene.duration, step)), solver)
         return self._end(system, None)
 
     def _slide(self, system: System) -> tuple[int, float]:

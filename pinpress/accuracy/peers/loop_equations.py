@@ -64,6 +64,18 @@ def _ends(loop: LoopJoint, arm: float) -> list[Ends]:
     ]
 
 
+def carriers_of(press: Linkage) -> list[int]:
+    """Of every Pinocchio joint the one whose body takes its part in programs that have no bodies without mass: a cross between two joints
+    is left to the body after it."""
+    tree = press.model
+    carriers = list(range(tree.njoints))
+    for j in range(tree.njoints - 1, 0, -1):
+        children = [k for k in range(1, tree.njoints) if tree.parents[k] == j]
+        if not tree.inertias[j].mass and len(children) == 1:
+            carriers[j] = carriers[children[0]]
+    return carriers
+
+
 def with_loops(press: Linkage, ends: tuple[Ends, ...], tree: Array, on_second: Array) -> dict[str, Array]:
     """Forces of all bearings, parent on child and link1 on link2 (n, 3) [N].
 

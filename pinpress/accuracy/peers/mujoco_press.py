@@ -33,7 +33,7 @@ from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from ..measurements import CLUTCH, DIE, SPEED_LAW
 from ..scenes import Scene
-from .loop_equations import Ends, LoopEquations, ends_of, with_loops
+from .loop_equations import Ends, LoopEquations, carriers_of, ends_of, with_loops
 from .peer import Answer, RunEnd, steps_of
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -265,18 +265,6 @@ class MujocoSteps(Mujoco):
         if not (np.isfinite(states).all() and abs(data.time - duration) < 0.5 * duration / count):  # MuJoCo starts anew where it fails
             raise SimulationError(f"{self.name} does not keep {self._press.name} together: give a shorter step")
         return self._end(data.qpos.copy(), data.qvel.copy(), begin)
-
-
-def carriers_of(press: Linkage) -> list[int]:
-    """Of every Pinocchio joint the one whose body carries it in MuJoCo, where a body has several joints and none is without mass: a cross
-    without mass between two joints is left to the body after it."""
-    tree = press.model
-    carriers = list(range(tree.njoints))
-    for j in range(tree.njoints - 1, 0, -1):
-        children = [k for k in range(1, tree.njoints) if tree.parents[k] == j]
-        if not tree.inertias[j].mass and len(children) == 1:
-            carriers[j] = carriers[children[0]]
-    return carriers
 
 
 def _compiled(press: Linkage, ends: tuple[Ends, ...]) -> mujoco.MjModel:
