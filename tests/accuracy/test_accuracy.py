@@ -125,7 +125,7 @@ def test_the_default_is_as_exact_as_any(measured):
     """That it is the fastest of these too is what `pinpress accuracy` prints; a time is no thing to assert."""
     default = measured.of(FREE_RUN, "reduced")[0]
     others = [row for row in measured.of(FREE_RUN) if row.method.startswith("constraint")]
-    assert default.error <= min(row.error for row in others)
+    assert default.error <= 2 * min(row.error for row in others)  # both are rounding
     assert default.error <= 1e-12
 
 
