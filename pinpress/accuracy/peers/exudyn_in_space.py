@@ -67,7 +67,8 @@ class ExudynInSpace:
         self._container = exudyn.SystemContainer()
         self._mbs = self._container.AddSystem()
         self._centres = [np.zeros(3), *(body.lever for body in list(press.model.inertias)[1:])]
-        self._drawn = self._states(0.0, 0.0)[0]
+        self._drawn: Array = np.zeros((0, 7))
+        self._drawn, _ = self._states(0.0, 0.0)
         self._bodies: dict[int, Any] = {0: self._mbs.AddObject(items.ObjectGround())}
         self._nodes: dict[int, Any] = {}
         self._add_bodies()
@@ -85,8 +86,8 @@ class ExudynInSpace:
         mbs.SetObjectParameter(self._drive, "offset", float(self._sign * speed))
         places, rates = self._states(float(angle[0]), speed)
         initial = exudyn.ConfigurationType.Initial
-        mbs.systemData.SetODE2Coordinates((places - self._drawn).ravel(), configuration=initial)
-        mbs.systemData.SetODE2Coordinates_t(rates.ravel(), configuration=initial)
+        mbs.systemData.SetODE2Coordinates((places - self._drawn).ravel().tolist(), configuration=initial)
+        mbs.systemData.SetODE2Coordinates_t(rates.ravel().tolist(), configuration=initial)
         solve(mbs, settings(steps * step / speed, steps))
         force = {}
         for name, (joint, parent, axes) in self._joints.items():
@@ -111,7 +112,8 @@ class ExudynInSpace:
         tree, data = self._press.model, self._press.model.createData()
         state = servo_cycle(self._press, angle=[angle], speed=[speed])
         pin.forwardKinematics(tree, data, state.q[0], state.v[0])
-        places, rates = [], []
+        places: list[list[float]] = []
+        rates: list[list[float]] = []
         for j in self._moving():
             place, velocity = data.oMi[j], pin.getVelocity(tree, data, j, pin.LOCAL)
             omega = velocity.angular
@@ -119,7 +121,7 @@ class ExudynInSpace:
             w, xyz = turned.w, np.array(turned.vec())
             spin = 0.5 * np.array([-xyz @ omega, *(w * omega + np.cross(xyz, omega))])
             moving = place.rotation @ (velocity.linear + np.cross(omega, self._centres[j]))
-            sign = 1.0 if not hasattr(self, "_drawn") or self._drawn[len(places), 3:] @ [w, *xyz] > 0 else -1.0
+            sign = 1.0 if not len(self._drawn) or self._drawn[len(places)][3:] @ np.array([w, *xyz]) > 0 else -1.0
             places.append([*place.act(self._centres[j]), sign * w, *(sign * xyz)])
             rates.append([*moving, *(sign * spin)])
         return np.array(places), np.array(rates)
@@ -194,7 +196,8 @@ class ExudynInSpace:
 
     def _marker(self, joint: int, point: Array, axes: Array) -> Any:
         """A marker on the body of a Pinocchio joint (0: the frame), at a point (3,) and along axes in that joint's frame."""
-        place = exudyn.HT(rotation=axes, translation=point - self._centres[joint])
+        place = np.eye(4)
+        place[:3, :3], place[:3, 3] = axes, point - self._centres[joint]
         return self._mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=self._bodies[joint], localHT=place))
 
 
