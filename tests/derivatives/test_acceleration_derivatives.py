@@ -174,6 +174,8 @@ def test_what_is_refused():
     for wrong in (np.ones(4), np.ones((4, 5)), [np.nan] * 5):
         with pytest.raises(pp.PinpressError, match="efforts"):
             derivatives(press, motion, efforts=wrong)
+    with pytest.raises(pp.PinpressError, match="too fast for floating point"):
+        derivatives(press, dataclasses.replace(motion, v=1e200 * motion.v), efforts=np.zeros(5))
     with pytest.raises(pp.PinpressError, match="armature"):
         derivatives(press, motion, armature=np.ones(3))
     geared = texts.shipped("jf75g_125_symmetric")

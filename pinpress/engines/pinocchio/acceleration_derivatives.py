@@ -27,7 +27,6 @@ import pinocchio as pin
 
 from ...common.errors import PinpressError, SingularityError
 from ...common.quantities import Array
-from ..following import SMALLEST_MARGIN
 from .forward_dynamics import ForwardDynamics
 
 ITERATIONS = 34  # proximal iterations: each leaves a third of the error at most
@@ -94,10 +93,11 @@ class ForwardDerivatives:
 
         Raises:
             SingularityError: the loops lose equations there.
-            PinpressError: a state that is not finite.
+            PinpressError: a state that is not finite, or too fast for floating point.
         """
         self.dynamics.acceleration_in_null_space(x, v, efforts)  # raises where it is singular, massless or not finite
-        self.settings = pin.ProximalSettings(0.0, 0.0, self._damping(x), ITERATIONS)
+        jacobian = self._jacobian(x)
+        self.settings = pin.ProximalSettings(0.0, 0.0, self._damping(x, jacobian), ITERATIONS)
         gears = self.gears
         acceleration, multipliers, derivatives = self._without_gears(x, v, efforts)
         torques: Array = np.zeros(len(gears))
@@ -109,22 +109,25 @@ class ForwardDerivatives:
             acceleration, multipliers, derivatives = self._without_gears(x, v, efforts + gears.T @ torques)
             into = [np.asarray(-np.linalg.solve(answered, gears @ each[: len(x)])) for each in derivatives]
             derivatives = [each + answer @ moved for each, moved in zip(derivatives, into, strict=True)]
-        self._take_least(x, multipliers, derivatives)
+        self._take_least(x, jacobian, multipliers, derivatives)
+        if not np.isfinite([np.sum(each) for each in (acceleration, multipliers, *derivatives, *into)]).all():
+            raise self.dynamics.overflow(x)
         return AccelerationDerivatives(
             acceleration,
             np.concatenate([multipliers, torques]),
             *(np.concatenate([each, moved]) for each, moved in zip(derivatives, into, strict=True)),
         )
 
-    def _damping(self, x: Array) -> float:
-        """The proximal parameter mu at a position (nv,): half the smallest eigenvalue of J M^-1 J' that is not zero [1/kg].
+    def _damping(self, x: Array, jacobian: Array) -> float:
+        """The proximal parameter mu at a position (nv,), half the smallest eigenvalue of J M^-1 J' that is not zero [1/kg]; ``jacobian``:
+        (rows, nv) J there.
 
         Raises:
             SingularityError: the loops nearly lose an equation there.
         """
         if not self.rank:
             return 1.0
-        dynamics, jacobian = self.dynamics, self._jacobian(x)
+        dynamics = self.dynamics
         mass = pin.crba(dynamics.model, dynamics.data, x)
         root = np.linalg.solve(np.linalg.cholesky(np.triu(mass) + np.triu(mass, 1).T), jacobian.T)
         sizes = np.linalg.svd(root, compute_uv=False) ** 2
@@ -148,15 +151,12 @@ class ForwardDerivatives:
         ]
         return acceleration, multipliers, derivatives
 
-    def _take_least(self, x: Array, multipliers: Array, derivatives: list[Array]) -> None:
+    def _take_least(self, x: Array, jacobian: Array, multipliers: Array, derivatives: list[Array]) -> None:
         """Replace the points' multipliers, and their derivatives, by those of least squares."""
         if not len(multipliers):
             return
-        count = len(x)
-        jacobian = self._jacobian(x)
-        units = self.dynamics.units
+        count, rank, units = len(x), self.rank, self.dynamics.units
         left, sizes, right = np.linalg.svd(jacobian / units, full_matrices=False)
-        rank = int(np.count_nonzero(sizes > SMALLEST_MARGIN * sizes[0]))
         held, motions = left[:, :rank], right[:rank].T / units[:, None] / sizes[:rank]
         multipliers[:] = held @ (held.T @ multipliers)
         turned = self._velocity_by_position(x, motions @ (held.T @ multipliers))

@@ -219,7 +219,7 @@ class ForwardDynamics:
         left = first.dot(efforts - pin.rnea(self.model, self.data, x, v, drift))
         result = drift + first * (left / first.dot(mass.dot(first)))
         if not math.isfinite(result.dot(result)):
-            raise self._trouble(x, v, efforts, self._overflow(x))
+            raise self._trouble(x, v, efforts, self.overflow(x))
         return np.asarray(result)
 
     def project(self, x: Array, v: Array) -> tuple[Array, Array, float]:
@@ -251,7 +251,7 @@ class ForwardDynamics:
         rates = free.dot(free.T.dot(v * self.units))
         rates *= self.per_unit
         if not math.isfinite(rates.dot(rates)):
-            raise self._trouble(x, v, rates, self._overflow(x))
+            raise self._trouble(x, v, rates, self.overflow(x))
         return at.copy(), rates, gap
 
     def gap(self, x: Array) -> float:
@@ -307,7 +307,7 @@ class ForwardDynamics:
             )
         result += free.dot(rates)
         if not math.isfinite(result.dot(result)):
-            raise self._trouble(x, v, efforts, self._overflow(x))
+            raise self._trouble(x, v, efforts, self.overflow(x))
         return result
 
     def _factorised(self, x: Array) -> tuple[Array, NDArray[np.int32], Array]:
@@ -347,7 +347,7 @@ class ForwardDynamics:
         if len(self.offsets):
             sizes += np.abs(self.coupled.dot(x) - self.offsets).tolist()
         if not math.isfinite(sum(sizes)):
-            raise self._trouble(x, self.still, self.still, self._overflow(x))
+            raise self._trouble(x, self.still, self.still, self.overflow(x))
         return max(sizes, default=0.0)
 
     def _floor(self, x: Array) -> float:
@@ -362,7 +362,8 @@ class ForwardDynamics:
                 return PinpressError(f"the {what} of joint {joint} of {self.name} is not finite: lower speeds, efforts or the time step")
         return otherwise
 
-    def _overflow(self, x: Array) -> PinpressError:
+    def overflow(self, x: Array) -> PinpressError:
+        """The error of numbers that are not finite at a position (nv,)."""
         where = self.coordinate.at(x[self.driver])
         return PinpressError(f"the motion of {self.name} at {where} is too fast for floating point: lower speeds or efforts")
 
