@@ -1,15 +1,19 @@
 """Equations in space that are solved block by block: the same as all at once, and linkages of any size."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
 from support import texts
 from support.generators import large_linkages
+from support.generators.spatial_crank_slide import SPATIAL
 from support.oracles import cassie, n_four_bar
 
 import pinpress as pp
 from pinpress.engines.engine import ClosedStates
 from pinpress.engines.forces import AppliedConditions
+from pinpress.engines.spatial import bodies
 from pinpress.engines.spatial.closing import PassiveColumns
 from pinpress.engines.spatial.engine import SpatialEngine
 from pinpress.engines.spatial.equations import Equations, equations
@@ -118,3 +122,15 @@ def test_a_long_chain(monkeypatch):
         for name in names:
             expected = getattr(judged, name)
             assert np.abs(getattr(mine, name) - expected).max() <= 1e-12 * (1 + np.abs(expected).max()), name
+
+
+@pytest.mark.parametrize("text", [cassie.urdf, lambda: SPATIAL], ids=["cassie", "slide"])
+def test_joints_of_a_kind_are_placed_as_one_by_one(text, monkeypatch):
+    own = in_space(texts.load(text())).loops.bodies
+    x = np.sin(np.arange(7.0 * len(own.parents))).reshape(-1, 7)
+    expected = bodies.placements(own, x)
+    monkeypatch.setattr(bodies, "MANY_ALIKE", 0)
+    at_once = replace(own)
+    assert sum(map(len, at_once.alike)) == len(own.parents) > len(own.alike) == 0
+    for one, other in zip(bodies.placements(at_once, x), expected, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-15)
