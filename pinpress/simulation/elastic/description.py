@@ -81,6 +81,7 @@ class Elastic(Frozen):
     clearances: Mapping[str, Clearance] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if not isinstance(self.stiffness, Stiffness):
             raise PinpressError(f"Elastic: stiffness is {shown(self.stiffness)}: give a Stiffness(bearings={{...}}, moments={{...}})")
         ratio = number("Elastic: damping_ratio", self.damping_ratio)
