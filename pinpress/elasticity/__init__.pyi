@@ -5,6 +5,11 @@ from .slide_under_load import DeflectedSlide as DeflectedSlide
 from .slide_under_load import ElasticDeadCentre as ElasticDeadCentre
 from .slide_under_load import dead_centre_shift as dead_centre_shift
 from .slide_under_load import slide_deflection as slide_deflection
+from .speed_range import CampbellDiagram as CampbellDiagram
+from .speed_range import ElasticSpeedResponse as ElasticSpeedResponse
+from .speed_range import Resonance as Resonance
+from .speed_range import campbell as campbell
+from .speed_range import over_speeds as over_speeds
 from .springs import Clearance as Clearance
 from .springs import Elastic as Elastic
 from .springs import Rod as Rod
@@ -12,3 +17,5 @@ from .springs import Stiffness as Stiffness
 from .springs import hertz_stiffness as hertz_stiffness
 from .unit_load import SlideCompliance as SlideCompliance
 from .unit_load import compliance as compliance
+from .vibration import ElasticModes as ElasticModes
+from .vibration import natural_frequencies as natural_frequencies

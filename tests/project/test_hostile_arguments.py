@@ -19,6 +19,7 @@ SLOW = (
     "record",
     "report",
     "foundation.iso",
+    "elasticity.over_speeds",
 )
 # Results, which functions make, and what subclasses are made of.
 MADE = {
@@ -67,7 +68,8 @@ MADE |= {
     "SpeedResponse",
     "ForceInterval",
 }
-MADE |= {"ElasticRun", "LiveView", "RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
+MADE |= {"CampbellDiagram", "ElasticModes", "ElasticRun", "ElasticSpeedResponse", "Resonance"}
+MADE |= {"LiveView", "RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
 
 
 @pytest.fixture(autouse=True)

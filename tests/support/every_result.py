@@ -69,10 +69,20 @@ def run():
 
 
 @cache
-def elastic_run():
+def on_springs():
     stiffness = pp.elasticity.Stiffness(dict.fromkeys(press().bearings, 2e8), moments={"slide_guide": 2e7})
+    return pp.elasticity.Elastic(stiffness)
+
+
+@cache
+def elastic_run():
     drive = pp.drives.PrescribedSpeed(SPEED)
-    return pp.steady_state(press(), SPEED, drive=drive, loads=[DEEP], elastic=pp.elasticity.Elastic(stiffness), points=20)
+    return pp.steady_state(press(), SPEED, drive=drive, loads=[DEEP], elastic=on_springs(), points=20)
+
+
+@cache
+def campbell():
+    return pp.elasticity.campbell(press(), on_springs(), speeds=[100.0, 500.0], orders=3)
 
 
 @cache
@@ -202,6 +212,12 @@ def made():
             pp.elasticity.snap_through(1e6, 6e8, mass=2600.0),
         ),
         *(
+            pp.elasticity.natural_frequencies(press(), on_springs(), angle=[0.1, 0.5], flywheel=pp.drives.Flywheel(2.0)),
+            pp.elasticity.over_speeds(press(), on_springs(), speeds=[6.0, SPEED]),
+            campbell(),
+            campbell().resonances[0],
+        ),
+        *(
             CAPACITIES,
             pp.ratings.rate(press(), SPEED, CAPACITIES, points=9),
             pp.ratings.speed_limit(press(), CAPACITIES),
@@ -280,6 +296,7 @@ DESCRIPTIONS = {
     "AddedMass",
     "Clearance",
     "Elastic",
+    "Flywheel",
     "Capacities",
     "Frame",
     "Friction",

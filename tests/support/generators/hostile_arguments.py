@@ -134,6 +134,11 @@ def springs() -> pp.elasticity.Stiffness:
 
 
 @cache
+def on_springs() -> pp.elasticity.Elastic:
+    return pp.elasticity.Elastic(springs())
+
+
+@cache
 def stiffness() -> pp.elasticity.Stiffness:
     return pp.elasticity.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
 
@@ -284,7 +289,7 @@ def calls() -> dict[str, Call]:
                 "speed": 7.0,
                 "drive": pp.drives.PrescribedSpeed(7.0),
                 "loads": [],
-                "elastic": pp.elasticity.Elastic(springs()),
+                "elastic": on_springs(),
                 "points": 11,
                 "tolerance": 1e-4,
             },
@@ -524,6 +529,17 @@ def calls() -> dict[str, Call]:
             "permissible_eccentricity",
             pp.ratings.permissible_eccentricity,
             lambda: {"press": press(), "motion": motion(), "force": 1e3, "gibs": pp.ratings.Gibs(0.5, 0.1), "pressure": 1e6},
+        ),
+        (
+            "natural_frequencies",
+            pp.elasticity.natural_frequencies,
+            lambda: {"press": press(), "elastic": on_springs(), "angle": [0.1, 0.2], "flywheel": pp.drives.Flywheel(2.0)},
+        ),
+        ("campbell", pp.elasticity.campbell, lambda: {"press": press(), "elastic": on_springs(), "speeds": [5.0, 6.0], "orders": 3}),
+        (
+            "elasticity.over_speeds",
+            pp.elasticity.over_speeds,
+            lambda: {"press": press(), "elastic": on_springs(), "speeds": [5.0], "loads": []},
         ),
         ("compliance", pp.elasticity.compliance, lambda: {"press": press(), "stiffness": stiffness(), "angle": [0.1, 0.2]}),
         (

@@ -1,0 +1,249 @@
+"""A press on its springs over its range of speeds: where the orders of its strokes meet natural frequencies, and its strokes themselves.
+
+At constant speed all forces repeat with the stroke. Their harmonics, the orders, have 1, 2, 3, ... times its frequency, and where one of
+them meets a natural frequency the press resonates. The Campbell diagram shows both over the speed. How strongly an order shakes the press
+it does not say; that is in the strokes, each the steady state of the sprung press at one speed, under its loads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import tables
+from ..common.arguments import suitable_numbers, typed, whole_number
+from ..common.errors import SimulationError
+from ..common.frozen import FrozenMapping, read_only
+from ..common.quantities import RPM, Array
+from ..common.results import Record, Records, Tabular
+from ..drives.transmission import Flywheel, PrescribedSpeed
+from ..kinematics.slide_path import dead_centres
+from ..linkage.linkage import Linkage
+from ..loads.link import Load
+from ..simulation.elastic.description import Elastic
+from ..simulation.elastic.elastic_run import ElasticRun
+from ..simulation.steady_state import steady_state
+from .vibration import ElasticModes, natural_frequencies
+
+MOST_ORDERS = 10_000  # most orders of a diagram, against lists without end
+TOLERANCE = 1e-3  # error of a coordinate as a share of the largest deflection; that of peaks is some hundred times smaller
+STATES = 720  # states of a turn at which the force on the frame is taken
+MOST_ROWS = 40  # of a printed list of resonances
+
+
+@dataclass(frozen=True, repr=False)
+class Resonance(Record, units={"speed": "rad/s", "slowest": "rad/s", "fastest": "rad/s"}):
+    """An order that meets a natural frequency in a range of speeds.
+
+    Attributes:
+        mode: number of the mode, the lowest is 1.
+        order: harmonic of the stroke, 1 is the stroke's own.
+        speed: of the crank at which the order meets the mean of the frequency over the turn [rad/s].
+        slowest: lowest speed at which it meets the frequency somewhere in the turn [rad/s].
+        fastest: highest such speed [rad/s].
+    """
+
+    mode: int
+    order: int
+    speed: float
+    slowest: float
+    fastest: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CampbellDiagram(Tabular):
+    """Natural frequencies and the orders of the strokes over the speed of the crank. All arrays are read-only.
+
+    The frequencies change with the crank angle, but not with the speed: each mode is a band.
+
+    Attributes:
+        press_name: name of the press.
+        modes: the natural frequencies over a period.
+        speed: (s,) speeds of the crank [rad/s].
+        orders: number of orders.
+        resonances: orders that meet a frequency between the lowest and the highest speed, by falling speed.
+        turns: turns of the crank in a period; the orders are harmonics of the period.
+    """
+
+    press_name: str
+    modes: ElasticModes
+    speed: Array
+    orders: int
+    resonances: Records[Resonance]
+    turns: int
+
+    @property
+    def title(self) -> str:
+        low, high = self.speed[0], self.speed[-1]
+        return f"CampbellDiagram of {self.press_name}: {len(self.resonances)} resonances from {low:.4g} to {high:.4g} rad/s"
+
+    def __str__(self) -> str:
+        rows = [["mode", "order", "speed", "meets it at some angle", "frequency"]]
+        frequency = self.modes.natural_frequency.mean(axis=0) / (2 * np.pi)
+        for each in self.resonances[:MOST_ROWS]:
+            span = f"{each.slowest / RPM:.4g} to {each.fastest / RPM:.4g} r/min"
+            rows.append([str(each.mode), str(each.order), f"{each.speed / RPM:.4g} r/min", span, f"{frequency[each.mode - 1]:.4g} Hz"])
+        more = len(self.resonances) - MOST_ROWS
+        low, high = self.speed[0] / RPM, self.speed[-1] / RPM
+        heading = f"{self.press_name} on its springs: {len(self.resonances)} resonances from {low:.4g} to {high:.4g} r/min"
+        return "\n".join([heading, *tables.fitted(rows), *([f"and {more} more"] if more > 0 else [])])
+
+    def columns(self) -> dict[str, Array]:
+        """A row for each mode: the least, mean and largest natural frequency over the period."""
+        frequency = self.modes.natural_frequency
+        found = {"mode": np.arange(1, frequency.shape[1] + 1)}
+        return found | {
+            "lowest_frequency [rad/s]": frequency.min(axis=0),
+            "mean_frequency [rad/s]": frequency.mean(axis=0),
+            "highest_frequency [rad/s]": frequency.max(axis=0),
+        }
+
+    def order_frequency(self, order: int) -> Array:
+        """(s,) angular frequency of an order at each speed [rad/s]."""
+        return np.asarray(self.speed * order / self.turns)
+
+
+@typed
+def campbell(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, orders: int = 20, flywheel: Flywheel | None = None) -> CampbellDiagram:
+    """Find where the orders of the strokes meet natural frequencies of a press on its springs (Campbell diagram).
+
+    Args:
+        press: a planar press with one driver that turns fully.
+        elastic: what yields, as for `simulate`.
+        speeds: (s,) speeds of the crank, positive and rising [rad/s].
+        orders: number of orders, 1 to 10 000.
+        flywheel: as for `natural_frequencies`.
+
+    Raises:
+        PinpressError: as `natural_frequencies`, or the speeds or orders are not as described.
+    """
+    speed = _rising_speeds(speeds)
+    count = whole_number("orders", orders, 1, MOST_ORDERS)
+    modes = natural_frequencies(press, elastic, flywheel=flywheel)
+    turns, frequency = press.period_turns or 1, modes.natural_frequency
+    order = np.arange(1, count + 1)[:, None] / turns
+    slowest, mean, fastest = frequency.min(axis=0) / order, frequency.mean(axis=0) / order, frequency.max(axis=0) / order
+    met = np.argwhere((fastest >= speed[0]) & (slowest <= speed[-1]))
+    found = [Resonance(int(m) + 1, int(k) + 1, float(mean[k, m]), float(slowest[k, m]), float(fastest[k, m])) for k, m in met]
+    found.sort(key=lambda each: -each.speed)
+    return CampbellDiagram(press.name, modes, read_only(speed), count, Records(Resonance, found), turns)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ElasticSpeedResponse(Tabular):
+    """The strokes that a press on its springs repeats at each of s speeds. All arrays are read-only.
+
+    Attributes:
+        press_name: name of the press.
+        elastic: what yields.
+        speed: (s,) speeds of the crank [rad/s].
+        rigid_deepest: bottom dead centre of the rigid press [m].
+        deepest: (s,) lowest position of the slide [m].
+        deepest_angle: (s,) crank angle at which it is so deep [rad].
+        peaks: name of a bearing -> (s,) its largest force [N].
+        reverse_force: (s,) largest force with which the linkage pulls the slide in its direction, upwards [N].
+        frame_force: (s,) largest force of linkage, crown and loads on the frame, beside its mean [N].
+        drive_torque: (s,) largest torque of the drive, forwards or backwards [N m].
+        lost: (s,) work lost in the dampers in a period [J].
+    """
+
+    press_name: str
+    elastic: Elastic
+    speed: Array
+    rigid_deepest: float
+    deepest: Array
+    deepest_angle: Array
+    peaks: Mapping[str, Array]
+    reverse_force: Array
+    frame_force: Array
+    drive_torque: Array
+    lost: Array
+
+    @property
+    def title(self) -> str:
+        speeds, most = f"{self.speed[0]:.4g} to {self.speed[-1]:.4g} rad/s", self.depth.max()
+        return f"ElasticSpeedResponse of {self.press_name}: {len(self.speed)} speeds, {speeds}, slide up to {most:.4g} m too deep"
+
+    @property
+    def depth(self) -> Array:
+        """(s,) how far the slide goes below the rigid bottom dead centre [m]."""
+        return self.rigid_deepest - self.deepest
+
+    def __str__(self) -> str:
+        worst = max(self.peaks, key=lambda name: float(self.peaks[name].max()))
+        rows = [["speed", "below rigid", f"peak of {worst}", "reverse force", "on the frame"]]
+        for k, speed in enumerate(self.speed):
+            forces = (self.peaks[worst][k], self.reverse_force[k], self.frame_force[k])
+            cells = [f"{1e-3 * force:.5g} kN" for force in forces]
+            rows.append([f"{speed / RPM:.4g} r/min", f"{1e3 * self.depth[k]:.4f} mm", *cells])
+        return "\n".join([f"{self.press_name} on its springs: the stroke it repeats at each speed", *tables.fitted(rows)])
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "speed [rad/s]", "depth [m]"
+
+    def columns(self) -> dict[str, Array]:
+        """A row for each speed."""
+        columns = {"speed [rad/s]": self.speed, "depth [m]": self.depth, "deepest [m]": self.deepest}
+        columns |= {"deepest_angle [rad]": self.deepest_angle}
+        columns |= {f"peak_{name} [N]": values for name, values in self.peaks.items()}
+        columns |= {"reverse_force [N]": self.reverse_force, "frame_force [N]": self.frame_force}
+        return columns | {"drive_torque [N m]": self.drive_torque, "lost [J]": self.lost}
+
+
+@typed
+def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: Sequence[Load] = ()) -> ElasticSpeedResponse:
+    """Find the stroke that a press on its springs repeats at each of many constant speeds, idle or under loads.
+
+    Peaks are right to about 1e-5 of themselves.
+
+    Args:
+        press: a planar press with one driver that turns fully.
+        elastic: what yields, as for `simulate`.
+        speeds: (s,) speeds of the crank, positive and rising [rad/s].
+        loads: as in `simulate`; nothing in them may depend on time.
+
+    Raises:
+        PinpressError: an argument makes no sense; as `steady_state`.
+        SimulationError: the press does not repeat its stroke at one of the speeds, which is named.
+    """
+    speed = _rising_speeds(speeds)
+    runs = [_stroke(press, elastic, float(each), loads) for each in speed]
+    mean = [np.diff(run.time) @ (run.shaking_force[1:] + run.shaking_force[:-1]) / (2 * run.time[-1]) for run in runs]
+    frame = [float(np.linalg.norm(run.shaking_force - about, axis=1).max()) for run, about in zip(runs, mean, strict=True)]
+
+    def each_of(values: Sequence[float]) -> Array:
+        return read_only(np.array(values, dtype=float))
+
+    return ElasticSpeedResponse(
+        press_name=press.name,
+        elastic=elastic,
+        speed=read_only(speed),
+        rigid_deepest=dead_centres(press).bottom_position,
+        deepest=each_of([run.deepest for run in runs]),
+        deepest_angle=each_of([run.deepest_angle for run in runs]),
+        peaks=FrozenMapping({name: each_of([run.peaks[name] for run in runs]) for name in press.bearings}),
+        reverse_force=each_of([run.reverse_force for run in runs]),
+        frame_force=each_of(frame),
+        drive_torque=each_of([float(np.abs(run.drive_torque).max()) for run in runs]),
+        lost=each_of([float(run.lost[-1]) for run in runs]),
+    )
+
+
+def _stroke(press: Linkage, elastic: Elastic, speed: float, loads: Sequence[Load]) -> ElasticRun:
+    """The stroke at a speed; raises `SimulationError` that names the speed."""
+    drive, points = PrescribedSpeed(speed), STATES * (press.period_turns or 1) + 1
+    try:
+        run = steady_state(press, speed, drive=drive, loads=loads, points=points, elastic=elastic, tolerance=TOLERANCE)
+    except SimulationError as error:
+        raise SimulationError(f"at {speed / RPM:.5g} r/min: {error.args[0]}", error.time, error.crank_angle, error.reason) from error
+    assert isinstance(run, ElasticRun)
+    return run
+
+
+def _rising_speeds(given: ArrayLike) -> Array:
+    wanted = "an array of positive numbers, rising [rad/s]"
+    return suitable_numbers("speeds", given, wanted, (None,), lambda w: len(w) and w[0] > 0 and np.all(np.diff(w) > 0))

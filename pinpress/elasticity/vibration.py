@@ -1,0 +1,251 @@
+"""Natural vibrations of a press on its springs: frequencies, damping and shapes over the crank angle.
+
+The equations of a sprung press are linear about the rigid pose at each crank angle: M u'' + C u' + K u = 0, with the free coordinates u
+of `SprungPress`. The springs pull nothing there, so that K = sum k g g' with the gradients g of their extensions. The change of the pose
+while the press vibrates is left out: the lowest vibration should be several times as fast as the crank. The crank is held, as by a drive of
+constant speed, or turns with the flywheel on its shaft; then the press moves as a whole too, and this mode without a frequency is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from ..common import tables
+from ..common.arguments import numbers, positive, typed
+from ..common.errors import PinpressError
+from ..common.frozen import FrozenMapping, read_only
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..drives.transmission import Flywheel
+from ..kinematics.motion import motion_through_change_points
+from ..linkage.assembly import refuse_far
+from ..linkage.linkage import Linkage
+from ..simulation.elastic.assembly import coordinates_of, reference_angle, sprung_press
+from ..simulation.elastic.description import Elastic, Rod
+from ..simulation.elastic.sprung_press import SprungPress
+from .springs import FRAME, SHAFT
+
+POINTS = 360  # crank angles of a turn
+APART = 1e-9  # share of the damping between two modes below which each is damped by itself
+NAMED = 3  # parts and links that a mode is named by
+TELLING = 0.1  # share of a mode's energy from which a part or link is named
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ElasticModes(Tabular):
+    """The m lowest free vibrations of a press on its springs at each of n crank angles, by rising frequency. All arrays are read-only.
+
+    Where two frequencies meet over the turn, the curves cross or veer apart; they are numbered by size at each angle.
+
+    Attributes:
+        press_name: name of the press.
+        elastic: what yields.
+        flywheel: on the crank that turns freely; None: the crank is held.
+        crank_angle: (n,) [rad].
+        natural_frequency: (n, m) undamped natural frequencies [rad/s].
+        damping_ratio: (n, m) damping divided by critical damping, 1 or more for a mode that creeps back [-].
+        shapes: (n, m, links, 3) undamped shapes: displacement of each moving link's centre of mass along the two axes of the plane [m], and
+            its turn [rad], scaled to a modal mass of 1 kg.
+        strain_energy: name of a part that yields -> (n, m) its share of the strain energy [-].
+        kinetic_energy: name of a link, "crown" or "shaft" -> (n, m) its share of the kinetic energy [-].
+    """
+
+    press_name: str
+    elastic: Elastic
+    flywheel: Flywheel | None
+    crank_angle: Array
+    natural_frequency: Array
+    damping_ratio: Array
+    shapes: Array
+    strain_energy: Mapping[str, Array]
+    kinetic_energy: Mapping[str, Array]
+    _bottom: float
+
+    @property
+    def title(self) -> str:
+        low, high = self.natural_frequency[:, 0].min() / (2 * np.pi), self.natural_frequency[:, 0].max() / (2 * np.pi)
+        return f"ElasticModes of {self.press_name}: {self.natural_frequency.shape[1]} modes, the lowest {low:.4g} to {high:.4g} Hz"
+
+    @property
+    def nearest_to_bottom(self) -> int:
+        """Number of the crank angle nearest to bottom dead centre."""
+        apart = np.abs((self.crank_angle - self._bottom + np.pi) % (2 * np.pi) - np.pi)
+        return int(apart.argmin())
+
+    def __str__(self) -> str:
+        """Frequencies over the angles, and what each mode is at the angle nearest to bottom dead centre."""
+        state = self.nearest_to_bottom
+        held = "the crank held" if self.flywheel is None else "the crank free with its flywheel"
+        rows = [["", "frequency", "over the angles", "damping", "yields", "moves"]]
+        for mode, frequency in enumerate(self.natural_frequency.T / (2 * np.pi)):
+            yields, moves = self.words(state, mode)
+            span = f"{frequency.min():.4g} to {frequency.max():.4g} Hz"
+            rows.append([str(mode + 1), f"{frequency[state]:.4g} Hz", span, f"{self.damping_ratio[state, mode]:.4f}", yields, moves])
+        where = f"at {np.degrees(self.crank_angle[state]):.4g} deg"
+        return "\n".join([f"{self.press_name} on its springs, {held}; {where}:", *tables.fitted(rows)])
+
+    def words(self, state: int, mode: int) -> tuple[str, str]:
+        """The parts that hold most of a mode's strain energy, and the links that hold most of its kinetic energy, with their shares."""
+        return _most(self.strain_energy, state, mode), _most(self.kinetic_energy, state, mode)
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "crank_angle [rad]", "natural_frequency_1 [rad/s]"
+
+    def columns(self) -> dict[str, Array]:
+        """A row for each crank angle: the natural frequencies of all modes, then their damping ratios."""
+        count = self.natural_frequency.shape[1]
+        columns = {"crank_angle [rad]": self.crank_angle}
+        columns |= {f"natural_frequency_{k + 1} [rad/s]": self.natural_frequency[:, k] for k in range(count)}
+        return columns | {f"damping_ratio_{k + 1} [-]": self.damping_ratio[:, k] for k in range(count)}
+
+
+def _most(shares: Mapping[str, Array], state: int, mode: int) -> str:
+    at = sorted(((round(float(share[state, mode]), 9), name) for name, share in shares.items()), key=lambda item: -item[0])
+    named = [(share, name) for share, name in at[:NAMED] if share >= TELLING] or at[:1]
+    return ", ".join(f"{name} {100 * share:.0f} %" for share, name in named)
+
+
+@typed
+def natural_frequencies(
+    press: Linkage, elastic: Elastic, *, angle: ArrayLike | None = None, flywheel: Flywheel | None = None
+) -> ElasticModes:
+    """Find natural frequencies, damping ratios and shapes of a press on its springs over the crank angle.
+
+    Args:
+        press: a planar press with one driver that turns.
+        elastic: what yields, as for `simulate`.
+        angle: (n,) crank angles [rad]; by default 360 a turn over one period, its end left out.
+        flywheel: on the driver's shaft of a crank that turns freely; None: the crank is held, or turns at a constant speed.
+
+    Raises:
+        UnknownNameError: the linkage has no such bearing or link.
+        PinpressError: the press is not planar, a part has no stiffness or a link no mass, a pin has clearance, or the crank does not turn
+            fully and no angle is given.
+        AssemblyError: the linkage does not reach an angle.
+    """
+    if isinstance(elastic, Elastic) and elastic.clearances:
+        raise PinpressError("a pin with clearance has no natural frequency, as it opens and closes: leave the clearances out")
+    sprung, angles = sprung_press(press, elastic), _angles(press, angle)
+    coordinates, _, _ = coordinates_of(sprung, motion_through_change_points(press, angles, 0.0))
+    still = np.zeros_like(coordinates)
+    forces = sprung.spring_forces(coordinates, still)
+    assert forces.stiffness is not None
+    assert forces.damping is not None
+    mass, kept = sprung.mass.copy(), sprung.free - (flywheel is None)
+    if flywheel is not None:
+        mass[-1, -1] += flywheel_inertia(flywheel)
+    inverse = np.linalg.inv(np.linalg.cholesky(mass[:kept, :kept]))
+    squared, vectors = np.linalg.eigh(inverse @ forces.stiffness[:, :kept, :kept] @ inverse.T)
+    shapes = inverse.T @ vectors
+    first = 0 if flywheel is None else 1  # the press that turns as a whole has no frequency
+    frequency, shapes = np.sqrt(np.maximum(squared[:, first:], 0.0)), shapes[:, :, first:]
+    free = np.zeros((len(angles), sprung.free, shapes.shape[2]))
+    free[:, :kept] = shapes
+    moved = np.swapaxes(sprung.carry @ free, 1, 2)
+    return ElasticModes(
+        press_name=press.name,
+        elastic=elastic,
+        flywheel=flywheel,
+        crank_angle=read_only(angles),
+        natural_frequency=read_only(frequency),
+        damping_ratio=read_only(_damping_ratios(frequency, shapes, forces.damping[:, :kept, :kept])),
+        shapes=read_only(moved.reshape(*moved.shape[:2], -1, 3)[:, :, : press.model.nv].copy()),
+        strain_energy=_strain_energy(sprung, elastic, coordinates, moved),
+        kinetic_energy=_kinetic_energy(sprung, moved, 0.0 if flywheel is None else flywheel_inertia(flywheel)),
+        _bottom=reference_angle(press),
+    )
+
+
+def flywheel_inertia(flywheel: Flywheel) -> float:
+    """Inertia of a flywheel [kg m2]; raises `PinpressError` where it has several."""
+    if np.ndim(flywheel.inertia):
+        raise PinpressError("flywheel has several inertias: give one, natural frequencies are those of one press")
+    return float(flywheel.inertia)
+
+
+def _angles(press: Linkage, given: ArrayLike | None) -> Array:
+    if given is None:
+        if press.period_turns is None:
+            raise PinpressError(f"the crank of {press.name} does not turn fully: give the crank angles as angle=[...]")
+        return np.asarray(np.arange(POINTS * press.period_turns) * (2 * np.pi / POINTS), dtype=float)
+    angles = np.atleast_1d(numbers("angle", given, unit="rad"))
+    if angles.ndim != 1 or not len(angles):
+        raise PinpressError(f"angle has shape {angles.shape}: give (n,) crank angles [rad]")
+    refuse_far("angle", angles, press.driver_coordinates)
+    return angles
+
+
+def _damping_ratios(frequency: Array, shapes: Array, damping: Array) -> Array:
+    """(n, m) damping ratios of modes with frequencies (n, m) and shapes (n, f, m).
+
+    Dampers in proportion to the springs damp each mode by itself. Others join the modes; their ratios are those of the eigenvalues of the
+    damped press in first order, by their absolute values.
+    """
+    modal = np.swapaxes(shapes, 1, 2) @ damping @ shapes
+    own: Array = np.diagonal(modal, axis1=1, axis2=2)
+    tiny = np.finfo(float).tiny
+    if np.abs(modal - own[:, None, :] * np.eye(own.shape[1])).max() <= APART * max(float(own.max()), tiny):
+        return np.asarray(own / (2 * np.maximum(frequency, tiny)), dtype=float)
+    return np.array([_damped(w, c) for w, c in zip(frequency, modal, strict=True)])
+
+
+def _damped(frequency: Array, damping: Array) -> Array:
+    """(m,) damping ratios of coupled modes with modal damping (m, m), from the eigenvalues of the first-order system."""
+    count = len(frequency)
+    matrix = np.block([[np.zeros((count, count)), np.eye(count)], [-np.diag(frequency**2), -damping]])
+    values = np.linalg.eigvals(matrix)
+    swinging, creeping = values[values.imag > 0], np.sort(values[values.imag == 0].real)
+    half = len(creeping) // 2
+    fast, slow = creeping[:half], creeping[half:][::-1]  # two a mode, whose product is the frequency squared: fastest with slowest
+    size = np.concatenate([np.abs(swinging), np.sqrt(np.maximum(slow * fast, 0.0))])
+    loss = np.concatenate([-swinging.real, -0.5 * (slow + fast)])
+    order = np.argsort(size)
+    return np.asarray((loss / size)[order])
+
+
+def _strain_energy(sprung: SprungPress, elastic: Elastic, coordinates: Array, moved: Array) -> FrozenMapping[str, Array]:
+    """Share (n, m) of the strain energy in each part, of displacements (n, m, 3 (bodies + 1)). A rod and its pin share by compliance."""
+    press, lines, found, size = sprung.press, sprung.lines, dict[str, Array](), moved.shape[:2]
+    extension = sprung.geometry(np.repeat(coordinates, size[1], axis=0), moved.reshape(-1, moved.shape[2])).opening  # linear in rates
+    stored = lines.stiffness * extension.reshape(*size, -1) ** 2
+    rods = {(name, _body(press, rod)): rod for rod in elastic.stiffness.rods for name in rod.between}
+    for spring, (bearing, body) in enumerate(zip(lines.bearing, lines.first, strict=True)):
+        name = FRAME if bearing < 0 else press.bearings[bearing]
+        given = lines.stiffness[spring] if bearing < 0 else positive(name, elastic.stiffness.bearings[name], "N/m")
+        share, rod = lines.stiffness[spring] / given, rods.get((name, int(body)))
+        found[name] = found.get(name, 0.0) + share * stored[:, :, spring]
+        if rod is not None and share < 1.0:
+            found[rod.name] = found.get(rod.name, 0.0) + (1.0 - share) * stored[:, :, spring]
+    twisted = sprung.turns.stiffness * sprung.turning_rates(moved) ** 2
+    for spring, bearing in enumerate(sprung.turns.bearing):
+        found[SHAFT if bearing < 0 else f"{press.bearings[bearing]} turning"] = twisted[:, :, spring]
+    return _shares(found)
+
+
+def _kinetic_energy(sprung: SprungPress, moved: Array, flywheel: float) -> FrozenMapping[str, Array]:
+    """Share (n, m) of the kinetic energy in each body, of displacements (n, m, 3 (bodies + 1))."""
+    press = sprung.press
+    energy = (sprung.inertia * moved**2).reshape(*moved.shape[:2], -1, 3).sum(axis=3)
+    found = {press.link_of(body + 1): energy[:, :, body] for body in range(press.model.nv)}
+    if sprung.crown is not None:
+        found["crown"] = energy[:, :, sprung.crown]
+    if flywheel:
+        body = sprung.rotor if sprung.rotor is not None else press.joints.index(press.driver)
+        found["flywheel"] = flywheel * moved[:, :, 3 * body + 2] ** 2
+    return _shares(found)
+
+
+def _shares(parts: Mapping[str, Array]) -> FrozenMapping[str, Array]:
+    total = np.maximum(np.sum(list(parts.values()), axis=0), np.finfo(float).tiny)
+    return FrozenMapping({name: read_only(part / total) for name, part in parts.items()})
+
+
+def _body(press: Linkage, rod: Rod) -> int:
+    """The body that is a rod."""
+    return int(press.model.frames[press.model.getFrameId(rod.link, pin.BODY)].parentJoint) - 1
