@@ -178,6 +178,10 @@ class Engine(Protocol):
         """Gap at which a loop is closed to rounding [m]."""
 
     @property
+    def piece(self) -> int:
+        """Number of states that are worked through at a time."""
+
+    @property
     def directions(self) -> Array:
         """(k, 3) unit vectors of the world along which points of the links can move: two for a planar linkage, else three."""
 

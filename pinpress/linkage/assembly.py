@@ -142,11 +142,11 @@ def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: 
         return _closed_through_change_points(engine, spatial_model, branch, angles, name)
     if branch.period is not None and np.abs(angles).max() > MANY_PERIODS * branch.period:
         return _closed_far_away(engine, spatial_model, branch, angles, name)
-    if len(angles) <= PIECE:
+    if len(angles) <= engine.piece:
         return _closed_piece(engine, spatial_model, angles, predict(branch, angles), name)
     pieces = []
-    for start in range(0, len(angles), PIECE):
-        part = angles[start : start + PIECE]
+    for start in range(0, len(angles), engine.piece):
+        part = angles[start : start + engine.piece]
         piece = _closed_piece(engine, spatial_model, part, predict(branch, part), name)
         pieces.append(replace(piece, jacobian=None, solved=None))  # its memory serves the next piece
     return joined(pieces)

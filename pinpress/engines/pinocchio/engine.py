@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
+from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from . import kinematics
 from .model import SpatialModel
@@ -26,6 +26,10 @@ class PinocchioEngine:
     spatial: SpatialModel
 
     name = "pinocchio"
+
+    @property
+    def piece(self) -> int:
+        return PIECE
 
     @property
     def tolerance(self) -> float:

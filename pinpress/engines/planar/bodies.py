@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from ...common.quantities import Array, ComplexArray
-from ..engine import PIECE, ClosedStates, EnergyRates, PowerBalance
+from ..engine import ClosedStates, EnergyRates, PowerBalance
 from ..forces import AppliedForce, Objective, lexicographic_least_squares
 from ..joints import Matrix, compressed, matrix, plain, product, stacked, weighted, with_column
 from .kinematics import basis_acceleration, basis_velocity, known_basis
@@ -222,8 +222,8 @@ def power_balance(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedF
     """
     n = states.v.shape[1]
     balance, total, apparent = np.empty(n), np.empty(n), np.empty(n)
-    for start in range(0, n, PIECE):
-        s = slice(start, start + PIECE)
+    for start in range(0, n, bodies.plane.piece):
+        s = slice(start, start + bodies.plane.piece)
         powers, apparent[s] = _powers(bodies, states.part(s), [load.part(s) for load in loads])
         balance[s], total[s] = powers.sum(axis=0), np.abs(powers).sum(axis=0)
     return PowerBalance(balance, total, apparent)

@@ -50,6 +50,10 @@ class PlanarEngine:
         return self.plane.tolerance
 
     @property
+    def piece(self) -> int:
+        return self.plane.piece
+
+    @property
     def directions(self) -> Array:
         return self.plane.axes
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.quantities import Array, ComplexArray
-from ..engine import LOOSEST, PIECE, ClosedStates, other_linkage
+from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
 from ..joints import product
 from . import out_of_plane, statics
@@ -42,9 +42,9 @@ def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedCo
     some = len(wanted) < len(result.friction)
     only_some = some and law is None and _some_suffice(plane, wanted, conditions.with_gear_torques)
     speeds = None if law is None else law.moving(_bearing_speeds(plane, states.v))
-    for start in range(0, n, PIECE):
-        s = slice(start, start + PIECE)
-        piece, acting, filled = (states, conditions, result) if n <= PIECE else (states.part(s), conditions.part(s), result.part(s))
+    for start in range(0, n, plane.piece):
+        s = slice(start, start + plane.piece)
+        piece, acting, filled = (states, conditions, result) if n <= plane.piece else (states.part(s), conditions.part(s), result.part(s))
         friction = None if law is None or speeds is None else FrictionState(law, speeds[:, s], states.position[plane.driver, s])
         if only_some and not (wanted and _acts_out_of_plane(bodies, acting.loads)):
             _fill_with_some_bearings(bodies, piece, acting.loads, wanted, filled)

@@ -27,10 +27,12 @@ from numpy.typing import NDArray
 
 from ...common.quantities import CRANK, RAM, Array, ComplexArray, DriverCoordinate
 from ..blocks import ordered_groups
+from ..engine import PIECE
 from ..joints import Coupling, Entries, LoopJoint, Matrix, drawn_placements, joints_between, matrix, plain
 from ..joints import axes as joint_axes
 
 EPSILON = float(np.finfo(float).eps)
+COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
 PARALLEL = 1e-12  # a linkage is spatial where a joint axis is further from the plane's normal than this [rad]
 
 
@@ -152,6 +154,11 @@ class Plane:
     def tolerance(self) -> float:
         """Gap at which a loop is closed to rounding [m]."""
         return 8 * EPSILON * self.size
+
+    @cached_property
+    def piece(self) -> int:
+        """Number of states that are worked through at a time: more of a small linkage, where the number of calls decides."""
+        return max(PIECE, COORDINATES // len(self.parents))
 
     @cached_property
     def guides(self) -> tuple[tuple[int, int, int], ...]:

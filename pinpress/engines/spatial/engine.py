@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array
-from ..engine import CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
+from ..engine import PIECE, CloseDrivers, ClosedStates, Closure, EnergyRates, JointRates, PowerBalance
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 from ..pinocchio.engine import PinocchioEngine
 from . import bodies, closing, equations
@@ -41,6 +41,10 @@ class SpatialEngine:
         """Up to so many configurations Pinocchio closes faster, one at a time."""
         many = self.one_by_one.spatial.model.nv >= MANY
         return 0 if many and self.loops.large else FEW
+
+    @property
+    def piece(self) -> int:
+        return PIECE
 
     @property
     def tolerance(self) -> float:
