@@ -22,6 +22,7 @@ from ..common.results import Tabular
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure, Engine
 from ..engines.joints import Axis, Slot, configuration
+from ..engines.pinocchio.model import SpatialModel
 from ..linkage.assembly import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage, SlideGuide
 from ..linkage.memo import per_linkage
@@ -214,9 +215,9 @@ def period_at(press: Linkage, speed: float | None, points: int | None = None, en
     if speed is None:
         unit, such = ("rad/s", "7.0") if press.driver_coordinates[0].turns else ("m/s", "0.1")
         raise PinpressError(f"cycle needs the speed of the driver [{unit}]: give one number for a period, cycle(press, {such})")
-    branch = press.branch
-    angles, speeds, accelerations, times = _period(press, branch, speed, points)
-    return moved(press, branch, angles, speeds, accelerations, times, chosen)
+    known = _known(press)
+    angles, speeds, accelerations, times = _period(press, known, speed, points)
+    return _along_branch(press, known, known.branch, angles, speeds, accelerations, times, chosen)
 
 
 def motion_through_change_points(
@@ -243,21 +244,22 @@ def doubt_speeds(press: Linkage, speeds: Array | float, motion: Motion | None = 
         motion: the only states at which they are reached; by default a crank may have them at any angle.
     """
     fastest = abs(speeds) if isinstance(speeds, float) else float(np.abs(speeds).max())
-    first, second = _slide_rates(press)
+    first, second, coordinate = _slide_rates(press)
     slide = first * fastest, second * fastest * fastest  # infinite where ** 2 would raise OverflowError
     if motion is not None and plausibility.too_hard(*slide):
         slide = float(np.abs(motion.slide_velocity).max()), float(np.abs(motion.slide_acceleration).max())
-    plausibility.speeds("speed", fastest, press.driver_coordinates[0], slide)
+    plausibility.speeds("speed", fastest, coordinate, slide)
 
 
 @per_linkage(of_geometry=True)
-def _slide_rates(press: Linkage) -> tuple[float, float]:
-    """Largest speed [m/s] and acceleration [m/s2] of the slide where the crank turns at 1 rad/s; 0 of a linkage without a slide, or without
-    a crank that turns fully."""
-    if press.slide is None or len(press.drivers) > 1 or not press.driver_coordinates[0].turns or press.branch.period is None:
-        return 0.0, 0.0
+def _slide_rates(press: Linkage) -> tuple[float, float, DriverCoordinate]:
+    """Largest speed [m/s] and acceleration [m/s2] of the slide where the crank turns at 1 rad/s, 0 of a linkage without a slide, or without
+    a crank that turns fully; and what the coordinate of the first driver is."""
+    coordinate = press.driver_coordinates[0]
+    if press.slide is None or len(press.drivers) > 1 or not coordinate.turns or press.branch.period is None:
+        return 0.0, 0.0, coordinate
     _, first, half_second, *_ = np.abs(press.branch.coefficients[:, press.slide_guide.joint]).max(axis=1)
-    return float(first), 2.0 * float(half_second)
+    return float(first), 2.0 * float(half_second), coordinate
 
 
 def of_states(
@@ -274,7 +276,13 @@ def of_states(
         times: (n,) [s], None where the states have no time.
         period_turns: turns of the crank in a period, None for none.
     """
-    fixed = _same_in_all_motions(press)
+    return _of_states(_same_in_all_motions(press), position, v, a, gap, times, period_turns)
+
+
+def _of_states(
+    fixed: _SameInAllMotions, position: Array, v: Array, a: Array, gap: Array, times: Array | None, period_turns: int | None
+) -> Motion:
+    """`of_states` of a linkage of which this is known."""
     drivers = fixed.indices
     for each in (position, v, a):  # views of them would else be made writable again
         each.setflags(write=False)
@@ -339,24 +347,69 @@ def moved(
     """The motion with these driver angles, speeds and accelerations: (n,) along a ``branch``, where constant speeds may be one number and
     have the accelerations 0.0; (n, drivers) where there is no branch."""
     chosen = press.engine(engine) if isinstance(engine, str) else engine
-    closure = None if branch is None else _closed(press, branch, angles, chosen)
-    with np.errstate(all="ignore"):  # what overflows is refused below
-        if closure is None or branch is None:
-            position = followed_from(press.engine(), press.spatial_model, press.closed, angles, press.name)
-            v, a, gap, solved = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
-            kept = _KeptFromClosing(press, None, None, solved)
-        else:
-            position, gap = closure.position, closure.gap
-            if isinstance(speeds, np.ndarray) and not np.any(accelerations) and np.all(speeds == speeds[0]):
-                speeds, accelerations = float(speeds[0]), 0.0
-            v, a = _rates(closure, speeds, accelerations)
-            kept = _KeptFromClosing(press, closure.basis, closure.jacobian, closure.solved)
-        finite = math.isfinite(a.sum())  # the accelerations have the squares of the speeds in them
-    if not finite:
-        raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
-    motion = of_states(press, position, v, a, gap, times, None if branch is None or branch.period is None else press.turns_until_back)
-    object.__setattr__(motion, "_closed_as", kept)
+    if branch is not None:
+        return _along_branch(press, _known(press), branch, angles, speeds, accelerations, times, chosen)
+    with np.errstate(all="ignore"):  # what overflows is refused
+        position = followed_from(press.engine(), press.spatial_model, press.closed, angles, press.name)
+        v, a, gap, solved = chosen.rates(position, np.transpose(speeds), np.transpose(accelerations))
+        _refuse_too_fast(press, a)
+    motion = of_states(press, position, v, a, gap, times)
+    object.__setattr__(motion, "_closed_as", _KeptFromClosing(press, None, None, solved))
     return motion
+
+
+class _Known(NamedTuple):
+    """What motions along a branch take of a linkage with one driver, in one place, because each look at a linkage compares its model.
+
+    Attributes:
+        fixed: what all motions have in common.
+        branch: its branch.
+        spatial_model: constants for Pinocchio's engine.
+        closures: the last closures.
+        turns: `Linkage.turns_until_back` where the branch has a period, else None.
+    """
+
+    fixed: _SameInAllMotions
+    branch: Branch
+    spatial_model: SpatialModel
+    closures: _LastClosures
+    turns: int | None
+
+
+@per_linkage
+def _known(press: Linkage) -> _Known:
+    branch = press.branch
+    turns = None if branch.period is None else press.turns_until_back
+    return _Known(_same_in_all_motions(press), branch, press.spatial_model, _last_closures(press), turns)
+
+
+def _along_branch(
+    press: Linkage,
+    known: _Known,
+    branch: Branch,
+    angles: Array,
+    speeds: Array | float,
+    accelerations: Array | float,
+    times: Array | None,
+    engine: Engine,
+) -> Motion:
+    """`moved` along a branch of a linkage of which this is known."""
+    closure = _closed(known, branch, angles, engine)
+    with np.errstate(all="ignore"):  # what overflows is refused
+        if isinstance(speeds, np.ndarray) and not np.any(accelerations) and np.all(speeds == speeds[0]):
+            speeds, accelerations = float(speeds[0]), 0.0
+        v, a = _rates(closure, speeds, accelerations)
+        _refuse_too_fast(press, a)
+    turns = None if branch.period is None else press.turns_until_back if known.turns is None else known.turns
+    motion = _of_states(known.fixed, closure.position, v, a, closure.gap, times, turns)
+    object.__setattr__(motion, "_closed_as", _KeptFromClosing(press, closure.basis, closure.jacobian, closure.solved))
+    return motion
+
+
+def _refuse_too_fast(press: Linkage, a: Array) -> None:
+    """Raise PinpressError where joint accelerations, which have the squares of the speeds in them, are not finite."""
+    if not math.isfinite(np.add.reduce(a, axis=None)):
+        raise PinpressError(f"the motion of {press.name} is too fast for floating point: lower speed and acceleration")
 
 
 class _LastClosures:
@@ -389,15 +442,16 @@ def _last_closures(press: Linkage) -> _LastClosures:
     return _LastClosures()
 
 
-def _closed(press: Linkage, branch: Branch, angles: Array, engine: Engine) -> Closure:
+def _closed(known: _Known, branch: Branch, angles: Array, engine: Engine) -> Closure:
     """`assembly.closed`, kept where the angles are few enough."""
-    if len(angles) * len(press.joints) > MOST_KEPT:
-        return closed(engine, press.spatial_model, branch, angles, press.name)
-    known, key = _last_closures(press), (engine.name, len(branch.change_points), angles.tobytes())
-    closure = known.get(key)
+    name, model = known.fixed.linkage, known.spatial_model
+    if len(angles) * len(known.fixed.joints) > MOST_KEPT:
+        return closed(engine, model, branch, angles, name)
+    key = engine.name, len(branch.change_points), angles.tobytes()
+    closure = known.closures.get(key)
     if closure is None:
-        closure = closed(engine, press.spatial_model, branch, angles, press.name)
-        known.keep(key, closure)
+        closure = closed(engine, model, branch, angles, name)
+        known.closures.keep(key, closure)
     return closure
 
 
@@ -410,15 +464,15 @@ def _rates(closure: Closure, speed: Array | float, acceleration: Array | float) 
 
 
 def _period(
-    press: Linkage, branch: Branch, speed: float | ArrayLike, points: int | None
+    press: Linkage, known: _Known, speed: float | ArrayLike, points: int | None
 ) -> tuple[Array, Array | float, Array | float, Array]:
     """Angles, speeds, accelerations and times (n,) of `cycle`; constant speeds and accelerations are one number."""
-    rate = float(speed) if isinstance(speed, float) and math.isfinite(speed) else _one_speed(press, speed)
+    branch, rate = known.branch, float(speed) if isinstance(speed, float) and math.isfinite(speed) else _one_speed(press, speed)
     if not branch.coordinate.turns:
         return _there_and_back(branch, rate, points)
     if branch.period is None:  # a prescribed turn does not go through change points
         raise out_of_branch(branch, upwards=rate > 0)
-    turns = press.period_turns
+    turns = press.period_turns if known.turns is None else known.turns
     period = 2 * np.pi * turns
     if not (rate and math.isfinite(period / rate)):
         raise PinpressError(f"speed is {abs(rate):g}: a turn never ends; give another, 70 r/min are 70 * pinpress.RPM [rad/s]")

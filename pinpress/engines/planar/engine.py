@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -110,9 +110,13 @@ class PlanarEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+        return self._forces(self.bodies, self._closed(states), conditions, wanted)
+
+    @cached_property
+    def _forces(self) -> Callable[[Bodies, ClosedStates, AppliedConditions, Sequence[int]], Wrenches]:
         from .inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
 
-        return inverse_dynamics(self.bodies, self._closed(states), conditions, wanted)
+        return inverse_dynamics
 
     def bearing_loads(self, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
         from .inverse_dynamics import bearing_loads  # slow to import, and not needed to load

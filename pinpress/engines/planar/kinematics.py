@@ -83,7 +83,7 @@ def _influence(plane: Plane, basis: ComplexArray, jacobian: Jacobian) -> tuple[A
     drive(plane, rows, factors, first)
     opened = product(plane.gap_rows, basis_acceleration(plane, basis, first, None))
     second[plane.driver] = 0.0
-    solve(plane, rows, factors, [*opened, *[None] * len(plane.offsets)], second)
+    solve(plane, rows, factors, [*opened, *[None] * len(plane.offsets)] if len(plane.offsets) else opened, second)
     return first, second
 
 
@@ -217,7 +217,7 @@ class Solvable(NamedTuple):
 
 
 Factor = Dyad | Solvable
-Opening = Sequence[ComplexArray | Array | None]
+Opening = Sequence[ComplexArray | Array | None] | ComplexArray
 """Rate (n,) at which the gap of every loop would open, complex, then that of every coupling; None for zero."""
 
 
@@ -246,7 +246,8 @@ def _inverses(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
         determinants = (inverses[:, 1].conj() * inverses[:, 0]).imag
         np.conjugate(inverses, out=inverses)
         inverses *= BOTH_SIGNS / determinants[:, None]
-        yield from inverses
+        for place in range(len(inverses)):  # iterating over an array ends with a costly IndexError
+            yield inverses[place]
 
 
 def _dyad(plane: Plane, block: Block, rows: ComplexArray, inverse: ComplexArray) -> Dyad:

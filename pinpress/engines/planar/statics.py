@@ -135,10 +135,10 @@ def _balance(
 def _balance_dyad(plane: Plane, dyad: Dyad, joint_efforts: Array, pins: ComplexArray) -> None:
     """Fill in the force of a dyad's pin, and add what it asks of the driver and of the joints of earlier blocks to the efforts there."""
     efforts = joint_efforts[dyad.pair]
-    first, second = dyad.inverse * efforts
-    first += second
-    first *= 1j
-    np.conjugate(first, out=pins[dyad.loop])
+    parts, pin = dyad.inverse * efforts, pins[dyad.loop]
+    np.add(parts[0], parts[1], out=pin)
+    pin *= 1j
+    np.conjugate(pin, out=pin)
     for joint, transfer in dyad.transfers:
         _ask(joint_efforts[joint], transfer * efforts)
     if dyad.driven is not None:
