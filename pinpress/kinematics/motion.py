@@ -29,7 +29,7 @@ from ..linkage.memo import per_linkage
 
 POINTS = 360  # states of a turn by default
 GRIDS_KEPT = 4  # grids of crank angles whose closures stay with a linkage
-MOST_KEPT = 2**15  # joint coordinates of such a grid: 4 megabytes with all that belongs to them, some 15 in space
+MOST_KEPT = 2**15  # joint coordinates of such a grid: some 10 megabytes with all that belongs to them, 15 in space
 MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
 
 

@@ -27,6 +27,8 @@ from .bodies import Bodies, OpenTree
 from .kinematics import basis_acceleration, basis_at, gaps, known_basis, known_jacobian
 from .model import Plane, put_in_plane, put_normal, to_complex
 
+FAST = 1e6  # speed of the driver at which weights hardly count beside inertia forces [rad/s or m/s]
+
 
 def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
     """Driving torque and the wrenches of joints and loops; raises as `Engine.inverse_dynamics`.
@@ -37,6 +39,11 @@ def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedCo
         conditions: loads, friction and compliances.
         wanted: rising indices of the bearings whose wrenches are wanted.
     """
+    return _at_constant_speed(bodies, states, conditions, wanted) or _computed(bodies, states, conditions, wanted)
+
+
+def _computed(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    """`inverse_dynamics`, in pieces, from the states alone."""
     plane, law, n = bodies.plane, conditions.law, states.v.shape[1]
     result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, len(wanted))
     some = len(wanted) < len(result.friction)
@@ -51,6 +58,57 @@ def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedCo
         else:
             _fill_with_all_bearings(bodies, piece, acting, friction, wanted, filled)
     return result
+
+
+class ForcesBySpeed(NamedTuple):
+    """Wrenches at kept configurations by a constant speed of the driver, without loads and friction: sweeps and ratings ask for the same
+    angles at many speeds.
+
+    Attributes:
+        bodies: inertial constants of the linkage.
+        wanted: the bearings.
+        first: the speed that was asked for first. It is always computed from the states, so that the same question has the same answer.
+        parts: the wrenches of inertia forces at the driver's speed 1, and those at rest; None until a second speed is asked for.
+    """
+
+    bodies: Bodies
+    wanted: Sequence[int]
+    first: float
+    parts: tuple[Wrenches, Wrenches] | None = None
+
+
+def _at_constant_speed(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches | None:
+    """`inverse_dynamics` from the wrenches that are kept by speed; None where they do not serve."""
+    if states.jacobian is None or conditions.loads or conditions.law is not None or conditions.compliance is not None:
+        return None
+    answers, speeds = states.jacobian.answers, states.v[bodies.plane.driver]
+    speed = float(speeds[0])
+    if not speed or states.a[bodies.plane.driver].any() or (speeds != speed).any():
+        return None
+    known = answers[0] if answers else None
+    if known is None or known.bodies is not bodies or known.wanted != wanted:
+        answers[:] = [ForcesBySpeed(bodies, wanted, speed)]
+        return None
+    if speed == known.first:
+        return None
+    inertia, weight = known.parts or _parts_by_speed(known, states, conditions, speed)
+    answers[:] = [known._replace(parts=(inertia, weight))]
+    square = speed * speed
+    torque, coupling, force, moment = (
+        square * getattr(inertia, name) + getattr(weight, name) for name in ("torque", "coupling", "force", "moment")
+    )
+    return Wrenches(torque, coupling, np.zeros(weight.friction.shape), force, moment)
+
+
+def _parts_by_speed(asked: ForcesBySpeed, states: ClosedStates, conditions: AppliedConditions, speed: float) -> tuple[Wrenches, Wrenches]:
+    """`ForcesBySpeed.parts`, from the wrenches at rest and at a speed at which weights hardly count."""
+    at_rest, fast = (states._replace(v=states.v * by, a=states.a * (by * by)) for by in (0.0, FAST / speed))
+    weight, inertia = (_computed(asked.bodies, moving, conditions, asked.wanted) for moving in (at_rest, fast))
+    for name in ("torque", "coupling", "force", "moment"):
+        array = getattr(inertia, name)
+        array -= getattr(weight, name)
+        array /= FAST**2
+    return inertia, weight
 
 
 def _bearing_speeds(plane: Plane, rates: Array) -> Array:
@@ -197,7 +255,7 @@ def _turning(
 
 def _statics(bodies: Bodies, states: ClosedStates, open_tree: OpenTree, compliance: Array | None) -> statics.Statics:
     """The equations of loops and gear pairs; ``compliance`` as in `AppliedConditions`."""
-    plane, basis, (rows, factors) = bodies.plane, known_basis(states), known_jacobian(bodies.plane, states)
+    plane, basis, (rows, factors, _) = bodies.plane, known_basis(states), known_jacobian(bodies.plane, states)
     return statics.build(plane, rows, factors, open_tree.subtree_force, bodies.minus_incidence, basis, compliance)
 
 
@@ -280,7 +338,7 @@ def _fill_with_some_bearings(
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
     joint_efforts = _efforts(bodies, basis, states.a, product(bodies.reduced, second), loads)
-    rows, factors = known_jacobian(plane, states)
+    rows, factors, _ = known_jacobian(plane, states)
     pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
     statics.transmit(plane, rows, factors, joint_efforts, pins, result.coupling)
     result.torque[0] = joint_efforts[plane.driver]

@@ -58,7 +58,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             solve(plane, rows, factored(plane, rows), [*gaps, *slips], step)
             x += step
             steps += 1
-        jacobian = Jacobian(rows, factored(plane, rows))
+        jacobian = Jacobian(rows, factored(plane, rows), [])
         first, second = _influence(plane, basis, jacobian)
         margins = _margins(plane, rows) if with_margins else None
     return Closure(x, first, second, gap, worst, steps, margins, basis, jacobian)
@@ -73,12 +73,12 @@ def influence(plane: Plane, basis: ComplexArray) -> tuple[Array, Array]:
 def jacobian_at(plane: Plane, basis: ComplexArray) -> Jacobian:
     """The loop equations at configurations with this ``basis`` (nb, n)."""
     rows = product(plane.closure, basis)
-    return Jacobian(rows, factored(plane, rows))
+    return Jacobian(rows, factored(plane, rows), [])
 
 
 def _influence(plane: Plane, basis: ComplexArray, jacobian: Jacobian) -> tuple[Array, Array]:
     """Influence coefficients, given the loop equations at these configurations."""
-    (rows, factors), shape = jacobian, (len(plane.parents), basis.shape[1])
+    (rows, factors, _), shape = jacobian, (len(plane.parents), basis.shape[1])
     first, second = np.empty(shape), np.empty(shape)
     drive(plane, rows, factors, first)
     opened = product(plane.gap_rows, basis_acceleration(plane, basis, first, None))
