@@ -19,6 +19,7 @@ from support.oracles.cut_free import cut_free, gears
 from support.texts import load
 
 import pinpress as pp
+from pinpress.engines.forces import Objective, lexicographic_least_squares
 
 ENGINES = ("plane", "space", "pinocchio")
 ZERO = 1e-9  # share of the largest below which a singular value, or a component of an idle force, is zero
@@ -319,3 +320,32 @@ def test_a_second_rod_nearly_in_line_with_another():
     motion = pp.servo_cycle(press, angle=[-0.02, 0.02], speed=3.0)
     result = pp.inverse_dynamics(press, motion)
     assert max(errors(press, result, [cut_free(press, motion, i) for i in range(2)])) <= 1e-10
+
+
+# ------------------------------------------------------------------------------------------------------- one objective after the other
+
+
+def one_after_the_other(matrices, starts):
+    """The shortest of the y that minimise |A y + b| one after the other, of one state, by singular values."""
+    y, ways = np.zeros(matrices[0].shape[1]), np.eye(matrices[0].shape[1])
+    for matrix, start in zip(matrices, starts, strict=True):
+        left, values, right = np.linalg.svd(matrix @ ways)
+        rank = np.count_nonzero(values > 1e-9)
+        y = y - ways @ right[:rank].T @ (left[:, :rank].T @ (matrix @ y + start) / values[:rank])
+        ways = ways @ right[rank:].T
+        if not ways.shape[1]:
+            break
+    return y
+
+
+@pytest.mark.parametrize("ranks", [[2, 2, 2], [2, 1, 0], [0, 0, 0]])
+@pytest.mark.parametrize("spread", [1.0, 1e-4])  # of singular values: normal equations, and singular values
+def test_objectives_one_after_the_other(ranks, spread):
+    rng = np.random.default_rng(4)
+    first = np.array([rng.normal(size=(7, r)) * spread ** np.arange(r) @ rng.normal(size=(r, 4)) for r in ranks])
+    second = np.array([rng.normal(size=(5, 1)) @ rng.normal(size=(1, 4)) for _ in ranks])
+    third = rng.normal(size=(3, 6, 4)) if ranks[0] else second
+    starts = [rng.normal(size=matrix.shape[:2]) for matrix in (first, second, third)]
+    found = lexicographic_least_squares([Objective(*each, 1.0) for each in zip((first, second, third), starts, strict=True)])
+    expected = [one_after_the_other([a[i] for a in (first, second, third)], [b[i] for b in starts]) for i in range(3)]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())

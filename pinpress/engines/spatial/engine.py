@@ -114,6 +114,8 @@ class SpatialEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+        if self.few and states.v.shape[1] == 1:  # a single state takes Pinocchio half the time
+            return self.one_by_one.inverse_dynamics(states, conditions, wanted)
         from . import inverse_dynamics  # not needed to load
 
         return inverse_dynamics.inverse_dynamics(self.loops, states, conditions, wanted)
