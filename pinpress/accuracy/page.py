@@ -34,9 +34,11 @@ def report(measured: WorkPrecision, path: str | os.PathLike[str]) -> Path:
     """
     inputs = [("press", measured.press_name), ("scene", measured.scene), ("computer", measured.machine)]
     inputs += [(group, words) for group, words in measured.scenes.items()]
-    inputs += [(f"{method} cannot do", words) for method, words in measured.cannot.items()]
     inputs += [("left out", words) for words in measured.skipped]
     parts = [_section(measured, group) for group in GROUPS if measured.of(group)]
+    if measured.cannot:
+        cannot = Table("", ["program", "what it cannot do"], [[method, words] for method, words in measured.cannot.items()], words=2)
+        parts.append(Section("Limits", [cannot]))
     return article(
         f"{measured.press_name}: error against run time", f"{len(measured.measurements)} measurements", [*inputs, stated()], parts, path
     )

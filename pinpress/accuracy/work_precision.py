@@ -52,9 +52,12 @@ def compare(
     scenes: Sequence[str] = SCENES,
     progress: Callable[[float], None] | None = None,
 ) -> WorkPrecision:
-    """Measure all methods for a press, and this press in other programs where they are installed (`peers`).
+    """Measure all methods for a press, and this press in other programs where they are installed (`peers`, `drake`, a C++ compiler).
 
-    It measures inverse dynamics of a period at constant speed by both engines; simulations by all methods over tolerances and steps; the
+    A loop in C++ is compiled once, in half a minute, into the user's cache folder. What other programs cannot do for a linkage stands in
+    `Measurement.cannot`, what is missing or left out in `WorkPrecision.skipped`.
+
+    It measures inverse dynamics of a period at constant speed by all engines; simulations by all methods over tolerances and steps; the
     proximal settings of constraint dynamics; and the number of samples of the reduced table. The simulations are a free run from crank
     angle 0 with weights; a start by a clutch under a motor, and a blank; a stiff elastic die under a motor; and a drive that holds the
     speed so hard that the equation is stiff. Run times are the least of several rounds in which all take turns.

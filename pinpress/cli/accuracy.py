@@ -15,7 +15,8 @@ from .units import quantity
 
 EPILOG = """\
 every error is against a reference that two independent methods agree on; the table says how far. Times are the least of several rounds
-in which all take turns. MuJoCo and Exudyn take part where pip install 'pinpress[peers]' has put them; the plot needs 'pinpress[plots]'.
+in which all take turns. MuJoCo and Exudyn take part where pip install 'pinpress[peers]' has put them, Drake where 'pinpress[drake]' has;
+where there is a C++ compiler, a loop with Pinocchio in C++ is compiled, once, in half a minute. The plot needs 'pinpress[plots]'.
 e.g. pinpress accuracy zxn2_3000b --speed 70 --out out
 """
 BAR = "{percentage:3.0f} % |{bar}| {remaining} to go"
@@ -26,7 +27,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "accuracy",
         help="error against run time of all methods for a press, and of other programs",
-        description="Measure a press: inverse dynamics by both engines, simulations by all methods over tolerances and\n"
+        description="Measure a press: inverse dynamics by all engines, simulations by all methods over tolerances and\n"
         "steps (freely, with clutch and blank, on a stiff die, under a stiff drive), proximal settings of constraint dynamics, samples\n"
         "of the reduced table, and the same press in other programs. Prints\n"
         "tables; with --out also writes accuracy.csv, accuracy.html (a page) and accuracy.png.",

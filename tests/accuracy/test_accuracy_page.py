@@ -26,7 +26,16 @@ ROWS = [
 @pytest.fixture
 def measured() -> Any:
     made = [
-        pp.accuracy.Measurement(group, method, setting, None, seconds, error, problem="" if error else "not finite")
+        pp.accuracy.Measurement(
+            group,
+            method,
+            setting,
+            None,
+            seconds,
+            error,
+            problem="" if error else "not finite",
+            cannot="linkages in space" if method == "plane" else "",
+        )
         for group, method, setting, seconds, error in ROWS
     ]
     known, by = {"free run": 3e-12, "inverse dynamics": 1e-15}, dict.fromkeys(("free run", "inverse dynamics"), "two methods")
@@ -43,12 +52,14 @@ def test_page_of_measurements(measured: Any, tmp_path: Path) -> None:
     inputs = report["inputs"][0]["rows"]
     assert [row[0] for row in inputs] == ["press", "scene", "computer", "free run", "left out", "computed by"]
     sections = {section["title"]: section["blocks"] for section in report["sections"]}
-    assert list(sections) == ["Inverse dynamics", "Free run"]
+    assert list(sections) == ["Inverse dynamics", "Free run", "Limits"]
     chart, table = sections["Free run"]
     curves = {curve["name"]: (numbers(curve["x"]), numbers(curve["y"])) for curve in chart["curves"]}
     assert list(curves) == ["reference known to", "reduced"]  # a method without an error has no line
     assert_allclose(curves["reduced"], [[20, 30], [1e-6, 1e-8]], rtol=1e-6)
     assert_allclose(curves["reference known to"][1], 3e-12, rtol=1e-6)
+    (limits,) = sections["Limits"]
+    assert limits["rows"] == [["plane", "linkages in space"]]
     assert [row[:4] for row in table["rows"]] == [
         ["reduced", "tolerance 1e-06", "20", "1.0e-06"],
         ["reduced", "tolerance 1e-08", "30", "1.0e-08"],
