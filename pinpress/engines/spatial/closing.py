@@ -211,9 +211,9 @@ def _solved(loops: Loops, x: Array) -> tuple[Equations, Array, int]:
         open_states = np.flatnonzero(~((gap <= tolerance) | stalled) & np.isfinite(gap))
         if not len(open_states) or steps == MOST_NEWTON_STEPS:
             return found, gap, steps
-        before[open_states] = gap[open_states]
-        passive = PassiveColumns(loops, found.entries[:, open_states])
-        x[:, open_states] += passive.rates(-found.gaps[:, open_states])
+        some = slice(None) if len(open_states) == len(gap) else open_states  # without copies where all are open
+        before[some] = gap[some]
+        x[:, some] -= PassiveColumns(loops, found.entries[:, some]).rates(found.gaps[:, some])
         steps += 1
 
 
