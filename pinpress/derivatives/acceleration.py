@@ -41,7 +41,8 @@ class AccelerationSensitivity(Tabular):
         multiplier_names: (rows,) of the loops' forces in world axes, such as "C x", and of the torques of gear pairs. A revolute loop is
             held at two points and a fixed one at three, ``press.size`` apart along its axes: "C 2 x".
         multipliers: (n, rows) force of link1 on link2 at the point [N], torque on the follower of a gear pair [N m; N where it slides].
-            Those that rigid mechanics leaves open are of least size, as across the plane of a planar press, where they are zero.
+            Those that rigid mechanics leaves open are of least size, as across the plane of a planar press, where they are zero; a torque
+            counts as the force that it is at the length of the linkage, ``press.size``.
         multipliers_by_position: (n, rows, nv).
         multipliers_by_rate: (n, rows, nv).
         multipliers_by_effort: (n, rows, nv).
@@ -95,7 +96,7 @@ def acceleration_derivatives(
 
     Raises:
         PinpressError: the motion belongs to another linkage; efforts or armature of another shape, or not finite; a joint that moves no
-            mass; a gear pair whose ratio the loops keep too.
+            mass.
         SingularityError: the loops lose an equation in a state, or nearly so.
     """
     from ..engines.pinocchio.acceleration_derivatives import ForwardDerivatives  # imports SciPy, as forward dynamics does

@@ -54,7 +54,7 @@ def main() -> None:
     for name, made in LINKAGES.items():
         press = made()
         dynamics = press.forward_dynamics(np.zeros(press.model.nv))
-        proximal = dynamics.proximal
+        proximal = dynamics.quick
         assert proximal is not None
         with np.errstate(all="ignore"):
             states = states_of(press)

@@ -14,23 +14,27 @@ it. And where side 1 of a constraint is the frame, its Jacobian is added to that
 moves.
 
 Gear pairs are linear equations G a = 0, whose torques y are efforts G' y. With the derivatives of a linkage without gear pairs, a_x by
-anything and a_e by efforts, the torques follow from G (a_x + a_e G' y_x) = 0.
+anything and a_e by efforts, the torques follow from G (a_x + a_e G' y_x) = 0. Of gear pairs whose ratios the loops keep too, only as many
+are taken as the loops leave free in a state: at a dead centre they may hold what loops hold elsewhere.
 
-Where rows are redundant the multipliers are those of least size, l = P l with the projector P on the range of J. Their derivative is
-P l_x + (1 - P) (dJ/dx) w with w such that J w = l. J w is the velocity of the points at rates w, whose derivative Pinocchio has too.
+Where rows are redundant the multipliers are those of least size, l = P l with the projector P on the range of the rows J of points and gear
+pairs. Their derivative is P l_x + (1 - P) (dJ/dx) w with w such that J w = l. J w is the velocity of the points at rates w, whose
+derivative Pinocchio has too. A torque counts as the force that it is at the length of the linkage.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from ...common.errors import PinpressError, SingularityError
 from ...common.quantities import Array
 from .forward_dynamics import ForwardDynamics
 
 ITERATIONS = 34  # proximal iterations: each leaves a third of the error at most
-CLEAR = 1e-7  # share of the largest eigenvalue of J M^-1 J' above which one is clearly not zero
+# Share of the largest eigenvalue of J M^-1 J' above which one counts: less would cost digits, and more is left unheld beside a dead centre.
+CLEAR = 1e-8
 
 
 class AccelerationDerivatives(NamedTuple):
@@ -60,15 +64,7 @@ class ForwardDerivatives:
         Args:
             dynamics: of the linkage.
             gears: (couplings, nv) rows G of the gear pairs, 1 at the follower.
-
-        Raises:
-            PinpressError: the linkage does not suit Pinocchio's constraint dynamics.
         """
-        if dynamics.ends and dynamics.proximal is None:
-            raise PinpressError(
-                f"Pinocchio's constraint dynamics, whose derivatives these are, does not suit {dynamics.name}: a joint moves no mass, or a"
-                " gear pair keeps a ratio that the loops keep too; take differences of press.forward_dynamics(...).acceleration"
-            )
         self.dynamics, self.gears = dynamics, gears
         self.model = _behind_another_body(dynamics.model)
         self.data = self.model.createData()
@@ -85,7 +81,8 @@ class ForwardDerivatives:
         )
         self.data_of_points = pin.StdVec_RigidConstraintData([point.createData() for point in self.points])
         pin.initConstraintDynamics(self.model, self.data, self.points, self.data_of_points)
-        self.rank = dynamics.rank - len(gears)  # of the points' rows
+        # units of the gear pairs' torques: lengths of followers that turn
+        self.lengths = np.array([dynamics.units[np.flatnonzero(row == 1.0)[0]] for row in gears])
         self.settings = pin.ProximalSettings()  # those of a state, see `at`
 
     def at(self, x: Array, v: Array, efforts: Array) -> AccelerationDerivatives:
@@ -97,44 +94,70 @@ class ForwardDerivatives:
         """
         self.dynamics.acceleration_in_null_space(x, v, efforts)  # raises where it is singular, massless or not finite
         jacobian = self._jacobian(x)
-        self.settings = pin.ProximalSettings(0.0, 0.0, self._damping(x, jacobian), ITERATIONS)
-        gears = self.gears
+        held, damping = self._held(x, jacobian)
+        self.settings = pin.ProximalSettings(0.0, 0.0, damping, ITERATIONS)
+        gears, taken, count = self.gears, self._gears_needed(jacobian, held), len(x)
+        span = self._span(jacobian)
         acceleration, multipliers, derivatives = self._without_gears(x, v, efforts)
-        torques: Array = np.zeros(len(gears))
-        into: list[Array] = [np.zeros((len(gears), len(x)))] * 3
+        torques, into = np.zeros(len(gears)), [np.zeros((len(gears), count)) for _ in derivatives]
         if len(gears):
-            answer = derivatives[2] @ gears.T  # of accelerations and multipliers to the gear pairs' torques
-            answered = gears @ answer[: len(x)]
-            torques = np.asarray(-np.linalg.solve(answered, gears @ acceleration))
+            answer = derivatives[2] @ gears[taken].T  # of accelerations and multipliers to the gear pairs' torques
+            answered = gears[taken] @ answer[:count]
+            torques[taken] = -np.linalg.solve(answered, gears[taken] @ acceleration)
+            held_by = np.concatenate([multipliers + answer[count:] @ torques[taken], torques])
+            torques = span.least(held_by)[len(jacobian) :]  # so that what follows begins with multipliers of least size
             acceleration, multipliers, derivatives = self._without_gears(x, v, efforts + gears.T @ torques)
-            into = [np.asarray(-np.linalg.solve(answered, gears @ each[: len(x)])) for each in derivatives]
-            derivatives = [each + answer @ moved for each, moved in zip(derivatives, into, strict=True)]
-        self._take_least(x, jacobian, multipliers, derivatives)
-        if not np.isfinite([np.sum(each) for each in (acceleration, multipliers, *derivatives, *into)]).all():
+            for k, each in enumerate(derivatives):
+                into[k][taken] = -np.linalg.solve(answered, gears[taken] @ each[:count])
+                derivatives[k] = each + answer @ into[k][taken]
+        multipliers = span.least(np.concatenate([multipliers, torques]))
+        derivatives = [
+            np.concatenate([each[:count], span.least(np.concatenate([each[count:], moved]))])
+            for each, moved in zip(derivatives, into, strict=True)
+        ]
+        if len(jacobian):
+            turned = np.concatenate([self._velocity_by_position(x, span.rates(multipliers)), np.zeros((len(gears), count))])
+            derivatives[0][count:] += turned - span.least(turned)
+        if not np.isfinite([np.sum(each) for each in (acceleration, multipliers, *derivatives)]).all():
             raise self.dynamics.overflow(x)
-        return AccelerationDerivatives(
-            acceleration,
-            np.concatenate([multipliers, torques]),
-            *(np.concatenate([each, moved]) for each, moved in zip(derivatives, into, strict=True)),
-        )
+        return AccelerationDerivatives(acceleration, multipliers, *derivatives)
 
-    def _damping(self, x: Array, jacobian: Array) -> float:
-        """The proximal parameter mu at a position (nv,), half the smallest eigenvalue of J M^-1 J' that is not zero [1/kg]; ``jacobian``:
-        (rows, nv) J there.
+    def _held(self, x: Array, jacobian: Array) -> tuple[int, float]:
+        """How many equations the points hold at a position (nv,) with the Jacobian (rows, nv), and the proximal parameter mu for them: half
+        the smallest eigenvalue of J M^-1 J' that counts [1/kg].
 
         Raises:
             SingularityError: the loops nearly lose an equation there.
+            PinpressError: a joint moves no mass.
         """
-        if not self.rank:
-            return 1.0
         dynamics = self.dynamics
         mass = pin.crba(dynamics.model, dynamics.data, x)
+        if not (mass.diagonal() * dynamics.per_unit**2).min() > dynamics.least**2:
+            raise PinpressError(
+                f"a joint of {dynamics.name} moves no mass, which Pinocchio's constraint dynamics needs: give mass to its links, or take"
+                " differences of press.forward_dynamics(...).acceleration"
+            )
+        if not len(jacobian):
+            return 0, 1.0
         root = np.linalg.solve(np.linalg.cholesky(np.triu(mass) + np.triu(mass, 1).T), jacobian.T)
         sizes = np.linalg.svd(root, compute_uv=False) ** 2
-        if not sizes[self.rank - 1] > CLEAR * sizes[0]:
+        held = int(np.count_nonzero(sizes > CLEAR * sizes[0]))
+        if not dynamics.rank - len(self.gears) <= held <= dynamics.rank:
             problem = f"the loops of {dynamics.name} nearly lose an equation: derivatives would be lost in rounding"
-            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[self.rank - 1] / sizes[0]), dynamics.coordinate)
-        return 0.5 * float(sizes[self.rank - 1])
+            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[held - 1] / sizes[0]), dynamics.coordinate)
+        return held, 0.5 * float(sizes[held - 1])
+
+    def _gears_needed(self, jacobian: Array, held: int) -> NDArray[np.int64]:
+        """Which gear pairs keep ratios that the points, holding so many equations, do not: as many as the rank asks for."""
+        from scipy.linalg import qr  # its import takes long
+
+        needed = self.dynamics.rank - held
+        if needed == len(self.gears):
+            return np.arange(needed, dtype=np.int64)
+        units = self.dynamics.units
+        free = np.linalg.svd(jacobian / units)[2][held:].T
+        pivots = qr((self.gears / units @ free).T, mode="r", pivoting=True)[1]
+        return np.sort(pivots[:needed]).astype(np.int64)
 
     def _without_gears(self, x: Array, v: Array, efforts: Array) -> tuple[Array, Array, list[Array]]:
         """Acceleration (nv,), multipliers (rows,), and the derivatives of both (nv + rows, nv) by position, rate and effort."""
@@ -151,18 +174,14 @@ class ForwardDerivatives:
         ]
         return acceleration, multipliers, derivatives
 
-    def _take_least(self, x: Array, jacobian: Array, multipliers: Array, derivatives: list[Array]) -> None:
-        """Replace the points' multipliers, and their derivatives, by those of least squares."""
-        if not len(multipliers):
-            return
-        count, rank, units = len(x), self.rank, self.dynamics.units
-        left, sizes, right = np.linalg.svd(jacobian / units, full_matrices=False)
-        held, motions = left[:, :rank], right[:rank].T / units[:, None] / sizes[:rank]
-        multipliers[:] = held @ (held.T @ multipliers)
-        turned = self._velocity_by_position(x, motions @ (held.T @ multipliers))
-        for each in derivatives:
-            each[count:] = held @ (held.T @ each[count:])
-        derivatives[0][count:] += turned - held @ (held.T @ turned)
+    def _span(self, jacobian: Array) -> "_Span":
+        """What the rows of points, with the Jacobian (rows, nv), and gear pairs determine."""
+        units = self.dynamics.units
+        scales = np.concatenate([np.ones(len(jacobian)), self.lengths])
+        rows = np.concatenate([jacobian, self.gears]) * scales[:, None]
+        left, sizes, right = np.linalg.svd(rows / units, full_matrices=False)
+        rank = self.dynamics.rank
+        return _Span(left[:, :rank], right[:rank].T / units[:, None] / sizes[:rank], scales)
 
     def _jacobian(self, x: Array) -> Array:
         """(rows, nv) of the points: velocity of point 2 less that of point 1, world axes."""
@@ -179,6 +198,29 @@ class ForwardDerivatives:
         pin.constraintDynamics(model, data, coordinates, rates, np.zeros(model.nv), self.points, self.data_of_points, self.settings)
         pin.computeConstraintDynamicsDerivatives(model, data, self.points, self.data_of_points, self.settings)
         return np.asarray(self.signs[:, None] * np.array(data.dvc_dq)[:, 1:])
+
+
+class _Span(NamedTuple):
+    """The range of the rows J of points and gear pairs at a position, as forces: a torque counts at the length of its joint.
+
+    Attributes:
+        held: (rows, rank) orthonormal.
+        motions: (nv, rank) rates to which the rows answer with each of these.
+        scales: (rows,) lengths of the gear pairs' torques [m], 1 for forces.
+    """
+
+    held: Array
+    motions: Array
+    scales: Array
+
+    def least(self, multipliers: Array) -> Array:
+        """The multipliers of least size, (rows,) or (rows, k), that act as these do."""
+        scales = self.scales.reshape(-1, *[1] * (multipliers.ndim - 1))
+        return np.asarray(scales * (self.held @ (self.held.T @ (multipliers / scales))))
+
+    def rates(self, multipliers: Array) -> Array:
+        """The joint rates (nv,) at which the rows move as these multipliers (rows,) of least size say."""
+        return np.asarray(self.motions @ (self.held.T @ (multipliers / self.scales)))
 
 
 def _behind_another_body(model: pin.Model) -> pin.Model:

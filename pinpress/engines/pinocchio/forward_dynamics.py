@@ -63,8 +63,7 @@ class ForwardDynamics:
     time.
 
     Attributes:
-        proximal: what `constraintDynamics` takes; None where it does not suit the linkage.
-        quick: the same where it is quicker than the null space too, and None elsewhere.
+        quick: what `constraintDynamics` takes; None where it does not suit the linkage.
         why: words why it is or is not.
         ends: the points at which loops are held.
         quickly: number of accelerations so far that it found.
@@ -99,10 +98,7 @@ class ForwardDynamics:
         self._make_rows(spatial, [len(held) for held in by_loop])
         mass = pin.crba(self.model, self.data, closed)
         self.least = math.sqrt(MASSLESS * float((mass.diagonal() * self.per_unit**2).max()))
-        self.proximal, self.why = self._proximal(closed, ends, mass)
-        self.quick = self.proximal
-        if len(self.offsets) > MOST_GEAR_PAIRS:
-            self.quick, self.why = None, f"more than {MOST_GEAR_PAIRS} gear pairs, of which Pinocchio has no constraint model"
+        self.quick, self.why = self._proximal(closed, ends, mass)
         self.ends, self.quickly, self.generally = ends, 0, 0
 
     def _make_tree(self, spatial: SpatialModel, armature: Array) -> None:
@@ -378,6 +374,8 @@ class ForwardDynamics:
             return None, "no loops"
         if not ((mass.diagonal() * self.per_unit**2).min() > self.least**2):
             return None, "a joint moves no mass"
+        if len(self.offsets) > MOST_GEAR_PAIRS:
+            return None, f"more than {MOST_GEAR_PAIRS} gear pairs, of which Pinocchio has no constraint model"
         data, (points, data_of_points) = data_of(self.model), _contacts(self.model, ends)
         opened = closed + OPENED * self.size * self.per_unit * np.random.default_rng(0).uniform(-1, 1, len(closed))
         rows, opened_rows = (_contact_rows(self.model, data, points, data_of_points, x) for x in (closed, opened))
