@@ -50,6 +50,10 @@ REASONS = {
         "the press on its springs does not repeat its stroke: the lowest positions of its slide in {strokes} strokes are {depths} mm; let"
         " it run with simulate, or look at stiffness, damping and load"
     ),
+    "crank rests": (
+        "the crank comes to rest: on its springs a press is followed while its crank turns one way; give it more speed, a larger flywheel"
+        " or a stronger drive, or leave elastic out"
+    ),
     "no period": (
         "a shaft of {press_name} comes back only after more than {most} turns, so that there is no period to tabulate:"
         " use method='constraint', or another gear ratio"

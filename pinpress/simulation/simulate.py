@@ -102,8 +102,8 @@ def simulate(
             on through the lock.
         points: number of states returned; by default 120 a turn, and at least 120.
         elastic: springs and dampers of bearings, guides, rods, shaft and frame; None: all parts are rigid. The result is then an
-            `ElasticRun`, from a start at which the springs carry what acts on them, so that nothing rings yet. The drive is a
-            `PrescribedSpeed`; the method is "auto".
+            `ElasticRun`, from a start at which the springs carry what acts on them, so that nothing rings yet. There is
+            no clutch and no brake, and drives have no states of their own; the crank turns one way, and the method is "auto".
         tolerance: error accepted of a step, relative to 1 rad and to the speeds of the crank, by default 1e-11. With ``elastic`` that of
             a coordinate on a panel, as a share of the largest displacement, by default 1e-5.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
@@ -139,7 +139,7 @@ def simulate(
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
         if elastic is not None:
-            return elastic_simulation(problem, elastic, points, began)
+            return elastic_simulation(problem, elastic, points, began, progress)
         trajectory = march(problem, progress)
         run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))
     if (since := trajectory.standing) is not None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -36,7 +37,7 @@ from .over_angle.mesh import Indices, Mesh, build_mesh, mesh_borders
 from .over_angle.refinement import cuts, interpolate_onto, stopping_panels
 from .over_angle.segment import angle_segment
 from .run import Run, as_run, state_count
-from .simulate import checked_tolerance
+from .simulate import TOLERANCE, checked_tolerance
 from .solvers import SimulationProblem, crank_sizes, reduced_system
 from .trajectory import INTEGRALS, State, Trajectory
 
@@ -77,8 +78,8 @@ def steady_state(
         loads: as in `simulate`; nothing in them may depend on time.
         friction: as in `simulate`.
         points: number of states returned; by default 120 a turn.
-        elastic: as in `simulate`; the drive is then a `PrescribedSpeed`, and the steady state the stroke that the press repeats on its
-            springs.
+        elastic: as in `simulate`; the drive may then be a `PrescribedSpeed` too. The steady state is the stroke that the press repeats
+            on its springs.
         tolerance: as in `simulate`.
 
     Raises:
@@ -96,19 +97,24 @@ def steady_state(
     refuse_unlisted_loads(loads)
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
     driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction)
-    if elastic is not None:
-        doubt_speeds(press, near)
-        with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
-            return elastic_steady_state(driven, elastic, near, start, points, tolerance, began)
-    _refuse_without_steady_state(driven, drive)
+    if elastic is None or driven.prescribed is None:
+        _refuse_without_steady_state(driven, drive)
     doubt_speeds(press, near)
+    if elastic is not None:
+        rigid_period = partial(_rigid_period, driven, near, TOLERANCE)
+        with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
+            return elastic_steady_state(driven, elastic, near, start, points, tolerance, began, rigid_period)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
-        period = None if driven.timed else _over_angle(driven, start, near, tolerance)
-        if period is None:
-            period = _over_time(driven, start, near, tolerance)
+        period = _rigid_period(driven, near, tolerance, start)
         speeds = period.at(np.zeros(1), complete=False).speed[:, 0]
         problem = SimulationProblem(driven, "reduced", np.array([start]), speeds, period.segments[-1].end, tolerance)
         return as_run(problem, period, points, began)
+
+
+def _rigid_period(driven: DrivenPress, speed: float, tolerance: float, angle: float) -> Trajectory:
+    """The period from a crank angle on, of the steady state near a speed."""
+    found = None if driven.timed else _over_angle(driven, angle, speed, tolerance)
+    return _over_time(driven, angle, speed, tolerance) if found is None else found
 
 
 def _speed(given: object) -> float:

@@ -161,7 +161,7 @@ def test_derivatives_of_the_forces():
     [
         ({"elastic": pp.elasticity.Elastic(pp.elasticity.Stiffness({"O": 1e9}))}, "lacks 'P2', 'slide_guide', 'P4'"),
         ({"elastic": 2e9}, "give an Elastic"),
-        ({"drive": pp.drives.ConstantTorque(10.0)}, "PrescribedSpeed"),
+        ({"drive": pp.drives.ConstantTorque(10.0)}, "no steady state"),
         ({"drive": pp.drives.PrescribedSpeed(1.0)}, "prescribes 1"),
         ({"friction": {"O": pp.loads.Friction(0.1, 0.05)}}, "no friction"),
     ],

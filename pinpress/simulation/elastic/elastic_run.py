@@ -272,7 +272,7 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     found[DRIVE_WORK], found[MOTOR_SQUARED] = torque * rates[:, -1], motor**2
     geometry = sprung.geometry(coordinates, all_rates)
     found[LOST] = (geometry.opening**2) @ sprung.lines.damping + sprung.turning_rates(all_rates) ** 2 @ sprung.turns.damping
-    powers = [force * rate for force, rate in equations.load_forces(at.segments, coordinates, all_rates)]
+    powers = [force * rate for force, rate in equations.load_forces(at.times, at.segments, coordinates, all_rates)]
     loads, nothing = len(driven.forces), np.zeros(len(torque))
     found[LOAD_WORK], found[LOST] = -sum(powers[:loads], nothing), found[LOST] - sum(powers[loads:], nothing)
     return found
@@ -296,7 +296,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
     rigid, _, _ = coordinates_of(sprung, motion)
     moved = (coordinates - rigid).reshape(points, -1, 3)[:, : press.model.nv]
-    forces = to_world(DrawnBodies(press).plane, _bearing_forces(solution, at.segments, coordinates, rates))
+    forces = to_world(DrawnBodies(press).plane, _bearing_forces(solution, at.times, at.segments, coordinates, rates))
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     stats = Stats(
@@ -326,7 +326,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     )
 
 
-def _bearing_forces(solution: ElasticSolution, segments: Indices, coordinates: Array, rates: Array) -> ComplexArray:
+def _bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> ComplexArray:
     """Forces (bearings, n) in the plane's axes, parent on child, or link1 on link2 [N]."""
     sprung = solution.equations.sprung
     lines, geometry = sprung.lines, sprung.geometry(coordinates, rates)
@@ -336,7 +336,7 @@ def _bearing_forces(solution: ElasticSolution, segments: Indices, coordinates: A
     for spring, number in enumerate(lines.bearing):
         if number >= 0:
             found[number] += forces[:, spring]
-    loads = solution.equations.load_forces(segments, coordinates, rates)[len(solution.equations.driven.forces) :]
+    loads = solution.equations.load_forces(times, segments, coordinates, rates)[len(solution.equations.driven.forces) :]
     for pin, (force, _) in zip(sprung.open_pins, loads, strict=True):
         gap = journal_places(sprung, pin, coordinates)
         found[pin.bearing] = -force * gap / np.maximum(np.abs(gap), NEAREST)
@@ -399,7 +399,7 @@ def _extremes(segment: ElasticSegment) -> Extremes:
         at = solution_states(solution, panel, share, None, segment.gain)
         free, rates = at.whole
         sprung = solution.equations.sprung
-        forces = _bearing_forces(solution, at.segments, sprung.all_coordinates(free), rates @ sprung.carry.T)
+        forces = _bearing_forces(solution, at.times, at.segments, sprung.all_coordinates(free), rates @ sprung.carry.T)
         return np.stack([-_slide(solution, at)[:, 0], _pull_on_slide(solution, forces), *np.abs(forces)])
 
     found = _largest(all_values, len(solution.panels.mesh.start))
@@ -444,6 +444,8 @@ def _events(segment: ElasticSegment) -> tuple[tuple[float, float, float], ...]:
     """Time, crank angle and slide position of each event."""
     solution, mesh, found = segment.solution, segment.solution.panels.mesh, []
     for knot in solution.equations.events or {}:
+        if knot == len(solution.equations.segments):  # the end of a period
+            continue
         there = solution_states(solution, np.array([int(np.searchsorted(mesh.segment, knot))]), np.zeros(1), None, segment.gain)
         time = float(there.times[0]) - segment.first
         if solution.periodic:

@@ -23,8 +23,18 @@ from .sprung_press import SprungPress
 
 SLOW = 1e-3  # [m/s] speed below which the slope of a law by the speed is found with steps for this speed
 STEP = 1e-6  # share of a load's extent, or of the size of a speed, by which its slope is found
+INSTANT = 1e-9  # [s] with which slopes by time are found, and within which two times are one
+CRANK_ANGLE = -1  # in place of a path's number
 
-Segment = tuple[ForceInterval | None, ...]
+
+class TimeSpan(NamedTuple):
+    """Times between which a force in time is smooth [s]."""
+
+    begin: float
+    end: float
+
+
+Segment = tuple[ForceInterval | TimeSpan | None, ...]
 """The interval of each force that acts; None where none does."""
 
 
@@ -32,7 +42,7 @@ class Event(NamedTuple):
     """What ends a segment at a time that is not known before: a path reaches a border.
 
     Attributes:
-        path: its number; -1: the crank's angle.
+        path: its number; `CRANK_ANGLE` for the angle of the crank.
         value: at the border [m or rad].
     """
 
@@ -118,8 +128,18 @@ class ElasticEquations:
     def forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array, Array]:
         force, stiffness, damping = self.whole_forces(time, y, v, segments)
         n = self.size
-        by_time = -stiffness[:, :n, -1] * self.crank.speed if self.crank is not None else np.zeros((len(time), n))
-        return force[:, :n], stiffness[:, :n, :n], damping[:, :n, :n], by_time
+        return force[:, :n], stiffness[:, :n, :n], damping[:, :n, :n], self._by_time(time, y, v, segments, stiffness)
+
+    def _by_time(self, time: Array, y: Array, v: Array, segments: Indices, stiffness: Array) -> Array:
+        """Derivative (n, size) of the forces by time."""
+        if self.crank is not None:
+            return np.asarray(-stiffness[:, : self.size, -1] * self.crank.speed)
+        drive, timed = self.driven.drive, any(law.time is not None for law in self.driven.forces)
+        if not timed and (drive is None or not drive.timed):
+            return np.zeros_like(y)
+        before, _, _ = self.whole_forces(time - INSTANT, y, v, segments)
+        after, _, _ = self.whole_forces(time + INSTANT, y, v, segments)
+        return np.asarray((after - before) / (2 * INSTANT))
 
     def whole_forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array]:
         """Forces (n, f) on all free coordinates, the crank's last, and minus their derivatives by these coordinates and rates."""
@@ -134,7 +154,7 @@ class ElasticEquations:
                 continue
             some = np.flatnonzero(np.isin(segments, on))
             path = self.paths[law.row].over(self.sprung, coordinates[some], all_rates[some])
-            values, by_place, by_rate = self._law_values(law, number, segments[some], path)
+            values, by_place, by_rate = self._law_values(law, number, segments[some], time[some], path)
             force[some] += values[:, None] * path.gradient
             outer = path.gradient[:, :, None] * path.gradient[:, None, :]
             stiffness[some] -= by_place[:, None, None] * outer + values[:, None, None] * path.bend
@@ -146,15 +166,17 @@ class ElasticEquations:
             self._add_drive(rates[:, -1], free[:, -1], time, force, stiffness, damping)
         return force, stiffness, damping
 
-    def load_forces(self, segments: Indices, coordinates: Array, rates: Array) -> list[tuple[Array, Array]]:
+    def load_forces(self, time: Array, segments: Indices, coordinates: Array, rates: Array) -> list[tuple[Array, Array]]:
         """Of each load its force along its path (n,) [N], and the rate of the path (n,) [m/s]."""
         found = []
         for number, law in enumerate(self.all_forces):
             path = self.paths[law.row].over(self.sprung, coordinates, rates)
-            found.append((self._law_values(law, number, segments, path)[0], path.rate))
+            found.append((self._law_values(law, number, segments, time, path)[0], path.rate))
         return found
 
-    def _law_values(self, law: GeneralizedForce, number: int, segments: Indices, path: PathMotion) -> tuple[Array, Array, Array]:
+    def _law_values(
+        self, law: GeneralizedForce, number: int, segments: Indices, time: Array, path: PathMotion
+    ) -> tuple[Array, Array, Array]:
         """Force (n,) of a load where its path is so, and its slopes by place and rate."""
         values, by_place, by_rate = np.zeros(len(segments)), np.zeros(len(segments)), np.zeros(len(segments))
         for segment in np.unique(segments):
@@ -162,7 +184,13 @@ class ElasticEquations:
             if interval is None:
                 continue
             there = segments == segment
+            if isinstance(interval, TimeSpan):
+                values[there] = _at_time(law, interval, time[there])
+                continue
             values[there], by_place[there], by_rate[there] = _values(interval, path.value[there] - law.datum, path.rate[there])
+            if interval.one_sided and number < len(self.driven.forces):
+                for each in (by_place, by_rate, values):
+                    each[there] *= values[there] > 0
         return values, by_place, by_rate
 
     def _add_drive(self, speed: Array, angle: Array, time: Array, force: Array, stiffness: Array, damping: Array) -> None:
@@ -171,6 +199,8 @@ class ElasticEquations:
             return
         force[:, -1] += np.broadcast_to(drive.torque(speed, angle, time), speed.shape)
         damping[:, -1, -1] -= _slope(lambda w: drive.torque(w, angle, time), speed, float(np.abs(speed).max()) or 1.0)
+        if drive.timed:
+            stiffness[:, -1, -1] -= _slope(lambda at: drive.torque(speed, at, time), angle, 1.0)
 
     def event(self, knot: int, y: Array, v: Array) -> tuple[float, Array]:
         assert self.events is not None
@@ -178,7 +208,7 @@ class ElasticEquations:
         if isinstance(event, Release):
             return self._contact_force(event.force, y, v)
         path, value = event
-        if path < 0:
+        if path == CRANK_ANGLE:
             gradient = np.zeros(2 * self.size)
             gradient[self.size - 1] = 1.0
             return float(y[-1] - value), gradient
@@ -218,6 +248,12 @@ def _slope(law: Callable[[Any], Any], at: Array, size: float) -> Array:
     """Slope of a law by a central difference."""
     step = STEP * size
     return np.asarray((np.asarray(law(at + step)) - np.asarray(law(at - step))) / (2 * step) + 0.0 * at)
+
+
+def _at_time(law: GeneralizedForce, span: TimeSpan, time: Array) -> Array:
+    """Force (n,) in time, on its own side of the span's ends where rounding would tell otherwise."""
+    assert law.time is not None
+    return np.asarray(law.time(np.clip(time, span.begin + INSTANT, span.end - INSTANT)) + 0.0 * time)
 
 
 def _by_place(force: Callable[[Array, Array], Array], rate: Array, place: Array) -> Array:

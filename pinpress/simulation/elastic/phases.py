@@ -18,7 +18,7 @@ from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
 from ..reduced_model import COORDINATES, roots
-from .equations import Event, Release, Segment
+from .equations import INSTANT, Event, Release, Segment, TimeSpan
 
 ASIDE = 1e-9  # angle from the start within which an event belongs to the start [rad]
 
@@ -97,10 +97,14 @@ class LoadPhases:
         slope = 0.0 if self._row is None else float(self.driven.model.at(np.array(angle))[1][COORDINATES + self._row])
         return Phase(slope * self.direction > 0, (False,) * len(self.forces))
 
-    def active(self, phase: Phase, places: Array) -> Segment:
-        """The intervals that act where the paths have the values ``places`` (paths,)."""
+    def active(self, phase: Phase, places: Array, time: float = 0.0) -> Segment:
+        """The intervals that act where the paths have the values ``places`` (paths,), from a time on [s]; see `Segment`."""
         return tuple(
-            None if over else _interval(force, phase.rising, float(places[force.row]) - force.datum)
+            _span(force, time)
+            if force.time is not None
+            else None
+            if over
+            else _interval(force, phase.rising, float(places[force.row]) - force.datum)
             for force, over in zip(self.forces, phase.through, strict=True)
         )
 
@@ -171,6 +175,13 @@ class Plan(NamedTuple):
     segments: tuple[Segment, ...]
     events: Mapping[int, Event | Release]
     knots: Array
+
+
+def _span(force: GeneralizedForce, time: float) -> TimeSpan:
+    """The span between its edges in which a force in time acts from a time on."""
+    borders = (-np.inf, *force.edges, np.inf)
+    after = int(np.searchsorted(borders, time + INSTANT, side="right"))
+    return TimeSpan(borders[after - 1], borders[after])
 
 
 def _interval(force: GeneralizedForce, rising: bool, place: float) -> ForceInterval | None:

@@ -2,53 +2,87 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from ...common.errors import PinpressError
 from ...common.quantities import Array
-from ...kinematics.motion import motion_through_change_points
+from ...drives.protocol import corners_of
+from ...kinematics.motion import Motion, motion_through_change_points
 from ..driven_press import DrivenPress, GeneralizedForce
 from ..run import state_count
 from ..solvers import SimulationProblem
+from ..trajectory import Trajectory
 from .assembly import coordinates_of, sprung_press
 from .description import Elastic
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
 from .load_paths import LengthPath, load_path
 from .phases import LoadPhases
-from .solution import Task, largest_deflection, march, periodic, resting
+from .solution import ElasticSolution, Task, largest_deflection, march, periodic, resting
 from .sprung_press import SprungPress
 
 ROUNDING = 1e-15  # smallest error of a coordinate that floating point tells [lengths of the linkage]
+NEWTON_STEPS = 6  # to the time of a crank angle
+
+
+RigidPeriod = Callable[[float], Trajectory]
+"""Of a crank angle: the period of the rigid press under its drive from there on."""
 
 
 def elastic_steady_state(
-    driven: DrivenPress, elastic: Elastic, speed: float, angle: float, points: int | None, tolerance: float, began: float
+    driven: DrivenPress,
+    elastic: Elastic,
+    speed: float,
+    angle: float,
+    points: int | None,
+    tolerance: float,
+    began: float,
+    rigid_period: RigidPeriod,
 ) -> ElasticRun:
     """One period of a press on its springs; see `steady_state`.
 
     Args:
         driven: the press with drive and loads.
         elastic: what yields.
-        speed: of the crank [rad/s].
+        speed: of the crank, or near which it is sought under a drive [rad/s].
         angle: of the crank at the start [rad].
         points: number of states returned.
         tolerance: error of a coordinate [lengths of the linkage].
         began: time of the clock at which the call began [s].
+        rigid_period: where there is a drive, what is near the motion sought.
     """
     if driven.prescribed is not None and driven.prescribed.speed != speed:
         raise PinpressError(f"speed is {speed:g}, but the drive prescribes {driven.prescribed.speed:g} rad/s: give the same")
     task, start = _task(driven, elastic, speed, angle, tolerance, steady=True)
-    solution = periodic(task, start)
-    first = float(((angle - start) / speed) % task.period)
-    problem = SimulationProblem(driven, "elastic", np.array([angle]), np.array([speed]), task.period, tolerance)
-    turns = abs(speed) * task.period / (2 * np.pi)
-    return elastic_run(problem, ElasticSegment(solution, first, task.period, task.gain, angle), elastic, state_count(points, turns), began)
+    if driven.prescribed is None:
+        task = _free(task, rigid_period(start))
+    segment = _from_angle(periodic(task, start), task, start, angle)
+    first = segment.states(np.zeros(1))
+    problem = SimulationProblem(driven, "elastic", np.array([angle]), segment.crank(*first.whole)[1], segment.end, tolerance)
+    return elastic_run(problem, segment, elastic, state_count(points, abs(task.speed) * task.period / (2 * np.pi)), began)
 
 
-def elastic_simulation(problem: SimulationProblem, elastic: Elastic, points: int | None, began: float) -> ElasticRun:
+def _from_angle(solution: ElasticSolution, task: Task, start: float, angle: float) -> ElasticSegment:
+    """A period from a crank angle on; ``start``: that at which the solution begins."""
+    knots = solution.panels.mesh.knots
+    period = float(knots[-1] - knots[0])
+    ahead = (np.sign(task.speed) * (angle - start)) % (abs(task.speed) * task.period)
+    first = float(ahead) / abs(task.speed)
+    if solution.equations.crank is None:
+        borders, angles = solution.panels.mesh.borders, np.abs(solution.panels.states[:, task.equations.size - 1] - start)
+        first = float(np.interp(ahead, angles, borders))
+        for _ in range(NEWTON_STEPS):
+            y, v, _ = solution.panels.at(np.array([first]))
+            first = min(max(first - float((abs(y[0, -1] - start) - ahead) / abs(v[0, -1])), 0.0), period)
+    return ElasticSegment(solution, first, period, task.gain, angle)
+
+
+def elastic_simulation(
+    problem: SimulationProblem, elastic: Elastic, points: int | None, began: float, progress: Callable[[float], None] | None
+) -> ElasticRun:
     """A run of a press on its springs; see `simulate`.
 
     Args:
@@ -56,18 +90,25 @@ def elastic_simulation(problem: SimulationProblem, elastic: Elastic, points: int
         elastic: what yields.
         points: number of states returned.
         began: time of the clock at which the call began [s].
+        progress: called with the time reached [s].
     """
+    if problem.method != "reduced" or problem.step is not None:
+        raise PinpressError("an elastic motion has a method and steps of its own: leave out method and step")
     angle, speed, until = float(problem.angle[0]), float(problem.speed[0]), problem.until
+    if speed == 0.0:
+        raise PinpressError("speed is 0: an elastic motion is that of a crank that turns; give its speed at the start [rad/s]")
     task, start = _task(problem.driven, elastic, speed, angle, problem.tolerance, steady=False)
-    solution = march(task, start, resting(task, start), until)
-    turns = abs(speed) * until / (2 * np.pi)
-    problem = replace(problem, method="elastic")
-    return elastic_run(problem, ElasticSegment(solution, 0.0, until, task.gain, angle), elastic, state_count(points, turns), began)
+    if problem.driven.prescribed is None:
+        task = _free(task, None)
+    solution = march(task, start, resting(task, start), until, progress=progress)
+    segment = ElasticSegment(solution, 0.0, until, task.gain, angle)
+    return elastic_run(replace(problem, method="elastic"), segment, elastic, state_count(points, segment.travelled / (2 * np.pi)), began)
 
 
 def _task(driven: DrivenPress, elastic: Elastic, speed: float, angle: float, tolerance: float, steady: bool) -> tuple[Task, float]:
-    """What is to be found, and the crank angle at which the solution begins: for a steady state one at which the rigid press turns."""
-    _refuse_unsuitable(driven)
+    """What is to be found for a crank at a constant speed, and the crank angle at which the solution begins: for a steady state one at
+    which the rigid press turns."""
+    _refuse_unsuitable(driven, elastic)
     sprung = sprung_press(driven.press, elastic)
     if steady and sprung.open_pins:
         raise PinpressError(
@@ -91,13 +132,11 @@ def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: flo
     paths += tuple(LengthPath(pin.bodies, pin.arms, 0.0, -1.0) for pin in sprung.open_pins)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
-        found = coordinates_of(sprung, motion_through_change_points(press, start + speed * times, speed))
-        return sprung.free_coordinates(found[0])[:, :-1], sprung.free_rates(found[1])[:, :-1], sprung.free_rates(found[2])[:, :-1]
+        found = _rigid_states(sprung, motion_through_change_points(press, start + speed * times, speed))
+        return found[0][:, :-1], found[1][:, :-1], found[2][:, :-1]
 
     period = 2 * np.pi * press.period_turns / abs(speed)
-    ends = rigid(np.array([0.0, period]))[0]
-    gained = np.round((ends[1] - ends[0]) / np.pi) * np.pi  # whole turns of links, and of others nothing
-    gain = np.concatenate([gained, np.zeros(len(gained))])
+    gain = _gain(*rigid(np.array([0.0, period]))[0])
     equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed), contacts=phases.contacts)
     return Task(equations, phases, rigid, period, speed, gain, 0.0)
 
@@ -111,10 +150,47 @@ def _contacts(driven: DrivenPress, sprung: SprungPress) -> tuple[GeneralizedForc
     return tuple(found)
 
 
-def _refuse_unsuitable(driven: DrivenPress) -> None:
-    if driven.prescribed is None:
-        raise PinpressError("an elastic motion is that of a crank at constant speed: give drive=PrescribedSpeed(...)")
+def _free(task: Task, period: Trajectory | None) -> Task:
+    """The task of a crank that its drive turns; ``period``: of the rigid press under it, None: it is not known."""
+    equations, held = task.equations, task.equations.crank
+    assert held is not None
+
+    def rigid(times: Array) -> tuple[Array, Array, Array]:
+        if period is None:
+            angle, speed, acceleration = held.angle + held.speed * times, np.full(len(times), held.speed), np.zeros(len(times))
+        else:
+            sample = period.at(times)
+            angle, speed, acceleration = sample.position[0], sample.speed[0], sample.acceleration[0]
+        return _rigid_states(equations.sprung, motion_through_change_points(equations.sprung.press, angle, speed, acceleration))
+
+    until = task.period if period is None else period.segments[-1].end
+    speed = held.speed * task.period / until
+    gain = _gain(*rigid(np.array([0.0, until]))[0])
+    return task._replace(equations=replace(equations, crank=None), rigid=rigid, period=until, speed=speed, gain=gain)
+
+
+def _rigid_states(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, Array]:
+    """Free coordinates, rates and accelerations (n, f) of the rigid press."""
+    found = coordinates_of(sprung, motion)
+    return sprung.free_coordinates(found[0]), sprung.free_rates(found[1]), sprung.free_rates(found[2])
+
+
+def _gain(first: Array, last: Array) -> Array:
+    """(2 f,) what coordinates and rates gain in a period: links whole turns, and others nothing."""
+    gained = np.round((last - first) / np.pi) * np.pi
+    return np.concatenate([gained, np.zeros(len(gained))])
+
+
+def _refuse_unsuitable(driven: DrivenPress, elastic: Elastic) -> None:
     if driven.friction is not None:
         raise PinpressError("an elastic motion has no friction: leave it out")
-    if any(force.time is not None for force in driven.forces):
-        raise PinpressError("an elastic motion takes loads by the slide's height, no TimeForce")
+    for name, part in (("clutch", driven.clutch), ("brake", driven.brake)):
+        if part is not None:
+            raise PinpressError(f"an elastic motion has no {name}: begin it with the speed that the press has once it is engaged")
+    drive = driven.drive
+    if drive is not None and drive.state:
+        raise PinpressError("an elastic motion takes no drive with states of its own: let its torque depend on speed, angle and time alone")
+    if drive is not None and any(jump and np.any(speed) for speed, jump in corners_of(drive)):
+        raise PinpressError("an elastic motion takes no drive whose torque jumps at a speed: give it a slope there")
+    if isinstance(elastic, Elastic) and elastic.stiffness.shaft is not None and driven.prescribed is None and not driven.inertia > 0:
+        raise PinpressError("a shaft that twists needs an inertia on its drive's side: give a flywheel, or a drive with inertia")

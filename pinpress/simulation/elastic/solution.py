@@ -1,13 +1,14 @@
 """The motion of a press on springs: one period found directly, or step by step from a known state.
 
 The period is one system of equations: all panels, the first state and the times at which loads begin and end (`panels`). It starts from the
-rigid motion with its own events. Where Newton's method fails from there, or the links swing through more events than the rigid press, some
+rigid motion with its own events. Where the crank turns freely, the time of the period's end is unknown too: it ends where the crank has
+turned through a period. Where Newton's method fails from there, or the links swing through more events than the rigid press, some
 strokes are followed step by step first. Panels are divided until the error of each is below the tolerance.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -17,10 +18,10 @@ from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..failures import failure
 from .contact import HertzContact
-from .equations import ElasticEquations, Event, Release, Segment
+from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, Release, Segment
 from .panels import Border, Indices, Mesh, PanelSolution, radau, solve
 from .phases import Border as LoadBorder
-from .phases import LoadPhases, Plan
+from .phases import LoadPhases, Phase, Plan
 from .sprung_press import LineSprings, SprungPress
 
 STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
@@ -35,6 +36,8 @@ LOOKS = 12  # places on a panel at which events are looked for
 BESIDE = 1e-9  # lengths of the linkage beside a border at which it is seen what acts there
 ASIDE = 1e-6  # angle beside a turning at which it is seen which way the rigid press goes [rad]
 SHORTEST = 1e-9  # share of a period below which a window counts as stuck
+PATIENCE = 4.0  # periods after which a free crank counts as one that does not get through a stroke
+COURSE = 240  # times of a period between which those of crank angles are interpolated
 
 RigidMotion = Callable[[Array], tuple[Array, Array, Array]]
 """Times (n,) to coordinates, rates and accelerations (n, f) of the rigid press."""
@@ -68,9 +71,9 @@ class Task(NamedTuple):
     Attributes:
         equations: of the press; their segments are not yet known.
         phases: of its loads.
-        rigid: the motion of the rigid press at the same speed.
-        period: of a turn at that speed [s].
-        speed: of the crank [rad/s].
+        rigid: the motion of the rigid press at the same speed, or under the same drive.
+        period: of the rigid press [s].
+        speed: of the crank, its mean over a period [rad/s].
         gain: (2 f,) what coordinates and rates have gained after a period.
         tolerance: error of a coordinate [m or rad].
     """
@@ -83,6 +86,14 @@ class Task(NamedTuple):
     gain: Array
     tolerance: float
 
+    def times(self, travelled: Array) -> Array:
+        """Times (n,) at which the rigid press has turned its crank so far (n,) [s]."""
+        if self.equations.crank is not None:
+            return travelled / abs(self.speed)
+        times = np.linspace(0.0, self.period, COURSE + 1)
+        angle = self.rigid(times)[0][:, -1]
+        return np.interp(travelled, np.abs(angle - angle[0]), times)
+
 
 # ------------------------------------------------------------------------------------------------------------------------------ one period
 
@@ -94,19 +105,19 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         SimulationError: it is not found: the press may not repeat its stroke.
     """
     plan = task.phases.planned(start)
-    found = _refined(task, plan, _rigid_guess(task, plan))
+    found = _refined(task, start, plan, _rigid_guess(task, plan))
     if found is not None and _as_planned(task, found, start):
         return found
     y, v, _ = task.rigid(np.zeros(1))
     state, depths = np.concatenate([y[0], v[0]]), []
     for stroke in range(STROKES):
-        followed = march(task, start, state, task.period)
+        followed = march(task, start, state, *_period_ends(task, start))
         state = followed.panels.states[-1] - task.gain
         depths.append(_deepest(followed))
         if stroke < 1:
             continue
         plan = Plan(followed.equations.segments, followed.equations.events or {}, followed.panels.mesh.knots * abs(task.speed))
-        found = _refined(task, plan, followed.panels)
+        found = _refined(task, start, plan, followed.panels)
         if found is not None and _as_planned(task, found, start):
             return found
     shown = ", ".join(f"{1e3 * depth:.4f}" for depth in depths)
@@ -117,7 +128,7 @@ def _rigid_guess(task: Task, plan: Plan) -> PanelSolution:
     """The rigid motion on the panels of a plan."""
     rule, share = radau(STAGES), np.diff(plan.knots) / plan.knots[-1]
     counts = np.maximum(LEAST, np.ceil(FIRST * share).astype(int))
-    mesh = _even_mesh(plan.knots * (task.period / plan.knots[-1]), counts)
+    mesh = _even_mesh(task.times(plan.knots), counts)
     y, v, _ = task.rigid(mesh.borders)
     _, _, a = task.rigid((mesh.start[:, None] + mesh.length[:, None] * rule.points).ravel())
     accelerations = a.reshape(len(mesh.start), len(rule.points), -1)
@@ -131,10 +142,20 @@ def _even_mesh(knots: Array, counts: Indices) -> Mesh:
     return Mesh(knots, np.repeat(np.arange(len(counts)), counts), low, high)
 
 
-def _refined(task: Task, plan: Plan, guess: PanelSolution) -> ElasticSolution | None:
+def _period_ends(task: Task, start: float) -> tuple[float, float]:
+    """Time after which a period ends at the latest, and crank angle at which it does."""
+    if task.equations.crank is not None:
+        return task.period, np.inf
+    return PATIENCE * task.period, start + task.speed * task.period
+
+
+def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution) -> ElasticSolution | None:
     """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails."""
-    equations = replace(task.equations, segments=plan.segments, events=plan.events)
-    free = [knot for knot, event in plan.events.items() if isinstance(event, Release) or event.path >= 0 or equations.crank is None]
+    events: dict[int, Event | Release] = dict(plan.events)
+    if task.equations.crank is None:
+        events[len(plan.segments)] = Event(CRANK_ANGLE, _period_ends(task, start)[1])
+    equations = replace(task.equations, segments=plan.segments, events=events)
+    free = [knot for knot, event in events.items() if not _known(event) or equations.crank is None]
     border = Border(True, task.gain, free)
     for _ in range(ROUNDS):
         found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS)
@@ -145,6 +166,11 @@ def _refined(task: Task, plan: Plan, guess: PanelSolution) -> ElasticSolution | 
             return ElasticSolution(equations, found, True, found.steps * errors.size * STAGES)
         guess = found.onto(_divided(found.mesh, errors, task.tolerance))
     return None
+
+
+def _known(event: Event | Release) -> bool:
+    """Whether the time of an event is known where the crank's speed is given."""
+    return isinstance(event, Event) and event.path == CRANK_ANGLE
 
 
 def _divided(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
@@ -161,8 +187,8 @@ def _as_planned(task: Task, found: ElasticSolution, start: float) -> bool:
     if not phases.borders:
         return True
     panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
-    places, _ = _places(equations, found.panels, panel, share)
-    turned = np.searchsorted(phases.turnings_ahead(start), abs(task.speed) * (mesh.start[panel] + share * mesh.length[panel]))
+    places, _, angles = _places(equations, found.panels, panel, share)
+    turned = np.searchsorted(phases.turnings_ahead(start), np.abs(angles - start))
     segments, direction = mesh.segment[panel], float(np.sign(task.speed))
     phase = phases.begun(start + ASIDE * direction)
     for k in range(len(panel)):
@@ -174,40 +200,54 @@ def _as_planned(task: Task, found: ElasticSolution, start: float) -> bool:
     return True
 
 
-def _places(equations: ElasticEquations, panels: PanelSolution, panel: Indices, share: Array) -> tuple[Array, Array]:
-    """Values and rates (n, paths) of all paths at shares (n,) of panels (n,)."""
+def _places(equations: ElasticEquations, panels: PanelSolution, panel: Indices, share: Array) -> tuple[Array, Array, Array]:
+    """Values and rates (n, paths) of all paths, and crank angles (n,), at shares (n,) of panels (n,)."""
     y, v, _ = panels.within(panel, share)
     times = panels.mesh.start[panel] + share * panels.mesh.length[panel]
     free, rates = equations.whole(times, y, v)
     coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
     found = [path.over(equations.sprung, coordinates, all_rates) for path in equations.paths]
-    return np.stack([each.value for each in found], axis=1), np.stack([each.rate for each in found], axis=1)
+    return np.stack([each.value for each in found], axis=1), np.stack([each.rate for each in found], axis=1), free[:, -1]
 
 
 def _deepest(found: ElasticSolution) -> float:
     """Lowest place of the first path, the slide's [m]."""
     count = len(found.panels.mesh.start)
-    places, _ = _places(found.equations, found.panels, np.repeat(np.arange(count), LOOKS), np.tile(np.arange(LOOKS) / LOOKS, count))
+    places, _, _ = _places(found.equations, found.panels, np.repeat(np.arange(count), LOOKS), np.tile(np.arange(LOOKS) / LOOKS, count))
     return float(places[:, 0].min())
 
 
 # ---------------------------------------------------------------------------------------------------------------------------- step by step
 
 
-def march(task: Task, start: float, state: Array, until: float) -> ElasticSolution:
-    """The motion from a state (2 f,) at time 0, at a crank angle, to a time [s].
+def march(
+    task: Task, start: float, state: Array, until: float, goal: float = np.inf, progress: Callable[[float], None] | None = None
+) -> ElasticSolution:
+    """The motion from a state (2 f,) at time 0, at a crank angle.
+
+    Args:
+        task: what is to be found.
+        start: crank angle at time 0 [rad].
+        state: there.
+        until: time of the end [s].
+        goal: crank angle [rad] at which a free crank has arrived before that time; infinite: it goes on until then.
+        progress: called with the time reached [s].
 
     Raises:
-        SimulationError: the steps become too short.
+        SimulationError: the steps become too short, the crank comes to rest, or does not arrive.
     """
-    marching = _March(task, start, state)
-    while marching.time < until * (1 - 1e-12):
+    marching = _March(task, start, state, goal)
+    while marching.time < until * (1 - 1e-12) and not marching.arrived:
         marching.step(until)
+        if progress is not None:
+            progress(marching.time)
+    if np.isfinite(goal) and not marching.arrived:
+        raise failure("too weak", marching.time, marching.angle)
     return marching.joined()
 
 
 class _Passing(NamedTuple):
-    """A path passes a border, or the force of a contact vanishes.
+    """A path passes a border, the crank an angle, or the force of a contact vanishes.
 
     Attributes:
         time: about which it does [s].
@@ -229,13 +269,15 @@ class _Passing(NamedTuple):
 class _March:
     """A motion on its way."""
 
-    def __init__(self, task: Task, start: float, state: Array) -> None:
-        self.task, self.state, self.time = task, state, 0.0
+    def __init__(self, task: Task, start: float, state: Array, goal: float) -> None:
+        self.task, self.start, self.state, self.time, self.goal = task, start, state, 0.0, goal
         self.direction = 1 if task.speed > 0 else -1
         self.phase = task.phases.begun(start + ASIDE * self.direction)
-        self.turnings = self._turning_times(start)
+        self.ahead = task.phases.turnings_ahead(start)
+        self.edges = np.sort([edge for force in task.phases.driven.forces for edge in force.edges])
         self.length = task.period / FIRST / WINDOW
         self.lengths: dict[tuple[bool, ...], float] = {}  # of the last panels while the same forces acted
+        self.arrived = False
         self.windows: list[tuple[PanelSolution, int]] = []  # with the segment of each
         size = len(state) // 2
         self.acceleration = np.zeros(size)
@@ -245,21 +287,21 @@ class _March:
         self.events: dict[int, Event | Release] = {}
         self.knots = [0.0]
 
-    def _turning_times(self, start: float) -> Callable[[float], tuple[float, float]]:
+    @property
+    def angle(self) -> float:
+        """Of the crank [rad]."""
+        crank = self.task.equations.crank
+        return float(self.state[len(self.state) // 2 - 1]) if crank is None else crank.angle + crank.speed * self.time
+
+    def _next_turning(self) -> float:
+        """Crank angle at which the rigid slide turns next; infinite where it does not matter."""
+        if not len(self.ahead):
+            return self.direction * np.inf
         period = abs(float(self.task.phases.driven.model.period or 2 * np.pi))
-        ahead = self.task.phases.turnings_ahead(start)
-
-        def following(time: float) -> tuple[float, float]:
-            """Time and crank angle of the next turning after a time."""
-            if not len(ahead):
-                return np.inf, 0.0
-            travelled = abs(self.task.speed) * time
-            whole = np.floor(travelled / period) * period
-            options = np.concatenate([ahead + whole, ahead + whole + period])
-            after = float(options[options > travelled + 1e-9][0])
-            return after / abs(self.task.speed), start + self.direction * after
-
-        return following
+        travelled = self.direction * (self.angle - self.start)
+        whole = np.floor(travelled / period) * period
+        options = np.concatenate([self.ahead + whole, self.ahead + whole + period])
+        return self.start + self.direction * float(options[options > travelled + ASIDE][0])
 
     def _equations(self) -> ElasticEquations:
         return replace(self.task.equations, segments=(self.laws[-1],), events={}, lost=self.lost)
@@ -280,8 +322,11 @@ class _March:
 
     def step(self, until: float) -> None:
         """Go on by a window, or to the next event in it."""
-        turning, angle = self.turnings(self.time)
-        end = min(until, turning)
+        crank, turning, angle = self.task.equations.crank, np.inf, self._next_turning()
+        if crank is not None:
+            turning = self.time + (angle - self.angle) / crank.speed
+        edges = self.edges[self.edges > self.time + INSTANT]
+        end = min(until, turning, *edges[:1])
         span = min(WINDOW * self.length, end - self.time)
         found = self._solved(span, {}, None)
         error = np.inf if found is None else float(found.errors().max())
@@ -293,7 +338,7 @@ class _March:
             return
         assert found is not None
         self.length = min(min(factor, 3.0) * span / WINDOW, self.task.period / FIRST)
-        event = self._first_event(found)
+        event = self._first_event(found, angle)
         if event is not None:
             ended = self._solved(event.time - self.time, {1: event.event}, found)
             if ended is None:
@@ -304,8 +349,14 @@ class _March:
         else:
             self._take(found)
             if self.time >= turning - 1e-12 * self.task.period:
-                self.phase = self.task.phases.begun(angle + ASIDE * self.direction)
-                self._begin(Event(-1, angle), self._places_now())
+                self._turn(angle)
+            elif len(edges) and self.time >= edges[0] - INSTANT:
+                self._begin(Event(CRANK_ANGLE, self.angle), self._places_now())
+
+    def _turn(self, angle: float) -> None:
+        """Pass a crank angle at which the rigid slide turns."""
+        self.phase = self.task.phases.begun(angle + ASIDE * self.direction)
+        self._begin(Event(CRANK_ANGLE, angle), self._places_now())
 
     def _solved(self, span: float, events: dict[int, Event | Release], near: PanelSolution | None) -> PanelSolution | None:
         """A window from the present state; its end is free where an event ends it."""
@@ -323,44 +374,63 @@ class _March:
         border = Border(False, np.zeros(2 * size), list(events))
         return solve(equations, guess, border, SETTLED * self.task.tolerance, MOST_STEPS)
 
-    def _first_event(self, found: PanelSolution) -> _Passing | None:
-        """What first changes the forces that act within a window; without such an event the phase goes on to its end."""
+    def _first_event(self, found: PanelSolution, turning: float) -> _Passing | None:
+        """What first changes the forces that act within a window, or angle of its own that a free crank passes; without such an event the
+        phase goes on to its end."""
         count, phases, phase = len(found.mesh.start), self.task.phases, self.phase
-        if not phases.borders:
+        angles = [angle for angle in (turning, self.goal) if np.isfinite(angle)] if self.task.equations.crank is None else []
+        if not phases.borders and not angles:
             return None
         panel, share = np.repeat(np.arange(count), LOOKS), np.tile(np.arange(1, LOOKS + 1) / LOOKS, count)
-        places, rates = _places(self._equations(), found, panel, share)
-        places = np.concatenate([self._places_now()[None], places])
+        places, rates, crank = _places(self._equations(), found, panel, share)
+        places, crank = np.concatenate([self._places_now()[None], places]), np.append(self.angle, crank)
         times = np.append(self.time, found.mesh.start[panel] + share * found.mesh.length[panel])
-        pushing = [(k, law) for k, law in enumerate(self.laws[-1]) if law is not None and law.one_sided and law.heeds_velocity]
+        pushing = [
+            (k, law) for k, law in enumerate(self.laws[-1]) if isinstance(law, ForceInterval) and law.one_sided and law.heeds_velocity
+        ]
         contacts = [*pushing, *self.lost.items()]
         for k in range(1, len(times)):
-            for number, law in contacts:
-                if number in self.lost and not phase.through[number]:  # apart by now
-                    continue
-                row, datum = phases.forces[number].row, phases.forces[number].datum
-                pushes = float(law.force(places[k, row] - datum, rates[k - 1, row])) >= 0
-                if pushes == phase.through[number]:
-                    self.phase = phase
-                    return _Passing(float(times[k]), None, force=number)
+            passed = [self._passing(times, crank, k, LoadBorder(CRANK_ANGLE, angle)) for angle in angles]
+            released = None if any(passed) else self._released(contacts, phase, places[k], rates[k - 1])
+            if released is not None:
+                self.phase = phase
+                return _Passing(float(times[k]), None, force=released)
             before_step, phase = phase, phases.advanced(phase, places[k])
-            if phases.active(phase, places[k]) == self.segments[-1]:
-                continue
-            passed = []
-            for border in phases.borders:
-                before, after = places[k - 1, border.path] - border.value, places[k, border.path] - border.value
-                if before * after <= 0 and before != after:
-                    at = float(times[k - 1] + (times[k] - times[k - 1]) * before / (before - after))
-                    passed.append(_Passing(at, border, after - before))
-            if passed:
+            if phases.active(phase, places[k], self.time) != self.segments[-1]:
+                passed += [self._passing(times, places[:, border.path], k, border) for border in phases.borders]
+            found_here = [one for one in passed if one is not None]
+            if found_here:
                 self.phase = before_step
-                return min(passed, key=lambda passing: passing.time)
+                return min(found_here, key=lambda passing: passing.time)
         self.phase = phase
         self.lost = {number: law for number, law in self.lost.items() if phase.through[number]}
         return None
 
+    def _released(self, contacts: Sequence[tuple[int, ForceInterval]], phase: Phase, places: Array, rates: Array) -> int | None:
+        """The first of the contacts that ceases to push, or pushes again before its bodies are apart; None: none does."""
+        for number, law in contacts:
+            if number in self.lost and not phase.through[number]:  # apart by now
+                continue
+            force = self.task.phases.forces[number]
+            pushes = float(law.force(places[force.row] - force.datum, rates[force.row])) >= 0
+            if pushes == phase.through[number]:
+                return number
+        return None
+
+    def _passing(self, times: Array, values: Array, k: int, border: LoadBorder) -> _Passing | None:
+        """The passage of a border by values (n,) at times (n,) between the last one and number k; None where there is none."""
+        before, after = values[k - 1] - border.value, values[k] - border.value
+        if before * after > 0 or before == after:
+            return None
+        return _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * before / (before - after)), border, after - before)
+
     def _cross(self, passing: _Passing) -> None:
         """Go on after an event."""
+        if passing.border is not None and passing.border.path == CRANK_ANGLE:
+            self.arrived = passing.border.value == self.goal
+            if not self.arrived:
+                self._turn(passing.border.value)
+            return
         places = self._places_now()
         if passing.border is None:
             law = self.laws[-1][passing.force]
@@ -375,7 +445,7 @@ class _March:
 
     def _begin(self, event: Event | Release, places: Array) -> None:
         """Begin a new segment where other forces act."""
-        segment = self.task.phases.active(self.phase, places)
+        segment = self.task.phases.active(self.phase, places, self.time)
         if segment != self.segments[-1]:
             self.events[len(self.knots)] = event
             self.knots.append(self.time)
@@ -402,6 +472,8 @@ class _March:
         self.windows.append((window, len(self.segments) - 1))
         self.time, self.state = float(window.mesh.knots[-1]), window.states[-1]
         self.acceleration = window.accelerations[-1, -1]
+        if self.task.equations.crank is None and not (self.direction * window.states[:, -1] > 0).all():
+            raise failure("crank rests", self.time, self.angle)
 
     def joined(self) -> ElasticSolution:
         """All windows as one motion."""
@@ -460,6 +532,8 @@ def resting(task: Task, start: float) -> Array:
     """The state (2 f,) at time 0 whose springs carry weight, loads and the inertia forces of the rigid motion, so that no vibration begins.
     Journals with clearance rest on their bearings on the side to which these forces press them.
 
+    A free crank is accelerated by what its drive then leaves.
+
     Raises:
         SimulationError: the springs do not carry them.
     """
@@ -478,9 +552,15 @@ def resting(task: Task, start: float) -> Array:
 
 def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, tolerance: float) -> Array:
     """Coordinates (1, f) near ``y`` at which all forces balance the inertia forces of given accelerations (1, f)."""
+    by_crank = v[0] / v[0, -1]  # rates of a free crank's coordinates by its own
     for _ in range(MOST_STEPS):
         force, stiffness, _, _ = equations.forces(np.zeros(1), y, v, np.zeros(1, dtype=int))
-        step = np.linalg.solve(stiffness[0], force[0] - a[0] @ equations.mass)
+        matrix = stiffness[0]
+        if equations.crank is None:
+            matrix[:, -1] = equations.mass @ by_crank
+        step = np.linalg.solve(matrix, force[0] - a[0] @ equations.mass)
+        if equations.crank is None:
+            a, step[-1] = a + step[-1] * by_crank, 0.0
         y = y + step
         if np.abs(step).max() <= tolerance:
             return y

@@ -1,0 +1,151 @@
+"""Presses on springs whose crank turns freely: rigid limit, energy, marched strokes, a shaft as a torsion pendulum, forces in time."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from support import texts
+
+import pinpress as pp
+
+RPM, SPEED = pp.RPM, 300 * pp.RPM
+WHEEL = pp.drives.Flywheel(40.0)
+BLANK = pp.loads.Blanking(1.25e6, 0.010, 0.005)
+
+
+def springs(press, stiffness=2e9, **more):
+    guides = [joint for joint, axis in zip(press.joints, press.axes, strict=True) if not axis.turns]
+    moments = dict.fromkeys(guides, 0.1 * stiffness)
+    return pp.elasticity.Elastic(pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments=moments, **more))
+
+
+def induction(power=3e4, ratio=4.8, efficiency=1.0):
+    return pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM, inertia=0.1), ratio, 0.0, efficiency)
+
+
+def jf75g():
+    return texts.shipped("jf75g_125_plain")
+
+
+@cache
+def steady(stiffness=2e9, loads=(BLANK,), drive=None, **more):
+    press, rigid = jf75g(), stiffness is None
+    elastic = None if rigid else springs(press, stiffness)
+    return pp.steady_state(press, SPEED, drive=drive or induction(), flywheel=WHEEL, loads=loads, elastic=elastic, points=121, **more)
+
+
+def test_steady_state_becomes_that_of_the_rigid_press():
+    """What the springs change goes with 1 / stiffness."""
+    rigid = pp.measures.duty_cycle(steady(None, ()))
+    errors = []
+    for stiffness in (1e10, 2e10, 4e10):
+        run = steady(stiffness, ())
+        duty = pp.measures.duty_cycle(run)
+        errors.append((np.abs(run.crank_speed - steady(None, ()).crank_speed).max(), abs(duty.motor_rms - rigid.motor_rms)))
+    np.testing.assert_allclose(np.divide(errors[:2], errors[1:]), 2.0, rtol=0.03)
+    assert errors[-1][0] < 1e-6 * SPEED
+
+
+def test_blanking_under_a_motor():
+    """The energy balances over the stroke, and within it; the press slows down as it must, and a marched run repeats the stroke."""
+    run, rigid = steady(), steady(None)
+    assert run.stats.energy_error < 1e-10
+    assert run.drive_work[-1] == pytest.approx(run.load_work[-1] + run.lost[-1], rel=1e-10)
+    assert run.load_work[-1] == pytest.approx(rigid.load_work[-1], rel=1e-9)  # the whole blank is cut
+    assert run.crank_speed[[0, -1]] == pytest.approx(run.crank_speed[0], rel=1e-12)
+    assert run.time[-1] > rigid.time[-1]  # the springs lose energy
+    assert run.decay_per_stroke < 1
+    later: Any = pp.simulate(jf75g(), 0.7, speed=run.crank_speed[0], drive=induction(), flywheel=WHEEL, loads=[BLANK], elastic=run.elastic)
+    assert later.stats.energy_error < 1e-10
+    begins = np.array([time for time, _, height in later.events if height == pytest.approx(run.events[0][2], abs=1e-9)])
+    angles = np.array([angle for _, angle, height in later.events if height == pytest.approx(run.events[0][2], abs=1e-9)])
+    beside = np.abs(np.diff(begins) - run.time[-1])
+    assert (beside[1:] < 0.5 * beside[:-1]).all()
+    assert beside[-1] < 5e-4 * run.time[-1]
+    assert angles[-1] - 4 * np.pi == pytest.approx(run.events[0][1], abs=1e-3)
+    assert len(pp.measures.stroke_duties(later)) == 3
+
+
+def test_steady_state_from_another_angle():
+    """It is the same stroke; gears with losses give the torque a corner at the motor's synchronous speed."""
+    drive = induction(efficiency=0.9)
+    first, second = (steady(2e9, (BLANK,), drive, angle=angle) for angle in (0.0, 4.0))
+    assert first.time[-1] == pytest.approx(second.time[-1], rel=1e-9)
+    assert first.lost[-1] == pytest.approx(second.lost[-1], rel=1e-9)
+    for run in (first, second):
+        assert run.stats.energy_error < 1e-8
+    assert second.crank_angle[[0, -1]] == pytest.approx((4.0, 4.0 + 2 * np.pi), abs=1e-9)
+
+
+def pendulum(rest):
+    """A crank of 100 kg m2 that next to nothing hangs on."""
+    text = texts.shipped("crank_slide").text.decode().replace('<origin xyz="0.030 0 0"/>', "", 1)
+    for mass, moment in (("20", 100.0), ("15", rest), ("100", rest)):
+        at = text.index(f'<mass value="{mass}"/>')
+        end = text.index("/>", text.index("<inertia ", at))
+        kept = mass if mass == "20" else rest
+        text = (
+            text[:at] + f'<mass value="{kept}"/><inertia ixx="{moment}" ixy="0" ixz="0" iyy="{moment}" iyz="0" izz="{moment}"' + text[end:]
+        )
+    return texts.load(text, gravity=(0.0, 0.0, 0.0))
+
+
+def test_shaft_as_a_torsion_pendulum():
+    """Between a held rotor, or one of 300 kg m2, and a crank of 100 kg m2: frequency and decay in closed form."""
+    press, stiffness, speed, ratio = pendulum(0.3), 1e6, 50.0, 0.02
+    elastic = springs(press, 1e9, shaft=stiffness)
+    alone = np.sqrt(stiffness / 100.0)  # the damper is 2 ratio stiffness / alone
+    held: Any = pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic)
+    assert held.decay_per_stroke == pytest.approx(np.exp(-ratio * alone * held.time[-1]), rel=1e-4)
+    motor = pp.drives.InductionMotor(10.0, 49.0, frequency=50 / (2 * np.pi), poles=2)
+    free: Any = pp.steady_state(press, speed, drive=motor, flywheel=pp.drives.Flywheel(300.0), elastic=elastic)
+    values = np.linalg.eigvals(free.trajectory.segments[0].solution.panels.passage)
+    swing = values[np.abs(values.imag).argmax()]
+    square = stiffness * (1 / 100 + 1 / 300)
+    decay = ratio * square / alone
+    assert abs(swing) == pytest.approx(np.exp(-decay * free.time[-1]), rel=1e-3)
+    turned = np.sqrt(square - decay**2) * free.time[-1]
+    assert abs(np.angle(swing)) == pytest.approx(abs((turned + np.pi) % (2 * np.pi) - np.pi), abs=1e-3)
+
+
+def test_force_in_time():
+    """The impulse of a force between its edges is what the crank and the links gain; a crank of great inertia turns on."""
+    force = pp.loads.TimeForce(lambda time: 1e5 * (np.asarray(time) > 0.02) * (np.asarray(time) <= 0.03), edges=(0.02, 0.03))
+    run: Any = pp.simulate(
+        jf75g(), 0.05, speed=SPEED, flywheel=pp.drives.Flywheel(1e9), loads=[force], elastic=springs(jf75g()), points=501
+    )
+    assert run.stats.energy_error < 1e-10
+    assert [time for time, _, _ in run.events] == pytest.approx([0.02, 0.03], abs=1e-12)
+    moved = run.slide_position[[200, 300]]
+    assert -run.load_work[-1] == pytest.approx(1e5 * (moved[1] - moved[0]), rel=1e-9)
+
+
+def test_run_without_a_drive():
+    """A press that nothing drives loses what its dampers take."""
+    run = pp.simulate(jf75g(), 0.2, speed=SPEED, flywheel=WHEEL, elastic=springs(jf75g(), 2e8))
+    assert run.stats.energy_error < 1e-10
+    assert not run.drive_torque.any()
+    assert run.lost[-1] > 0
+    with pytest.raises(pp.SimulationError, match="crank comes to rest"):
+        pp.simulate(jf75g(), 1.0, speed=SPEED, loads=[BLANK], elastic=springs(jf75g()))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"clutch": pp.drives.Clutch(torque=5e3)}, "no clutch"),
+        ({"brake": pp.drives.Brake(torque=5e3)}, "no brake"),
+        ({"speed": 0.0}, "crank that turns"),
+        ({"method": "implicit"}, "leave out method"),
+        ({"step": 1e-3}, "leave out method and step"),
+        ({"drive": pp.drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=0.1)}, "states of its own"),
+        ({"flywheel": None, "elastic": "shaft"}, "inertia on its drive's side"),
+    ],
+)
+def test_refused_of_runs(change, message):
+    given = {"speed": SPEED, "flywheel": WHEEL, "elastic": springs(jf75g())} | change
+    if given["elastic"] == "shaft":
+        given["elastic"] = springs(jf75g(), shaft=1e7)
+    with pytest.raises(pp.PinpressError, match=message):
+        pp.simulate(jf75g(), 0.1, **given)
