@@ -222,7 +222,7 @@ class ElasticEquations:
         free, rates = self.whole(np.zeros(1), y[None], v[None])
         path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
         interval = self.lost.get(number, self.segments[-1][number])
-        assert interval is not None
+        assert isinstance(interval, ForceInterval)
         value, by_place, by_rate = _values(interval, path.value - law.datum, path.rate)
         gradient = by_place[0] * path.gradient[0] + by_rate[0] * (path.bend[0] @ rates[0])
         return float(value[0]), np.concatenate([gradient[: self.size], by_rate[0] * path.gradient[0, : self.size]])

@@ -385,9 +385,8 @@ class _March:
         places, rates, crank = _places(self._equations(), found, panel, share)
         places, crank = np.concatenate([self._places_now()[None], places]), np.append(self.angle, crank)
         times = np.append(self.time, found.mesh.start[panel] + share * found.mesh.length[panel])
-        pushing = [
-            (k, law) for k, law in enumerate(self.laws[-1]) if isinstance(law, ForceInterval) and law.one_sided and law.heeds_velocity
-        ]
+        acting = [(k, law) for k, law in enumerate(self.laws[-1]) if isinstance(law, ForceInterval)]
+        pushing = [(k, law) for k, law in acting if law.one_sided and law.heeds_velocity]
         contacts = [*pushing, *self.lost.items()]
         for k in range(1, len(times)):
             passed = [self._passing(times, crank, k, LoadBorder(CRANK_ANGLE, angle)) for angle in angles]
@@ -434,7 +433,7 @@ class _March:
         places = self._places_now()
         if passing.border is None:
             law = self.laws[-1][passing.force]
-            if law is not None:
+            if isinstance(law, ForceInterval):
                 self.lost[passing.force] = law
             self.phase = self.task.phases.released(self.phase, passing.force)
         else:
