@@ -23,6 +23,7 @@ SIX_BAR, RSSP, BRICARD = LINKAGES = {  # file -> words of the tables' heads
 }
 POINTS = 360
 TURN = f"{POINTS} crank angles"
+SPACE = "\u00a0"  # between a number and its unit, so that they stay in one line
 WANTED = (1e-6, 1e-9)  # errors of a run that are asked for: of the crank angle [rad], or of a peak force
 AT_WORK = {"clutch and blanking": "error", "elastic die": "error", "stiff speed law": "force_error"}  # scene -> error that is asked for
 NAMES = {  # method -> what the table calls it
@@ -113,15 +114,14 @@ def rows_of(file: str) -> list[Row]:
 
 def _inverse_dynamics() -> list[str]:
     turns = {file: {row["method"]: row for row in rows_of(file) if row["group"] == "inverse dynamics"} for file in LINKAGES}
-    heads = " | torque error | force error | ".join(LINKAGES.values())
-    lines = [f"| {TURN} | {heads} | torque error |", "|---" * (3 * len(LINKAGES)) + "|"]
+    heads = " | errors of torque, forces | ".join(LINKAGES.values())
+    lines = [f"| {TURN} | {heads} | error of torque |", "|---" * (1 + 2 * len(LINKAGES)) + "|"]
     least = {method: _seconds(row) for turn in reversed(turns.values()) for method, row in turn.items()}  # of the six-bar where it is there
     for method in sorted(least, key=lambda method: least[method]):
-        cells = []
-        for file, turn in turns.items():
+        cells: list[str] = []
+        for turn in turns.values():
             row = turn.get(method)
-            errors = ("error",) if file == BRICARD else ("error", "force_error")
-            cells += [""] * (1 + len(errors)) if row is None else [_time(row), *(_error(row, error) for error in errors)]
+            cells += ["", ""] if row is None else [_time(row), ", ".join(filter(None, (_error(row, "error"), _error(row, "force_error"))))]
         lines.append(f"| {_name(method)} | {' | '.join(cells)} |")
     return lines
 
@@ -180,7 +180,7 @@ def _seconds(row: Row) -> float:
 
 
 def _time(row: Row) -> str:
-    return f"{1e3 * _seconds(row):.3g} ms"
+    return f"{1e3 * _seconds(row):.3g}{SPACE}ms"
 
 
 def _error(row: Row, name: str) -> str:
@@ -188,7 +188,7 @@ def _error(row: Row, name: str) -> str:
 
 
 def _gap(row: Row) -> str:
-    return f"{float(row['loop_gap [m]']):.0e} m" if row["loop_gap [m]"] else ""
+    return f"{float(row['loop_gap [m]']):.0e}{SPACE}m" if row["loop_gap [m]"] else ""
 
 
 def _measured() -> None:
