@@ -114,14 +114,14 @@ def rows_of(file: str) -> list[Row]:
 
 def _inverse_dynamics() -> list[str]:
     turns = {file: {row["method"]: row for row in rows_of(file) if row["group"] == "inverse dynamics"} for file in LINKAGES}
-    heads = " | errors of torque, forces | ".join(LINKAGES.values())
-    lines = [f"| {TURN} | {heads} | error of torque |", "|---" * (1 + 2 * len(LINKAGES)) + "|"]
+    heads = " | error | ".join(LINKAGES.values())
+    lines = [f"| {TURN} | {heads} | error |", "|---" * (1 + 2 * len(LINKAGES)) + "|"]
     least = {method: _seconds(row) for turn in reversed(turns.values()) for method, row in turn.items()}  # of the six-bar where it is there
     for method in sorted(least, key=lambda method: least[method]):
         cells: list[str] = []
         for turn in turns.values():
             row = turn.get(method)
-            cells += ["", ""] if row is None else [_time(row), ", ".join(filter(None, (_error(row, "error"), _error(row, "force_error"))))]
+            cells += ["", ""] if row is None else [_time(row), f"{max(float(row[name] or 0) for name in ('error', 'force_error')):.0e}"]
         lines.append(f"| {_name(method)} | {' | '.join(cells)} |")
     return lines
 

@@ -37,8 +37,12 @@ def report(measured: WorkPrecision, path: str | os.PathLike[str]) -> Path:
     inputs += [("left out", words) for words in measured.skipped]
     parts = [_section(measured, group) for group in GROUPS if measured.of(group)]
     if measured.cannot:
-        cannot = Table("", ["program", "what it cannot do"], [[method, words] for method, words in measured.cannot.items()], words=2)
-        parts.append(Section("Limits", [cannot]))
+        rows = [
+            ["" if k else method, words]
+            for method, sentence in measured.cannot.items()
+            for k, words in enumerate(sentence.split("; "))  # a page cuts long cells
+        ]
+        parts.append(Section("Limits", [Table("", ["program", "what it cannot do"], rows, words=2)]))
     return article(
         f"{measured.press_name}: error against run time", f"{len(measured.measurements)} measurements", [*inputs, stated()], parts, path
     )

@@ -41,7 +41,7 @@ class HandScript:
 
     name = "hand script"
     inverse = True
-    cannot = "any other linkage, process loads, friction, branches, runs: everything else is written anew"
+    cannot = "any other linkage, process loads, friction, branches, runs"
     steps: tuple[float, ...] = ()
     left_out: ClassVar[Mapping[str, str]] = {}
 

@@ -54,7 +54,7 @@ class Peer(Protocol):
     Attributes:
         name: name of the program, with its version.
         inverse: whether it has inverse dynamics of its own to be compared.
-        cannot: what it cannot do for a linkage, in words.
+        cannot: what it cannot do for a linkage, in phrases between semicolons.
         steps: fixed steps worth measuring in a run of some turns at 70 strokes/min, largest first; none where it cannot run [s].
         left_out: group of a scene (other than the free run) that it cannot run -> why.
     """
