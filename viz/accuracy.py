@@ -23,7 +23,7 @@ SIX_BAR, RSSP, BRICARD = LINKAGES = {  # file -> words of the tables' heads
 }
 POINTS = 360
 TURN = f"{POINTS} crank angles"
-SPACE = "\u00a0"  # between a number and its unit, so that they stay in one line
+SPACE, HYPHEN = "\u00a0", "\u2011"  # at which no line is broken
 WANTED = (1e-6, 1e-9)  # errors of a run that are asked for: of the crank angle [rad], or of a peak force
 AT_WORK = {"clutch and blanking": "error", "elastic die": "error", "stiff speed law": "force_error"}  # scene -> error that is asked for
 NAMES = {  # method -> what the table calls it
@@ -184,11 +184,15 @@ def _time(row: Row) -> str:
 
 
 def _error(row: Row, name: str) -> str:
-    return f"{float(row[name]):.0e}" if row[name] else ""
+    return _share(float(row[name])) if row[name] else ""
+
+
+def _share(value: float) -> str:
+    return f"{value:.0e}".replace("-", HYPHEN)
 
 
 def _gap(row: Row) -> str:
-    return f"{float(row['loop_gap [m]']):.0e}{SPACE}m" if row["loop_gap [m]"] else ""
+    return f"{_share(float(row['loop_gap [m]']))}{SPACE}m" if row["loop_gap [m]"] else ""
 
 
 def _measured() -> None:

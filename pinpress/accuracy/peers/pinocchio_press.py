@@ -37,7 +37,7 @@ class PinocchioCpp:
     """A `Peer`: inverse dynamics by a loop over the crank angles in Pinocchio's C++."""
 
     inverse = True
-    cannot = "runs, process loads, friction: the loop is all that is written; it starts from a closed pose that it is given"
+    cannot = "runs, process loads, friction: the loop is all that is written; closing: it starts from a closed pose"
     steps: tuple[float, ...] = ()
     left_out: ClassVar[Mapping[str, str]] = {}
 
