@@ -204,20 +204,26 @@ def cycle(press: Linkage, speed: float | None = None, *, points: int | None = No
         PinpressWarning: the speed is hardly meant: the slide is faster than 3 m/s and accelerated by more than 40 g, or the speed is above
             1000 rad/s, or 10 m/s.
     """
-    motion = period_at(press, speed, points, engine)
-    doubt_speeds(press, speed if isinstance(speed, float) else motion.crank_speed)
+    motion, slide_rates = _over_period(press, speed, points, engine)
+    _doubt(slide_rates, speed if isinstance(speed, float) else motion.crank_speed)
     return motion
 
 
 def period_at(press: Linkage, speed: float | None, points: int | None = None, engine: str = "auto") -> Motion:
     """`cycle` at a speed that the caller of the library has not chosen, of which nobody is warned; arguments and errors as there."""
-    chosen = press.engine(engine)  # refuses one that does not suit before anything is computed
+    return _over_period(press, speed, points, engine)[0]
+
+
+def _over_period(press: Linkage, speed: float | None, points: int | None, engine: str) -> tuple[Motion, _SlideRates]:
+    """`period_at`, and how fast the slide is."""
+    chosen = None if engine == "auto" else press.engine(engine)  # refuses one that does not suit before anything is computed
     if speed is None:
         unit, such = ("rad/s", "7.0") if press.driver_coordinates[0].turns else ("m/s", "0.1")
         raise PinpressError(f"cycle needs the speed of the driver [{unit}]: give one number for a period, cycle(press, {such})")
     known = _known(press)
     angles, speeds, accelerations, times = _period(press, known, speed, points)
-    return _along_branch(press, known, known.branch, angles, speeds, accelerations, times, chosen)
+    motion = _along_branch(press, known, known.branch, angles, speeds, accelerations, times, chosen or known.engine)
+    return motion, known.slide_rates
 
 
 def motion_through_change_points(
@@ -243,23 +249,40 @@ def doubt_speeds(press: Linkage, speeds: Array | float, motion: Motion | None = 
         speeds: the speeds, of any shape.
         motion: the only states at which they are reached; by default a crank may have them at any angle.
     """
+    _doubt(_slide_rates(press), speeds, motion)
+
+
+def _doubt(rates: _SlideRates, speeds: Array | float, motion: Motion | None = None) -> None:
+    """`doubt_speeds` of a press whose slide has these rates."""
     fastest = abs(speeds) if isinstance(speeds, float) else float(np.abs(speeds).max())
-    first, second, coordinate = _slide_rates(press)
+    first, second, coordinate = rates
     slide = first * fastest, second * fastest * fastest  # infinite where ** 2 would raise OverflowError
     if motion is not None and plausibility.too_hard(*slide):
         slide = float(np.abs(motion.slide_velocity).max()), float(np.abs(motion.slide_acceleration).max())
     plausibility.speeds("speed", fastest, coordinate, slide)
 
 
+class _SlideRates(NamedTuple):
+    """How fast the slide is where the crank turns at 1 rad/s; 0 of a linkage without a slide, or without a crank that turns fully.
+
+    Attributes:
+        speed: its largest speed [m/s].
+        acceleration: its largest acceleration [m/s2].
+        coordinate: of the first driver.
+    """
+
+    speed: float
+    acceleration: float
+    coordinate: DriverCoordinate
+
+
 @per_linkage(of_geometry=True)
-def _slide_rates(press: Linkage) -> tuple[float, float, DriverCoordinate]:
-    """Largest speed [m/s] and acceleration [m/s2] of the slide where the crank turns at 1 rad/s, 0 of a linkage without a slide, or without
-    a crank that turns fully; and what the coordinate of the first driver is."""
+def _slide_rates(press: Linkage) -> _SlideRates:
     coordinate = press.driver_coordinates[0]
     if press.slide is None or len(press.drivers) > 1 or not coordinate.turns or press.branch.period is None:
-        return 0.0, 0.0, coordinate
+        return _SlideRates(0.0, 0.0, coordinate)
     _, first, half_second, *_ = np.abs(press.branch.coefficients[:, press.slide_guide.joint]).max(axis=1)
-    return float(first), 2.0 * float(half_second), coordinate
+    return _SlideRates(float(first), 2.0 * float(half_second), coordinate)
 
 
 def of_states(
@@ -365,14 +388,18 @@ class _Known(NamedTuple):
         fixed: what all motions have in common.
         branch: its branch.
         spatial_model: constants for Pinocchio's engine.
+        engine: the fastest engine.
         closures: the last closures.
+        slide_rates: how fast the slide is.
         turns: `Linkage.turns_until_back` where the branch has a period, else None.
     """
 
     fixed: _SameInAllMotions
     branch: Branch
     spatial_model: SpatialModel
+    engine: Engine
     closures: _LastClosures
+    slide_rates: _SlideRates
     turns: int | None
 
 
@@ -380,7 +407,15 @@ class _Known(NamedTuple):
 def _known(press: Linkage) -> _Known:
     branch = press.branch
     turns = None if branch.period is None else press.turns_until_back
-    return _Known(_same_in_all_motions(press), branch, press.spatial_model, _last_closures(press), turns)
+    return _Known(
+        fixed=_same_in_all_motions(press),
+        branch=branch,
+        spatial_model=press.spatial_model,
+        engine=press.engine(),
+        closures=_last_closures(press),
+        slide_rates=_slide_rates(press),
+        turns=turns,
+    )
 
 
 def _along_branch(

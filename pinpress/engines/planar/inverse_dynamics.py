@@ -83,13 +83,11 @@ def _at_constant_speed(bodies: Bodies, states: ClosedStates, conditions: Applied
         return None
     answers, speeds = states.jacobian.answers, states.v[bodies.plane.driver]
     speed = float(speeds[0])
-    if not speed or states.a[bodies.plane.driver].any() or (speeds != speed).any():
-        return None
     known = answers[0] if answers else None
     if known is None or known.bodies is not bodies or known.wanted != wanted:
         answers[:] = [ForcesBySpeed(bodies, wanted, speed)]
         return None
-    if speed == known.first:
+    if not speed or speed == known.first or states.a[bodies.plane.driver].any() or (speeds != speed).any():
         return None
     inertia, weight = known.parts or _parts_by_speed(known, states, conditions, speed)
     answers[:] = [known._replace(parts=(inertia, weight))]
@@ -371,10 +369,10 @@ def _efforts(bodies: Bodies, basis: ComplexArray, a: Array, work: ComplexArray, 
     for row, rotor in enumerate(plane.guide_rotors, revolute):
         if rotor:
             rotor_moments[rotor - 1] += rotor_moments[row]
-    efforts: Array = plane.turn.T @ rotor_moments[:revolute]
-    efforts += bodies.spins @ a
-    for row, (joint, rotor) in enumerate(zip(plane.prismatic, plane.guide_rotors, strict=True), revolute):
-        efforts[joint] = (basis[rotor].conj() * work[row]).real if rotor else work[row].real
+    efforts: Array = plane.turn.T.dot(rotor_moments[:revolute])
+    efforts += bodies.spins.dot(a)
+    for row, joint, rotor in plane.guides:
+        efforts[joint] = (basis[rotor].conj() * work[row - 1]).real if rotor else work[row - 1].real
     return efforts
 
 

@@ -15,7 +15,7 @@ added.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +26,7 @@ from .kinematics import Dyad, Factor
 from .model import Block, Plane
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Statics:
+class Statics(NamedTuple):
     """The equations at n configurations, ready to be balanced.
 
     Attributes:
