@@ -15,6 +15,7 @@ even then (torques in a ring of gears) is made as small as possible.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -28,6 +29,7 @@ from ..common.quantities import Array, DriverCoordinate
 REST = 1e-12  # share of the motion's largest speed below which a bearing rests: at a dead centre its speed is rounding
 MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many are needed only where friction nearly locks the linkage
 RANK = 1e-9  # singular values below this share of the largest count as zero, columns scaled to unit length
+INVERTIBLE = 1e-7  # share of the squared size of a matrix above which its smallest squared singular value is certainly no rounding
 WELL_CONDITIONED = 1e-3  # share of the largest squared singular value above which normal equations lose hardly a digit
 
 
@@ -236,10 +238,19 @@ def lexicographic_responses(objectives: Iterable[tuple[Array, float]]) -> list[A
 def _by_squares(matrix: Array, size: Array) -> tuple[Array, Array] | None:
     """The pseudo-inverse (..., k, m) of a matrix (..., m, k) of this size (...), and orthonormal columns (..., k, j) that it takes to zero.
 
-    From the normal equations, which cost a fifth of singular values and lose hardly a digit where all singular values are either large or
+    From the normal equations, which cost a fifth of singular values, where all of these are well above rounding, or each is either large or
     rounding; None where they are not, or where the columns differ in number.
     """
-    values, vectors = np.linalg.eigh(matrix.swapaxes(-1, -2) @ matrix)
+    turned = matrix.swapaxes(-1, -2)
+    squares = turned @ matrix
+    with suppress(np.linalg.LinAlgError):  # singular
+        inverse = np.linalg.inv(squares)
+        smallest = 1.0 / np.linalg.norm(inverse, axis=(-2, -1))  # eigenvalue, or less
+        if np.all(smallest > INVERTIBLE * size**2):
+            inverse = inverse @ turned
+            # a step of Newton's method for the inverse of a matrix brings the digits back that squares lose
+            return inverse + (np.eye(squares.shape[-1]) - inverse @ matrix) @ inverse, squares[..., :0]
+    values, vectors = np.linalg.eigh(squares)
     large = values > WELL_CONDITIONED * (size**2)[..., None]
     count = int(large.sum(axis=-1).max(initial=0))
     rest = values.shape[-1] - count

@@ -349,3 +349,13 @@ def test_objectives_one_after_the_other(ranks, spread):
     found = lexicographic_least_squares([Objective(*each, 1.0) for each in zip((first, second, third), starts, strict=True)])
     expected = [one_after_the_other([a[i] for a in (first, second, third)], [b[i] for b in starts]) for i in range(3)]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+
+
+def test_normal_equations_lose_no_digits():
+    """Their squared singular values spread over 3e-6, so that they alone would be right to 1e-11."""
+    rng = np.random.default_rng(0)
+    left, right = np.linalg.qr(rng.normal(size=(5, 9, 4)))[0], np.linalg.qr(rng.normal(size=(5, 4, 4)))[0]
+    matrix, start = left * 0.12 ** np.arange(4) @ right, rng.normal(size=(5, 9))
+    expected = [-np.linalg.lstsq(*each, rcond=None)[0] for each in zip(matrix, start, strict=True)]
+    found = lexicographic_least_squares([Objective(matrix, start, 1.0)])
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
