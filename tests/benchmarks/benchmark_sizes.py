@@ -3,8 +3,9 @@
 Run `python tests/benchmarks/benchmark_sizes.py`; `--quick` for the smaller half of the sizes. pytest does not collect this file. Linkages
 are chains of dyads (see `n_four_bar`), rows of geared shafts, and chains of four-bars in space. Every step is timed with what it needs
 already there: `load` from the file, the branch walked once, then motion and inverse dynamics at some crank angles; the table of a free run,
-and the next run. Times are those of the processor, BLAS in one thread; memory is the most that Python and NumPy hold of the linkage while
-it moves and all forces are found. The exponent is the slope of log time over log size, fitted to the upper half of the sizes: 1 is linear.
+the next run, a URDF and a report. Times are those of the processor, BLAS in one thread; memory is the most that Python and NumPy hold of
+the linkage while it moves and all forces are found. The exponent is the slope of log time over log size, fitted to the upper half of the
+sizes: 1 is linear. At last, motion and forces with as many BLAS threads as cores beside those with one, in alternated processes.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import itertools
 import os
 import subprocess
 import sys
+import tempfile
 import time
 import tracemalloc
 from collections.abc import Callable, Mapping, Sequence
@@ -100,6 +102,10 @@ def costs(text: str, engine: str, count: int) -> dict[str, float]:
         run(press)
         found["its table"] = 1e3 * (time.process_time() - started)
         found["free run"] = milliseconds(lambda: run(press))
+        with tempfile.TemporaryDirectory() as folder:
+            forces, page = pp.inverse_dynamics(press, states), Path(folder) / "report.html"
+            found["write_urdf"] = milliseconds(lambda: pp.write_urdf(press, Path(folder) / "written.urdf"))
+            found["report"] = milliseconds(lambda: pp.report(press, states, page, reactions=forces))
     return found | {"memory": memory}
 
 
