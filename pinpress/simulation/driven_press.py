@@ -28,7 +28,8 @@ from ..loads import caller_laws
 from ..loads.link import Friction, Load, PointForce, SpringDamper, law
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 from .law_trials import check_drive, check_load
-from .reduced_model import COORDINATES, BearingModel, ReducedModel, build_bearing_model, build_reduced_model, reduced_model_of, roots
+from .reduced_model import COORDINATES, ReducedModel, build_reduced_model, reduced_model_of, roots
+from .bearing_model import BearingModel, build_bearing_model
 
 if TYPE_CHECKING:
     from ..engines.pinocchio.forward_dynamics import ForwardDynamics

@@ -6,35 +6,22 @@ with the reduced inertia I(angle), the potential energy V(angle) of the weights,
 forces F along coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are
 sampled at the nodes of Gauss's quadrature and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to
 rounding is halved. Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
-
-Friction in the bearings adds a torque that depends on the forces in them, these on the acceleration w' and on friction itself. At a crank
-angle the radial force of every bearing is the length of a vector that is affine in all of them:
-
-    N = A w' + B w^2 + G + sum F L + sum e S
-
-with the efforts e = -(c s + mu r |N| sign s) of friction, where s is the speed of the bearing. The vectors A, B (inertia), G (weight), L
-(loads) and S (friction) are kept as polynomials too. By virtual work friction is the torque sum e ds/dw on the crank, so that w' and all e
-follow together: they are found in turn until they no longer change, as in `FrictionLaw.efforts`.
 """
 
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..common.errors import PinpressError, SimulationError
+from ..common.errors import SimulationError
 from ..common.numerics import NODES, gauss_rule, polynomial_root
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import MOST_TURNS, periods_until_back
-from ..engines.engine import ClosedStates
-from ..engines.forces import MOST_ITERATIONS, AppliedForce, FrictionLaw
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
@@ -52,17 +39,9 @@ PARTS = (
 )
 NARROWEST = 1e-7  # narrowest panel: what it does not resolve lies at a lock [rad]
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
-BY_ACCELERATION, BY_SQUARED_SPEED, BY_WEIGHT, BY_LOADS = 0, 1, 2, 3  # parts of the radial vectors: A, B, G and the first L
-POWERS = np.arange(NODES)
-SETTLED = 1e-9  # relative step of Newton's method that ends it: the next would be about its square
-STILL = 1e-11  # share of a bearing's largest speed that is rounding
-NOTHING = 1e-13  # share of the largest vector of a part below which a component is rounding throughout
 
 Coordinate = Callable[[Motion], Array]
 """A length (n,) or displacement [m] of the states of a motion."""
-
-UnitForce = Callable[[Motion], Sequence[AppliedForce]]
-"""The forces on links over a motion for which a generalized force of 1 along a coordinate stands."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -299,258 +278,3 @@ def roots(table: PanelPolynomials, row: int, level: float, slope: bool = False) 
     if table.period is not None and above[-1, -1] != above[0, 0]:
         ends = np.append(ends, 0)
     return np.concatenate([np.array(found), table.borders[ends]])
-
-
-# ----------------------------------------------------------------------------------------------------------------- friction of the bearings
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class BearingModel:
-    """Speeds of the bearings with friction, and the vectors of their radial forces, over the crank angle.
-
-    Attributes:
-        law: the friction of the K bearings that have some.
-        reduced: reduced model of the same linkage.
-        borders: (p + 1,) of the panels, rising [rad].
-        coefficients: (p, rows, q) of powers of x, from -1 to 1 over a panel. Rows are the speeds of the K bearings by that of the crank,
-            then C components of A, of B, of G, of every L and of every S.
-        owners: (K, C) 1 where a component belongs to a bearing, else 0.
-    """
-
-    law: FrictionLaw
-    reduced: ReducedModel
-    borders: Array
-    coefficients: Array
-    owners: Array
-
-    @property
-    def period(self) -> float | None:
-        return self.reduced.period
-
-    @cached_property
-    def reversals(self) -> tuple[Array, ...]:
-        """Crank angles in the model's range at which each bearing turns back, so that its friction is not smooth [rad]."""
-        return tuple(roots(self, row, 0.0) for row in range(len(self.law.arm)) if self.coefficients[:, row].any())
-
-    def at(self, angle: Array) -> BearingStates:
-        """The bearings at crank angles (n,)."""
-        local = self.reduced.local(angle)
-        panel = np.clip(self.borders.searchsorted(local, side="right") - 1, 0, len(self.borders) - 2)
-        rows = np.empty((self.coefficients.shape[1], len(angle)))
-        for k in np.unique(panel).tolist():
-            mine = panel == k
-            half = 0.5 * (self.borders[k + 1] - self.borders[k])
-            rows[:, mine] = self.coefficients[k] @ np.vander((local[mine] - self.borders[k]) / half - 1.0, NODES, increasing=True).T
-        count, components = self.owners.shape
-        vectors = rows[count:].reshape(-1, components, len(angle))
-        return BearingStates(self, angle, self._moving(rows[:count].T).T, vectors[:-count], vectors[-count:])
-
-    def torque_at(self, angle: float, way: int, speed: float, net: float, inertia: float, forces: Sequence[float]) -> float:
-        """Torque of friction on the crank in one state, by Newton's method: the steps of `BearingStates.torque` take longer there.
-
-        Args:
-            angle: crank angle [rad].
-            way: +1 or -1, in which the crank turns or starts.
-            speed: of the crank [rad/s].
-            net: torque on the crank of all but friction, less I' w^2 / 2 [N m].
-            inertia: at the crank [kg m2].
-            forces: of the loads along the coordinates [N].
-
-        Raises:
-            SimulationError: friction locks the linkage.
-        """
-        law, (count, components) = self.law, self.owners.shape
-        local = float(self.reduced.local(np.array([angle]))[0])
-        k = min(max(bisect_right(self._edges, local) - 1, 0), len(self._edges) - 2)
-        low, high = self._edges[k], self._edges[k + 1]
-        rows = self.coefficients[k] @ (2 * (local - low) / (high - low) - 1.0) ** POWERS
-        moving, vectors = self._moving(rows[:count]), rows[count:].reshape(-1, components)
-        lever, accelerated = np.abs(moving), vectors[BY_ACCELERATION] / inertia
-        free = accelerated * net + vectors[BY_SQUARED_SPEED] * speed**2 + vectors[BY_WEIGHT]
-        for row, force in enumerate(forces):
-            if force:
-                free = free + vectors[BY_LOADS + row] * force
-        responses = vectors[-count:] * (-way * np.sign(moving))[:, None] - np.outer(way * lever, accelerated)
-        viscous = law.viscous * lever * (way * speed)
-        efforts = viscous
-        for _ in range(MOST_ITERATIONS):
-            radial = free + efforts @ responses
-            pressing = np.sqrt(self.owners @ (radial * radial))
-            slopes = (self.owners * radial) @ responses.T * (law.arm / np.where(pressing > 0, pressing, 1.0))[:, None]
-            try:
-                step = np.linalg.solve(np.eye(count) - slopes, viscous + law.arm * pressing - efforts)
-            except np.linalg.LinAlgError:
-                break
-            efforts = efforts + step
-            if np.abs(step).max() <= SETTLED * np.abs(efforts).max():
-                # beyond a gain of 1 friction would have to support itself
-                if np.abs(slopes).sum(axis=1).max() < 1.0 or np.abs(np.linalg.eigvals(slopes)).max() < 1.0:
-                    return -way * float(lever @ efforts)
-                break
-        raise failure("friction locks", None, angle)
-
-    def _moving(self, speeds: Array) -> Array:
-        """Speeds (..., K) of the bearings, exactly zero where they are rounding, as at a dead centre."""
-        return np.where(np.abs(speeds) <= self._rest, 0.0, speeds)
-
-    @cached_property
-    def _rest(self) -> Array:
-        return np.asarray(STILL * np.abs(self.coefficients[:, : len(self.law.arm), 0]).max(axis=0))
-
-    @cached_property
-    def _edges(self) -> list[float]:
-        return list(map(float, self.borders))
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class BearingStates:
-    """K bearings at n crank angles.
-
-    Attributes:
-        model: of the bearings.
-        angle: (n,) crank angles [rad].
-        speed: (K, n) speeds of the bearings by that of the crank.
-        parts: (parts, C, n) vectors A, B, G and L.
-        responses: (K, C, n) vectors S.
-    """
-
-    model: BearingModel
-    angle: Array
-    speed: Array
-    parts: Array
-    responses: Array
-
-    def torque(
-        self, direction: float, speed: Array, net: Array, inertia: Array, forces: Mapping[int, Array], start: Array | None = None
-    ) -> tuple[Array, Array]:
-        """Torque (n, S) of friction along the travel of the crank [N m], in S scenarios, and sizes (K, n, S) of the efforts of friction.
-
-        Args:
-            direction: +1 or -1, in which the crank turns.
-            speed: (n, S) its speed in this direction [rad/s].
-            net: (n, S) torque along the travel of all but friction, less I' w^2 / 2 [N m].
-            inertia: (n, S) or (n, 1) at the crank, infinite where its speed is held [kg m2].
-            forces: (n, S) of the loads along each coordinate, by its row [N].
-            start: (K, n, S) sizes of efforts to begin with; None: those of viscous friction.
-
-        Raises:
-            SimulationError: friction locks the linkage.
-        """
-        law, lever = self.model.law, np.abs(self.speed)[:, :, None]
-        along = direction * self.parts[BY_ACCELERATION, :, :, None]
-        # the efforts act on the acceleration of the crank, too
-        responses = self.responses[..., None] * (-direction * np.sign(self.speed))[:, None, :, None] - along * (lever / inertia)[:, None]
-        free = along * (net / inertia) + self.parts[BY_SQUARED_SPEED, :, :, None] * speed**2 + self.parts[BY_WEIGHT, :, :, None]
-        for row, force in forces.items():
-            free = free + self.parts[BY_LOADS + row, :, :, None] * force
-        viscous = law.viscous[:, None, None] * lever * speed
-        efforts, change = viscous if start is None else start, np.full(speed.shape, np.inf)
-        count, size = len(efforts), speed.size
-        # einsum is slow where its last axis is short, as that of one scenario
-        flat = np.broadcast_to(responses, (count, *free.shape)).reshape(count, -1, size)
-        for _ in range(MOST_ITERATIONS):
-            radial = free + np.einsum("kcm,km->cm", flat, efforts.reshape(count, size)).reshape(free.shape)
-            pressing = np.sqrt(np.tensordot(self.model.owners, radial * radial, axes=1))
-            following = viscous + law.arm[:, None, None] * pressing
-            before, change, largest = change, np.abs(following - efforts).max(axis=0), np.abs(following).max(axis=0)
-            efforts = following
-            # rounding can keep the last digits moving: stop where the change no longer shrinks
-            if np.all((change <= 1e-14 * largest) | ((change <= 1e-12 * largest) & (change >= before))):
-                return -(lever * efforts).sum(axis=0), efforts
-            if not np.isfinite(largest).all():
-                break
-        worst = int(np.argmax(np.where(np.isfinite(change), change, np.inf).max(axis=1)))
-        raise failure("friction locks", None, float(self.angle[worst]))
-
-
-def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel, unit_forces: Sequence[UnitForce]) -> BearingModel:
-    """The model of the bearings of a linkage with one driver.
-
-    Args:
-        press: the linkage.
-        law: friction of all its bearings.
-        reduced: its reduced model.
-        unit_forces: of every coordinate of the loads.
-
-    Raises:
-        PinpressError: the linkage goes through change points, where its bearing forces have no bounds.
-    """
-    if press.branch_through_change_points.change_points:
-        at = press.driver_coordinates[0].at(press.branch_through_change_points.change_points[0].angle)
-        raise PinpressError(
-            f"the bearing forces of {press.name} grow without bounds at its change point at {at}: simulate it without friction"
-        )
-    with_friction = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
-    some = FrictionLaw(law.arm[with_friction], law.viscous[with_friction], law.turns[with_friction], law.size)
-    count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
-    sampled = resolved_panels(sampling.rows, sampling.missed, reduced.borders)
-    coefficients = sampled.coefficients
-    still = np.abs(coefficients[:, :count]).max(axis=(0, 2)) <= NOTHING * np.where(some.turns, 1.0, press.size)
-    coefficients[:, np.flatnonzero(still)] = 0.0  # speeds of bearings that do not move are rounding
-    vectors = coefficients[:, count:].reshape(len(coefficients), -1, count, 3, NODES)  # (p, parts, K, 3, q)
-    size = np.abs(vectors).max(axis=(0, 4))
-    kept = (size > NOTHING * size.max(axis=(1, 2), keepdims=True)).any(axis=0) & (some.arm > 0)[:, None]
-    kept[0, 0] |= not kept.any()  # of viscous friction alone no component counts; one makes no difference
-    owners = np.zeros((count, int(kept.sum())))
-    owners[np.nonzero(kept)[0], np.arange(owners.shape[1])] = 1.0
-    rows = np.concatenate([coefficients[:, :count], vectors[:, :, kept].reshape(len(coefficients), -1, NODES)], axis=1)
-    return BearingModel(some, reduced, sampled.borders, rows, owners)
-
-
-class _Sampling:
-    """Samples of a linkage's bearings at crank angles."""
-
-    def __init__(self, press: Linkage, with_friction: NDArray[np.intp], unit_forces: Sequence[UnitForce]) -> None:
-        """Begin with a linkage.
-
-        Args:
-            press: the linkage.
-            with_friction: (K,) indices of the bearings with friction.
-            unit_forces: of every coordinate of the loads.
-        """
-        self.press, self.with_friction, self.unit_forces = press, with_friction, unit_forces
-        self.turns = np.array([*(axis.turns for axis in press.axes), *[True] * len(press.loops)])[with_friction]
-
-    def rows(self, angles: Array) -> Array:
-        """Rows (K + 3 K parts, n) at crank angles (n,): speeds, then the components of all parts."""
-        press, zero = self.press, np.zeros((len(self.press.bearings), len(angles)))
-        motion = motion_through_change_points(press, angles, 1.0)  # at unit speed rates are derivatives by the crank angle
-        states = motion.states(press)
-        gravity, mass = float(np.linalg.norm(press.model.gravity.linear)), sum(float(each.mass) for each in press.model.inertias)
-        # All parts but weights are differences: they are as large as these, so that they lose no digits.
-        pace = np.sqrt((gravity or 1.0) / self.press.size)
-        force = (gravity or 1.0) * mass or 1.0
-
-        def radial(v: float = 0.0, a: Array | float = 0.0, loads: Sequence[AppliedForce] = (), efforts: Array = zero) -> Array:
-            state = ClosedStates(states.position, v * states.v, a + 0.0 * states.a, states.basis)
-            return press.engine().bearing_loads(state, loads, efforts, states.v).radial[self.with_friction].transpose(0, 2, 1)
-
-        weight = radial()
-        parts = [
-            (radial(a=pace**2 * states.v) - weight) / pace**2,
-            (radial(v=pace, a=pace**2 * states.a) - weight) / pace**2,
-            weight,
-        ]
-        for unit_force in self.unit_forces:
-            units = unit_force(motion)
-            scale = force / (max((float(np.abs(each.force).max()) for each in units), default=0.0) or 1.0)
-            loads = [AppliedForce(each.joint, each.point, scale * each.force) for each in units]
-            parts.append((radial(loads=loads) - weight) / scale)
-        for bearing, turns in zip(self.with_friction.tolist(), self.turns.tolist(), strict=True):
-            efforts, effort = zero.copy(), force * (press.size if turns else 1.0)
-            efforts[bearing] = effort
-            parts.append((radial(efforts=efforts) - weight) / effort)
-        speed = press.engine().bearing_loads(states, (), zero, states.v).speed[self.with_friction]
-        return np.concatenate([speed, np.array(parts).reshape(-1, len(angles))])
-
-    def missed(self, values: Array) -> Array:
-        """(p,) what polynomials through values (rows, p, q) on p panels miss, as a share of the speeds and of each part."""
-        count, panels = len(self.with_friction), values.shape[1]
-        tail = np.abs(values @ gauss_rule().legendre[-2:].T).max(axis=2)
-        speeds = np.abs(values[:count]).max(axis=2)
-        least = np.where(self.turns, 1.0, self.press.size) * (1.0 if self.press.driver_coordinates[0].turns else 1.0 / self.press.size)
-        found = (tail[:count] / np.maximum(speeds, least[:, None])).max(axis=0)
-        # a part is measured by the largest of its vectors on the panel: near a lock they have no bounds, elsewhere some are rounding
-        size = np.abs(values[count:]).max(axis=2).reshape(-1, 3 * count, panels).max(axis=1)
-        parts = tail[count:].reshape(-1, 3 * count, panels).max(axis=1) / np.where(size > 0, size, 1.0)
-        return np.asarray(np.maximum(found, parts.max(axis=0)))

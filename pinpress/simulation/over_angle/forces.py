@@ -4,7 +4,7 @@ import numpy as np
 
 from ...common.quantities import Array
 from ...drives.protocol import Drive
-from ..reduced_model import BearingStates
+from ..bearing_model import BearingStates
 from .mesh import Mesh, PanelForce
 
 

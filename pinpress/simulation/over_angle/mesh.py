@@ -15,7 +15,8 @@ from ...common.numerics import gauss_rule
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress
-from ..reduced_model import COORDINATES, INERTIA, POTENTIAL, WEIGHT, BearingStates, ReducedModel
+from ..reduced_model import COORDINATES, INERTIA, POTENTIAL, WEIGHT, ReducedModel
+from ..bearing_model import BearingStates
 
 Indices = NDArray[np.intp]
 
