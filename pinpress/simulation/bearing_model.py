@@ -28,7 +28,7 @@ from ..engines.forces import MOST_ITERATIONS, AppliedForce, FrictionLaw
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from .failures import failure
-from .reduced_model import ReducedModel, resolved_panels, roots
+from .reduced_model import RESOLVED, ReducedModel, resolved_panels, roots
 
 BY_ACCELERATION, BY_SQUARED_SPEED, BY_WEIGHT, BY_LOADS = 0, 1, 2, 3  # parts of the radial vectors: A, B, G and the first L
 POWERS = np.arange(NODES)
@@ -199,7 +199,9 @@ class BearingStates:
         raise failure("friction locks", None, float(self.angle[worst]))
 
 
-def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel, unit_forces: Sequence[UnitForce]) -> BearingModel:
+def build_bearing_model(
+    press: Linkage, law: FrictionLaw, reduced: ReducedModel, unit_forces: Sequence[UnitForce], resolution: float = RESOLVED
+) -> BearingModel:
     """The model of the bearings of a linkage with one driver.
 
     Args:
@@ -207,6 +209,7 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
         law: friction of all its bearings.
         reduced: its reduced model.
         unit_forces: of every coordinate of the loads.
+        resolution: share of the speeds, and of each part, that polynomials may miss.
 
     Raises:
         PinpressError: the linkage goes through change points, where its bearing forces have no bounds.
@@ -219,7 +222,7 @@ def build_bearing_model(press: Linkage, law: FrictionLaw, reduced: ReducedModel,
     with_friction = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
     some = FrictionLaw(law.arm[with_friction], law.viscous[with_friction], law.turns[with_friction], law.size)
     count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
-    sampled = resolved_panels(sampling.rows, sampling.missed, reduced.borders)
+    sampled = resolved_panels(sampling.rows, sampling.missed, reduced.borders, resolution)
     coefficients = sampled.coefficients
     still = np.abs(coefficients[:, :count]).max(axis=(0, 2)) <= NOTHING * np.where(some.turns, 1.0, press.size)
     coefficients[:, np.flatnonzero(still)] = 0.0  # speeds of bearings that do not move are rounding

@@ -27,9 +27,18 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load, PointForce, SpringDamper, law
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
-from .law_trials import check_drive, check_load
-from .reduced_model import COORDINATES, ReducedModel, build_reduced_model, reduced_model_of, roots
 from .bearing_model import BearingModel, build_bearing_model
+from .law_trials import check_drive, check_load
+from .reduced_model import (
+    COORDINATES,
+    RESOLVED,
+    ReducedModel,
+    build_reduced_model,
+    joined,
+    reduced_model_to,
+    resolution_for,
+    roots,
+)
 
 if TYPE_CHECKING:
     from ..engines.pinocchio.forward_dynamics import ForwardDynamics
@@ -194,6 +203,7 @@ class DrivenPress:
         prescribed: the speed at which the one driver is held, whatever torque that takes; None: it is not held.
         flywheel: on the drive's side of the clutch.
         flywheels: of a linkage with several drivers, by their names.
+        tolerance: of runs, to which the reduced model is resolved.
         clutch: between drive and flywheel, and the crank; None: they turn together.
         brake: on the crank.
         friction: of the bearings; None for none.
@@ -211,6 +221,7 @@ class DrivenPress:
     brake: Brake | None = None
     friction: FrictionLaw | None = None
     flywheels: Mapping[str, Flywheel] = field(default_factory=dict)
+    tolerance: float = 0.0
 
     @property
     def timed(self) -> bool:
@@ -242,8 +253,9 @@ class DrivenPress:
         """The press reduced to its crank, with the coordinates of the forces."""
         press, coordinates = self.press, self.coordinates
         if len(coordinates) == (press.slide is not None):
-            return reduced_model_of(press)
-        return build_reduced_model(press, [partial(coordinate.over, press) for coordinate in coordinates])
+            return reduced_model_to(press, self.tolerance)
+        model, resolution = build_reduced_model(press, [partial(each.over, press) for each in coordinates]), resolution_for(self.tolerance)
+        return joined(model, resolution) if resolution > RESOLVED else model
 
     @cached_property
     def bearing_model(self) -> BearingModel | None:
@@ -251,7 +263,7 @@ class DrivenPress:
         if self.friction is None:
             return None
         unit_forces = [partial(coordinate.unit_force, self.press) for coordinate in self.coordinates]
-        return build_bearing_model(self.press, self.friction, self.model, unit_forces)
+        return build_bearing_model(self.press, self.friction, self.model, unit_forces, resolution_for(self.tolerance))
 
     @cached_property
     def switch_angles(self) -> tuple[Array, ...]:
@@ -289,8 +301,9 @@ def driven_press(
     clutch: object,
     brake: object,
     friction: Mapping[str, Friction] = NONE_GIVEN,
+    tolerance: float = 0.0,
 ) -> DrivenPress:
-    """A press with one driver, and all that acts on it.
+    """A press with one driver, and all that acts on it, for runs to a tolerance.
 
     Raises:
         PinpressError: an argument is of the wrong kind or contradicts another, a load cannot be simulated, or heights are to be measured
@@ -326,6 +339,7 @@ def driven_press(
         clutch=clutch,
         brake=brake,
         friction=law(friction, press),
+        tolerance=tolerance,
     )
 
 

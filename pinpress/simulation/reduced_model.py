@@ -5,20 +5,22 @@
 with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and
 forces F along coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are
 sampled at the nodes of Gauss's quadrature and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to
-rounding is halved. Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
+rounding is halved. For runs to a looser tolerance neighbouring panels are joined again where one polynomial serves for both.
+Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ..common.errors import SimulationError
+from ..common.frozen import read_only
 from ..common.numerics import NODES, gauss_rule, polynomial_root
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import MOST_TURNS, periods_until_back
@@ -34,6 +36,8 @@ NOISE, GAIN = 1e-8, 10.0
 SLACK = 1e-9  # rounding by which an angle may lie outside the range of the model [rad]
 FLAT = 1e-13  # range of the potential energy that is rounding, as a share of its size
 HEIGHT = 1e-3  # the range of the potential energy, and its slope, count as at least this share of its size
+COARSER = 1e-2  # share of a run's tolerance to which its model is resolved
+COARSEST = 1e-5  # as a share of the functions
 PARTS = (
     1e-6  # and as at least this share of what lifting all links by the linkage's size takes: they may balance each other but for rounding
 )
@@ -55,6 +59,7 @@ class ReducedModel:
         period: crank angle after which all repeats itself [rad]; None where the crank cannot turn that far.
         evaluations: states of the linkage that were computed.
         coordinate: what the crank angle is: of a driver that slides it is a position [m], and the reduced inertia a mass [kg].
+        finest: the model from which this one was made by joining panels; None where it is that itself.
     """
 
     borders: Array
@@ -62,15 +67,23 @@ class ReducedModel:
     period: float | None
     evaluations: int
     coordinate: DriverCoordinate
+    finest: ReducedModel | None = None
 
     @cached_property
     def potential_range(self) -> float:
-        """Range of the potential energy over the middles of the panels [J]."""
-        return float(np.ptp(self.coefficients[:, POTENTIAL, 0]))
+        """Range of the potential energy over the `middles` [J]."""
+        return float(np.ptp(self.middles[POTENTIAL]))
+
+    @cached_property
+    def middles(self) -> Array:
+        """(rows, m) in the middles of the panels from which this model was made."""
+        return self.coefficients[:, :, 0].T if self.finest is None else self.finest.middles
 
     @cached_property
     def lightest(self) -> tuple[float, float]:
         """The least reduced inertia at borders and middles of the panels [kg m2], and its crank angle [rad]."""
+        if self.finest is not None:
+            return self.finest.lightest
         angles = np.append(0.5 * (self.borders[1:] + self.borders[:-1]), self.borders[:-1])
         inertia = np.append(self.coefficients[:, INERTIA, 0], self.at(self.borders[:-1])[0][INERTIA])
         return float(inertia.min()), float(angles[int(inertia.argmin())])
@@ -149,6 +162,79 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, sampled.points, branch.coordinate)
 
 
+@per_linkage
+def _coarser_models(press: Linkage) -> dict[float, ReducedModel]:
+    """Coarser models by their resolutions, which are entered as they are asked for."""
+    return {}
+
+
+def reduced_model_to(press: Linkage, tolerance: float) -> ReducedModel:
+    """The reduced model for runs to a tolerance, as `reduced_model_of`."""
+    resolution = resolution_for(tolerance)
+    if resolution <= RESOLVED:
+        return reduced_model_of(press)
+    known = _coarser_models(press)
+    if resolution not in known:
+        known[resolution] = read_only(joined(reduced_model_of(press), resolution))
+    return known[resolution]
+
+
+def resolution_for(tolerance: float) -> float:
+    """The share to which a model is resolved for runs to a tolerance: a power of ten, so that few models are made."""
+    power = math.floor(math.log10(max(COARSER * tolerance, RESOLVED)) + 1e-9)
+    return min(COARSEST, max(RESOLVED, float(f"1e{power}")))
+
+
+def joined(model: ReducedModel, resolution: float) -> ReducedModel:
+    """A model whose neighbouring panels are joined in pairs, and these again, where one polynomial misses no row by more than a share.
+
+    A joined panel is compared with its two parts at the nodes of both. A model without a period stays as it is, because beside a lock its
+    inertia has no bounds.
+    """
+    if model.period is None:
+        return model
+    borders, coefficients = model.borders, model.coefficients
+    sizes = np.abs(model.at(_at_nodes(borders[:-1], borders[1:]))[0]).max(axis=(1, 2))
+    while len(coefficients) > 2:
+        starts = np.arange(0, len(coefficients) - 1, 2)
+        pairs = coefficients[starts], coefficients[starts + 1]
+        whole, missed = _joined_pairs(*pairs, borders[starts], borders[starts + 1], borders[starts + 2])
+        good = (missed <= resolution * np.where(sizes > 0, sizes, 1.0)).all(axis=1)
+        if not good.any():
+            break
+        kept = np.ones(len(coefficients), dtype=bool)
+        kept[starts[good] + 1] = False
+        coefficients = coefficients.copy()
+        coefficients[starts[good]] = whole[good]
+        coefficients, borders = coefficients[kept], np.append(borders[:-1][kept], borders[-1])
+    return replace(model, borders=borders, coefficients=coefficients, finest=model)
+
+
+def _joined_pairs(left: Array, right: Array, starts: Array, middles: Array, ends: Array) -> tuple[Array, Array]:
+    """Polynomials (p, rows, q) over pairs of panels, from those of both, and the most (p, rows) that they miss at the nodes of both."""
+    rule = gauss_rule()
+
+    def values(coefficients: Array, low: Array, high: Array, angles: Array) -> Array:
+        powers = np.ones((*angles.shape, NODES))
+        powers[..., 1:] = (2 * (angles - low[:, None]) / (high - low)[:, None] - 1)[..., None]
+        return np.asarray(coefficients @ np.multiply.accumulate(powers, axis=-1, out=powers).swapaxes(1, 2))
+
+    angles = _at_nodes(starts, ends)
+    inside = values(left, starts, middles, angles), values(right, middles, ends, angles)
+    whole = np.where((angles < middles[:, None])[:, None], *inside) @ rule.legendre.T @ rule.powers.T
+    missed = [
+        np.abs(values(whole, starts, ends, at := _at_nodes(low, high)) - values(half, low, high, at)).max(axis=2)
+        for half, low, high in ((left, starts, middles), (right, middles, ends))
+    ]
+    return whole, np.maximum(*missed)
+
+
+def _at_nodes(starts: Array, ends: Array) -> Array:
+    """Crank angles (p, q) at the nodes of panels."""
+    half = 0.5 * (ends - starts)
+    return np.asarray((starts + half)[:, None] + half[:, None] * gauss_rule().nodes)
+
+
 class ResolvedPanels(NamedTuple):
     """Rows of functions of the crank angle as polynomials.
 
@@ -163,13 +249,16 @@ class ResolvedPanels(NamedTuple):
     points: int
 
 
-def resolved_panels(sample: Callable[[Array], Array], missed: Callable[[Array], Array] | None, borders: Array) -> ResolvedPanels:
+def resolved_panels(
+    sample: Callable[[Array], Array], missed: Callable[[Array], Array] | None, borders: Array, resolution: float = RESOLVED
+) -> ResolvedPanels:
     """Sample functions over panels, and halve these until polynomials resolve the functions.
 
     Args:
         sample: returns the rows (rows, n) at crank angles (n,).
         missed: returns (p,) what polynomials through values (rows, p, q) miss on each panel, as a share; None: no panel is halved.
         borders: of the panels to begin with, rising [rad].
+        resolution: share that polynomials may miss.
     """
     points, rule = 0, gauss_rule()
     starts, ends, coarser = borders[:-1], borders[1:], np.full(len(borders) - 1, np.inf)
@@ -181,7 +270,7 @@ def resolved_panels(sample: Callable[[Array], Array], missed: Callable[[Array], 
         points += angles.size
         share = np.zeros(len(starts)) if missed is None else missed(values)
         rounding = (share <= NOISE) & (share > coarser / GAIN)  # halving a panel that is nearly resolved divides this by thousands
-        settled = (share <= RESOLVED) | rounding | (half < NARROWEST)
+        settled = (share <= resolution) | rounding | (half < NARROWEST)
         done.append((starts[settled], np.moveaxis(values[:, settled], 0, 1) @ rule.legendre.T @ rule.powers.T))
         left, right = starts[~settled], ends[~settled]
         middle = 0.5 * (left + right)

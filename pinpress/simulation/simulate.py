@@ -47,7 +47,7 @@ from .hybrid_system import HOLDING
 from .law_trials import asked_drive
 from .over_angle.angle_solver import MOST_PERIODS
 from .over_angle.segment import NEAR, AngleSegment, nearly_at_rest
-from .reduced_model import INERTIA, POTENTIAL, WEIGHT, ReducedModel, reduced_model_of
+from .reduced_model import INERTIA, WEIGHT, ReducedModel
 from .run import Run, as_run, state_count
 from .solvers import SimulationProblem, march
 from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
@@ -135,7 +135,8 @@ def simulate(
     refuse_far("angle", angles, press.driver_coordinates)
     refuse_many_turns(speeds, until, float(angles[0]))
     with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
-        driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction)
+        # an elastic press is not reduced to its crank: its heights alone are read from the model
+        driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction, error if elastic is None else 0.0)
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
         if elastic is not None:
@@ -188,6 +189,7 @@ def _driven(
     clutch: object,
     brake: object,
     friction: Mapping[str, Friction],
+    tolerance: float,
 ) -> DrivenPress:
     """The press with its parts. Raises as `driven_press`, and where the method does not suit several drivers or friction."""
     if friction_law(friction, press) is not None and (method == "constraint" or len(press.drivers) > 1):
@@ -197,7 +199,7 @@ def _driven(
             " leave friction out, or let one driver turn with method='auto'"
         )
     if len(press.drivers) == 1:
-        return driven_press(press, drive, flywheel, loads, clutch, brake, friction)
+        return driven_press(press, drive, flywheel, loads, clutch, brake, friction, tolerance)
     if method != "constraint":
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: method='constraint' simulates it")
     return press_with_drives(press, drive, flywheel, loads, clutch, brake)
@@ -260,7 +262,7 @@ def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> flo
     if len(press.drivers) > 1 or press.branch_through_change_points.period is None or driven.prescribed is not None:
         return None
     try:
-        model = reduced_model_of(press)
+        model = driven.model
     except SimulationError:  # its shafts do not come back together: there is no reduced model
         return None
     rest = next((segment for segment in trajectory.segments if isinstance(segment, StandstillSegment)), None)
@@ -271,8 +273,8 @@ def start_sensitivity(problem: SimulationProblem, trajectory: Trajectory) -> flo
             " it stays there as nothing pushes it, but the least push would send it down"
         )
         return None
-    span = float(np.ptp(model.coefficients[:, POTENTIAL, 0]))
-    if not any(_beside_rest(press, segment, span) for segment in trajectory.segments):
+    span = model.potential_range
+    if not any(_beside_rest(model, segment, span) for segment in trajectory.segments):
         return None
     return _sensitivity(problem, trajectory, model, span)
 
@@ -307,15 +309,15 @@ def _sensitivity(problem: SimulationProblem, trajectory: Trajectory, model: Redu
     return found
 
 
-def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
+def _beside_rest(model: ReducedModel, segment: Any, span: float) -> bool:
     """Whether the crank comes close to an unstable rest."""
     if isinstance(segment, AngleSegment):
-        return bool(len(segment.slow)) and bool((_bend(reduced_model_of(press), segment.slow) < 0).any())
+        return bool(len(segment.slow)) and bool((_bend(model, segment.slow) < 0).any())
     if isinstance(segment, StandstillSegment | RepetitionSegment):
         return False
     system, n = segment.system, segment.system.dynamics.size
     own = 0.0 if system.driven.clutch is not None else system.driven.inertia
-    least = float(reduced_model_of(press).coefficients[:, INERTIA, 0].min()) + own
+    least = float(model.middles[INERTIA].min()) + own
     speeds = np.abs(segment.speeds)
     slowly = np.flatnonzero(0.5 * least * speeds**2 < NEAR * span)
     for stretch in np.split(slowly, np.flatnonzero(np.diff(slowly) > 1) + 1) if len(slowly) else []:
@@ -329,7 +331,7 @@ def _beside_rest(press: Linkage, segment: Any, span: float) -> bool:
             moved = y.copy()
             moved[:n] = system.dynamics.moved(y[:n], by)[0] if by else y[:n]
             rate[by] = system.dynamics.of_crank(system.rates(mode, time, moved)[n : 2 * n])
-        inertia = float(reduced_model_of(press).at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + own
+        inertia = float(model.at(y[[system.dynamics.crank]])[0][INERTIA, 0]) + own
         if rate[MOVED] > rate[-MOVED] and nearly_at_rest(np.array(0.5 * inertia * speeds[k] ** 2), np.array(inertia * rate[0.0]), span):
             return True
     return False

@@ -23,7 +23,7 @@ from .hybrid_system import HybridSystem, Mode
 from .over_angle.angle_solver import AngleSolver
 from .over_angle.collocation import LEAST
 from .over_angle.segment import AngleSegment
-from .reduced_model import INERTIA, POTENTIAL, lock_reached
+from .reduced_model import INERTIA, lock_reached
 from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
 
 if TYPE_CHECKING:
@@ -299,9 +299,9 @@ def _energy(driven: DrivenPress, angle: float, speed: float) -> float:
 
 def crank_sizes(driven: DrivenPress, y: Array) -> Array:
     """Sizes of the entries of the crank's vector, to which tolerances are relative."""
-    inertia, potential = driven.model.coefficients[:, INERTIA, 0] + driven.inertia, driven.model.coefficients[:, POTENTIAL, 0]
+    inertia = driven.model.middles[INERTIA] + driven.inertia
     least = max(float(inertia.min()), float(np.finfo(float).tiny))
-    speed = max(abs(float(y[1])), math.sqrt(2 * float(np.ptp(potential)) / least)) or 1.0
+    speed = max(abs(float(y[1])), math.sqrt(2 * driven.model.potential_range / least)) or 1.0
     energy = 0.5 * float(np.abs(inertia).max()) * speed**2
     return np.array([1.0, speed, *_state_sizes(driven, len(y) - 2 - len(INTEGRALS), speed), energy, energy, np.inf, energy])
 

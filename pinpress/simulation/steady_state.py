@@ -96,7 +96,8 @@ def steady_state(
     refuse_far("angle", np.array(start), press.driver_coordinates)
     refuse_unlisted_loads(loads)
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
-    driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction)
+    resolved = tolerance if elastic is None else 0.0
+    driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction, resolved)
     if elastic is None or driven.prescribed is None:
         _refuse_without_steady_state(driven, drive)
     doubt_speeds(press, near)

@@ -5,7 +5,7 @@ import pytest
 from support.generators import large_linkages
 from support.texts import shipped
 
-from pinpress.simulation.reduced_model import POTENTIAL, reduced_model_of, roots
+from pinpress.simulation.reduced_model import POTENTIAL, joined, reduced_model_of, reduced_model_to, resolution_for, roots
 
 GRID = np.linspace(0.0, 2 * np.pi, 40_001)
 
@@ -44,3 +44,23 @@ def test_weights_that_balance_but_for_rounding_are_not_resolved():
     table = reduced_model_of(large_linkages.load(large_linkages.gear_train(25)))
     assert table.evaluations < 1000
     assert np.abs(table.at(GRID)[0][POTENTIAL]).max() < 1e-12
+
+
+@pytest.mark.parametrize("resolution", [1e-10, 1e-7, 1e-5])
+@pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125", "thin_wall"])
+def test_joined_panels_miss_no_more_than_they_may(name, resolution):
+    """Between the nodes at which they are compared too, and they are fewer."""
+    fine = reduced_model_of(shipped(name))
+    coarse = joined(fine, resolution)
+    values, others = fine.at(GRID)[0], coarse.at(GRID)[0]
+    assert (np.abs(values - others).max(axis=1) <= 5 * resolution * np.abs(values).max(axis=1)).all()
+    assert len(coarse.borders) <= len(fine.borders)
+    assert len(coarse.borders) < 0.6 * len(fine.borders) or resolution < 1e-7
+    assert (coarse.period, coarse.potential_range, coarse.lightest) == (fine.period, fine.potential_range, fine.lightest)
+
+
+def test_a_press_keeps_one_model_for_each_power_of_ten():
+    press = shipped("crank_slide")
+    assert reduced_model_to(press, 1e-11) is reduced_model_to(press, 1e-9) is reduced_model_of(press)
+    assert reduced_model_to(press, 1e-5) is reduced_model_to(press, 4e-5) is not reduced_model_to(press, 1e-6)
+    assert [resolution_for(tolerance) for tolerance in (1e-13, 1e-6, 2e-6, 1e-2)] == pytest.approx([1e-11, 1e-8, 1e-8, 1e-5])

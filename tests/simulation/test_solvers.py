@@ -87,6 +87,22 @@ def test_the_rounding_of_a_motors_slope_does_not_enter_the_solution(press):
         np.testing.assert_allclose(other.force, first.force, rtol=0, atol=2e-13 * np.abs(first.force).max())
 
 
+def test_each_tolerance_holds_and_looser_ones_take_fewer_panels(press):
+    """Against a run of all joints over time, which knows no table."""
+    motor = pp.drives.Geared(pp.drives.InverterMotor(200.0, 1450 * pp.RPM, 45.0, inertia=0.1), 20.0)
+    loads = [pp.loads.Blanking(1e3, 0.03, 0.01)]
+    how: dict[str, Any] = {"speed": 6.0, "drive": motor, "flywheel": pp.drives.Flywheel(50.0), "loads": loads, "points": 50}
+    judge = pp.simulate(press, 1.1, tolerance=1e-10, method="constraint", **how)
+    steps = []
+    for tolerance in (1e-2, 1e-4, 1e-6, 1e-8, 1e-11):
+        run = pp.simulate(press, 1.1, tolerance=tolerance, **how)
+        assert np.abs(run.crank_angle - judge.crank_angle).max() < 0.5 * tolerance + 1e-9
+        assert np.abs(run.slide_position - judge.slide_position).max() < 0.5 * tolerance + 1e-9
+        steps.append(run.stats.steps)
+    assert steps == sorted(steps)
+    assert steps[0] < 0.8 * steps[-1]
+
+
 @pytest.mark.parametrize("loads", [[], [pp.loads.Blanking(1e3, 0.03, 0.01)]])
 def test_several_periods_at_once_are_those_one_by_one(press, loads, monkeypatch):
     """Backwards too, and with fewer periods than were solved together at the end."""

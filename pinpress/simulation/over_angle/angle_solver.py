@@ -243,7 +243,7 @@ def _direction(driven: DrivenPress, state: State) -> int:
     model = driven.model
     if state.speed:
         return 1 if state.speed > 0 else -1
-    scale = np.abs(model.coefficients[:, WEIGHT, 0]).max() + model.potential_range
+    scale = np.abs(model.middles[WEIGHT]).max() + model.potential_range
     for direction in (1, -1):
         ends = np.array([0.0, 1e-6])
         if model.period is None and not model.borders[0] <= state.angle + direction * 1e-6 <= model.borders[-1]:

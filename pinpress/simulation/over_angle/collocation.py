@@ -21,12 +21,14 @@ from .forces import Forces, along_travel, friction_torque_at
 from .mesh import TO_REST, Indices, Mesh
 
 ROUNDS = 30  # most rounds of Newton's method
-SETTLED = 1e-10  # relative change of the kinetic energy in a round that ends Newton's method, whose next change would be its square
+# Relative changes of the kinetic energy that end Newton's method: in a round, and in the next one if it shrinks as in the last one; and the
+# shares of a run's tolerance that do, if larger.
+SETTLED, FORESEEN = 1e-10, 1e-15
+NEARLY_SETTLED, NEARLY_FORESEEN = 1e-2, 1e-4
 FLOOR = 1e-6  # share of the first kinetic energy: no speed is computed from less
 STIFF = 2.0  # where the energy changes the force by more over half a panel, the panel's own linear equations are solved
 CLOSE = 1e-3  # relative change of the kinetic energy in a round from which on the slopes of the forces are kept
 FURTHEST = 100.0  # largest factor by which a round may change the kinetic energy
-FORESEEN = 1e-15  # relative change that the next round is expected to make, if it shrinks as in the last one, which ends it too
 BESIDE = 1e-7  # relative change of a speed by which the slopes of the forces are found
 LEAST = 1e-3  # share of the period's largest kinetic energy: with less, a drive that depends on speed may be about to stop the crank
 
@@ -163,6 +165,7 @@ class _Newton:
         self.mesh, self.inertia, self.energy, self.periodic = mesh, inertia, energy, periodic
         self.forces = Forces(driven.drive, mesh, inertia, work.shape)
         self.twice, self.speed_free = 2 / inertia, driven.speed_free
+        self.ending = max(SETTLED, NEARLY_SETTLED * driven.tolerance), max(FORESEEN, NEARLY_FORESEEN * driven.tolerance)
         self.added = float(np.ravel(driven.inertia)[0])
         # from the guess alone, because W may rise without bounds far from the solution
         self.floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
@@ -194,11 +197,11 @@ class _Newton:
             work, ends, force = self._round(total, growth, before)
             work, shares = self._limited(work, before, above)
             moved = float(shares.max())
-            if _ended(growth, moved, last):
+            if self._ended(growth, moved, last):
                 break
             last = moved
         else:  # later panels do not act on earlier ones: the first panels may be right where the last ones are not
-            unsettled = shares > SETTLED
+            unsettled = shares > self.ending[0]
             settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), len(self.mesh.kinds))
         self.forces.at(np.sqrt(np.maximum(work, self.floor) * self.twice))
         stiff = growth is not None and growth.within is None
@@ -223,6 +226,19 @@ class _Newton:
                 ends += at_ends
         self.energy = ends[0]
         return work, ends, force
+
+    def _ended(self, growth: Growth, moved: float, before: float) -> bool:
+        """Whether Newton's method ends after a round.
+
+        Args:
+            growth: with which the round was made.
+            moved: largest relative change of W in it.
+            before: the same of the round before; NaN in the first one.
+        """
+        settled, foreseen = self.ending
+        if growth.within is None:  # a stiff drive's torque changes with the last digit of the speed
+            return moved <= settled and moved >= 0.5 * before
+        return moved <= settled or moved * moved <= foreseen * before
 
     def _limited(self, work: Array, before: Array, above: Array) -> tuple[Array, Array]:
         """W after a round, limited to a factor of what it was, which is ``above`` the floor, and its largest change (p, S) as a share."""
@@ -287,19 +303,6 @@ def _growth(mesh: Mesh, change: Array, above: Array) -> Growth:
     rule, (q, p, count) = gauss_rule(), exponents.shape
     within = rule.cumulative @ exponents.reshape(q, -1)
     return Growth(exponents, 0.0 * stiffness, np.exp(within, out=within).reshape(q, p, count), np.exp(_summed(exponents)))
-
-
-def _ended(growth: Growth, moved: float, before: float) -> bool:
-    """Whether Newton's method ends after a round.
-
-    Args:
-        growth: with which the round was made.
-        moved: largest relative change of W in it.
-        before: the same of the round before; NaN in the first one.
-    """
-    if growth.within is None:  # a stiff drive's torque changes with the last digit of the speed
-        return moved <= SETTLED and moved >= 0.5 * before
-    return moved <= SETTLED or moved * moved <= FORESEEN * before
 
 
 def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ...common.numerics import gauss_rule
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
+from ..bearing_model import BearingStates
 from ..driven_press import DrivenPress
 from ..reduced_model import COORDINATES, INERTIA, POTENTIAL, WEIGHT, ReducedModel
-from ..bearing_model import BearingStates
 
 Indices = NDArray[np.intp]
 
