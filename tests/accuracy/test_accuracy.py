@@ -123,17 +123,18 @@ def test_tolerances_are_kept(measured):
 
 def test_the_default_is_as_exact_as_any(measured):
     """That it is the fastest of these too is what `pinpress accuracy` prints; a time is no thing to assert."""
-    default = measured.of(FREE_RUN, "reduced")[0]
+    default = next(row for row in measured.of(FREE_RUN, "reduced") if row.number == 1e-11)
     others = [row for row in measured.of(FREE_RUN) if row.method.startswith("constraint")]
     assert default.error <= 2 * min(row.error for row in others)  # both are rounding
     assert default.error <= 1e-12
 
 
-def test_a_tolerance_that_changes_nothing_is_one_row(measured):
-    """Over the crank angle the table's panels resolve a free run to rounding: the loosest tolerance and the tightest are the same run."""
-    (row,) = measured.of(FREE_RUN, "reduced")
-    assert row.setting == "any tolerance"
-    assert row.error <= 1e-12
+def test_each_tolerance_of_the_reduced_equation_holds(measured):
+    """Over the crank angle the panels of the table are joined for looser tolerances, and resolve a free run to rounding for the default."""
+    rows = measured.of(FREE_RUN, "reduced")
+    assert len(rows) > 1
+    for row in rows:
+        assert row.error <= 0.1 * row.number + 1e-12
 
 
 @pytest.mark.parametrize("group", rest_exhaustive((CLUTCH, DIE, SPEED_LAW), DIE))

@@ -1,9 +1,10 @@
-"""Forward dynamics: error against run time of everything there is, a plain Pinocchio loop beside it, and many scenarios against one.
+"""Forward dynamics: error against run time of everything there is, a plain Pinocchio loop beside it, many scenarios against one, what a
+tolerance buys, and tables of linkages in space.
 
-Run `python tests/benchmarks/benchmark_simulation.py`; `--quick` for a fifth of the repeats. pytest does not collect this file. The
-contestants
-take turns, so that whatever else the machine does meets all of them; the least time counts. Wall times include everything from the loaded
-press, whose assembly has been followed, to a `Run` with its states, accelerations and checks (of the plain loop: to the last state alone).
+Run `python tests/benchmarks/benchmark_simulation.py`; `--quick` for a fifth of the repeats, `--only tolerances` for one part. pytest does
+not collect this file. The contestants take turns, so that whatever else the machine does meets all of them; the least time counts. Wall
+times include everything from the loaded press, whose assembly has been followed, to a `Run` with its states, accelerations and checks (of
+the plain loop: to the last state alone).
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ import argparse
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +22,15 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from support import texts
+from support.generators import spatial_linkages
 from support.oracles.pinocchio_run import free_run
 
 import pinpress as pp
 from pinpress.accuracy.contests import least_seconds
+from pinpress.accuracy.peers.six_bar_script import six_bar as hand_script
+from pinpress.accuracy.peers.six_bar_script import world_forces
+from pinpress.linkage.memo import keep_all_but
 from pinpress.simulation.reduced_model import reduced_model_of
 
 ANGLE, SPEED, DURATION = np.radians(154.0), 70 * pp.RPM, 2.0
@@ -41,12 +49,27 @@ def least(contestants: list[Contestant], repeats: int) -> list[tuple[str, float,
     return [(name, *each) for (name, _), *each in zip(contestants, results, least_seconds(works, repeats), strict=True)]
 
 
+def without_table(press: pp.Linkage) -> pp.Linkage:
+    """The same linkage, followed and all, without its reduced model."""
+    same = replace(press)
+    keep_all_but(reduced_model_of, same, press)
+    return same
+
+
 def six_bar(press: pp.Linkage, fresh: bool = False, **how: Any) -> float:
     """Crank angle at the end of the free run; ``fresh``: with its table made anew."""
-    if fresh:
-        press.__dict__.pop("table", None)
+    press = without_table(press) if fresh else press
     run = pp.simulate(press, DURATION, speed=SPEED, angle=ANGLE, flywheel=FLYWHEEL, **how)
     return float(run.crank_angle[-1])
+
+
+def methods(repeats: int) -> None:
+    """Both methods, the fixed steps and a plain loop."""
+    press = pp.load("zxn2_3000b")
+    _ = press.branch
+    truths = [six_bar(press, method=method, tolerance=1e-13) for method in ("reduced", "constraint")]
+    print(f"both methods at tolerance 1e-13 differ by {abs(truths[0] - truths[1]):.1e} rad")
+    work_precision(press, truths[0], repeats)
 
 
 def work_precision(press: pp.Linkage, truth: float, repeats: int) -> None:
@@ -114,7 +137,7 @@ def scenarios(repeats: int) -> None:
 
         one: Contestant = ("one", lambda run=run: float(run(0)[-1]))
         many: Contestant = ("many", lambda run=run: float(run(slice(None))[-1, 0]))
-        (_, first, alone), (_, same, together) = least([one, many], repeats)
+        (_, first, alone), (_, same, together) = least([one, many], max(2, repeats // 3))
         print(f"  {name:56} {1e3 * alone:7.2f} ms {1e3 * together:8.1f} ms, ratio {together / alone:5.1f}, differ {abs(first - same):.0e}")
 
 
@@ -133,7 +156,7 @@ def long_runs(repeats: int) -> None:
         runs["steady"] = pp.steady_state(press, 300 * pp.RPM, drive=drive, flywheel=flywheel, loads=loads)
         return 0.0
 
-    (_, _, long), (_, _, direct) = least([("minute", minute), ("steady", steady)], repeats)
+    (_, _, long), (_, _, direct) = least([("minute", minute), ("steady", steady)], max(2, repeats // 3))
     last, period = pp.measures.stroke_duties(runs["minute"])[-1], pp.measures.duty_cycle(runs["steady"])
     apart, slower = abs(last.duration - period.duration), abs(last.lowest_speed - period.lowest_speed)
     print("\nJF75G-125, slip-clutch motor, 1250 kN blanking, 300 strokes/min")
@@ -171,9 +194,88 @@ def friction(repeats: int) -> None:
             runs[which] = work(acting)
             return 0.0
 
-        (_, _, without), (_, _, taken) = least([("", lambda: run("bare", {})), ("", lambda: run("rubbing", rubbing))], repeats)
+        (_, _, without), (_, _, taken) = least([("", lambda: run("bare", {})), ("", lambda: run("rubbing", rubbing))], max(2, repeats // 3))
         error = runs["rubbing"].stats.energy_error
         print(f"  {name:20} {1e3 * without:8.1f} ms {1e3 * taken:8.1f} ms, ratio {taken / without:5.1f}, energy error {error:.0e}")
+
+
+def tolerances(repeats: int) -> None:
+    """What looser tolerances save, and that each holds: time and error of the last crank angle, against a run of all joints over time,
+    which has no table, and with friction against the tightest run."""
+    six, jf, rssp = pp.load("zxn2_3000b"), pp.load("jf75g_125", gravity=(0, 0, -9.80665)), in_space()["crank, ball-ended rod, slide"]
+    motor = pp.drives.Geared(pp.drives.InductionMotor(45e3, 1465 * pp.RPM), 4.9)
+    blanking: dict[str, Any] = {"drive": motor, "flywheel": pp.drives.Flywheel(136.0), "loads": [pp.loads.Blanking(2e5, 0.010, 0.005)]}
+    rubbing = {name: pp.loads.Friction(0.05, None if name == "slide_guide" else 0.06) for name in six.bearings}
+    speeds = 300 * pp.RPM * np.random.default_rng(0).uniform(0.9, 1.1, 1000)
+    speeds[0] = 300 * pp.RPM
+    scenes: dict[str, tuple[Callable[..., Any], str]] = {
+        "free": (partial(pp.simulate, six, DURATION, speed=SPEED, angle=ANGLE, flywheel=FLYWHEEL), "constraint"),
+        "in space": (partial(pp.simulate, rssp, DURATION, speed=10.0, flywheel=pp.drives.Flywheel(1.0)), "constraint"),
+        "motor": (partial(pp.simulate, jf, DURATION, speed=300 * pp.RPM, **blanking), "constraint"),
+        "friction": (partial(pp.simulate, six, 1.0, speed=SPEED, flywheel=pp.drives.Flywheel(6000.0), friction=rubbing), "reduced"),
+        "1000 motors": (partial(pp.simulate_batch, jf, DURATION, speed=speeds, **blanking), "of motor"),
+    }
+    print("\nfree runs of 2 s of the six-bar, and of a spatial crank, rod with balls and slide; JF75G-125 under a motor and blanking, 2 s;")
+    print("six-bar with friction in all bearings, 1 s; 1000 runs as the third: ms, error of the last crank angle [rad]")
+    print(f"  {'tolerance':10}" + "".join(f"{name:>20}" for name in scenes))
+    truth: dict[str, float] = {}
+    for name, (work, judge) in scenes.items():
+        truth[name] = truth["motor"] if judge == "of motor" else last(work(tolerance=1e-13 if judge == "reduced" else 1e-12, method=judge))
+    for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12):
+        works = [(name, lambda work=work, t=tolerance: last(work(tolerance=t, points=121))) for name, (work, _) in scenes.items()]
+        found = [(seconds, abs(angle - truth[name])) for name, angle, seconds in least(works, max(2, repeats // 3))]
+        print(f"  {tolerance:<10.0e}" + "".join(f"{1e3 * seconds:10.1f} {error:9.1e}" for seconds, error in found))
+
+
+def last(run: Any) -> float:
+    """The last crank angle of a run, or of the first scenario of a batch."""
+    return float(np.ravel(run.crank_angle[-1])[0])
+
+
+def in_space() -> dict[str, pp.Linkage]:
+    return {
+        "crank, ball-ended rod, slide": pp.build(Path(pp.__file__).parent / "pin_table" / "templates" / "rssp.yaml"),
+        "Bennett, 4 pins": texts.load(spatial_linkages.bennett()),
+        "Bricard, 6 pins": texts.load(spatial_linkages.bricard()),
+        "welded four-bar": texts.load(spatial_linkages.four_bar("fixed")),
+    }
+
+
+def tables(repeats: int) -> None:
+    """Tables of linkages in space and in the plane, and what the reduced equation then takes beside the equations of all joints."""
+    print(
+        "\nthe table of a press alone; a free run of 1 s with its table anew, with it known, and by all joints: ms; how far the last differ"
+    )
+    for name, press in {"ZXN2-3000(B), in the plane": pp.load("zxn2_3000b"), **in_space()}.items():
+        inertia = 0.2 * float(reduced_model_of(press).middles[0].max())
+        how: dict[str, Any] = {"speed": 6.0, "flywheel": pp.drives.Flywheel(inertia), "points": 121}
+        if press.branch.period is None:
+            how |= {"drive": None, "speed": 2.0}
+        table = reduced_model_of(press)
+        works: list[Contestant] = [
+            ("table", lambda press=press: float(reduced_model_of(without_table(press)).evaluations)),
+            ("anew", lambda press=press, how=how: last(pp.simulate(without_table(press), 0.4, **how))),
+            ("known", lambda press=press, how=how: last(pp.simulate(press, 0.4, **how))),
+            ("joints", lambda press=press, how=how: last(pp.simulate(press, 0.4, method="constraint", **how))),
+        ]
+        (_, _, made), (_, _, anew), (_, angle, known), (_, other, joints) = least(works, max(2, repeats // 3))
+        times = " ".join(f"{1e3 * seconds:8.2f}" for seconds in (made, anew, known, joints))
+        print(
+            f"  {name:30} {table.evaluations:5} states {1e6 * made / table.evaluations:5.1f} us each {times}  {abs(angle - other):.0e} rad"
+        )
+
+
+def hand(repeats: int) -> None:
+    """The script of the six-bar derived by hand, by which times of different machines and days can be compared."""
+    angles = 2 * np.pi * np.arange(360) / 360
+
+    def script() -> float:
+        found = hand_script(angles, SPEED, 0.0)
+        world_forces(found)
+        return 0.0
+
+    ((_, _, seconds),) = least([("", script)], 20 * repeats)
+    print(f"inverse dynamics of the six-bar by a script derived by hand: {1e6 * seconds / 360:.3f} us an angle")
 
 
 def _turns(run: pp.Run) -> int:
@@ -183,15 +285,14 @@ def _turns(run: pp.Run) -> int:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="a fifth of the repeats")
-    repeats = 2 if parser.parse_args().quick else 10
-    press = pp.load("zxn2_3000b")
-    _ = press.branch
-    truths = [six_bar(press, method=method, tolerance=1e-13) for method in ("reduced", "constraint")]
-    print(f"both methods at tolerance 1e-13 differ by {abs(truths[0] - truths[1]):.1e} rad")
-    work_precision(press, truths[0], repeats)
-    scenarios(max(2, repeats // 3))
-    friction(max(2, repeats // 3))
-    long_runs(max(2, repeats // 3))
+    parts = {"hand": hand, "methods": methods, "tolerances": tolerances, "scenarios": scenarios, "tables": tables}
+    parts |= {"friction": friction, "long": long_runs}
+    parser.add_argument("--only", choices=parts, help="one part alone")
+    given = parser.parse_args()
+    repeats = 2 if given.quick else 10
+    for name, part in parts.items():
+        if given.only in (None, name):
+            part(repeats)
 
 
 if __name__ == "__main__":
