@@ -65,7 +65,7 @@ def table() -> str:
 def comparison() -> str:
     """The table of docs/comparison.md: a turn of each linkage, and the least time of the six-bar's free run to 1e-6 rad."""
     runs = [row for row in rows_of(SIX_BAR) if row["group"] == "free run" and row["error"]]
-    lines = [f"| program | {' | '.join(LINKAGES.values())} | run to 1e-6 rad | loop gap |", "|---" * (3 + len(LINKAGES)) + "|"]
+    lines = [f"| program | {' | '.join(LINKAGES.values())} | run to 1e{HYPHEN}6{SPACE}rad | loop gap |", "|---" * (3 + len(LINKAGES)) + "|"]
     for words, turning, running in PROGRAMS:
         ran = [row for row in runs if running and _is(row, running)]
         fastest = min((row for row in ran if float(row["error"]) <= WANTED[0]), key=_seconds, default=None)

@@ -129,6 +129,7 @@ def test_programs_in_space(presses, made, kind, name):
     assert max(errors_in_space(presses(name), made(kind, name), 36)) < EXACT
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("speed", [7.0, -5.0])
 def test_exudyn_in_space(presses, made, speed):
     """The trapezoidal rule, as in the plane, for torque and all forces; the cross without mass is a joint."""
