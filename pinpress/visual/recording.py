@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,6 +34,9 @@ from .shapes import meshcat_commands
 from .shapes.appearance import ShownLink, bodies
 from .shapes.bearing_layout import TOWARDS
 from .shapes.stand_ins import ShaftFlywheel
+
+if TYPE_CHECKING:
+    from ..simulation.elastic.elastic_run import ElasticRun
 
 PER_TURN = 360  # key frames a turn; between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
 FEWEST_PER_TURN = 36  # key frames a turn of a long motion; the pin leaves its circle by 0.4 %
@@ -58,7 +61,8 @@ def record(
 
     The page plays in real time, or slowed down where a period takes less than half a second. A motion over one period is closed to a loop.
     Long motions are thinned to 360 key frames per turn of the crank. Equal input gives equal bytes. ``#t=0.25`` at the end of the page's
-    address stops it at 0.25 s.
+    address stops it at 0.25 s. Links of an `ElasticRun` are drawn where they are on their springs, magnified by a factor that the page
+    states.
 
     Args:
         press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes
@@ -105,8 +109,20 @@ def scene(
     if reactions is not None:
         _refuse_other_reactions(press, motion, reactions)
     at = poses(press, motion.joint_position[frames.states])
+    magnified, elastic = {}, elastic_run_of(motion)
+    if elastic is not None:
+        from .deflected import displaced, magnification  # with the equations of springs, which other pages do without
+
+        moved = elastic.displacement[frames.states]
+        magnified = {"magnified": magnification(press, moved)}
+        at = displaced(press, at, magnified["magnified"] * moved)
     drawn = bodies(press, motion.joint_position[frames.states], flywheels=flywheels)
-    return moving(press, motion, frames, at, reactions, traces) | shapes(press, frames, at, drawn)
+    return moving(press, motion, frames, at, reactions, traces) | shapes(press, frames, at, drawn) | magnified
+
+
+def elastic_run_of(motion: Motion) -> ElasticRun | None:
+    """The motion, if it is that of a press on its springs. Its class is not asked for: it would be imported with its solvers."""
+    return cast("ElasticRun", motion) if isinstance(motion, Run) and motion.stats.method == "elastic" else None
 
 
 def shaft_flywheels(press: Linkage, given: Flywheel | Mapping[str, Flywheel] | None, results: Sequence[object]) -> list[ShaftFlywheel]:

@@ -245,7 +245,7 @@ def test_results_of_another_press_are_refused(name: str, ratings: Any, steady: A
 
 def test_what_has_no_section_is_refused_by_name(press: Any, loaded: Any, tmp_path: Path) -> None:
     harmonics = pp.measures.harmonics(loaded.motion, loaded.shaking_force)
-    with pytest.raises(pp.PinpressError, match=r"a report has no section for .*; give any of PressRatings, Run"):
+    with pytest.raises(pp.PinpressError, match=r"a report has no section for .*; give any of PressRatings, ElasticRun, Run"):
         pp.report(press, loaded.motion, tmp_path / "out.html", reactions=loaded, results=[harmonics])
 
 
@@ -422,3 +422,34 @@ def test_hostile_names_stay_text_in_every_kind(view: Callable[..., Any], tmp_pat
 def test_same_results_same_bytes(press: Any, loaded: Any, ratings: Any, steady: Any, written: Path, tmp_path: Path) -> None:
     again = pp.report(press, replace(loaded).motion, tmp_path / "out.html", reactions=loaded, results=[ratings, steady])
     assert again.read_bytes() == written.read_bytes()
+
+
+def test_press_on_its_springs(tmp_path: Path) -> None:
+    """The run is drawn with magnified displacements, its forces stand beside the rigid press's, and so do its vibrations."""
+    small, speed = texts.shipped("crank_slide"), 300 * pp.RPM
+    elastic = pp.elasticity.Elastic(pp.elasticity.Stiffness(dict.fromkeys(small.bearings, 2e8), moments={"slide_guide": 2e7}))
+    loads = [pp.loads.Blanking(1e5, 0.02, 0.01)]
+    run = pp.steady_state(small, speed, drive=pp.drives.PrescribedSpeed(speed), loads=loads, elastic=elastic, points=73)
+    assert isinstance(run, pp.ElasticRun)
+    reactions = pp.inverse_dynamics(small, run, loads=loads)
+    modes = pp.elasticity.natural_frequencies(small, elastic)
+    diagram = pp.elasticity.campbell(small, elastic, speeds=np.array([200.0, 400.0]) * pp.RPM)
+    strokes = pp.elasticity.over_speeds(small, elastic, speeds=np.array([200.0, 300.0]) * pp.RPM)
+    path = pp.report(small, run, tmp_path / "out.html", reactions=reactions, results=[modes, diagram, strokes])
+    found = sections(path)
+    own = found["On its springs"]
+    beside = curves(chart(own, "Slide beside the rigid press"))["slide"][1]
+    assert_allclose(beside, 1e3 * (run.slide_position - run.rigid_slide_position), rtol=1e-5, atol=1e-6)
+    forces = chart(own, "Force in W")
+    assert_allclose(UNITS[forces["unit"]] * curves(forces)["on its springs"][1], np.linalg.norm(run.bearing_force["W"], axis=1), rtol=1e-5)
+    assert_allclose(UNITS[forces["unit"]] * curves(forces)["rigid"][1], np.linalg.norm(reactions.bearing_force["W"], axis=1), rtol=1e-5)
+    x, near = curves(chart(own, "Slide near bottom dead centre"))["rigid"]
+    assert_allclose(near[np.abs(x).argmin()], 0.0, atol=1e-3)
+    assert len(chart(own, "Where loads begin and end")["rows"]) == len(run.events) == 2
+    assert figures(own)["deepest point"] == f"{1e3 * (run.deepest - pp.dead_centres(small).bottom_position):+.4g} mm".replace("-", "\u2212")
+    lowest = curves(chart(found["Vibrations on its springs"], "Natural frequencies"))["mode 1"][1]
+    assert_allclose(lowest, modes.natural_frequency[:, 0] / (2 * np.pi), rtol=1e-6)
+    assert_allclose(curves(chart(found["Strokes over the speed"], "Depth"))["slide"][1], 1e3 * strokes.depth, rtol=1e-5)
+    assert "Resonances over the speed" in found
+    assert data_in(path)["magnified"] > 1
+    assert "slide_guide, W: 2e+08 N/m" in dict(data_in(path)["report"]["inputs"][0]["rows"])["elastic parts"]

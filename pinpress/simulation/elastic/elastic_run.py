@@ -64,6 +64,12 @@ class ElasticRun(Run):
         return read_only(self._on_springs[:, 0].copy())
 
     @property
+    def rigid_slide_position(self) -> Array:
+        """(n,) slide position of the rigid press at the same crank angles [m]."""
+        guide, offset, sign = self._slide()
+        return read_only(sign * self.joint_position[:, guide] + offset)
+
+    @property
     def slide_velocity(self) -> Array:
         return read_only(self._on_springs[:, 1].copy())
 

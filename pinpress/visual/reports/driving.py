@@ -20,7 +20,7 @@ from ...kinematics.slide_path import stroke_turns
 from ...loads.caller_laws import as_given
 from ...loads.link import PointForce, SpringDamper
 from ...simulation.run import Run, duty_cycle, stroke_duties
-from ..recording import KeyFrames
+from ..recording import KeyFrames, elastic_run_of
 from .blocks import BarChart, Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown
 
@@ -73,7 +73,8 @@ def _bars(title: str, work: dict[str, float]) -> list[Block]:
 def _energy_of_run(run: Run) -> list[Block]:
     over = "Energy of the period" if _is_steady(run) else "Energy of the run"
     drive, loads, lost = (float(work[-1]) for work in (run.drive_work, run.load_work, run.lost))
-    return _bars(over, {"drive": drive, "loads": loads, "clutch and brake": lost, "stored in speed and height": drive - loads - lost})
+    where = "dampers" if elastic_run_of(run) else "clutch and brake"
+    return _bars(over, {"drive": drive, "loads": loads, where: lost, "stored in speed and height": drive - loads - lost})
 
 
 def _is_steady(run: Run) -> bool:

@@ -20,7 +20,7 @@ from ...linkage.linkage import Linkage
 from ...simulation.run import Run, inputs_of
 from .. import charts, pages
 from ..pages import packed
-from ..recording import key_frames, scene, shaft_flywheels
+from ..recording import elastic_run_of, key_frames, scene, shaft_flywheels
 from .blocks import Section
 from .motion import figures, sections, table_of_extremes
 from .shown import Shown, as_shown, before_shown, frames_along, in_words
@@ -45,7 +45,8 @@ def report(
     goes; every bearing and guide force, its magnitude, components, and polar diagrams in the world's axes and in those of the link on which
     it acts; moments in guides; shaking force with its harmonics, and shaking moment. Under process loads they show these over the crank
     angle and over the slide's height; of a run its motor's torque over the speed, beside the motor's curve. A table lists the extremes over
-    all states. Curves have the recording's key frames, at most 360 a turn.
+    all states. Curves have the recording's key frames, at most 360 a turn. Of an `ElasticRun` these forces are those of the rigid press; a
+    section of its own has the forces of the springs beside them, the slide's depth, and where loads begin and end.
 
     Args:
         press: As for `record`.
@@ -57,7 +58,8 @@ def report(
             their ranges too.
         results: Other results of the press, each of which adds a section: `PressRatings`, whose permissible force is drawn beside the
             process force too; a `Run` of the press beside this motion; `BalancedPress` and `TradeOffCurve`; `SlideCompliance`,
-            `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `MountedPress`, `VibrationModes`, `FrameMotion`,
+            `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `ElasticRun`, `ElasticModes`, `CampbellDiagram` and
+            `ElasticSpeedResponse`; `MountedPress`, `VibrationModes`, `FrameMotion`,
             `SpeedResponse` and `Isolation`.
         flywheel: As for `record`; by default those of a run, of the motion or among the results.
 
@@ -102,6 +104,9 @@ def article(title: str, subtitle: str, inputs: Inputs, parts: Sequence[Section],
 def _content(shown: Shown, before: Shown | None, results: Sequence[Tabular]) -> dict[str, Any]:
     """What the charts' part of the page is given."""
     ratings, more = None, list[Section]()
+    elastic = elastic_run_of(shown.motion)
+    if elastic is not None and not any(result is elastic for result in results):
+        results = [elastic, *results]
     if results:
         from .results import ratings_among, sections_of  # with the rooms of all features, which most reports do without
 

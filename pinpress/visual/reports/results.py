@@ -11,18 +11,22 @@ from ...common.errors import PinpressError, shown
 from ...common.results import Tabular
 from ...elasticity.breakthrough import SnapThroughResponse
 from ...elasticity.slide_under_load import DeflectedSlide, ElasticDeadCentre
+from ...elasticity.speed_range import CampbellDiagram, ElasticSpeedResponse
 from ...elasticity.unit_load import SlideCompliance
+from ...elasticity.vibration import ElasticModes
 from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from ...ratings.rating import PressRatings
+from ...simulation.elastic.elastic_run import ElasticRun
 from ...simulation.run import Run
-from . import balancing, driving, elasticity, foundation, ratings
+from . import balancing, driving, elastic_motion, elasticity, foundation, ratings
 from .blocks import Section
 from .shown import Shown
 
 MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     PressRatings: ratings.section,
+    ElasticRun: elastic_motion.motion,
     Run: driving.section,
     BalancedPress: balancing.section,
     TradeOffCurve: balancing.trade_off,
@@ -30,6 +34,9 @@ MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     DeflectedSlide: elasticity.deflection,
     ElasticDeadCentre: elasticity.dead_centre,
     SnapThroughResponse: elasticity.breakthrough,
+    ElasticModes: elastic_motion.modes,
+    CampbellDiagram: elastic_motion.campbell,
+    ElasticSpeedResponse: elastic_motion.over_speeds,
     MountedPress: foundation.standing,
     VibrationModes: foundation.modes,
     FrameMotion: foundation.vibration,

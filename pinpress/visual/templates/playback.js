@@ -107,6 +107,11 @@ function start() {
     row.append(swatch, name);
     element("legend").append(row);
   }
+  if (data.magnified) {
+    const row = document.createElement("li");
+    row.textContent = `displacements on the springs drawn ${data.magnified}×`;
+    element("legend").append(row);
+  }
   addLights();
   addEdges();
   addForces();

@@ -1,0 +1,42 @@
+"""Links drawn where they are on their springs, with displacements magnified so that they can be seen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..common.quantities import Array
+from ..engines.planar.model import to_world
+from ..kinematics.motion import Poses
+from ..linkage.linkage import Linkage
+from ..simulation.elastic.assembly import DrawnBodies
+
+SEEN = 0.05  # share of the linkage's size that the largest displacement is drawn as, at most
+FACTORS = (1.0, 2.0, 5.0)  # times powers of ten: magnifications
+
+
+def magnification(press: Linkage, displacement: Array) -> float:
+    """A round factor by which the largest of displacements (k, links, 3) is drawn; see `ElasticRun.displacement`. It is 1 at least."""
+    largest = float(np.abs(displacement[..., :2]).max(initial=0.0))
+    wanted = SEEN * press.size / largest if largest > 0 else 1.0
+    power = 10.0 ** np.floor(np.log10(max(wanted, 1.0)))
+    return float(max(factor * power for factor in FACTORS if factor * power <= max(wanted, 1.0)))
+
+
+def displaced(press: Linkage, at: Poses, displacement: Array) -> Poses:
+    """Poses of the bodies of all joints with displacements (k, links, 3) of their centres of mass and their turns added."""
+    plane, rotation, position = DrawnBodies(press).plane, at.rotation.copy(), at.position.copy()
+    normal = np.cross(*(to_world(plane, np.array([axis]))[0] for axis in (1.0 + 0j, 1j)))
+    shift = to_world(plane, displacement[..., 0] + 1j * displacement[..., 1])
+    for body in range(press.model.nv):
+        centre = at.points(body + 1, press.model.inertias[body + 1].lever)
+        turned = _about(normal, displacement[:, body, 2])
+        rotation[body + 1] = turned @ at.rotation[body + 1]
+        arm = at.position[body + 1] - centre
+        position[body + 1] = centre + shift[:, body] + (turned @ arm[:, :, None])[:, :, 0]
+    return Poses(rotation, position)
+
+
+def _about(axis: Array, angle: Array) -> Array:
+    """Rotations (k, 3, 3) about an axis of length 1 by angles (k,) (Rodrigues)."""
+    across = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+    return np.asarray(np.eye(3) + np.sin(angle)[:, None, None] * across + (1 - np.cos(angle))[:, None, None] * (across @ across))
