@@ -14,6 +14,7 @@ def test_displacements_put_links_where_they_are():
     press, speed, stiffness = shipped("jf75g_125_plain"), 300 * pp.RPM, 2e7
     elastic = pp.elasticity.Elastic(pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments={"slide_guide": 2e6}), 0.0)
     run = pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic, points=25)
+    assert isinstance(run, pp.ElasticRun)
     at = displaced(press, poses(press, run.joint_position), run.displacement)
     slide = press.model.frames[press.model.getFrameId("slide")]
     np.testing.assert_allclose(at.points(slide.parentJoint, slide.placement.translation)[:, 2], run.slide_position, rtol=0, atol=1e-12)

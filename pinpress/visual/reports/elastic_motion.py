@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import cast
 
 import numpy as np
 
@@ -36,7 +35,8 @@ def motion(run: ElasticRun, shown: Shown) -> Section:
     states = shown.frames.states if moving else np.arange(len(run.time))
     first = run.driver_coordinates[0]
     along = None if moving else first.scale * run.crank_angle
-    across, follows = "" if moving else f"{first.counted} [{first.shown_unit}]", cast(Follows, "frames" if moving else "nothing")
+    across = "" if moving else f"{first.counted} [{first.shown_unit}]"
+    follows: Follows = "frames" if moving else "nothing"
 
     def chart(title: str, unit: str, lines: list[tuple[str, Array]], note: str = "") -> LineChart:
         drawn = [Line(name, values[states], along) for name, values in lines]
