@@ -50,6 +50,10 @@ REASONS = {
         "the press on its springs does not repeat its stroke: the lowest positions of its slide in {strokes} strokes are {depths} mm; let"
         " it run with simulate, or look at stiffness, damping and load"
     ),
+    "unstable stroke": (
+        "the stroke that repeats itself is unstable: a disturbance of the links grows by {decay:.3g} in each, so that the press does not"
+        " come to it; give it more damping, or let it run with simulate"
+    ),
     "crank rests": (
         "the crank comes to rest: on its springs a press is followed while its crank turns one way; give it more speed, a larger flywheel"
         " or a stronger drive, or leave elastic out"

@@ -8,6 +8,7 @@ import pytest
 from support import texts
 
 import pinpress as pp
+from pinpress.simulation.elastic import simulate_elastic, solution
 
 RPM, SPEED = pp.RPM, 300 * pp.RPM
 WHEEL = pp.drives.Flywheel(40.0)
@@ -129,6 +130,29 @@ def test_run_without_a_drive():
     assert run.lost[-1] > 0
     with pytest.raises(pp.SimulationError, match="crank comes to rest"):
         pp.simulate(jf75g(), 1.0, speed=SPEED, loads=[BLANK], elastic=springs(jf75g()))
+
+
+def test_events_of_a_stroke_are_planned_by_its_own_motion(monkeypatch):
+    """Drawing ends where the rigid six-bar turns; on its springs the slide passes that height before. Nothing is marched."""
+    press, speed = texts.shipped("zxn2_3000b"), 70 * RPM
+    monkeypatch.setattr(solution, "march", None)
+    drawing, drive = pp.loads.DeepDrawing(1.5e6, 0.05), pp.drives.PrescribedSpeed(speed)
+    run: Any = pp.steady_state(press, speed, drive=drive, loads=[drawing], elastic=springs(press), tolerance=1e-4)
+    bottom = pp.dead_centres(press)
+    assert [height - bottom.bottom_position for _, _, height in run.events] == pytest.approx([0.05, 0.0], abs=1e-9)
+    assert run.events[1][1] < bottom.bottom_angle - 0.1
+    assert run.deepest < bottom.bottom_position
+    assert run.stats.energy_error < 1e-8
+
+
+def test_too_soft_and_unstable(monkeypatch):
+    """Stiffnesses in N/mm are told; a stroke to which the press does not come is none."""
+    given: Any = {"drive": pp.drives.PrescribedSpeed(SPEED), "loads": [BLANK]}
+    with pytest.raises(pp.PinpressError, match="are too soft"):
+        pp.steady_state(jf75g(), SPEED, elastic=springs(jf75g(), 2e6), **given)
+    monkeypatch.setattr(simulate_elastic, "STABLE", 0.05)
+    with pytest.raises(pp.SimulationError, match="a disturbance of the links grows"):
+        pp.steady_state(jf75g(), SPEED, elastic=springs(jf75g()), **given)
 
 
 @pytest.mark.parametrize(

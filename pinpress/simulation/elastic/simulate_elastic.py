@@ -11,7 +11,9 @@ from ...common.errors import PinpressError
 from ...common.quantities import Array
 from ...drives.protocol import corners_of
 from ...kinematics.motion import Motion, motion_through_change_points
+from ...linkage.linkage import Linkage
 from ..driven_press import DrivenPress, GeneralizedForce
+from ..failures import failure
 from ..run import state_count
 from ..solvers import SimulationProblem
 from ..trajectory import Trajectory
@@ -25,6 +27,8 @@ from .solution import ElasticSolution, Task, largest_deflection, march, periodic
 from .sprung_press import SprungPress
 
 ROUNDING = 1e-15  # smallest error of a coordinate that floating point tells [lengths of the linkage]
+STABLE = 1.001  # largest factor by which a disturbance may grow in a period: without dampers it is 1, but for rounding
+FARTHEST = 0.1  # largest turn of a link by its springs, and displacement as a share of the linkage's size, that counts as an elastic press
 NEWTON_STEPS = 6  # to the time of a crank angle
 
 
@@ -59,7 +63,10 @@ def elastic_steady_state(
     task, start = _task(driven, elastic, speed, angle, tolerance, steady=True)
     if driven.prescribed is None:
         task = _free(task, rigid_period(start))
-    segment = _from_angle(periodic(task, start), task, start, angle)
+    solution = periodic(task, start)
+    if solution.decay > STABLE:
+        raise failure("unstable stroke", decay=solution.decay)
+    segment = _from_angle(solution, task, start, angle)
     first = segment.states(np.zeros(1))
     problem = SimulationProblem(driven, "elastic", np.array([angle]), segment.crank(*first.whole)[1], segment.end, tolerance)
     return elastic_run(problem, segment, elastic, state_count(points, abs(task.speed) * task.period / (2 * np.pi)), began)
@@ -118,7 +125,9 @@ def _task(driven: DrivenPress, elastic: Elastic, speed: float, angle: float, tol
     phases = LoadPhases(driven, 1 if speed > 0 else -1, _contacts(driven, sprung))
     turning = float(phases.turnings[0]) if len(phases.turnings) else angle
     from_turning = _task_from(turning, sprung, phases, speed)
-    error = max(tolerance * largest_deflection(from_turning, turning), ROUNDING * driven.press.size)
+    deflection = largest_deflection(from_turning, turning)
+    _refuse_soft(driven.press, deflection)
+    error = max(tolerance * deflection, ROUNDING * driven.press.size)
     task, start = (from_turning, turning) if steady else (_task_from(angle, sprung, phases, speed), angle)
     return task._replace(tolerance=error), start
 
@@ -179,6 +188,16 @@ def _gain(first: Array, last: Array) -> Array:
     """(2 f,) what coordinates and rates gain in a period: links whole turns, and others nothing."""
     gained = np.round((last - first) / np.pi) * np.pi
     return np.concatenate([gained, np.zeros(len(gained))])
+
+
+def _refuse_soft(press: Linkage, deflection: float) -> None:
+    """Raise PinpressError where the springs would let the linkage fall apart; ``deflection``: the largest of a coordinate [m or rad]."""
+    if not deflection <= FARTHEST * min(1.0, press.size):
+        raise PinpressError(
+            f"the springs of {press.name} are too soft for what acts on them: links would be displaced by about {1e3 * deflection:.3g} mm"
+            f" (or turned by as many thousandths of a radian), in a linkage of {1e3 * press.size:.3g} mm; give stiffnesses in N/m, which"
+            " are 1000 times those in N/mm, and 1e8 to 1e10 for bearings of presses"
+        )
 
 
 def _refuse_unsuitable(driven: DrivenPress, elastic: Elastic) -> None:

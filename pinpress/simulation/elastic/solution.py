@@ -34,6 +34,8 @@ STROKES = 6  # that are followed before a press counts as one that does not repe
 SAMPLES = 16  # places of a segment at which the largest deflection is looked for
 LOOKS = 12  # places on a panel at which events are looked for
 BESIDE = 1e-9  # lengths of the linkage beside a border at which it is seen what acts there
+LOOSE = 300.0  # multiple of the tolerance with which a period is found at first, to see whether its events are as planned
+PLANS = 6  # times that the events of a period are planned by the motion that was found with those before
 ASIDE = 1e-6  # angle beside a turning at which it is seen which way the rigid press goes [rad]
 SHORTEST = 1e-9  # share of a period below which a window counts as stuck
 PATIENCE = 4.0  # periods after which a free crank counts as one that does not get through a stroke
@@ -105,9 +107,19 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         SimulationError: it is not found: the press may not repeat its stroke.
     """
     plan = task.phases.planned(start)
-    found = _refined(task, start, plan, _rigid_guess(task, plan))
-    if found is not None and _as_planned(task, found, start):
-        return found
+    guess, tolerance = _rigid_guess(task, plan), LOOSE * task.tolerance
+    for _ in range(PLANS):
+        found = _refined(task._replace(tolerance=tolerance), start, plan, guess)
+        observed = None if found is None else _observed(task, found, start)
+        if found is None or observed is None:
+            break
+        if not _alike(observed, plan):
+            plan, guess = observed, _replanned(observed, found.panels)
+        elif tolerance == task.tolerance:
+            return found
+        else:
+            tolerance = task.tolerance
+            guess = found.panels.onto(_divided(found.panels.mesh, found.panels.errors(), tolerance))
     y, v, _ = task.rigid(np.zeros(1))
     state, depths = np.concatenate([y[0], v[0]]), []
     for stroke in range(STROKES):
@@ -118,7 +130,8 @@ def periodic(task: Task, start: float) -> ElasticSolution:
             continue
         plan = Plan(followed.equations.segments, followed.equations.events or {}, followed.panels.mesh.knots * abs(task.speed))
         found = _refined(task, start, plan, followed.panels)
-        if found is not None and _as_planned(task, found, start):
+        observed = None if found is None else _observed(task, found, start)
+        if found is not None and observed is not None and _alike(observed, plan):
             return found
     shown = ", ".join(f"{1e3 * depth:.4f}" for depth in depths)
     raise failure("does not repeat", strokes=STROKES, depths=shown)
@@ -181,23 +194,52 @@ def _divided(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
     return Mesh(mesh.knots, np.repeat(mesh.segment, parts), low, high)
 
 
-def _as_planned(task: Task, found: ElasticSolution, start: float) -> bool:
-    """Whether in each segment the forces act that belong to the places that the paths really reach."""
+def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
+    """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach; None where
+    no border tells why."""
     equations, mesh, phases = found.equations, found.panels.mesh, task.phases
-    if not phases.borders:
-        return True
     panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
     places, _, angles = _places(equations, found.panels, panel, share)
-    turned = np.searchsorted(phases.turnings_ahead(start), np.abs(angles - start))
-    segments, direction = mesh.segment[panel], float(np.sign(task.speed))
-    phase = phases.begun(start + ASIDE * direction)
-    for k in range(len(panel)):
-        if k and turned[k] != turned[k - 1]:
-            phase = phases.begun(start + direction * (phases.turnings_ahead(start)[turned[k] - 1] + ASIDE))
+    times, ahead = mesh.start[panel] + share * mesh.length[panel], phases.turnings_ahead(start)
+    turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
+    phase = phases.advanced(phases.begun(start + ASIDE * direction), places[0])
+    segments, knots, events = [phases.active(phase, places[0])], [float(mesh.knots[0])], {}
+    for k in range(1, len(panel)):
+        turning = start + direction * ahead[turned[k] - 1] if turned[k] != turned[k - 1] else None
+        if turning is not None:
+            phase = phases.begun(turning + direction * ASIDE)
         phase = phases.advanced(phase, places[k])
-        if phases.active(phase, places[k]) != equations.segments[segments[k]]:
-            return False
-    return True
+        segment = phases.active(phase, places[k])
+        if segment == segments[-1]:
+            continue
+        if turning is not None:
+            share_before, event = (turning - angles[k - 1]) / (angles[k] - angles[k - 1]), Event(CRANK_ANGLE, turning)
+        else:
+            passed = [border for border in phases.borders if _between(places[k - 1, border.path], border.value, places[k, border.path])]
+            if not passed:
+                return None
+            before, after = places[k - 1, passed[0].path], places[k, passed[0].path]
+            share_before, event = (passed[0].value - before) / (after - before), Event(*passed[0])
+        events[len(knots)] = event
+        knots.append(float(times[k - 1] + share_before * (times[k] - times[k - 1])))
+        segments.append(segment)
+    return Plan(tuple(segments), events, np.array([*knots, mesh.knots[-1]]))
+
+
+def _between(before: float, value: float, after: float) -> bool:
+    return (before - value) * (after - value) <= 0 and before != after
+
+
+def _alike(one: Plan, other: Plan) -> bool:
+    """Whether the same forces act, from the same events on."""
+    kinds = [[event.path for _, event in sorted(plan.events.items()) if isinstance(event, Event)] for plan in (one, other)]
+    return one.segments == other.segments and kinds[0] == kinds[1]
+
+
+def _replanned(plan: Plan, near: PanelSolution) -> PanelSolution:
+    """A motion on the panels of a plan whose knots are times, as a guess."""
+    counts = np.maximum(LEAST, np.diff(np.searchsorted(near.mesh.borders, plan.knots)))
+    return _cut(near, _even_mesh(plan.knots, counts))
 
 
 def _places(equations: ElasticEquations, panels: PanelSolution, panel: Indices, share: Array) -> tuple[Array, Array, Array]:
