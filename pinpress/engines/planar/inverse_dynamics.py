@@ -27,6 +27,7 @@ from .bodies import Bodies, OpenTree
 from .kinematics import basis_acceleration, basis_at, gaps, known_basis, known_jacobian
 from .model import Plane, put_in_plane, put_normal, to_complex
 
+FEW = 2  # speeds up to which working out `ForcesBySpeed.parts` would take longer
 FAST = 1e6  # speed of the driver at which weights hardly count beside inertia forces [rad/s or m/s]
 
 
@@ -67,13 +68,14 @@ class ForcesBySpeed(NamedTuple):
     Attributes:
         bodies: inertial constants of the linkage.
         wanted: the bearings.
-        first: the speed that was asked for first. It is always computed from the states, so that the same question has the same answer.
-        parts: the wrenches of inertia forces at the driver's speed 1, and those at rest; None until a second speed is asked for.
+        computed: the first speeds that were asked for. Their wrenches are always computed from the states: the same question has the same
+            answer.
+        parts: the wrenches of inertia forces at the driver's speed 1, and those at rest; None until further speeds are asked for.
     """
 
     bodies: Bodies
     wanted: Sequence[int]
-    first: float
+    computed: tuple[float, ...]
     parts: tuple[Wrenches, Wrenches] | None = None
 
 
@@ -85,9 +87,12 @@ def _at_constant_speed(bodies: Bodies, states: ClosedStates, conditions: Applied
     speed = float(speeds[0])
     known = answers[0] if answers else None
     if known is None or known.bodies is not bodies or known.wanted != wanted:
-        answers[:] = [ForcesBySpeed(bodies, wanted, speed)]
+        answers[:] = [ForcesBySpeed(bodies, wanted, (speed,))]
         return None
-    if not speed or speed == known.first or states.a[bodies.plane.driver].any() or (speeds != speed).any():
+    if not speed or speed in known.computed or states.a[bodies.plane.driver].any() or (speeds != speed).any():
+        return None
+    if known.parts is None and len(known.computed) < FEW:
+        answers[:] = [known._replace(computed=(*known.computed, speed))]
         return None
     inertia, weight = known.parts or _parts_by_speed(known, states, conditions, speed)
     answers[:] = [known._replace(parts=(inertia, weight))]
