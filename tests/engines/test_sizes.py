@@ -35,11 +35,13 @@ def datas(monkeypatch):
 @pytest.mark.parametrize("kind", KINDS)
 def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     press = large_linkages.load(KINDS[kind](20))
-    result = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=ANGLES, speed=3.0))
+    motion = pp.servo_cycle(press, angle=ANGLES, speed=3.0)
+    result = pp.inverse_dynamics(press, motion)
     assert np.abs(result.power_residual).max() < 1e-13
     assert np.isfinite(result.shaking_moment).all()
     loop_forces = [flags[:3].tolist() for name, flags in result.indeterminate.items() if name not in press.joints]
     assert loop_forces == [[False, True, False]] * len(press.loops)
+    assert pp.visual_model(press, motion).ngeoms > len(press.joints)
     assert not datas
 
 
