@@ -29,7 +29,7 @@ UNITS = {  # meaning of `seconds` and `error` of a group
 }
 
 HEIGHT = 28.0  # [cm]
-WIDTH = 98  # longest line of the text, but for problems
+WIDTH = 98  # longest line of the text
 ANGLE = "error of the crank angle [rad]"
 MARKERS = "osD^vP*X<>dhp1234x+"
 FAMILIES = {"plane": "reduced", "space": "reduced", "implicit": "reduced", "pinocchio": "constraint", "SciPy": "hand"}  # of one colour each
@@ -197,16 +197,22 @@ def _table(rows: Sequence[Measurement]) -> list[str]:
     cells = [(rows[0].setting if alike else "", *heads[1:]), *(_cells(row, row.method if alike else f"  {row.setting}") for row in rows)]
     kept = [k for k in range(len(heads)) if k < 3 or any(line[k] for line in cells[1:])]
     lines = tables.fitted([[line[k] for k in kept] for line in cells])
+    lines[1:] = [f"{line.rstrip()}  {row.problem}" if _is_long(row) else line for line, row in zip(lines[1:], rows, strict=True)]
     for k in range(len(rows), 0, -1):
         if not alike and (k == 1 or rows[k - 1].method != rows[k - 2].method):
             lines.insert(k, f"  {rows[k - 1].method}")
-    return [line.rstrip() for line in lines]
+    return [part for line in lines for part in ([line.rstrip()] if len(line.rstrip()) <= WIDTH else _wrapped(line.rstrip()))]
+
+
+def _is_long(row: Measurement) -> bool:
+    """Whether a problem is too long for the column of errors."""
+    return len(row.problem) > len("not finite")
 
 
 def _cells(row: Measurement, name: str) -> tuple[str, ...]:
     errors = [("" if value is None else f"{value:.1e}") for value in (row.error, row.force_error, row.loop_gap, row.energy_error)]
     if row.problem:
-        errors[0] = row.problem
+        errors[0] = "" if _is_long(row) else row.problem
     return name, f"{1e3 * row.seconds:.4g}", *errors, "" if row.evaluations is None else str(row.evaluations)
 
 

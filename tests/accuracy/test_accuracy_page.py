@@ -75,3 +75,19 @@ def test_the_page_in_a_browser(measured: Any, view: Callable[..., Any], tmp_path
     assert page.locator("article script, article img").count() == 0
     assert NAME in page.inner_text(".table >> nth=0")
     assert page.evaluate("document.documentElement.scrollWidth") <= 900
+
+
+def test_a_long_problem_does_not_widen_the_table() -> None:
+    """It stands at the end of its line, and the line is broken where it is too long."""
+    problem = "a program does not keep this press together, whatever its step is: give a shorter step, or another program"
+    rows = [
+        pp.accuracy.Measurement("free run", "reduced", f"step {k} ms", k, 0.01, None if k else 1e-3, 1e-3, problem=problem[: k * 99])
+        for k in (0, 1, 2)
+    ]
+    told = pp.accuracy.WorkPrecision(
+        "press", "", "", {}, {"free run": 0.1}, {"free run": "two"}, Records(pp.accuracy.Measurement, rows), ()
+    )
+    lines = str(told).split("\n")
+    assert max(map(len, lines)) <= 98
+    assert "               time [ms]    error  force error" in lines
+    assert problem in " ".join(" ".join(lines).split())
