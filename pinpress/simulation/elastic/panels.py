@@ -61,6 +61,7 @@ def radau(stages: int) -> Rule:
     return Rule(points, integrate, integrate @ integrate, np.asarray(series, dtype=float))
 
 
+@cache
 def _integral(stages: int) -> Array:
     """(s + 1, s): coefficients of a Legendre series on [0, 1] to those of its integral from 0."""
     return 0.5 * np.array([legendre.legint(row, lbnd=-1) for row in np.eye(stages)]).T

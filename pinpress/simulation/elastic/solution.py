@@ -204,7 +204,8 @@ def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
     turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
     phase = phases.advanced(phases.begun(start + ASIDE * direction), places[0])
     segments, knots, events = [phases.active(phase, places[0])], [float(mesh.knots[0])], {}
-    for k in range(1, len(panel)):
+    telling = _passes(phases, places) | np.append(False, turned[1:] != turned[:-1])
+    for k in np.flatnonzero(telling):
         turning = start + direction * ahead[turned[k] - 1] if turned[k] != turned[k - 1] else None
         if turning is not None:
             phase = phases.begun(turning + direction * ASIDE)
@@ -224,6 +225,12 @@ def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
         knots.append(float(times[k - 1] + share_before * (times[k] - times[k - 1])))
         segments.append(segment)
     return Plan(tuple(segments), events, np.array([*knots, mesh.knots[-1]]))
+
+
+def _passes(phases: LoadPhases, places: Array) -> Array:
+    """(n,) whether a path passes a border on its way from one row of places (n, paths) to the next; it is told of the second one."""
+    beyond = np.stack([places[:, border.path] > border.value for border in phases.borders], axis=1) if phases.borders else places[:, :0]
+    return np.append(False, (beyond[1:] != beyond[:-1]).any(axis=1))
 
 
 def _between(before: float, value: float, after: float) -> bool:
@@ -430,7 +437,11 @@ class _March:
         acting = [(k, law) for k, law in enumerate(self.laws[-1]) if isinstance(law, ForceInterval)]
         pushing = [(k, law) for k, law in acting if law.one_sided and law.heeds_velocity]
         contacts = [*pushing, *self.lost.items()]
+        telling = _passes(phases, places)
+        telling[1] = True  # it starts on a border
         for k in range(1, len(times)):
+            if not (telling[k] or contacts or angles):
+                continue
             passed = [self._passing(times, crank, k, LoadBorder(CRANK_ANGLE, angle)) for angle in angles]
             released = None if any(passed) else self._released(contacts, phase, places[k], rates[k - 1])
             if released is not None:
