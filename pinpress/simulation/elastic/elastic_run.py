@@ -18,6 +18,7 @@ from ...common.quantities import Array, ComplexArray
 from ...engines.planar.model import to_complex, to_world
 from ...kinematics.motion import Motion, motion_through_change_points
 from ..driven_press import WorkOfForce
+from ..law_trials import confirm_torques
 from ..run import Run, Stats
 from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
@@ -299,6 +300,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     times = np.linspace(0.0, segment.end, points)
     at, sample = segment.states(times), segment.at(times)
     motion = motion_through_change_points(press, sample.position[0], sample.speed[0], sample.acceleration[0], times)
+    confirm_torques(problem.driven.drive, times, sample.position[0], sample.drive_speed, sample.drive_torque)
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
     rigid, _, _ = coordinates_of(sprung, motion)
     moved = (coordinates - rigid).reshape(points, -1, 3)[:, : press.model.nv]
