@@ -1,8 +1,8 @@
-"""Plots of elastic presses: compliance by parts, bottom dead centre over speed, snap-through."""
+"""Plots of elastic presses: compliance by parts, bottom dead centre over speed, snap-through, elastic motion, resonances."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,9 @@ from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..elasticity.breakthrough import SnapThroughResponse
 from ..elasticity.slide_under_load import ElasticDeadCentre
+from ..elasticity.speed_range import CampbellDiagram
 from ..elasticity.unit_load import SlideCompliance
+from ..simulation.elastic.elastic_run import ElasticRun
 from .style import COLOURS, GREY, LINES, grid, legend, panels, plain
 
 if TYPE_CHECKING:
@@ -112,6 +114,62 @@ def snap_through(responses: Mapping[str, SnapThroughResponse], *, ax: Axes | Non
         plain(axes.set_xlabel("time [ms]"))
         axes.set_ylim(-1.1, 1.1 + ROOM * len(responses))
         legend(axes, lines, list(responses), loc="upper right", borderaxespad=0.1)
+    return drawn.figure
+
+
+@typed
+def elastic_slide(run: ElasticRun, *, ax: Iterable[Axes] | None = None) -> Figure:
+    """Draw how far the slide of a press on its springs is from that of the rigid press, and the force of each bearing.
+
+    Args:
+        run: result of `simulate` or `steady_state` with ``elastic=``.
+        ax: the caller's axes, two; by default those of a new figure.
+
+    Raises:
+        PinpressError: Matplotlib is not installed, or ``ax`` are not two axes.
+    """
+    first = run.driver_coordinates[0]
+    with panels(ax, 2, 2 * HIGH, lambda figure: figure.subplots(2, 1)) as drawn:
+        top, bottom = drawn.axes
+        grid(top, "slide beside the rigid press [mm]")
+        angle = first.scale * run.crank_angle
+        top.plot(angle, 1e3 * (run.slide_position - run.rigid_slide_position), color=COLOURS[0])
+        grid(bottom, "bearing force [kN]")
+        lines: list[Artist] = []
+        for i, force in enumerate(run.bearing_force.values()):
+            size = 1e-3 * np.linalg.norm(force, axis=1)
+            lines += bottom.plot(angle, size, color=COLOURS[i % len(COLOURS)], linestyle=_line(i // len(COLOURS)))
+        plain(bottom.set_xlabel(f"{first.position} [{first.shown_unit}]"))
+        legend(bottom, lines, list(run.bearing_force), loc="upper center", ncols=3)
+        drawn.align_labels()
+    return drawn.figure
+
+
+@typed
+def campbell(diagram: CampbellDiagram, *, ax: Axes | None = None) -> Figure:
+    """Draw natural frequencies as bands over the speed, the orders of the strokes as lines, and a dot where they meet.
+
+    Args:
+        diagram: result of `pinpress.elasticity.campbell`.
+        ax: the caller's axes; by default those of a new figure.
+
+    Raises:
+        PinpressError: Matplotlib is not installed, or ``ax`` are no axes.
+    """
+    with panels(ax, 1, HIGH, lambda figure: [figure.subplots()]) as drawn:
+        axes, speed = drawn.axes[0], diagram.speed / RPM
+        grid(axes, "frequency [Hz]")
+        highest = float(diagram.order_frequency(diagram.orders)[-1]) / (2 * np.pi)
+        for mode, band in enumerate(diagram.modes.natural_frequency.T / (2 * np.pi)):
+            if band.min() <= highest:
+                axes.axhspan(band.min(), band.max(), color=COLOURS[mode % len(COLOURS)], alpha=0.5)
+        for order in range(1, diagram.orders + 1):
+            axes.plot(speed, diagram.order_frequency(order) / (2 * np.pi), color=GREY, linewidth=0.6)
+        met = [each for each in diagram.resonances if diagram.speed[0] <= each.speed <= diagram.speed[-1]]
+        frequency = [each.speed * each.order / diagram.turns / (2 * np.pi) for each in met]
+        axes.plot([each.speed / RPM for each in met], frequency, "o", markersize=3, color="black")
+        plain(axes.set_xlabel("crank speed [r/min]"))
+        axes.set_ylim(0.0, 1.02 * highest)
     return drawn.figure
 
 

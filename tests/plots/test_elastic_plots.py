@@ -50,3 +50,19 @@ def test_refusals():
     for plot in (pp.plots.dead_centre_shift, pp.plots.snap_through):
         with pytest.raises(pp.PinpressError, match="no curve to draw"):
             plot({})
+
+
+def test_elastic_motion_and_resonances():
+    press, speed = texts.shipped("crank_slide"), 30.0
+    elastic = pp.elasticity.Elastic(Stiffness(dict.fromkeys(press.bearings, 2e8), moments={"slide_guide": 2e7}))
+    run = pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic, points=25)
+    assert isinstance(run, pp.ElasticRun)
+    top, bottom = pp.plots.elastic_slide(run).axes
+    np.testing.assert_allclose(top.lines[0].get_ydata(), 1e3 * (run.slide_position - run.rigid_slide_position))
+    drawn = {text.get_text(): line for text, line in zip(bottom.get_legend().get_texts(), bottom.lines, strict=True)}
+    np.testing.assert_allclose(drawn["W"].get_ydata(), 1e-3 * np.linalg.norm(run.bearing_force["W"], axis=1))
+    diagram = pp.elasticity.campbell(press, elastic, speeds=[100.0, 500.0], orders=3)
+    *_, dots = pp.plots.campbell(diagram).axes[0].lines
+    meeting = [[each.speed / pp.RPM, each.order * each.speed / (2 * np.pi)] for each in diagram.resonances if 100 <= each.speed <= 500]
+    assert meeting
+    np.testing.assert_allclose(dots.get_xydata(), meeting)

@@ -139,6 +139,16 @@ def on_springs() -> pp.elasticity.Elastic:
 
 
 @cache
+def elastic_stroke() -> pp.Run:
+    return pp.steady_state(press(), 7.0, drive=pp.drives.PrescribedSpeed(7.0), elastic=on_springs(), points=11)
+
+
+@cache
+def diagram() -> pp.elasticity.CampbellDiagram:
+    return pp.elasticity.campbell(press(), on_springs(), speeds=[5.0, 6.0], orders=3)
+
+
+@cache
 def stiffness() -> pp.elasticity.Stiffness:
     return pp.elasticity.Stiffness(bearings={"O": 1e9, "P": 1e9, "W": 1e9})
 
@@ -672,6 +682,8 @@ def calls() -> dict[str, Call]:
         ("plots.bearings", pp.plots.bearings, lambda: {"reactions": reactions()}),
         ("plots.comparison", pp.plots.comparison, lambda: {"before": reactions(), "after": reactions()}),
         ("plots.dead_centre_shift", pp.plots.dead_centre_shift, lambda: {"shifts": {"press": shift()}}),
+        ("plots.elastic_slide", pp.plots.elastic_slide, lambda: {"run": elastic_stroke()}),
+        ("plots.campbell", pp.plots.campbell, lambda: {"diagram": diagram()}),
         ("plots.compliance", pp.plots.compliance, lambda: {"elasticity": elastic()}),
         (
             "plots.polar",
