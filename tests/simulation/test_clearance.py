@@ -113,3 +113,33 @@ def test_a_steady_state_with_clearance_is_refused():
     press = shipped("jf75g_125_plain")
     with pytest.raises(pp.PinpressError, match="no steady state"):
         pp.steady_state(press, SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic(press, P4=pp.elasticity.Clearance(1e-4)))
+
+
+@pytest.mark.exhaustive
+def test_impacts_turn_by_turn():
+    """Peaks of the turns are those of the run; the motion has settled into no cycle, so that only its statistics mean anything."""
+    clearance = pp.elasticity.Clearance(1e-4)
+    found = run(clearance, duration=0.6)
+    impacts = pp.elasticity.journal_impacts(found, "P4")
+    assert impacts.turn.tolist() == [0, 1, 2]
+    assert impacts.peak.max() == pytest.approx(found.peaks["P4"], rel=1e-3)
+    assert (np.hypot(*impacts.orbit.T).max() - 1e-4) == pytest.approx(impacts.depth.max(), rel=1e-12)
+    assert (impacts.impacts >= 1).all()
+    assert ((impacts.flight > 0) & (impacts.flight < 1)).all()
+    press = shipped("jf75g_125_plain")
+    many = pp.elasticity.impact_statistics(press, elastic(press, P4=clearance), "P4", speed=SPEED, turns=2, settling=1, starts=2)
+    assert many.start.tolist() == [0, 0, 1, 1]
+    assert many.spread > 1e-3
+
+
+def test_wear_goes_with_force_and_way():
+    """By hand: volume = k / H sum of force x way, over the surface of the bearing."""
+    press = shipped("jf75g_125_plain")
+    steady = pp.steady_state(press, SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic(press), points=721)
+    assert isinstance(steady, pp.ElasticRun)
+    depth = pp.elasticity.wear_depth(steady, "P4", radius=0.05, width=0.1, hardness=1e9, coefficient=1e-7)
+    rods = press.joints.index("P2")  # the rod turns against crank and slide; its absolute angle is that of crank and P2
+    spin = steady.v[:, press.joints.index("O")] + steady.v[:, rods]
+    force = np.linalg.norm(steady.bearing_force["P4"], axis=1)
+    volume = 1e-7 / 1e9 * np.trapezoid(force * np.abs(spin) * 0.05, steady.time)
+    assert depth == pytest.approx(volume / (2 * np.pi * 0.05 * 0.1) / 0.2 * 3600, rel=1e-3)

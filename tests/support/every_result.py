@@ -86,6 +86,14 @@ def campbell():
 
 
 @cache
+def impacts():
+    stiffness = pp.elasticity.Stiffness(dict.fromkeys(press().bearings, 2e8), moments={"slide_guide": 2e7})
+    elastic = pp.elasticity.Elastic(stiffness, clearances={"P": pp.elasticity.Clearance(1e-5)})
+    run = pp.simulate(press(), 1.0, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic, points=20)
+    return pp.elasticity.journal_impacts(run, "P")
+
+
+@cache
 def run_over_joints():
     clutch = pp.drives.Clutch(torque=500.0, closes=pp.drives.SwitchPoint(time=0.01), rise=0.01)
     return pp.simulate(press(), 0.05, speed=SPEED, flywheel=pp.drives.Flywheel(20.0), clutch=clutch, method="constraint", points=10)
@@ -173,7 +181,19 @@ def two_cranks():
 def made():
     """One of each."""
     found = [
-        *(press(), motion(), reactions(), run(), elastic_run(), run_over_joints(), runs(), sweep(), *sweep().failed, run().stats),
+        *(
+            press(),
+            motion(),
+            reactions(),
+            run(),
+            elastic_run(),
+            impacts(),
+            run_over_joints(),
+            runs(),
+            sweep(),
+            *sweep().failed,
+            run().stats,
+        ),
         *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *pp.measures.least_transmission_angles(press()), *checked()),
         *(
             balance(),

@@ -304,7 +304,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
     rigid, _, _ = coordinates_of(sprung, motion)
     moved = (coordinates - rigid).reshape(points, -1, 3)[:, : press.model.nv]
-    forces = to_world(DrawnBodies(press).plane, _bearing_forces(solution, at.times, at.segments, coordinates, rates))
+    forces = to_world(DrawnBodies(press).plane, bearing_forces(solution, at.times, at.segments, coordinates, rates))
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     stats = Stats(
@@ -334,7 +334,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     )
 
 
-def _bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> ComplexArray:
+def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> ComplexArray:
     """Forces (bearings, n) in the plane's axes, parent on child, or link1 on link2 [N]."""
     sprung = solution.equations.sprung
     lines, geometry = sprung.lines, sprung.geometry(coordinates, rates)
@@ -407,7 +407,7 @@ def _extremes(segment: ElasticSegment) -> Extremes:
         at = solution_states(solution, panel, share, None, segment.gain)
         free, rates = at.whole
         sprung = solution.equations.sprung
-        forces = _bearing_forces(solution, at.times, at.segments, sprung.all_coordinates(free), rates @ sprung.carry.T)
+        forces = bearing_forces(solution, at.times, at.segments, sprung.all_coordinates(free), rates @ sprung.carry.T)
         return np.stack([-_slide(solution, at)[:, 0], _pull_on_slide(solution, forces), *np.abs(forces)])
 
     found = _largest(all_values, len(solution.panels.mesh.start))

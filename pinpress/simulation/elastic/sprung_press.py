@@ -130,6 +130,13 @@ class SprungPress:
         """Number of free coordinates."""
         return int(self.carry.shape[1])
 
+    def bodies_of(self, bearing: int) -> tuple[int, int]:
+        """The bodies that a bearing joins, the acting one first."""
+        lines = (self if self.closed is None else self.closed).lines
+        spring = int(np.flatnonzero(lines.bearing == bearing)[0])
+        bodies = int(lines.first[spring]), int(lines.second[spring])
+        return bodies if lines.sign[spring] > 0 else bodies[::-1]
+
     @cached_property
     def mass(self) -> Array:
         """(f, f) mass matrix of the free coordinates."""

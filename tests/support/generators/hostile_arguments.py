@@ -128,6 +128,14 @@ def run() -> pp.Run:
 
 
 @cache
+def elastic_run() -> pp.ElasticRun:
+    drive, elastic = pp.drives.PrescribedSpeed(7.0), pp.elasticity.Elastic(springs(), clearances={"P": pp.elasticity.Clearance(1e-5)})
+    run = pp.simulate(press(), 1.0, drive=drive, elastic=elastic, points=21)
+    assert isinstance(run, pp.ElasticRun)
+    return run
+
+
+@cache
 def springs() -> pp.elasticity.Stiffness:
     bearings = dict.fromkeys(press().bearings, 1e9)
     return pp.elasticity.Stiffness(bearings, moments={"slide_guide": 1e8})
@@ -290,6 +298,26 @@ def calls() -> dict[str, Call]:
             lambda: {"stiffness": stiffness(), "damping_ratio": 0.02, "dampers": {"O": 1e4}, "crown_mass": None},
         ),
         ("Clearance", pp.elasticity.Clearance, lambda: {"radial": 1e-4, "law": "hertz", "restitution": 0.7, "hertz_stiffness": 1e10}),
+        ("journal_impacts", pp.elasticity.journal_impacts, lambda: {"run": elastic_run(), "bearing": "P"}),
+        (
+            "wear_depth",
+            pp.elasticity.wear_depth,
+            lambda: {"run": elastic_run(), "bearing": "P", "radius": 0.05, "width": 0.1, "hardness": 1e9, "coefficient": 1e-7},
+        ),
+        (
+            "impact_statistics",
+            pp.elasticity.impact_statistics,
+            lambda: {
+                "press": press(),
+                "elastic": pp.elasticity.Elastic(springs(), clearances={"P": pp.elasticity.Clearance(1e-5)}),
+                "bearing": "P",
+                "speed": 7.0,
+                "turns": 1,
+                "settling": 0,
+                "starts": 1,
+                "loads": [],
+            },
+        ),
         ("hertz_stiffness", pp.elasticity.hertz_stiffness, lambda: {"bearing_radius": 0.05, "journal_radius": 0.0499}),
         (
             "steady_state elastic",
