@@ -216,7 +216,8 @@ def period_at(press: Linkage, speed: float | None, points: int | None = None, en
 
 def _over_period(press: Linkage, speed: float | None, points: int | None, engine: str) -> tuple[Motion, _SlideRates]:
     """`period_at`, and how fast the slide is."""
-    chosen = None if isinstance(engine, str) and engine == "auto" else press.engine(engine)  # refuses one that does not suit before anything is computed
+    # one that does not suit is refused before anything is computed
+    chosen = None if isinstance(engine, str) and engine == "auto" else press.engine(engine)
     if speed is None:
         unit, such = ("rad/s", "7.0") if press.driver_coordinates[0].turns else ("m/s", "0.1")
         raise PinpressError(f"cycle needs the speed of the driver [{unit}]: give one number for a period, cycle(press, {such})")
