@@ -65,7 +65,8 @@ class AccelerationSensitivity(Tabular):
 
     @property
     def title(self) -> str:
-        return f"AccelerationSensitivity of {self.motion.linkage}: {len(self.acceleration)} states from {self.motion.place(0)} on, by {self.algorithm}"
+        states = f"{len(self.acceleration)} states from {self.motion.place(0)} on"
+        return f"AccelerationSensitivity of {self.motion.linkage}: {states}, by {self.algorithm}"
 
     def columns(self) -> dict[str, Array]:
         """Crank angle, accelerations, and the derivative of each by position, rate and effort of every joint, as (n,) columns."""
