@@ -89,7 +89,7 @@ def campbell():
 def impacts():
     stiffness = pp.elasticity.Stiffness(dict.fromkeys(press().bearings, 2e8), moments={"slide_guide": 2e7})
     elastic = pp.elasticity.Elastic(stiffness, clearances={"P": pp.elasticity.Clearance(1e-5)})
-    run = pp.simulate(press(), 1.0, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic, points=20)
+    run = pp.simulate(press(), 1.9, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic, points=20)
     return pp.elasticity.journal_impacts(run, "P")
 
 
