@@ -177,7 +177,7 @@ class ElasticSpeedResponse(Tabular):
         rows = [["speed", "below rigid", f"peak of {worst}", "reverse force", "on the frame"]]
         for k, speed in enumerate(self.speed):
             forces = (self.peaks[worst][k], self.reverse_force[k], self.frame_force[k])
-            cells = [f"{1e-3 * force:.5g} kN" for force in forces]
+            cells = [f"{1e-3 * force:.4g} kN" for force in forces]
             rows.append([f"{speed / RPM:.4g} r/min", f"{1e3 * self.depth[k]:.4f} mm", *cells])
         return "\n".join([f"{self.press_name} on its springs: the stroke it repeats at each speed", *tables.fitted(rows)])
 
