@@ -1,7 +1,7 @@
 from .breakthrough import SnapThroughResponse as SnapThroughResponse
 from .breakthrough import permissible_breakthrough as permissible_breakthrough
 from .breakthrough import snap_through as snap_through
-from .impacts import JournalImpacts as JournalImpacts
+from .impacts import ImpactsByTurn as ImpactsByTurn
 from .impacts import impact_statistics as impact_statistics
 from .impacts import journal_impacts as journal_impacts
 from .impacts import wear_depth as wear_depth

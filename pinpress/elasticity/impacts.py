@@ -32,7 +32,7 @@ NEARLY_AT_ONCE = 1e-4  # share of a turn within which impacts count as one
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class JournalImpacts(Tabular):
+class ImpactsByTurn(Tabular):
     """A pin with clearance over the whole turns of one or several runs. All arrays are read-only.
 
     Attributes:
@@ -72,7 +72,7 @@ class JournalImpacts(Tabular):
     @property
     def title(self) -> str:
         return (
-            f"JournalImpacts of {self.bearing} of {self.press_name}: {len(self.peak)} turns, peaks {self.peak.min():.4g} to"
+            f"ImpactsByTurn of {self.bearing} of {self.press_name}: {len(self.peak)} turns, peaks {self.peak.min():.4g} to"
             f" {self.peak.max():.4g} N"
         )
 
@@ -102,7 +102,7 @@ class JournalImpacts(Tabular):
 
 
 @typed
-def journal_impacts(run: ElasticRun, bearing: str) -> JournalImpacts:
+def journal_impacts(run: ElasticRun, bearing: str) -> ImpactsByTurn:
     """The impacts of a pin with clearance in a run.
 
     Args:
@@ -127,7 +127,7 @@ def impact_statistics(
     settling: int = 2,
     starts: int = 4,
     loads: Sequence[Load] = (),
-) -> JournalImpacts:
+) -> ImpactsByTurn:
     """The impacts of a pin with clearance over many turns from several starts, whose crank angles differ.
 
     Where the motion is chaotic, their distribution is what means something.
@@ -199,7 +199,7 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
     return volume / (2 * np.pi * r * w) * 3600 / segment.end
 
 
-def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) -> JournalImpacts:
+def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) -> ImpactsByTurn:
     segment, press = _segment(run), run.problem.driven.press
     pin = _open_pin(segment, press, bearing)
     speed = abs(float(run.crank_speed[0]))
@@ -226,14 +226,14 @@ def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) ->
         rows.append((number_of_run, each, float(force[own].max()), float(np.abs(gap[own]).max()) - pin.clearance.radial, impacts, flying))
     columns = {name: read_only(np.array(column)) for name, column in zip(OF_TURN, zip(*rows, strict=True), strict=True)}
     orbit = np.stack([gap.real, gap.imag], axis=1)[turn >= settling]
-    return JournalImpacts(press.name, bearing, pin.clearance.radial, orbit=read_only(orbit), **columns)
+    return ImpactsByTurn(press.name, bearing, pin.clearance.radial, orbit=read_only(orbit), **columns)
 
 
-def _joined(parts: Sequence[JournalImpacts]) -> JournalImpacts:
+def _joined(parts: Sequence[ImpactsByTurn]) -> ImpactsByTurn:
     """All turns of several runs."""
     columns = {name: read_only(np.concatenate([getattr(each, name) for each in parts])) for name in OF_TURN}
     first = parts[0]
-    return JournalImpacts(first.press_name, first.bearing, first.radial, orbit=first.orbit, **columns)
+    return ImpactsByTurn(first.press_name, first.bearing, first.radial, orbit=first.orbit, **columns)
 
 
 def _segment(run: ElasticRun) -> ElasticSegment:

@@ -28,9 +28,10 @@ from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic.assembly import coordinates_of, sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
 from pinpress.simulation.elastic.load_paths import load_path
+from pinpress.simulation.elastic.marching import march
 from pinpress.simulation.elastic.phases import LoadPhases
-from pinpress.simulation.elastic.solution import Task, march
 from pinpress.simulation.elastic.sprung_press import SprungPress
+from pinpress.simulation.elastic.task import Task
 
 CASES = (("jf75g_125_plain", 300.0, 2e9), ("zxn2_3000b", 70.0, 2e9), ("jf75g_125_plain", 300.0, 1e11))
 URDF = Path(__file__).resolve().parents[2] / "urdf"

@@ -68,7 +68,7 @@ MADE |= {
     "SpeedResponse",
     "ForceInterval",
 }
-MADE |= {"CampbellDiagram", "ElasticModes", "ElasticRun", "ElasticSpeedResponse", "JournalImpacts", "Resonance"}
+MADE |= {"CampbellDiagram", "ElasticModes", "ElasticRun", "ElasticSpeedResponse", "ImpactsByTurn", "Resonance"}
 MADE |= {"LiveView", "RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
 
 

@@ -8,7 +8,7 @@ import pytest
 from support import texts
 
 import pinpress as pp
-from pinpress.simulation.elastic import simulate_elastic, solution
+from pinpress.simulation.elastic import period, simulate_elastic
 
 RPM, SPEED = pp.RPM, 300 * pp.RPM
 WHEEL = pp.drives.Flywheel(40.0)
@@ -135,7 +135,7 @@ def test_run_without_a_drive():
 def test_events_of_a_stroke_are_planned_by_its_own_motion(monkeypatch):
     """Drawing ends where the rigid six-bar turns; on its springs the slide passes that height before. Nothing is marched."""
     press, speed = texts.shipped("zxn2_3000b"), 70 * RPM
-    monkeypatch.setattr(solution, "march", None)
+    monkeypatch.setattr(period, "march", None)
     drawing, drive = pp.loads.DeepDrawing(1.5e6, 0.05), pp.drives.PrescribedSpeed(speed)
     run: Any = pp.steady_state(press, speed, drive=drive, loads=[drawing], elastic=springs(press), tolerance=1e-4)
     bottom = pp.dead_centres(press)

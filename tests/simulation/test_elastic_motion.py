@@ -171,3 +171,13 @@ def test_refused(change, message):
     given = {"drive": pp.drives.PrescribedSpeed(speed), "elastic": pp.elasticity.Elastic(springs(press))} | change
     with pytest.raises(pp.PinpressError, match=message):
         pp.steady_state(press, speed, **given)
+
+
+def test_decay_where_the_stroke_is_smooth():
+    """An idle stroke at low speed takes few panels, on which its vibrations are not resolved; its decay is that of the lowest vibration."""
+    press, speed = shipped(JF75G[0]), 100 * pp.RPM
+    elastic = pp.elasticity.Elastic(springs(press))
+    run = pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic)
+    lowest = pp.elasticity.natural_frequencies(press, elastic, angle=np.linspace(0, 2 * np.pi, 180, endpoint=False)).natural_frequency[:, 0]
+    assert isinstance(run, pp.ElasticRun)
+    assert run.decay_per_stroke == pytest.approx(np.exp(-0.02 * np.mean(lowest**2) / 545.47 * 0.6), rel=0.05)

@@ -122,7 +122,7 @@ def _bodies(press: Linkage, drawn: DrawnBodies, elastic: Elastic) -> SprungPress
     for j in range(count):
         if not mass[j] > LIGHTEST * mass.max() or not moment[j] > 0:
             raise PinpressError(
-                f"link {shown(press.links[j + 1])} of {press.name} has no mass or no moment of inertia about the plane's normal, so that"
+                f"link {shown(press.link_of(j + 1))} of {press.name} has no mass or no moment of inertia about the plane's normal, so that"
                 " nothing says how it moves on its springs: give it those of the real part"
             )
     crown = count if elastic.crown_mass is not None else None

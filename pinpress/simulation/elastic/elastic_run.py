@@ -27,8 +27,8 @@ from .contact import OpenPin
 from .description import Elastic
 from .load_paths import NEAREST
 from .panels import Indices
-from .solution import ElasticSolution
 from .sprung_press import SprungPress
+from .task import ElasticSolution
 
 FINE = 24  # parts of a panel at whose ends extremes are looked for, and of the two parts about one of them
 HIGHEST = 3  # values about which the largest is looked for

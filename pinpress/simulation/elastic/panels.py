@@ -215,7 +215,7 @@ def solve(equations: EquationsOfMotion, guess: PanelSolution, border: Border, to
     found, change = guess, np.inf
     for count in range(1, most + 1):
         before = change
-        found = _newton_step(equations, found, border, count)
+        found = newton_step(equations, found, border, count)
         change = found.change
         if not np.isfinite(change) or not (np.diff(found.mesh.knots) > 0).all():
             return None
@@ -226,7 +226,7 @@ def solve(equations: EquationsOfMotion, guess: PanelSolution, border: Border, to
     return None
 
 
-def _newton_step(equations: EquationsOfMotion, at: PanelSolution, border: Border, count: int) -> PanelSolution:
+def newton_step(equations: EquationsOfMotion, at: PanelSolution, border: Border, count: int) -> PanelSolution:
     """One Newton step."""
     mesh, rule, a = at.mesh, at.rule, at.accelerations
     (panels, stages, size), h = a.shape, mesh.length

@@ -22,9 +22,11 @@ from .description import Elastic
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
 from .load_paths import LengthPath, load_path
+from .marching import march, resting
+from .period import periodic
 from .phases import LoadPhases
-from .solution import ElasticSolution, Task, largest_deflection, march, periodic, resting
 from .sprung_press import SprungPress
+from .task import ElasticSolution, Task, largest_deflection
 
 ROUNDING = 1e-15  # smallest error of a coordinate that floating point tells [lengths of the linkage]
 STABLE = 1.001  # largest factor by which a disturbance may grow in a period: without dampers it is 1, but for rounding

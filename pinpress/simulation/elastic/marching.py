@@ -1,15 +1,12 @@
-"""The motion of a press on springs: one period found directly, or step by step from a known state.
+"""The motion of a press on springs from a known state, step by step, and the state in which it starts without vibration.
 
-The period is one system of equations: all panels, the first state and the times at which loads begin and end (`panels`). It starts from the
-rigid motion with its own events. Where the crank turns freely, the time of the period's end is unknown too: it ends where the crank has
-turned through a period. Where Newton's method fails from there, or the links swing through more events than the rigid press, some
-strokes are followed step by step first. Panels are divided until the error of each is below the tolerance.
+Some panels at a time are solved, as many as the tolerance allows. Where a load begins or ends, or a contact, the last panel ends there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,254 +16,14 @@ from ...loads.process import ForceInterval
 from ..failures import failure
 from .contact import HertzContact
 from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, Release, Segment
-from .panels import Border, Indices, Mesh, PanelSolution, radau, solve
+from .panels import Border, Mesh, PanelSolution, radau, solve
 from .phases import Border as LoadBorder
-from .phases import LoadPhases, Phase, Plan
+from .phases import LoadPhases, Phase
 from .sprung_press import LineSprings, SprungPress
+from .task import ASIDE, BESIDE, FIRST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
 
-STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
-FIRST, LEAST = 24, 6  # panels of a period at first, and of each segment
-MOST_STEPS = 16  # of Newton's method
-ROUNDS = 8  # in which panels are divided
-SETTLED = 1e-3  # Newton's method ends where it changes coordinates by less than this share of the tolerance
 WINDOW = 6  # panels that are solved at a time on the way from a known state
-STROKES = 6  # that are followed before a press counts as one that does not repeat its stroke
-SAMPLES = 16  # places of a segment at which the largest deflection is looked for
-LOOKS = 12  # places on a panel at which events are looked for
-BESIDE = 1e-9  # lengths of the linkage beside a border at which it is seen what acts there
-LOOSE = 300.0  # multiple of the tolerance with which a period is found at first, to see whether its events are as planned
-PLANS = 6  # times that the events of a period are planned by the motion that was found with those before
-ASIDE = 1e-6  # angle beside a turning at which it is seen which way the rigid press goes [rad]
 SHORTEST = 1e-9  # share of a period below which a window counts as stuck
-PATIENCE = 4.0  # periods after which a free crank counts as one that does not get through a stroke
-COURSE = 240  # times of a period between which those of crank angles are interpolated
-
-RigidMotion = Callable[[Array], tuple[Array, Array, Array]]
-"""Times (n,) to coordinates, rates and accelerations (n, f) of the rigid press."""
-
-
-@dataclass(frozen=True, eq=False)
-class ElasticSolution:
-    """A motion on its segments.
-
-    Attributes:
-        equations: with the forces and events of the segments.
-        panels: the motion.
-        periodic: whether it is a period.
-        evaluations: of the forces at one state, that the last panels took.
-    """
-
-    equations: ElasticEquations
-    panels: PanelSolution
-    periodic: bool
-    evaluations: int
-
-    @property
-    def decay(self) -> float:
-        """Factor by which a disturbance shrinks in a period: the largest size of an eigenvalue of its passage [-]."""
-        return float(np.abs(np.linalg.eigvals(self.panels.passage)).max())
-
-
-class Task(NamedTuple):
-    """What is to be found.
-
-    Attributes:
-        equations: of the press; their segments are not yet known.
-        phases: of its loads.
-        rigid: the motion of the rigid press at the same speed, or under the same drive.
-        period: of the rigid press [s].
-        speed: of the crank, its mean over a period [rad/s].
-        gain: (2 f,) what coordinates and rates have gained after a period.
-        tolerance: error of a coordinate [m or rad].
-    """
-
-    equations: ElasticEquations
-    phases: LoadPhases
-    rigid: RigidMotion
-    period: float
-    speed: float
-    gain: Array
-    tolerance: float
-
-    def times(self, travelled: Array) -> Array:
-        """Times (n,) at which the rigid press has turned its crank so far (n,) [s]."""
-        if self.equations.crank is not None:
-            return travelled / abs(self.speed)
-        times = np.linspace(0.0, self.period, COURSE + 1)
-        angle = self.rigid(times)[0][:, -1]
-        return np.interp(travelled, np.abs(angle - angle[0]), times)
-
-
-# ------------------------------------------------------------------------------------------------------------------------------ one period
-
-
-def periodic(task: Task, start: float) -> ElasticSolution:
-    """The motion that repeats itself after a period, from a crank angle at which the rigid press turns.
-
-    Raises:
-        SimulationError: it is not found: the press may not repeat its stroke.
-    """
-    plan = task.phases.planned(start)
-    guess, tolerance = _rigid_guess(task, plan), LOOSE * task.tolerance
-    for _ in range(PLANS):
-        found = _refined(task._replace(tolerance=tolerance), start, plan, guess)
-        observed = None if found is None else _observed(task, found, start)
-        if found is None or observed is None:
-            break
-        if not _alike(observed, plan):
-            plan, guess = observed, _replanned(observed, found.panels)
-        elif tolerance == task.tolerance:
-            return found
-        else:
-            tolerance = task.tolerance
-            guess = found.panels.onto(_divided(found.panels.mesh, found.panels.errors(), tolerance))
-    y, v, _ = task.rigid(np.zeros(1))
-    state, depths = np.concatenate([y[0], v[0]]), []
-    for stroke in range(STROKES):
-        followed = march(task, start, state, *_period_ends(task, start))
-        state = followed.panels.states[-1] - task.gain
-        depths.append(_deepest(followed))
-        if stroke < 1:
-            continue
-        plan = Plan(followed.equations.segments, followed.equations.events or {}, followed.panels.mesh.knots * abs(task.speed))
-        found = _refined(task, start, plan, followed.panels)
-        observed = None if found is None else _observed(task, found, start)
-        if found is not None and observed is not None and _alike(observed, plan):
-            return found
-    shown = ", ".join(f"{1e3 * depth:.4f}" for depth in depths)
-    raise failure("does not repeat", strokes=STROKES, depths=shown)
-
-
-def _rigid_guess(task: Task, plan: Plan) -> PanelSolution:
-    """The rigid motion on the panels of a plan."""
-    rule, share = radau(STAGES), np.diff(plan.knots) / plan.knots[-1]
-    counts = np.maximum(LEAST, np.ceil(FIRST * share).astype(int))
-    mesh = _even_mesh(task.times(plan.knots), counts)
-    y, v, _ = task.rigid(mesh.borders)
-    _, _, a = task.rigid((mesh.start[:, None] + mesh.length[:, None] * rule.points).ravel())
-    accelerations = a.reshape(len(mesh.start), len(rule.points), -1)
-    return PanelSolution(mesh, rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, np.eye(2 * y.shape[1]))
-
-
-def _even_mesh(knots: Array, counts: Indices) -> Mesh:
-    """Panels of equal length in each segment."""
-    low = np.concatenate([np.arange(count) / count for count in counts])
-    high = np.concatenate([np.arange(1, count + 1) / count for count in counts])
-    return Mesh(knots, np.repeat(np.arange(len(counts)), counts), low, high)
-
-
-def _period_ends(task: Task, start: float) -> tuple[float, float]:
-    """Time after which a period ends at the latest, and crank angle at which it does."""
-    if task.equations.crank is not None:
-        return task.period, np.inf
-    return PATIENCE * task.period, start + task.speed * task.period
-
-
-def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution) -> ElasticSolution | None:
-    """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails."""
-    events: dict[int, Event | Release] = dict(plan.events)
-    if task.equations.crank is None:
-        events[len(plan.segments)] = Event(CRANK_ANGLE, _period_ends(task, start)[1])
-    equations = replace(task.equations, segments=plan.segments, events=events)
-    free = [knot for knot, event in events.items() if not _known(event) or equations.crank is None]
-    border = Border(True, task.gain, free)
-    for _ in range(ROUNDS):
-        found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS)
-        if found is None:
-            return None
-        errors = found.errors()
-        if errors.max() <= task.tolerance:
-            return ElasticSolution(equations, found, True, found.steps * errors.size * STAGES)
-        guess = found.onto(_divided(found.mesh, errors, task.tolerance))
-    return None
-
-
-def _known(event: Event | Release) -> bool:
-    """Whether the time of an event is known where the crank's speed is given."""
-    return isinstance(event, Event) and event.path == CRANK_ANGLE
-
-
-def _divided(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
-    """Panels so short that the errors (p,) of these panels become smaller than the tolerance."""
-    parts = np.maximum(1, np.ceil((errors / tolerance) ** (1 / (STAGES + 1)))).astype(int)
-    ends = [np.linspace(low, high, part + 1) for low, high, part in zip(mesh.low, mesh.high, parts, strict=True)]
-    low, high = (np.concatenate([each[piece] for each in ends]) for piece in (slice(None, -1), slice(1, None)))
-    return Mesh(mesh.knots, np.repeat(mesh.segment, parts), low, high)
-
-
-def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
-    """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach; None where
-    no border tells why."""
-    equations, mesh, phases = found.equations, found.panels.mesh, task.phases
-    panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
-    places, _, angles = _places(equations, found.panels, panel, share)
-    times, ahead = mesh.start[panel] + share * mesh.length[panel], phases.turnings_ahead(start)
-    turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
-    phase = phases.advanced(phases.begun(start + ASIDE * direction), places[0])
-    segments, knots, events = [phases.active(phase, places[0])], [float(mesh.knots[0])], {}
-    telling = _passes(phases, places) | np.append(False, turned[1:] != turned[:-1])
-    for k in np.flatnonzero(telling):
-        turning = start + direction * ahead[turned[k] - 1] if turned[k] != turned[k - 1] else None
-        if turning is not None:
-            phase = phases.begun(turning + direction * ASIDE)
-        phase = phases.advanced(phase, places[k])
-        segment = phases.active(phase, places[k])
-        if segment == segments[-1]:
-            continue
-        if turning is not None:
-            share_before, event = (turning - angles[k - 1]) / (angles[k] - angles[k - 1]), Event(CRANK_ANGLE, turning)
-        else:
-            passed = [border for border in phases.borders if _between(places[k - 1, border.path], border.value, places[k, border.path])]
-            if not passed:
-                return None
-            before, after = places[k - 1, passed[0].path], places[k, passed[0].path]
-            share_before, event = (passed[0].value - before) / (after - before), Event(*passed[0])
-        events[len(knots)] = event
-        knots.append(float(times[k - 1] + share_before * (times[k] - times[k - 1])))
-        segments.append(segment)
-    return Plan(tuple(segments), events, np.array([*knots, mesh.knots[-1]]))
-
-
-def _passes(phases: LoadPhases, places: Array) -> Array:
-    """(n,) whether a path passes a border on its way from one row of places (n, paths) to the next; it is told of the second one."""
-    beyond = np.stack([places[:, border.path] > border.value for border in phases.borders], axis=1) if phases.borders else places[:, :0]
-    return np.append(False, (beyond[1:] != beyond[:-1]).any(axis=1))
-
-
-def _between(before: float, value: float, after: float) -> bool:
-    return (before - value) * (after - value) <= 0 and before != after
-
-
-def _alike(one: Plan, other: Plan) -> bool:
-    """Whether the same forces act, from the same events on."""
-    kinds = [[event.path for _, event in sorted(plan.events.items()) if isinstance(event, Event)] for plan in (one, other)]
-    return one.segments == other.segments and kinds[0] == kinds[1]
-
-
-def _replanned(plan: Plan, near: PanelSolution) -> PanelSolution:
-    """A motion on the panels of a plan whose knots are times, as a guess."""
-    counts = np.maximum(LEAST, np.diff(np.searchsorted(near.mesh.borders, plan.knots)))
-    return _cut(near, _even_mesh(plan.knots, counts))
-
-
-def _places(equations: ElasticEquations, panels: PanelSolution, panel: Indices, share: Array) -> tuple[Array, Array, Array]:
-    """Values and rates (n, paths) of all paths, and crank angles (n,), at shares (n,) of panels (n,)."""
-    y, v, _ = panels.within(panel, share)
-    times = panels.mesh.start[panel] + share * panels.mesh.length[panel]
-    free, rates = equations.whole(times, y, v)
-    coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
-    found = [path.over(equations.sprung, coordinates, all_rates) for path in equations.paths]
-    return np.stack([each.value for each in found], axis=1), np.stack([each.rate for each in found], axis=1), free[:, -1]
-
-
-def _deepest(found: ElasticSolution) -> float:
-    """Lowest place of the first path, the slide's [m]."""
-    count = len(found.panels.mesh.start)
-    places, _, _ = _places(found.equations, found.panels, np.repeat(np.arange(count), LOOKS), np.tile(np.arange(LOOKS) / LOOKS, count))
-    return float(places[:, 0].min())
-
-
-# ---------------------------------------------------------------------------------------------------------------------------- step by step
 
 
 def march(
@@ -410,7 +167,7 @@ class _March:
     def _solved(self, span: float, events: dict[int, Event | Release], near: PanelSolution | None) -> PanelSolution | None:
         """A window from the present state; its end is free where an event ends it."""
         size, rule = len(self.state) // 2, radau(STAGES)
-        mesh = _even_mesh(np.array([self.time, self.time + span]), np.array([WINDOW]))
+        mesh = even_mesh(np.array([self.time, self.time + span]), np.array([WINDOW]))
         if near is None:
             h, y, v = mesh.length[0], self.state[:size], self.state[size:]
             ahead = np.arange(WINDOW + 1)[:, None] * h
@@ -418,7 +175,7 @@ class _March:
             accelerations = np.tile(self.acceleration, (WINDOW, STAGES, 1))
             guess = PanelSolution(mesh, rule, states, accelerations, np.inf, 0, np.eye(2 * size))
         else:
-            guess = _cut(near, mesh)
+            guess = cut_to(near, mesh)
         equations = replace(self._equations(), events=events)
         border = Border(False, np.zeros(2 * size), list(events))
         return solve(equations, guess, border, SETTLED * self.task.tolerance, MOST_STEPS)
@@ -431,13 +188,13 @@ class _March:
         if not phases.borders and not angles:
             return None
         panel, share = np.repeat(np.arange(count), LOOKS), np.tile(np.arange(1, LOOKS + 1) / LOOKS, count)
-        places, rates, crank = _places(self._equations(), found, panel, share)
+        places, rates, crank = places_on(self._equations(), found, panel, share)
         places, crank = np.concatenate([self._places_now()[None], places]), np.append(self.angle, crank)
         times = np.append(self.time, found.mesh.start[panel] + share * found.mesh.length[panel])
         acting = [(k, law) for k, law in enumerate(self.laws[-1]) if isinstance(law, ForceInterval)]
         pushing = [(k, law) for k, law in acting if law.one_sided and law.heeds_velocity]
         contacts = [*pushing, *self.lost.items()]
-        telling = _passes(phases, places)
+        telling = telling_steps(phases, places)
         telling[1] = True  # it starts on a border
         for k in range(1, len(times)):
             if not (telling[k] or contacts or angles):
@@ -555,29 +312,12 @@ def _acting(segment: Segment) -> tuple[bool, ...]:
     return tuple(interval is not None for interval in segment)
 
 
-def _cut(near: PanelSolution, mesh: Mesh) -> PanelSolution:
+def cut_to(near: PanelSolution, mesh: Mesh) -> PanelSolution:
     """The first part of a motion, as a guess on other panels."""
     y, v, _ = near.at(mesh.borders)
     _, _, a = near.at((mesh.start[:, None] + mesh.length[:, None] * near.rule.points).ravel() - 1e-12 * mesh.length[0])
     accelerations = a.reshape(len(mesh.start), len(near.rule.points), -1)
     return PanelSolution(mesh, near.rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, near.passage)
-
-
-def largest_deflection(task: Task, start: float) -> float:
-    """Largest displacement of a coordinate by what acts in a period of the rigid press, on springs that follow at once [m or rad].
-
-    It is that to which errors are compared.
-    """
-    plan, sprung = task.phases.planned(start), task.equations.sprung
-    share = (np.arange(SAMPLES) + 1) / SAMPLES
-    times = (plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel() * (task.period / plan.knots[-1])
-    y, v, a = task.rigid(times)
-    equations = replace(task.equations, segments=plan.segments, sprung=sprung.closed or sprung)
-    segments = np.repeat(np.arange(len(plan.segments)), SAMPLES)
-    force, _, _, _ = equations.forces(times, y, v, segments)
-    bare = replace(equations, segments=tuple((None,) * len(segment) for segment in plan.segments))
-    _, stiffness, _, _ = bare.forces(times, y, v, segments)
-    return float(np.abs(np.linalg.solve(stiffness, (force - a @ equations.mass)[..., None])).max())
 
 
 def resting(task: Task, start: float) -> Array:
@@ -629,3 +369,9 @@ def _pressed_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: A
         own = lines.bearing == pin.bearing
         rest[own] = extension[own] * (pin.clearance.radial / max(float(np.linalg.norm(extension[own])), 1e-300))
     return lines._replace(rest=rest)
+
+
+def telling_steps(phases: LoadPhases, places: Array) -> Array:
+    """(n,) whether a path passes a border on its way from one row of places (n, paths) to the next; it is told of the second one."""
+    beyond = np.stack([places[:, border.path] > border.value for border in phases.borders], axis=1) if phases.borders else places[:, :0]
+    return np.append(False, (beyond[1:] != beyond[:-1]).any(axis=1))

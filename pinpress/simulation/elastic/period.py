@@ -1,0 +1,186 @@
+"""One period of a press on springs, found directly.
+
+The period is one system of equations: all panels, the first state and the times at which loads begin and end (`panels`). It starts from the
+rigid motion with its own events. Where the crank turns freely, the time of the period's end is unknown too: it ends where the crank has
+turned through a period. Where Newton's method fails from there, or the links swing through more events than the rigid press, some
+strokes are followed step by step first (`marching`). Panels are divided until the error of each is below the tolerance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...common.quantities import Array
+from ..failures import failure
+from .assembly import frequencies, reference_angle
+from .equations import CRANK_ANGLE, ElasticEquations, Event, Release
+from .marching import cut_to, march, telling_steps
+from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
+from .phases import Plan
+from .task import ASIDE, FIRST, LEAST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
+
+RESOLVED = 3.0  # angle of the lowest vibration on a panel up to which its decay is exact [rad]
+ROUNDS = 8  # in which panels are divided
+STROKES = 6  # that are followed before a press counts as one that does not repeat its stroke
+LOOSE = 300.0  # multiple of the tolerance with which a period is found at first, to see whether its events are as planned
+PLANS = 6  # times that the events of a period are planned by the motion that was found with those before
+PATIENCE = 4.0  # periods after which a free crank counts as one that does not get through a stroke
+
+
+def periodic(task: Task, start: float) -> ElasticSolution:
+    """The motion that repeats itself after a period, from a crank angle at which the rigid press turns.
+
+    Raises:
+        SimulationError: it is not found: the press may not repeat its stroke.
+    """
+    plan = task.phases.planned(start)
+    guess, tolerance = _rigid_guess(task, plan), LOOSE * task.tolerance
+    for _ in range(PLANS):
+        found = _refined(task._replace(tolerance=tolerance), start, plan, guess)
+        observed = None if found is None else _observed(task, found, start)
+        if found is None or observed is None:
+            break
+        if not _alike(observed, plan):
+            plan, guess = observed, _replanned(observed, found.panels)
+        elif tolerance == task.tolerance:
+            return found
+        else:
+            tolerance = task.tolerance
+            guess = found.panels.onto(_divided(found.panels.mesh, found.panels.errors(), tolerance))
+    y, v, _ = task.rigid(np.zeros(1))
+    state, depths = np.concatenate([y[0], v[0]]), []
+    for stroke in range(STROKES):
+        followed = march(task, start, state, *_period_ends(task, start))
+        state = followed.panels.states[-1] - task.gain
+        depths.append(_deepest(followed))
+        if stroke < 1:
+            continue
+        plan = Plan(followed.equations.segments, followed.equations.events or {}, followed.panels.mesh.knots * abs(task.speed))
+        found = _refined(task, start, plan, followed.panels)
+        observed = None if found is None else _observed(task, found, start)
+        if found is not None and observed is not None and _alike(observed, plan):
+            return found
+    shown = ", ".join(f"{1e3 * depth:.4f}" for depth in depths)
+    raise failure("does not repeat", strokes=STROKES, depths=shown)
+
+
+def _rigid_guess(task: Task, plan: Plan) -> PanelSolution:
+    """The rigid motion on the panels of a plan."""
+    rule, share = radau(STAGES), np.diff(plan.knots) / plan.knots[-1]
+    counts = np.maximum(LEAST, np.ceil(FIRST * share).astype(int))
+    mesh = even_mesh(task.times(plan.knots), counts)
+    y, v, _ = task.rigid(mesh.borders)
+    _, _, a = task.rigid((mesh.start[:, None] + mesh.length[:, None] * rule.points).ravel())
+    accelerations = a.reshape(len(mesh.start), len(rule.points), -1)
+    return PanelSolution(mesh, rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, np.eye(2 * y.shape[1]))
+
+
+def _period_ends(task: Task, start: float) -> tuple[float, float]:
+    """Time after which a period ends at the latest, and crank angle at which it does."""
+    if task.equations.crank is not None:
+        return task.period, np.inf
+    return PATIENCE * task.period, start + task.speed * task.period
+
+
+def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution) -> ElasticSolution | None:
+    """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails."""
+    events: dict[int, Event | Release] = dict(plan.events)
+    if task.equations.crank is None:
+        events[len(plan.segments)] = Event(CRANK_ANGLE, _period_ends(task, start)[1])
+    equations = replace(task.equations, segments=plan.segments, events=events)
+    free = [knot for knot, event in events.items() if not _known(event) or equations.crank is None]
+    border = Border(True, task.gain, free)
+    for _ in range(ROUNDS):
+        found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS)
+        if found is None:
+            return None
+        errors = found.errors()
+        if errors.max() <= task.tolerance:
+            return ElasticSolution(equations, _with_passage(equations, found, border), True, found.steps * errors.size * STAGES)
+        guess = found.onto(_divided(found.mesh, errors, task.tolerance))
+    return None
+
+
+def _with_passage(equations: ElasticEquations, found: PanelSolution, border: Border) -> PanelSolution:
+    """The solution with a passage in which the lowest vibration is resolved: panels of a smooth motion may be longer than it is."""
+    mesh, sprung = found.mesh, equations.sprung
+    lowest = float(frequencies(sprung, reference_angle(sprung.press))[0])
+    parts = np.maximum(1, np.ceil(mesh.length * lowest / RESOLVED)).astype(int)
+    if parts.max() == 1:
+        return found
+    return replace(found, passage=newton_step(equations, found.onto(_parted(mesh, parts)), border, 1).passage)
+
+
+def _known(event: Event | Release) -> bool:
+    """Whether the time of an event is known where the crank's speed is given."""
+    return isinstance(event, Event) and event.path == CRANK_ANGLE
+
+
+def _divided(mesh: Mesh, errors: Array, tolerance: float) -> Mesh:
+    """Panels so short that the errors (p,) of these panels become smaller than the tolerance."""
+    return _parted(mesh, np.maximum(1, np.ceil((errors / tolerance) ** (1 / (STAGES + 1)))).astype(int))
+
+
+def _parted(mesh: Mesh, parts: Indices) -> Mesh:
+    """Each panel in so many equal parts (p,)."""
+    ends = [np.linspace(low, high, part + 1) for low, high, part in zip(mesh.low, mesh.high, parts, strict=True)]
+    low, high = (np.concatenate([each[piece] for each in ends]) for piece in (slice(None, -1), slice(1, None)))
+    return Mesh(mesh.knots, np.repeat(mesh.segment, parts), low, high)
+
+
+def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
+    """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach; None where
+    no border tells why."""
+    equations, mesh, phases = found.equations, found.panels.mesh, task.phases
+    panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
+    places, _, angles = places_on(equations, found.panels, panel, share)
+    times, ahead = mesh.start[panel] + share * mesh.length[panel], phases.turnings_ahead(start)
+    turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
+    phase = phases.advanced(phases.begun(start + ASIDE * direction), places[0])
+    segments, knots, events = [phases.active(phase, places[0])], [float(mesh.knots[0])], {}
+    telling = telling_steps(phases, places) | np.append(False, turned[1:] != turned[:-1])
+    for k in np.flatnonzero(telling):
+        turning = start + direction * ahead[turned[k] - 1] if turned[k] != turned[k - 1] else None
+        if turning is not None:
+            phase = phases.begun(turning + direction * ASIDE)
+        phase = phases.advanced(phase, places[k])
+        segment = phases.active(phase, places[k])
+        if segment == segments[-1]:
+            continue
+        if turning is not None:
+            share_before, event = (turning - angles[k - 1]) / (angles[k] - angles[k - 1]), Event(CRANK_ANGLE, turning)
+        else:
+            passed = [border for border in phases.borders if _between(places[k - 1, border.path], border.value, places[k, border.path])]
+            if not passed:
+                return None
+            before, after = places[k - 1, passed[0].path], places[k, passed[0].path]
+            share_before, event = (passed[0].value - before) / (after - before), Event(*passed[0])
+        events[len(knots)] = event
+        knots.append(float(times[k - 1] + share_before * (times[k] - times[k - 1])))
+        segments.append(segment)
+    return Plan(tuple(segments), events, np.array([*knots, mesh.knots[-1]]))
+
+
+def _between(before: float, value: float, after: float) -> bool:
+    return (before - value) * (after - value) <= 0 and before != after
+
+
+def _alike(one: Plan, other: Plan) -> bool:
+    """Whether the same forces act, from the same events on."""
+    kinds = [[event.path for _, event in sorted(plan.events.items()) if isinstance(event, Event)] for plan in (one, other)]
+    return one.segments == other.segments and kinds[0] == kinds[1]
+
+
+def _replanned(plan: Plan, near: PanelSolution) -> PanelSolution:
+    """A motion on the panels of a plan whose knots are times, as a guess."""
+    counts = np.maximum(LEAST, np.diff(np.searchsorted(near.mesh.borders, plan.knots)))
+    return cut_to(near, even_mesh(plan.knots, counts))
+
+
+def _deepest(found: ElasticSolution) -> float:
+    """Lowest place of the first path, the slide's [m]."""
+    count = len(found.panels.mesh.start)
+    places, _, _ = places_on(found.equations, found.panels, np.repeat(np.arange(count), LOOKS), np.tile(np.arange(LOOKS) / LOOKS, count))
+    return float(places[:, 0].min())

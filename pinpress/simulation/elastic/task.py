@@ -1,0 +1,113 @@
+"""What is to be found of a press on springs, and what was found; how far its springs yield at most."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.quantities import Array
+from .equations import ElasticEquations
+from .panels import Indices, Mesh, PanelSolution
+from .phases import LoadPhases
+
+STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
+MOST_STEPS = 16  # of Newton's method
+SETTLED = 1e-3  # Newton's method ends where it changes coordinates by less than this share of the tolerance
+FIRST, LEAST = 24, 6  # panels of a period at first, and of each segment
+SAMPLES = 16  # places of a segment at which the largest deflection is looked for
+LOOKS = 12  # places on a panel at which events are looked for
+BESIDE = 1e-9  # lengths of the linkage beside a border at which it is seen what acts there
+ASIDE = 1e-6  # angle beside a turning at which it is seen which way the rigid press goes [rad]
+COURSE = 240  # times of a period between which those of crank angles are interpolated
+
+RigidMotion = Callable[[Array], tuple[Array, Array, Array]]
+"""Times (n,) to coordinates, rates and accelerations (n, f) of the rigid press."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticSolution:
+    """A motion on its segments.
+
+    Attributes:
+        equations: with the forces and events of the segments.
+        panels: the motion.
+        periodic: whether it is a period.
+        evaluations: of the forces at one state, that the last panels took.
+    """
+
+    equations: ElasticEquations
+    panels: PanelSolution
+    periodic: bool
+    evaluations: int
+
+    @property
+    def decay(self) -> float:
+        """Factor by which a disturbance shrinks in a period: the largest size of an eigenvalue of its passage [-]."""
+        return float(np.abs(np.linalg.eigvals(self.panels.passage)).max())
+
+
+class Task(NamedTuple):
+    """What is to be found.
+
+    Attributes:
+        equations: of the press; their segments are not yet known.
+        phases: of its loads.
+        rigid: the motion of the rigid press at the same speed, or under the same drive.
+        period: of the rigid press [s].
+        speed: of the crank, its mean over a period [rad/s].
+        gain: (2 f,) what coordinates and rates have gained after a period.
+        tolerance: error of a coordinate [m or rad].
+    """
+
+    equations: ElasticEquations
+    phases: LoadPhases
+    rigid: RigidMotion
+    period: float
+    speed: float
+    gain: Array
+    tolerance: float
+
+    def times(self, travelled: Array) -> Array:
+        """Times (n,) at which the rigid press has turned its crank so far (n,) [s]."""
+        if self.equations.crank is not None:
+            return travelled / abs(self.speed)
+        times = np.linspace(0.0, self.period, COURSE + 1)
+        angle = self.rigid(times)[0][:, -1]
+        return np.interp(travelled, np.abs(angle - angle[0]), times)
+
+
+def largest_deflection(task: Task, start: float) -> float:
+    """Largest displacement of a coordinate by what acts in a period of the rigid press, on springs that follow at once [m or rad].
+
+    It is that to which errors are compared.
+    """
+    plan, sprung = task.phases.planned(start), task.equations.sprung
+    share = (np.arange(SAMPLES) + 1) / SAMPLES
+    times = (plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel() * (task.period / plan.knots[-1])
+    y, v, a = task.rigid(times)
+    equations = replace(task.equations, segments=plan.segments, sprung=sprung.closed or sprung)
+    segments = np.repeat(np.arange(len(plan.segments)), SAMPLES)
+    force, _, _, _ = equations.forces(times, y, v, segments)
+    bare = replace(equations, segments=tuple((None,) * len(segment) for segment in plan.segments))
+    _, stiffness, _, _ = bare.forces(times, y, v, segments)
+    return float(np.abs(np.linalg.solve(stiffness, (force - a @ equations.mass)[..., None])).max())
+
+
+def even_mesh(knots: Array, counts: Indices) -> Mesh:
+    """Panels of equal length in each segment."""
+    low = np.concatenate([np.arange(count) / count for count in counts])
+    high = np.concatenate([np.arange(1, count + 1) / count for count in counts])
+    return Mesh(knots, np.repeat(np.arange(len(counts)), counts), low, high)
+
+
+def places_on(equations: ElasticEquations, panels: PanelSolution, panel: Indices, share: Array) -> tuple[Array, Array, Array]:
+    """Values and rates (n, paths) of all paths, and crank angles (n,), at shares (n,) of panels (n,)."""
+    y, v, _ = panels.within(panel, share)
+    times = panels.mesh.start[panel] + share * panels.mesh.length[panel]
+    free, rates = equations.whole(times, y, v)
+    coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
+    found = [path.over(equations.sprung, coordinates, all_rates) for path in equations.paths]
+    return np.stack([each.value for each in found], axis=1), np.stack([each.rate for each in found], axis=1), free[:, -1]
