@@ -87,9 +87,9 @@ def campbell():
 
 @cache
 def impacts():
-    stiffness = pp.elasticity.Stiffness(dict.fromkeys(press().bearings, 2e8), moments={"slide_guide": 2e7})
-    elastic = pp.elasticity.Elastic(stiffness, clearances={"P": pp.elasticity.Clearance(1e-5)})
-    run = pp.simulate(press(), 1.9, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic, points=20)
+    stiffness = pp.elasticity.Stiffness(dict.fromkeys(press().bearings, 2e7), moments={"slide_guide": 2e6})
+    elastic = pp.elasticity.Elastic(stiffness, clearances={"P": pp.elasticity.Clearance(1e-4)})
+    run = pp.simulate(press(), 0.43, drive=pp.drives.PrescribedSpeed(30.0), elastic=elastic, points=20)
     return pp.elasticity.journal_impacts(run, "P")
 
 

@@ -129,16 +129,16 @@ def run() -> pp.Run:
 
 @cache
 def elastic_run() -> pp.ElasticRun:
-    drive, elastic = pp.drives.PrescribedSpeed(7.0), pp.elasticity.Elastic(springs(), clearances={"P": pp.elasticity.Clearance(1e-5)})
-    run = pp.simulate(press(), 1.0, drive=drive, elastic=elastic, points=21)
+    drive, elastic = pp.drives.PrescribedSpeed(30.0), pp.elasticity.Elastic(springs(), clearances={"P": pp.elasticity.Clearance(1e-4)})
+    run = pp.simulate(press(), 0.22, drive=drive, elastic=elastic, points=21)
     assert isinstance(run, pp.ElasticRun)
     return run
 
 
 @cache
 def springs() -> pp.elasticity.Stiffness:
-    bearings = dict.fromkeys(press().bearings, 1e9)
-    return pp.elasticity.Stiffness(bearings, moments={"slide_guide": 1e8})
+    bearings = dict.fromkeys(press().bearings, 2e7)
+    return pp.elasticity.Stiffness(bearings, moments={"slide_guide": 2e6})
 
 
 @cache
@@ -309,9 +309,9 @@ def calls() -> dict[str, Call]:
             pp.elasticity.impact_statistics,
             lambda: {
                 "press": press(),
-                "elastic": pp.elasticity.Elastic(springs(), clearances={"P": pp.elasticity.Clearance(1e-5)}),
+                "elastic": pp.elasticity.Elastic(springs(), clearances={"P": pp.elasticity.Clearance(1e-4)}),
                 "bearing": "P",
-                "speed": 7.0,
+                "speed": 30.0,
                 "turns": 1,
                 "settling": 0,
                 "starts": 1,
