@@ -183,7 +183,7 @@ COMMANDS = {
     "pinpress check": ["-m", "pinpress", "check", "zxn2_3000b"],
     "pinpress analyse": ["-m", "pinpress", "analyse", "zxn2_3000b", "--speed", "70"],
     "pinpress simulate": ["-m", "pinpress", "simulate", "zxn2_3000b", "--speed", "70", "--duration", "2"],
-    "pinpress report": ["-m", "pinpress", "report", "zxn2_3000b", "--speed", "70"],
+    "pinpress report": ["-m", "pinpress", "report", "zxn2_3000b", "--speed", "70", "--out", "page.html"],
 }
 
 

@@ -56,7 +56,7 @@ def elastic_steady_state(
         speed: of the crank, or near which it is sought under a drive [rad/s].
         angle: of the crank at the start [rad].
         points: number of states returned.
-        tolerance: error of a coordinate [lengths of the linkage].
+        tolerance: error of a coordinate, as a share of the largest displacement.
         began: time of the clock at which the call began [s].
         rigid_period: where there is a drive, what is near the motion sought.
     """
