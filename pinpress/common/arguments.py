@@ -30,6 +30,8 @@ MAKERS = {
     "Capacities": "Capacities",
     "Gibs": "Gibs(length, width)",
     "SlideCompliance": "compliance",
+    "ElasticRun": "simulate or steady_state with elastic=",
+    "CampbellDiagram": "elasticity.campbell",
     "PressRatings": "rate",
     "WorkPrecision": "accuracy.compare",
     "Flywheel": "Flywheel",

@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from threading import Lock
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import pinocchio as pin
@@ -22,11 +22,15 @@ from ..common.results import Tabular
 from ..engines.branch import Branch, out_of_branch
 from ..engines.engine import ClosedStates, Closure, Engine
 from ..engines.joints import Axis, Slot, configuration
+from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.model import SpatialModel
+from ..engines.planar.engine import PlanarEngine
+from ..engines.spatial.engine import SpatialEngine
 from ..linkage.assembly import closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage, SlideGuide
 from ..linkage.memo import per_linkage
 
+ENGINES = (PlanarEngine, SpatialEngine, PinocchioEngine)
 POINTS = 360  # states of a turn by default
 GRIDS_KEPT = 4  # grids of crank angles whose closures stay with a linkage
 MOST_KEPT = 2**15  # joint coordinates of such a grid: some 10 megabytes with all that belongs to them, 15 in space
@@ -370,7 +374,7 @@ def moved(
 ) -> Motion:
     """The motion with these driver angles, speeds and accelerations: (n,) along a ``branch``, where constant speeds may be one number and
     have the accelerations 0.0; (n, drivers) where there is no branch."""
-    chosen = press.engine(engine) if isinstance(engine, str) else engine
+    chosen = engine if isinstance(engine, ENGINES) else press.engine(cast(str, engine))  # which refuses what is none
     if branch is not None:
         return _along_branch(press, _known(press), branch, angles, speeds, accelerations, times, chosen)
     with np.errstate(all="ignore"):  # what overflows is refused

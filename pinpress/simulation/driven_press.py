@@ -15,6 +15,7 @@ import numpy as np
 
 from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.frozen import read_only
 from ..common.quantities import Array
 from ..drives.motors import InductionMotor, InverterMotor, SlipClutchMotor
 from ..drives.protocol import Drive, corners_of
@@ -275,7 +276,7 @@ class DrivenPress:
             found += [roots(self.model, row, border) for border in borders]
             if borders:
                 found.append(roots(self.model, row, 0.0, slope=True))
-        return tuple(found)
+        return read_only(tuple(found))
 
     @cached_property
     def switch_times(self) -> tuple[float, ...]:

@@ -79,7 +79,7 @@ def test_energy_of_a_turn_with_clearance(clearance):
     assert gap.max() > clearance.radial
     assert gap.min() < clearance.radial  # it flies
     assert (force[gap < clearance.radial] == 0).all()
-    assert len(found.events) > 5
+    assert len(found.events) >= 4
 
 
 def test_small_clearance_changes_little_where_the_pin_is_always_pressed():

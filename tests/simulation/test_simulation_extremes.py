@@ -686,7 +686,7 @@ NO_NUMBERS = [
     for method in METHODS
     for name in NAMES_OF_NUMBERS
     for value in NUMBERS
-    if not (value is None and name in ("step", "points"))  # as by default
+    if not (value is None and name in ("step", "points", "tolerance"))  # as by default
     and not (isinstance(value, list) and name == "speed" and method == "reduced")  # scenarios
 ]
 

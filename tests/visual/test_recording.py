@@ -301,9 +301,14 @@ def test_arrows_take_colour_with_load(traced: tuple[Path, Any, Any], shared_view
 @pytest.mark.exhaustive
 def test_toolbar_shows_and_hides(traced: tuple[Path, Any, Any], shared_view: Callable[..., Any]) -> None:
     page = shared_view(traced[0], MIDDLE)
-    as_at_first = "labels.forEach(label => { label.spot = 0; })"  # labels stay where they were before
-    page.evaluate(as_at_first)
-    buttons, pictures = ("#show-forces", "#show-names", "#show-paths", "#front-view"), [seek(page, 0.1)]
+
+    def as_at_first() -> Any:
+        """The page at 0.1 s, with labels that come from their first places: they stay where they were before."""
+        seek(page, 0.1)
+        page.evaluate("labels.forEach(label => { label.spot = 0; })")
+        return seek(page, 0.1)
+
+    buttons, pictures = ("#show-forces", "#show-names", "#show-paths", "#front-view"), [as_at_first()]
 
     def differing(one: Any, other: Any) -> int:
         return int(np.count_nonzero(np.abs(other - one).max(axis=2)[50:310] > 30))
@@ -318,8 +323,7 @@ def test_toolbar_shows_and_hides(traced: tuple[Path, Any, Any], shared_view: Cal
     assert abs(left[0] - right[0]) < 0.5
     for button in buttons:
         page.click(button)
-    page.evaluate(as_at_first)
-    assert differing(seek(page, 0.1), pictures[0]) < 50
+    assert differing(as_at_first(), pictures[0]) < 50
 
 
 @pytest.mark.exhaustive

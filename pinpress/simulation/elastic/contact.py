@@ -54,7 +54,7 @@ class Clearance:
         radial = number("Clearance: radial", self.radial, "m", positive=True)
         if not radial < 0.1:
             raise PinpressError(f"Clearance: radial is {radial:g} m: give the radial clearance in m, such as 5e-5")
-        if self.law not in LAWS:
+        if not isinstance(self.law, str) or self.law not in LAWS:
             raise PinpressError(f"Clearance: law is {shown(self.law)}: give one of {', '.join(map(repr, LAWS))}")
         given = {"restitution": self.restitution, "hertz_stiffness": self.hertz_stiffness}
         for name, value in given.items():
