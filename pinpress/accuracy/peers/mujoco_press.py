@@ -178,6 +178,8 @@ class Mujoco:
         mujoco.mj_rnePostConstraint(model, data)
         for site, row in zip(self._sites, into, strict=True):
             mujoco.mj_objectAcceleration(model, data, mujoco.mjtObj.mjOBJ_SITE, site, row, 0)
+            if not model.site_bodyid[site]:  # of the world MuJoCo below 4 gives 0, and of bodies what they have beside free fall
+                row[3:] = -model.opt.gravity
 
     def _drift(self, sites: Array) -> Array:
         """(n, kept) accelerations of the gaps from those of the ends (n, 2 loops, 6)."""
