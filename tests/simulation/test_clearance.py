@@ -9,7 +9,8 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.simulation.elastic import contact
-from pinpress.simulation.elastic.elastic_run import journal_places
+from pinpress.simulation.elastic.elastic_run import ElasticSegment, journal_places
+from pinpress.simulation.elastic.equations import Event
 
 SPEED = 300 * pp.RPM
 
@@ -130,6 +131,23 @@ def test_impacts_turn_by_turn():
     many = pp.elasticity.impact_statistics(press, elastic(press, P4=clearance), "P4", speed=SPEED, turns=2, settling=1, starts=2)
     assert many.start.tolist() == [0, 0, 1, 1]
     assert many.spread > 1e-3
+
+
+def test_clearance_of_a_pin_on_the_crank():
+    """The crank goes its own way while the journal flies; at every event the journal is as far from the centre as the clearance."""
+    press, pins = shipped("jf75g_125_plain"), {"O": pp.elasticity.Clearance(1e-4)}
+    drive = pp.drives.PrescribedSpeed(SPEED)
+    found = pp.simulate(press, 0.04, angle=2.0, drive=drive, elastic=elastic(press, **pins), points=61)
+    assert found.stats.energy_error < 1e-9
+    segment = found.trajectory.segments[0]
+    assert isinstance(segment, ElasticSegment)
+    sprung, events = segment.solution.equations.sprung, segment.solution.equations.events
+    mesh = segment.solution.panels.mesh
+    times = [mesh.knots[knot] for knot, event in (events or {}).items() if isinstance(event, Event)]
+    assert times
+    states = segment.states(np.array(times))
+    gap = np.abs(journal_places(sprung, sprung.open_pins[0], sprung.all_coordinates(states.whole[0])))
+    np.testing.assert_allclose(gap, 1e-4, rtol=0, atol=1e-11)
 
 
 def test_wear_goes_with_force_and_way():

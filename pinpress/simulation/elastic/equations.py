@@ -202,30 +202,36 @@ class ElasticEquations:
         if drive.timed:
             stiffness[:, -1, -1] -= _slope(lambda at: drive.torque(speed, at, time), angle, 1.0)
 
-    def event(self, knot: int, y: Array, v: Array) -> tuple[float, Array]:
+    def event(self, knot: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
         assert self.events is not None
         event = self.events[knot]
         if isinstance(event, Release):
-            return self._contact_force(event.force, y, v)
+            return self._contact_force(event.force, time, y, v)
         path, value = event
         if path == CRANK_ANGLE:
             gradient = np.zeros(2 * self.size)
             gradient[self.size - 1] = 1.0
-            return float(y[-1] - value), gradient
-        free, rates = self.whole(np.zeros(1), y[None], v[None])  # no path on the crank's own link: its angle does not matter
+            return float(y[-1] - value), gradient, 0.0
+        free, rates = self.whole(np.array([time]), y[None], v[None])
         at = self.paths[path].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
-        return float(at.value[0] - value), np.concatenate([at.gradient[0, : self.size], np.zeros(self.size)])
+        gradient = np.concatenate([at.gradient[0, : self.size], np.zeros(self.size)])
+        return float(at.value[0] - value), gradient, self._with_the_crank(at.gradient[0])
 
-    def _contact_force(self, number: int, y: Array, v: Array) -> tuple[float, Array]:
-        """Force of a contact that acts before an event, and its gradient (2 size,) by state and rate."""
+    def _with_the_crank(self, gradient: Array) -> float:
+        """Derivative by time of what has this gradient (f,) by the free coordinates, where the crank goes its prescribed way."""
+        return 0.0 if self.crank is None else float(gradient[-1] * self.crank.speed)
+
+    def _contact_force(self, number: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
+        """Force of a contact that acts before an event, its gradient (2 size,) by state and rate, and its derivative by time."""
         law = self.all_forces[number]
-        free, rates = self.whole(np.zeros(1), y[None], v[None])
+        free, rates = self.whole(np.array([time]), y[None], v[None])
         path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
         interval = self.lost.get(number, self.segments[-1][number])
         assert isinstance(interval, ForceInterval)
         value, by_place, by_rate = _values(interval, path.value - law.datum, path.rate)
         gradient = by_place[0] * path.gradient[0] + by_rate[0] * (path.bend[0] @ rates[0])
-        return float(value[0]), np.concatenate([gradient[: self.size], by_rate[0] * path.gradient[0, : self.size]])
+        by_state = np.concatenate([gradient[: self.size], by_rate[0] * path.gradient[0, : self.size]])
+        return float(value[0]), by_state, self._with_the_crank(gradient)
 
     def crank_torque(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Array:
         """Torque (n,) on the crank that holds its speed, or that of the drive [N m]."""

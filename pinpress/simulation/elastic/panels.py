@@ -78,8 +78,8 @@ class EquationsOfMotion(Protocol):
         """Force F (n, f), minus its derivatives by y and by v, (n, f, f) each, and its derivative by time (n, f), at n states in the given
         segments of the motion."""
 
-    def event(self, knot: int, y: Array, v: Array) -> tuple[float, Array]:
-        """What is zero at a knot whose time is free, and its gradient (2 f,) by state and rate."""
+    def event(self, knot: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
+        """What is zero at a knot whose time is free, its gradient (2 f,) by state and rate, and its derivative by the time itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -272,8 +272,9 @@ def _border_changes(equations: EquationsOfMotion, at: PanelSolution, border: Bor
         matrix[: 2 * size, : 2 * size] = np.eye(2 * size)
     for k, knot in enumerate(free):
         place = int(np.searchsorted(at.mesh.segment, knot))  # the panel that begins at the knot
-        value, gradient = equations.event(knot, at.states[place, :size], at.states[place, size:])
+        value, gradient, by_time = equations.event(knot, float(at.mesh.knots[knot]), at.states[place, :size], at.states[place, size:])
         matrix[2 * size + k] = gradient @ carried[place]
+        matrix[2 * size + k, 2 * size + k] += by_time
         right[2 * size + k] = -(value + gradient @ alone[place])
     events = matrix[2 * size :]
     times = -np.linalg.solve(events[:, 2 * size :], events[:, : 2 * size]) if free else np.zeros((0, 2 * size))

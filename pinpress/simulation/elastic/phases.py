@@ -18,7 +18,7 @@ from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
 from ..reduced_model import COORDINATES, roots
-from .equations import INSTANT, Event, Release, Segment, TimeSpan
+from .equations import CRANK_ANGLE, INSTANT, Event, Release, Segment, TimeSpan
 
 ASIDE = 1e-9  # angle from the start within which an event belongs to the start [rad]
 
@@ -146,7 +146,7 @@ class LoadPhases:
             if segment == segments[-1]:
                 continue
             angle = start + self.direction * at
-            events[len(knots)] = Event(-1, angle) if border is None else Event(border.path, border.value)
+            events[len(knots)] = Event(CRANK_ANGLE, angle) if border is None else Event(border.path, border.value)
             knots.append(at)
             segments.append(segment)
         return Plan(tuple(segments), events, np.array([*knots, period]))

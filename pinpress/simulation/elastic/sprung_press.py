@@ -152,12 +152,17 @@ class SprungPress:
         return np.asarray(free @ self.carry.T + self.drawn)
 
     def free_coordinates(self, coordinates: Array) -> Array:
-        """Free coordinates (n, f) of all coordinates; their rates of all rates less nothing: see `free_rates`."""
+        """Free coordinates (n, f) of all coordinates (n, 3 (bodies + 1))."""
         return self.free_rates(coordinates - self.drawn)
 
     def free_rates(self, rates: Array) -> Array:
         """Free rates or accelerations (n, f) of those of all coordinates (n, 3 (bodies + 1))."""
-        return np.asarray(rates @ np.linalg.pinv(self.carry).T)
+        return np.asarray(rates @ self._back)
+
+    @cached_property
+    def _back(self) -> Array:
+        """(3 (bodies + 1), f) all rates to the free ones."""
+        return np.asarray(np.linalg.pinv(self.carry).T)
 
     # ------------------------------------------------------------------------------------------------------------------- springs
 
