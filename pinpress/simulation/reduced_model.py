@@ -5,7 +5,8 @@
 with the reduced inertia I(angle), the potential energy V(angle) of the weights, the inertia J of flywheel and drive on the crank, and
 forces F along coordinates c(angle): the slide's position, the length of a spring. All are smooth functions of the crank angle. They are
 sampled at the nodes of Gauss's quadrature and kept as polynomials, panel by panel; a panel on which a polynomial does not resolve them to
-rounding is halved. For runs to a looser tolerance neighbouring panels are joined again where one polynomial serves for both.
+rounding is halved. The branch's table tells beforehand where that is to be expected, so that mostly one call of the engine samples all. For
+runs to a looser tolerance neighbouring panels are joined again where one polynomial serves for both.
 Source: Zhang 2007, 4.2 (for any linkage, and without its linearisations); Kong 2025 for the six-bar press.
 """
 
@@ -23,7 +24,8 @@ from ..common.errors import SimulationError
 from ..common.frozen import read_only
 from ..common.numerics import NODES, gauss_rule, polynomial_root
 from ..common.quantities import Array, DriverCoordinate
-from ..engines.branch import MOST_TURNS, periods_until_back
+from ..engines.branch import MOST_TURNS, Branch, periods_until_back
+from ..engines.following import evaluated
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
@@ -41,6 +43,7 @@ COARSEST = 1e-5  # as a share of the functions
 PARTS = (
     1e-6  # and as at least this share of what lifting all links by the linkage's size takes: they may balance each other but for rounding
 )
+MIDDLE = 6  # of the terms of a polynomial; it and the next are about the square root of the last ones, and far above the errors of a table
 NARROWEST = 1e-7  # narrowest panel: what it does not resolve lies at a lock [rad]
 INERTIA, POTENTIAL, WEIGHT, COORDINATES = 0, 1, 2, 3  # rows of a model
 
@@ -157,9 +160,33 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     turns = (high - low) / (2 * np.pi) if branch.coordinate.turns else 1.0
     count = panels or max(2, math.ceil(PANELS * turns - 1e-9))
     weight = sum(inertia.mass for inertia in list(press.model.inertias)[1:]) * float(np.linalg.norm(press.model.gravity.linear))
-    missed = None if panels is not None else _Sizes(len(coordinates), PARTS * weight * press.size).missed
-    sampled = resolved_panels(lambda angles: sample_rows(press, angles, coordinates), missed, np.linspace(low, high, count + 1))
+    missed, borders = None, np.linspace(low, high, count + 1)
+    if panels is None:
+        missed, borders = _Sizes(len(coordinates), PARTS * weight * press.size).missed, _expected(branch, borders)
+    sampled = resolved_panels(lambda angles: sample_rows(press, angles, coordinates), missed, borders)
     return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, sampled.points, branch.coordinate)
+
+
+def _expected(branch: Branch, borders: Array) -> Array:
+    """Borders of panels that will resolve the inertia, from these by halving: by its like, the sum of the squares of all joints' rates."""
+    rule, order = gauss_rule(), np.arange(1.0, 6.0)[:, None, None]
+    rates = np.concatenate([branch.coefficients[1:] * order, np.zeros_like(branch.coefficients[:1])])
+    starts, ends, done = borders[:-1], borders[1:], [borders[-1:]]
+    while len(starts):
+        angles = _at_nodes(starts, ends)
+        local = angles if branch.period is None else branch.angles[0] + np.mod(angles - branch.angles[0], branch.period)
+        squares = (evaluated(branch.angles, rates, local.ravel()) ** 2).sum(axis=0).reshape(angles.shape)
+        middle = np.abs(squares @ rule.legendre[MIDDLE : MIDDLE + 2].T).max(axis=1)
+        good = (middle <= math.sqrt(RESOLVED) * squares.max(axis=1)) | (0.5 * (ends - starts) < NARROWEST)
+        done.append(starts[good])
+        starts, ends = _halved(starts[~good], ends[~good])
+    return np.sort(np.concatenate(done))
+
+
+def _halved(starts: Array, ends: Array) -> tuple[Array, Array]:
+    """Starts and ends of the halves of panels: first the left ones."""
+    middle = 0.5 * (starts + ends)
+    return np.concatenate([starts, middle]), np.concatenate([middle, ends])
 
 
 @per_linkage
@@ -272,9 +299,7 @@ def resolved_panels(
         rounding = (share <= NOISE) & (share > coarser / GAIN)  # halving a panel that is nearly resolved divides this by thousands
         settled = (share <= resolution) | rounding | (half < NARROWEST)
         done.append((starts[settled], np.moveaxis(values[:, settled], 0, 1) @ rule.legendre.T @ rule.powers.T))
-        left, right = starts[~settled], ends[~settled]
-        middle = 0.5 * (left + right)
-        starts, ends = np.concatenate([left, middle]), np.concatenate([middle, right])
+        starts, ends = _halved(starts[~settled], ends[~settled])
         coarser = np.tile(share[~settled], 2)
     order = np.argsort(np.concatenate([starts for starts, _ in done]))
     found = np.append(np.concatenate([starts for starts, _ in done])[order], borders[-1])

@@ -1,11 +1,23 @@
 """The table of reduced inertia and potential energy: where one of its rows passes a level, against a fine grid of what it tabulates."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from support.generators import large_linkages
-from support.texts import shipped
+from support.generators import large_linkages, spatial_linkages
+from support.texts import load, shipped
 
-from pinpress.simulation.reduced_model import POTENTIAL, joined, reduced_model_of, reduced_model_to, resolution_for, roots
+from pinpress.simulation import reduced_model
+from pinpress.simulation.reduced_model import (
+    POTENTIAL,
+    build_reduced_model,
+    joined,
+    reduced_model_of,
+    reduced_model_to,
+    resolution_for,
+    roots,
+    sample_rows,
+)
 
 GRID = np.linspace(0.0, 2 * np.pi, 40_001)
 
@@ -44,6 +56,22 @@ def test_weights_that_balance_but_for_rounding_are_not_resolved():
     table = reduced_model_of(large_linkages.load(large_linkages.gear_train(25)))
     assert table.evaluations < 1000
     assert np.abs(table.at(GRID)[0][POTENTIAL]).max() < 1e-12
+
+
+@pytest.mark.parametrize(("name", "calls"), [("thin_wall", 1), ("four-bar", 1), ("bricard", 2)])
+def test_the_branch_tells_which_panels_resolve_the_inertia(name, calls, monkeypatch):
+    """So that all are sampled at once, but beside a lock, where panels are halved more than twenty times."""
+    of_space = {"four-bar": lambda: spatial_linkages.four_bar("fixed"), "bricard": spatial_linkages.bricard}
+    press = load(of_space[name]()) if name in of_space else replace(shipped(name))
+    asked = []
+    monkeypatch.setattr(reduced_model, "sample_rows", lambda *given: asked.append(len(given[1])) or sample_rows(*given))
+    found = build_reduced_model(press, ())
+    assert len(asked) <= calls
+    angles = np.random.default_rng(0).uniform(0.99 * found.borders[0], 0.99 * found.borders[-1], 200)
+    rows, sampled = found.at(angles)[0], sample_rows(press, angles, ())
+    for each in (rows, sampled):
+        each[POTENTIAL] -= each[POTENTIAL, 0]  # its zero is arbitrary
+    np.testing.assert_allclose(rows, sampled, rtol=1e-10, atol=1e-11 * np.abs(found.middles).max())
 
 
 @pytest.mark.parametrize("resolution", [1e-10, 1e-7, 1e-5])
