@@ -19,7 +19,7 @@ TOP = (
 )
 MADE_BY_FUNCTIONS = ("Linkage", "Motion", "Reactions", "Run", "ElasticRun", "RunBatch", "LiveView")
 SPACES = (
-    "pin_table loads drives measures ratings elasticity foundation balancing balancing.classical synthesis derivatives sweeps"
+    "pin_table loads drives measures ratings servo elasticity foundation balancing balancing.classical synthesis derivatives sweeps"
     " plots video accuracy"
 )
 

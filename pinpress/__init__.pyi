@@ -9,6 +9,7 @@ from . import measures as measures
 from . import pin_table as pin_table
 from . import plots as plots
 from . import ratings as ratings
+from . import servo as servo
 from . import sweeps as sweeps
 from . import synthesis as synthesis
 from . import video as video

@@ -234,6 +234,12 @@ def _on_flanks(press: Linkage, ends: DeadCentres, heights: Array, down: NDArray[
     return np.asarray(angles - period * np.floor(angles[:1] / period))
 
 
+def angle_on_flank(press: Linkage, ends: DeadCentres, height: float, down: bool) -> float:
+    """Crank angle within the period at which the slide is at a height above bottom dead centre [m], on the flank on which it goes down
+    where the crank turns positively, or on the other; raises PinpressError where the slide turns back between its dead centres."""
+    return float(_on_flanks(press, ends, np.array([height]), np.array([down]))[0])
+
+
 def _inverted(press: Linkage, ends: DeadCentres, heights: Array, low: float, high: float) -> Array:
     """Crank angles (m,) between two dead centres at which the slide is at heights between them, to rounding.
 

@@ -52,6 +52,7 @@ MADE |= {
     "DeflectedSlide",
     "SnapThroughResponse",
     "PermissibleSpeed",
+    "ServoMotion",
     "SweepTable",
     "SynthesisResult",
 }

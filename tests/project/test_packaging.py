@@ -141,7 +141,9 @@ inner = [f"{space}.{name}" for space in spaces for name in getattr(pinpress, spa
 modules = [name for name in inner if isinstance(getattr(getattr(pinpress, name.split(".")[0]), name.split(".")[1]), types.ModuleType)]
 print(*spaces, *modules)
 """
-    spaces = "accuracy balancing derivatives drives elasticity foundation loads measures pin_table plots ratings sweeps synthesis video"
+    spaces = (
+        "accuracy balancing derivatives drives elasticity foundation loads measures pin_table plots ratings servo sweeps synthesis video"
+    )
     assert python(checkout, code, tmp_path).split() == [*spaces.split(), "balancing.classical"]
 
 

@@ -23,6 +23,7 @@ STIFFNESS = pp.elasticity.Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [pp.elas
 CAPACITIES = pp.ratings.Capacities(1e5, nominal_height=0.01, bearings={"W": 2e5}, flywheel_inertia=100.0, speed_drop=0.1, motor_power=2e4)
 MOUNTS = [foundation.Mount((x, y, -0.5), (1e6, 1e6, 2e6), (1e3, 1e3, 2e3)) for x in (-1.0, 1.0) for y in (-0.5, 0.5)]
 FRAME = foundation.Frame(6000.0, (0.0, 0.0, 0.2), np.diag([900.0, 1100.0, 700.0]))
+SERVO = pp.servo.ServoDrive(inertia=0.1, ratio=10.0, peak_torque=500.0)
 MEASUREMENT = pp.accuracy.Measurement("table", "reduced", "64 samples", 64.0, 1e-3, 1e-12)
 ACCURACY = pp.accuracy.WorkPrecision(
     "crank_slide",
@@ -61,6 +62,13 @@ def reactions():
     return pp.inverse_dynamics(
         press(), motion(), [DEEP, pp.loads.PointForce("slide", push)], {"W": pp.loads.Friction(coefficient=0.1, radius=0.05)}
     )
+
+
+@cache
+def served():
+    time = np.linspace(0.0, 1.0, 25)
+    angle = 2 * np.pi * time
+    return pp.servo.evaluate(press(), SERVO, [DEEP], time=time, angle=angle, speed=2 * np.pi, acceleration=0.0)
 
 
 @cache
@@ -264,6 +272,7 @@ def made():
         *(pp.drives.InductionMotor(11e3, 150.0), pp.drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)])),
         *(pp.drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0), pp.drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0)),
         *(pp.drives.PrescribedSpeed(7.0), pp.drives.Geared(pp.drives.ConstantTorque(3.0), 4.0)),
+        *(SERVO, pp.servo.Turn(), pp.servo.Stop(0.1), pp.servo.Pendulum(0.05), pp.servo.Pulse((0.02, 0.0)), served()),
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
         foundation.over_speeds(mounted(), [5.0, SPEED], points={"head": (0.0, 0.0, 1.0)}),
         foundation.isolate(press(), FRAME, MOUNTS, speeds=[40.0, 50.0], transmitted=0.5),
@@ -325,6 +334,7 @@ DESCRIPTIONS = {
     "Criterion",
     "Mount",
     "OperatingCondition",
+    "ServoDrive",
     "Parameter",
     "Parts",
     "Pin",

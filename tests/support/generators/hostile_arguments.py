@@ -112,6 +112,22 @@ def table() -> dict[str, object]:
     }
 
 
+def servo_numbers() -> dict[str, Any]:
+    return {
+        "inertia": 0.1,
+        "ratio": 10.0,
+        "peak_torque": 500.0,
+        "rated_torque": 100.0,
+        "top_speed": 300.0,
+        "power": 1e5,
+        "copper": 0.1,
+        "iron": 0.1,
+        "viscous": 0.1,
+        "regeneration": 0.5,
+        "gear_inertia": 10.0,
+    }
+
+
 @cache
 def motion() -> pp.Motion:
     return pp.cycle(press(), 7.0, points=24)
@@ -363,6 +379,25 @@ def calls() -> dict[str, Call]:
                 "overload": 1.5,
                 "breakdown_ratio": 2.5,
                 "inertia": 0.1,
+            },
+        ),
+        ("servo.Turn", pp.servo.Turn, lambda: {"backwards": True}),
+        ("servo.Stop", pp.servo.Stop, lambda: {"bottom": 0.1, "backwards": True}),
+        ("servo.Pendulum", pp.servo.Pendulum, lambda: {"opening": 0.05, "dwell": 0.1}),
+        ("servo.Pulse", pp.servo.Pulse, lambda: {"heights": (0.02, 0.01, 0.0), "back": 0.005, "dwell": 0.1}),
+        ("servo.ServoDrive", pp.servo.ServoDrive, servo_numbers),
+        (
+            "servo.evaluate",
+            pp.servo.evaluate,
+            lambda: {
+                "press": press(),
+                "drive": pp.servo.ServoDrive(**servo_numbers()),
+                "loads": [],
+                "time": [0.0, 0.5, 1.0],
+                "angle": [0.0, 3.0, 6.0],
+                "speed": 6.0,
+                "acceleration": 0.0,
+                "friction": {},
             },
         ),
         ("drives.PrescribedSpeed", pp.drives.PrescribedSpeed, lambda: {"speed": 7.0}),

@@ -1,0 +1,265 @@
+"""A motion of a servo press and what it asks of its drive, by full inverse dynamics.
+
+The torque of a drive is that of the linkage's inverse dynamics, that which accelerates rotor and gears, and the drag of the motor:
+
+    torque at the crank = driving torque + crank_inertia x acceleration + crank_drag x speed
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common.arguments import expect, numbers, typed
+from ..common.errors import PinpressError
+from ..common.frozen import read_only
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
+from ..kinematics.motion import Motion, moved
+from ..kinematics.slide_path import dead_centres
+from ..linkage.assembly import refuse_far
+from ..linkage.linkage import Linkage
+from ..loads.link import Friction, Load
+from .drive import ServoDrive
+
+AMISS = 0.02  # share of the range of angles, or speeds, by which they may miss the integral of speeds, or accelerations
+MOST_STATES = 10**6
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ServoMotion(Tabular):
+    """One cycle of a servo press in n states, from its begin to its end, and what it asks of the drive. All arrays are read-only.
+
+    Torques and powers are those of the motor, those that accelerate its own rotor and overcome its own drag included. Positive torques
+    drive in the positive direction of the crank; positive powers drive.
+
+    Attributes:
+        press_name: name of the press.
+        drive: the drive.
+        motion: the motion of the linkage, in the same states.
+        time: (n,) time, never falling [s].
+        weight: (n,) share of the cycle's time that counts for each state in integrals over time [s].
+        angle: (n,) crank angle, unwrapped [rad].
+        speed: (n,) speed of the crank [rad/s].
+        acceleration: (n,) acceleration of the crank [rad/s2].
+        height: (n,) height of the slide above bottom dead centre [m].
+        torque: (n,) torque of the motor at the crank, ratio times that at its own shaft [N m].
+    """
+
+    press_name: str
+    drive: ServoDrive
+    motion: Motion
+    time: Array
+    weight: Array
+    angle: Array
+    speed: Array
+    acceleration: Array
+    height: Array
+    torque: Array
+
+    @property
+    def title(self) -> str:
+        return (
+            f"ServoMotion of {self.press_name}: {self.duration:.6g} s, torque at the crank {self.rms_torque:.6g} N m rms, at most"
+            f" {self.peak_torque:.6g} N m, power at most {1e-3 * self.peak_power:.6g} kW"
+        )
+
+    @cached_property
+    def motor_torque(self) -> Array:
+        """(n,) torque of the motor at its own shaft [N m]."""
+        return read_only(self.torque / self.drive.ratio)
+
+    @cached_property
+    def motor_speed(self) -> Array:
+        """(n,) speed of the motor [rad/s]."""
+        return read_only(self.speed * self.drive.ratio)
+
+    @cached_property
+    def power(self) -> Array:
+        """(n,) mechanical power of the motor [W]."""
+        return read_only(self.torque * self.speed)
+
+    @cached_property
+    def mains_power(self) -> Array:
+        """(n,) electrical power: the mechanical one with the heat in windings and iron [W]. Negative: given back in braking."""
+        drive = self.drive
+        return read_only(self.power + drive.copper * self.motor_torque**2 + drive.iron * self.motor_speed**2)
+
+    @property
+    def duration(self) -> float:
+        """Time of the cycle, rests included [s]."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def heat(self) -> float:
+        """Integral of the square of the torque at the crank over the time [N2 m2 s]."""
+        return float(self.weight @ self.torque**2)
+
+    @property
+    def rms_torque(self) -> float:
+        """Root mean square of the torque at the crank over the cycle [N m]; at the motor it is ``rms_motor_torque``."""
+        return float(np.sqrt(self.heat / self.duration))
+
+    @property
+    def rms_motor_torque(self) -> float:
+        """Root mean square of the motor's torque at its own shaft over the cycle, to be compared with its rated torque [N m]."""
+        return self.rms_torque / self.drive.ratio
+
+    @property
+    def peak_torque(self) -> float:
+        """Largest size of the torque at the crank [N m]."""
+        return float(np.abs(self.torque).max())
+
+    @property
+    def peak_motor_torque(self) -> float:
+        """Largest size of the motor's torque at its own shaft [N m]."""
+        return self.peak_torque / self.drive.ratio
+
+    @property
+    def peak_power(self) -> float:
+        """Largest size of the mechanical power [W]."""
+        return float(np.abs(self.power).max())
+
+    @property
+    def work(self) -> float:
+        """Mechanical work of the motor in the cycle [J]."""
+        return float(self.weight @ self.power)
+
+    @property
+    def energy_drawn(self) -> float:
+        """Energy drawn in the cycle: that drawn while power is positive, less the share ``regeneration`` of that given back [J]."""
+        given = np.minimum(self.mains_power, 0.0)
+        return float(self.weight @ (np.maximum(self.mains_power, 0.0) + self.drive.regeneration * given))
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "time [s]", "torque [N m]"
+
+    def columns(self) -> dict[str, Array]:
+        """Time, crank, slide and drive as (n,) columns under their names with units."""
+        return {
+            "time [s]": self.time,
+            "crank_angle [rad]": self.angle,
+            "crank_speed [rad/s]": self.speed,
+            "crank_acceleration [rad/s2]": self.acceleration,
+            "height [m]": self.height,
+            "slide_velocity [m/s]": self.motion.slide_velocity,
+            "slide_acceleration [m/s2]": self.motion.slide_acceleration,
+            "torque [N m]": self.torque,
+            "motor_torque [N m]": self.motor_torque,
+            "motor_speed [rad/s]": self.motor_speed,
+            "power [W]": self.power,
+            "mains_power [W]": self.mains_power,
+        }
+
+
+@typed
+def evaluate(
+    press: Linkage,
+    drive: ServoDrive,
+    loads: Sequence[Load] = (),
+    *,
+    time: ArrayLike,
+    angle: ArrayLike,
+    speed: ArrayLike,
+    acceleration: ArrayLike,
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+) -> ServoMotion:
+    """What a motion of the crank asks of a drive, by full inverse dynamics.
+
+    Integrals over time are those of the trapezoidal rule between the states.
+
+    Args:
+        press: the press, with one crank.
+        drive: the drive.
+        loads: as of `inverse_dynamics`.
+        time: (n,) rising, from the beginning of a cycle to its end; of a motion that is repeated the last state is the first one again [s].
+        angle: (n,) crank angles, unwrapped [rad].
+        speed: (n,) speeds of the crank, or one number [rad/s].
+        acceleration: (n,) accelerations of the crank, or one number [rad/s2].
+        friction: as of `inverse_dynamics`.
+
+    Raises:
+        PinpressError: the driver slides; the columns differ in length, time does not rise, or angle, speed and acceleration do not fit
+            together; and as `inverse_dynamics`.
+        SingularityError: the linkage locks within the motion.
+    """
+    expect("drive", drive, ServoDrive, "servo.ServoDrive")
+    times = numbers("time", time, (None,), unit="s")
+    if not 2 <= len(times) <= MOST_STATES or not np.all(np.diff(times) > 0):
+        raise PinpressError(f"time: give 2 to {MOST_STATES} rising times [s]")
+    columns = [
+        _column(name, values, unit, len(times))
+        for name, values, unit in (("angle", angle, "rad"), ("speed", speed, "rad/s"), ("acceleration", acceleration, "rad/s2"))
+    ]
+    _refuse_misfit(times, *columns)
+    steps = np.diff(times)
+    weight = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+    return evaluated(press, drive, loads, times, weight, columns[0], columns[1], columns[2], friction)[0]
+
+
+def evaluated(
+    press: Linkage,
+    drive: ServoDrive,
+    loads: Sequence[Load],
+    time: Array,
+    weight: Array,
+    angle: Array,
+    speed: Array,
+    acceleration: Array,
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+    bearings: Sequence[str] = (),
+) -> tuple[ServoMotion, Reactions]:
+    """The motion in states (n,), with the weights of a quadrature over time, and its reactions; arguments and errors as of `evaluate`.
+
+    Args:
+        press: the press.
+        drive: the drive.
+        loads: the loads.
+        time: (n,) never falling [s].
+        weight: (n,) [s].
+        angle: (n,) [rad].
+        speed: (n,) [rad/s].
+        acceleration: (n,) [rad/s2].
+        friction: friction of bearings.
+        bearings: bearings whose forces are wanted.
+    """
+    press.refuse_sliding_driver("servo motions are those of a crank; give positions over time to servo_cycle")
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: servo motions are those of one crank")
+    bottom = dead_centres(press).bottom_position
+    refuse_far("angle", angle, press.driver_coordinates)
+    motion = moved(press, press.branch, angle, speed, acceleration, time, "auto")
+    reactions = inverse_dynamics(press, motion, loads, friction, bearings=bearings)
+    torque = reactions.driving_torque + drive.crank_inertia * acceleration + drive.crank_drag * speed
+    height = motion.slide_position - bottom
+    return ServoMotion(press.name, drive, motion, time, weight, angle, speed, acceleration, height, torque), reactions
+
+
+def _column(name: str, values: ArrayLike, unit: str, count: int) -> Array:
+    column = numbers(name, values, unit=unit)
+    if column.shape not in ((), (count,)):
+        raise PinpressError(f"{name} has shape {column.shape}, but time has {(count,)}: give one for each time")
+    if not column.ndim and name == "angle":
+        raise PinpressError(f"angle is one number: give {count} crank angles, one for each time [rad]")
+    return np.array(np.broadcast_to(column, count))
+
+
+def _refuse_misfit(time: Array, angle: Array, speed: Array, acceleration: Array) -> None:
+    """Raise PinpressError where columns are far from the integrals of their rates."""
+    both = ("angle", angle, "speed", speed, "rad"), ("speed", speed, "acceleration", acceleration, "rad/s")
+    for name, values, rate_name, rates, unit in both:
+        summed = np.concatenate([[0.0], np.cumsum(0.5 * (rates[1:] + rates[:-1]) * np.diff(time))])
+        off = np.abs(values - values[0] - summed)
+        range_ = max(float(np.ptp(values)), float(np.abs(values).max()) if name == "speed" else 0.0)
+        if not off.max() <= AMISS * range_ and off.max() > 0:
+            at = int(off.argmax())
+            raise PinpressError(
+                f"{name} and {rate_name} do not fit together: at {time[at]:.6g} s {name} is {off[at]:.3g} {unit} off the integral of"
+                f" {rate_name}; give more states, or the {rate_name} that belongs to it"
+            )
