@@ -194,7 +194,8 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
     rates = at.whole[1] @ sprung.carry.T
     first, second = sprung.bodies_of(place)
     sliding = np.abs(rates[:, 3 * second + 2] - rates[:, 3 * first + 2]) * r
-    force = np.abs(bearing_forces(segment.solution, at.times, at.segments, sprung.all_coordinates(at.whole[0]), rates)[place])
+    forces = bearing_forces(segment.solution, at.times, at.segments, sprung.all_coordinates(at.whole[0]), rates)
+    force = np.linalg.norm(forces[place], axis=1)
     volume = k / h * float(weights @ (force * sliding))
     return volume / (2 * np.pi * r * w) * 3600 / segment.end
 
@@ -213,7 +214,7 @@ def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) ->
     sprung = segment.solution.equations.sprung
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
     gap = journal_places(sprung, pin, coordinates)
-    force = np.abs(bearing_forces(segment.solution, at.times, at.segments, coordinates, rates)[pin.bearing])
+    force = np.linalg.norm(bearing_forces(segment.solution, at.times, at.segments, coordinates, rates)[pin.bearing], axis=1)
     turn = np.floor(np.minimum(at.times * speed / (2 * np.pi), turns - 1e-9)).astype(int)
     touching = np.abs(gap) > pin.clearance.radial
     rows = []

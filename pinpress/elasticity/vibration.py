@@ -25,8 +25,9 @@ from ..drives.transmission import Flywheel
 from ..kinematics.motion import motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
-from ..simulation.elastic.assembly import coordinates_of, reference_angle, sprung_press
+from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.description import Elastic, Rod
+from ..simulation.elastic.press_on_springs import reference_angle
 from ..simulation.elastic.sprung_press import SprungPress
 from .springs import FRAME, SHAFT
 
@@ -132,7 +133,7 @@ def natural_frequencies(
     if isinstance(elastic, Elastic) and elastic.clearances:
         raise PinpressError("a pin with clearance has no natural frequency, as it opens and closes: leave the clearances out")
     sprung, angles = sprung_press(press, elastic), _angles(press, angle)
-    coordinates, _, _ = coordinates_of(sprung, motion_through_change_points(press, angles, 0.0))
+    coordinates, _, _ = sprung.rigid_coordinates(motion_through_change_points(press, angles, 0.0))
     still = np.zeros_like(coordinates)
     forces = sprung.spring_forces(coordinates, still)
     assert forces.stiffness is not None

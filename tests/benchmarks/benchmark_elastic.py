@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import pinpress as pp
 from pinpress.common.quantities import Array
 from pinpress.simulation.driven_press import driven_press
-from pinpress.simulation.elastic.assembly import coordinates_of, sprung_press
+from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
 from pinpress.simulation.elastic.load_paths import load_path
 from pinpress.simulation.elastic.marching import march
@@ -53,7 +53,7 @@ class Release:
         self.equations = ElasticEquations(self.sprung, driven, paths, HeldCrank(self.start, self.speed), segments=((),))
         self.phases = LoadPhases(driven, 1)
         motion = pp.servo_cycle(press, angle=[self.start], speed=self.speed)
-        self.whole = [each[0] for each in coordinates_of(self.sprung, motion)]
+        self.whole = [each[0] for each in self.sprung.rigid_coordinates(motion)]
         self.y0 = self.sprung.free_coordinates(self.whole[0][None])[0, :-1]
         self.v0 = self.sprung.free_rates(self.whole[1][None])[0, :-1]
 

@@ -9,7 +9,8 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.simulation.elastic import panels
-from pinpress.simulation.elastic.assembly import coordinates_of, frequencies, sprung_press
+from pinpress.simulation.elastic.assembly import sprung_press
+from pinpress.simulation.elastic.press_on_springs import frequencies
 
 JF75G, SIX_BAR = ("jf75g_125_plain", 300.0), ("zxn2_3000b", 70.0)
 BLANKING = {"jf75g_125_plain": pp.loads.Blanking(1.25e6, 0.010, 0.005), "zxn2_3000b": pp.loads.Blanking(2e6, 0.010, 0.006)}
@@ -138,7 +139,7 @@ def test_derivatives_of_the_forces():
     press, rng = shipped(SIX_BAR[0]), np.random.default_rng(1)
     stiffness = replace(springs(press), frame=4e9, shaft=3e7)
     sprung = sprung_press(press, pp.elasticity.Elastic(stiffness, crown_mass=5000.0, damping_ratio=0.1))
-    place, _, _ = coordinates_of(sprung, pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))
+    place, _, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))
     free = sprung.free_coordinates(place) + 1e-3 * rng.normal(size=(3, sprung.free))
     rates = rng.normal(size=free.shape)
     at = sprung.spring_forces(sprung.all_coordinates(free), rates @ sprung.carry.T)

@@ -18,13 +18,12 @@ from ...common.errors import PinpressError, UnknownNameError, shown
 from ...common.quantities import Array, ComplexArray
 from ...engines.joints import plain
 from ...engines.planar.engine import PlanarEngine
-from ...engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity
+from ...engines.planar.kinematics import basis_at
 from ...engines.planar.model import Plane, to_complex
-from ...kinematics.motion import Motion, motion_through_change_points
-from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from .contact import Clearance, OpenPin
 from .description import Elastic, Rod
+from .press_on_springs import frequencies, reference_angle
 from .sprung_press import LineSprings, SprungPress, TurningSprings
 
 LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
@@ -52,24 +51,6 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     stiff = _with_springs(drawn, bodies, elastic)
     closed = _with_dampers(drawn, stiff, elastic)
     return _with_clearances(drawn, closed, elastic) if elastic.clearances else closed
-
-
-def coordinates_of(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, Array]:
-    """All coordinates, rates and accelerations (n, 3 (bodies + 1)) of the rigid press in a motion."""
-    drawn = DrawnBodies(sprung.press)
-    plane, states = drawn.plane, motion.states(sprung.press)
-    basis = basis_at(plane, states.position)
-    rows = plane.origins + plane.centers
-    points = [rows @ basis - drawn.centers[:, None], rows @ basis_velocity(plane, basis, states.v)]
-    points.append(rows @ basis_acceleration(plane, basis, states.v, states.a))
-    found = [np.zeros((states.v.shape[1], len(sprung.drawn))) for _ in range(3)]
-    links = 3 * len(drawn.centers)
-    drivers = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
-    for each, place, joints, driver in zip(found, points, (states.position, states.v, states.a), drivers, strict=True):
-        each[:, :links:3], each[:, 1:links:3], each[:, 2:links:3] = place.real.T, place.imag.T, (plane.spin @ joints).T
-        if sprung.rotor is not None:
-            each[:, 3 * sprung.rotor + 2] = plane.sense[plane.driver] * driver
-    return found[0], found[1], found[2]
 
 
 class DrawnBodies:
@@ -365,26 +346,3 @@ def _with_clearances(drawn: DrawnBodies, closed: SprungPress, elastic: Elastic) 
     kept = ~np.isin(closed.lines.bearing, [open_pin.bearing for open_pin in found])
     lines = LineSprings._make(column[kept] for column in closed.lines)
     return replace(closed, lines=lines, open_pins=tuple(found), closed=closed)
-
-
-def reference_angle(press: Linkage) -> float:
-    """Crank angle of the rigid bottom dead centre, else 0 [rad]."""
-    try:
-        return dead_centres(press).bottom_angle
-    except PinpressError:
-        return 0.0
-
-
-def frequencies(sprung: SprungPress, angle: float) -> Array:
-    """Natural frequencies (f,) with the crank held at an angle, rising, without dampers and loads [rad/s]."""
-    stiffness, mass = held_matrices(sprung, angle)
-    inverse = np.linalg.inv(np.linalg.cholesky(mass))
-    return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(inverse @ stiffness @ inverse.T), 0.0)))
-
-
-def held_matrices(sprung: SprungPress, angle: float) -> tuple[Array, Array]:
-    """Stiffness and mass matrix (f, f) of the free coordinates with the crank held at an angle, in the rigid pose."""
-    place, _, _ = coordinates_of(sprung, motion_through_change_points(sprung.press, np.array([angle]), 0.0))
-    forces = sprung.spring_forces(place, np.zeros_like(place))
-    assert forces.stiffness is not None
-    return forces.stiffness[0, :-1, :-1], sprung.mass[:-1, :-1]

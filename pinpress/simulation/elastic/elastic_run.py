@@ -15,14 +15,13 @@ import numpy as np
 
 from ...common.frozen import FrozenMapping, NamedArrays, read_only
 from ...common.quantities import Array, ComplexArray
-from ...engines.planar.model import to_complex, to_world
+from ...engines.planar.model import to_world
 from ...kinematics.motion import Motion, motion_through_change_points
 from ..driven_press import WorkOfForce
 from ..law_trials import confirm_torques
 from ..run import Run, Stats
 from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
-from .assembly import DrawnBodies, coordinates_of
 from .contact import OpenPin
 from .description import Elastic
 from .load_paths import NEAREST
@@ -169,7 +168,8 @@ class ElasticSegment:
 
     def crank(self, free: Array, rates: Array) -> tuple[Array, Array]:
         """Angle and speed (n,) of the crank, of free coordinates and rates (n, f)."""
-        return crank_of(self.solution, free, rates)
+        sprung = self.solution.equations.sprung
+        return sprung.crank(sprung.all_coordinates(free), rates @ sprung.carry.T)
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         at = self.states(times)
@@ -253,19 +253,6 @@ def solution_states(solution: ElasticSolution, panel: Indices, share: Array, tur
     return SolutionStates(panel, share, passed, times, mesh.segment[panel], y, v, a, (free, rates), accelerations)
 
 
-def crank_of(solution: ElasticSolution, free: Array, rates: Array) -> tuple[Array, Array]:
-    """Angle and speed (n,) of the crank's joint, of free coordinates and rates (n, f)."""
-    sprung = solution.equations.sprung
-    plane = DrawnBodies(sprung.press).plane
-    driver, parent, sense = plane.driver, plane.parents[plane.driver], float(plane.sense[plane.driver])
-    coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
-    found = []
-    for values in (coordinates, all_rates):
-        base = values[:, 3 * parent + 2] if parent >= 0 else 0.0
-        found.append(sense * (values[:, 3 * driver + 2] - base))
-    return found[0], found[1]
-
-
 def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     """(4, n) rates of the `INTEGRALS`."""
     equations, sprung = solution.equations, solution.equations.sprung
@@ -277,8 +264,7 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     )
     found = np.zeros((len(INTEGRALS), len(torque)))
     found[DRIVE_WORK], found[MOTOR_SQUARED] = torque * rates[:, -1], motor**2
-    geometry = sprung.geometry(coordinates, all_rates)
-    found[LOST] = (geometry.opening**2) @ sprung.lines.damping + sprung.turning_rates(all_rates) ** 2 @ sprung.turns.damping
+    found[LOST] = sprung.lost_power(coordinates, all_rates)
     powers = [force * rate for force, rate in equations.load_forces(at.times, at.segments, coordinates, all_rates)]
     loads, nothing = len(driven.forces), np.zeros(len(torque))
     found[LOAD_WORK], found[LOST] = -sum(powers[:loads], nothing), found[LOST] - sum(powers[loads:], nothing)
@@ -302,9 +288,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     motion = motion_through_change_points(press, sample.position[0], sample.speed[0], sample.acceleration[0], times)
     confirm_torques(problem.driven.drive, times, sample.position[0], sample.drive_speed, sample.drive_torque)
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
-    rigid, _, _ = coordinates_of(sprung, motion)
-    moved = (coordinates - rigid).reshape(points, -1, 3)[:, : press.model.nv]
-    forces = to_world(DrawnBodies(press).plane, bearing_forces(solution, at.times, at.segments, coordinates, rates))
+    forces = bearing_forces(solution, at.times, at.segments, coordinates, rates)
     kept = {field.name: getattr(motion, field.name) for field in fields(Motion) if field.init}
     integrals = dict(zip(INTEGRALS, sample.integrals, strict=True))
     stats = Stats(
@@ -324,7 +308,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
         **integrals,
         problem=problem,
         trajectory=trajectory,
-        displacement=read_only(moved),
+        displacement=read_only(sprung.displacement(coordinates, motion)),
         bearing_force=NamedArrays(press.bearings, forces),
         shaking_force=read_only(_shaking_force(solution, at.whole_acceleration)),
         decay_per_stroke=solution.decay if solution.periodic else None,
@@ -334,20 +318,15 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     )
 
 
-def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> ComplexArray:
-    """Forces (bearings, n) in the plane's axes, parent on child, or link1 on link2 [N]."""
+def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> Array:
+    """Forces (bearings, n, 3) in world axes, parent on child, or link1 on link2 [N]."""
     sprung = solution.equations.sprung
-    lines, geometry = sprung.lines, sprung.geometry(coordinates, rates)
-    pull = -(lines.stiffness * geometry.extension + lines.damping * geometry.opening) * lines.sign
-    forces = pull * geometry.against.conj()
-    found = np.zeros((len(sprung.press.bearings), len(coordinates)), dtype=complex)
-    for spring, number in enumerate(lines.bearing):
-        if number >= 0:
-            found[number] += forces[:, spring]
-    loads = solution.equations.load_forces(times, segments, coordinates, rates)[len(solution.equations.driven.forces) :]
-    for pin, (force, _) in zip(sprung.open_pins, loads, strict=True):
-        gap = journal_places(sprung, pin, coordinates)
-        found[pin.bearing] = -force * gap / np.maximum(np.abs(gap), NEAREST)
+    found = sprung.bearing_forces(coordinates, rates)
+    if sprung.open_pins:
+        loads = solution.equations.load_forces(times, segments, coordinates, rates)[len(solution.equations.driven.forces) :]
+        for pin, (force, _) in zip(sprung.open_pins, loads, strict=True):
+            gap = journal_places(sprung, pin, coordinates)
+            found[pin.bearing] = to_world(sprung.plane, -force * gap / np.maximum(np.abs(gap), NEAREST))
     return found
 
 
@@ -361,10 +340,8 @@ def journal_places(sprung: SprungPress, pin: OpenPin, coordinates: Array) -> Com
 
 def _shaking_force(solution: ElasticSolution, accelerations: Array) -> Array:
     """Force (n, 3) on the frame: all weights and forces from outside less the inertia forces of all bodies [N]."""
-    sprung, driven = solution.equations.sprung, solution.equations.driven
-    model = driven.press.model
-    left = sprung.weight - (accelerations @ sprung.carry.T) * sprung.inertia
-    found = to_world(DrawnBodies(driven.press).plane, left[:, ::3].sum(axis=1) + 1j * left[:, 1::3].sum(axis=1))
+    driven = solution.equations.driven
+    model, found = driven.press.model, solution.equations.sprung.weight_less_inertia(accelerations)
     outside = [coordinate.force for coordinate in driven.coordinates if isinstance(coordinate, WorkOfForce)]
     return np.asarray(found + sum(outside, model.inertias[0].mass * model.gravity.linear))
 
@@ -388,12 +365,10 @@ def _energy_error(segment: ElasticSegment) -> float:
     at = solution_states(solution, np.append(np.arange(count), count - 1), np.append(np.zeros(count), 1.0), None, segment.gain)
     free, rates = at.whole
     coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
-    kinetic = 0.5 * np.einsum("nf,fg,ng->n", rates, equations.whole_mass, rates)
-    extension, twist = sprung.geometry(coordinates, all_rates).extension, sprung.turning_rates(coordinates)
-    stored = 0.5 * (extension**2 @ sprung.lines.stiffness + twist**2 @ sprung.turns.stiffness) - coordinates @ sprung.weight
+    kinetic = sprung.kinetic_energy(coordinates, all_rates) + 0.5 * float(equations.driven.inertia) * rates[:, -1] ** 2
     _, works = segment._powers
     gained = works[:, DRIVE_WORK] - works[:, LOAD_WORK] - works[:, LOST]
-    energy = kinetic + stored
+    energy = kinetic + sprung.stored_energy(coordinates)
     size = max(float(kinetic.max()), float(np.abs(works[:, [DRIVE_WORK, LOAD_WORK, LOST]]).max()), 1e-300)
     return float(np.abs(energy - energy[0] - gained).max() / size)
 
@@ -408,13 +383,13 @@ def _extremes(segment: ElasticSegment) -> Extremes:
         free, rates = at.whole
         sprung = solution.equations.sprung
         forces = bearing_forces(solution, at.times, at.segments, sprung.all_coordinates(free), rates @ sprung.carry.T)
-        return np.stack([-_slide(solution, at)[:, 0], _pull_on_slide(solution, forces), *np.abs(forces)])
+        return np.stack([-_slide(solution, at)[:, 0], _pull_on_slide(solution, forces), *np.linalg.norm(forces, axis=2)])
 
     found = _largest(all_values, len(solution.panels.mesh.start))
     deep = solution_states(solution, np.array([found[0][1]]), np.array([found[0][2]]), None, segment.gain)
     return Extremes(
         deepest=-found[0][0],
-        deepest_angle=float(crank_of(solution, *deep.whole)[0][0]),
+        deepest_angle=float(segment.crank(*deep.whole)[0][0]),
         reverse_force=max(0.0, found[1][0]),
         peaks=FrozenMapping({name: value for name, (value, _, _) in zip(names, found[2:], strict=True)}),
         events=_events(segment),
@@ -462,13 +437,15 @@ def _events(segment: ElasticSegment) -> tuple[tuple[float, float, float], ...]:
     return tuple(sorted(found))
 
 
-def _pull_on_slide(solution: ElasticSolution, forces: ComplexArray) -> Array:
-    """Force (n,) of the pins on the slide along its direction [N]."""
-    press, drawn = solution.equations.driven.press, DrawnBodies(solution.equations.driven.press)
-    slide, along = press.slide_guide.joint, complex(to_complex(drawn.plane, press.slide_direction))
-    found = np.zeros(forces.shape[1])
+def _pull_on_slide(solution: ElasticSolution, forces: Array) -> Array:
+    """Force (n,) of the pins on the slide along its direction [N], of the forces of all bearings (bearings, n, 3)."""
+    press = solution.equations.driven.press
+    slide, joints, found = press.slide_guide.joint + 1, press.model.nv, np.zeros(forces.shape[1])
     for number, force in enumerate(forces):
-        link1, _, link2, _ = drawn.bearing(number)
-        if slide in (link1, link2) and number not in drawn.directions:
-            found += (along.conjugate() * force).real * (1.0 if link2 == slide else -1.0)
+        if number < joints and not press.axes[number].turns:
+            continue
+        loop = None if number < joints else press.loops[number - joints]
+        first, second = (press.model.parents[number + 1], number + 1) if loop is None else (loop.joint1, loop.joint2)
+        if slide in (first, second):
+            found += force @ press.slide_direction * (1.0 if second == slide else -1.0)
     return found

@@ -17,8 +17,9 @@ import numpy as np
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
-from .load_paths import LoadPath, PathMotion
+from .load_paths import LoadPath
 from .panels import Indices
+from .press_on_springs import PathMotion
 from .sprung_press import SprungPress
 
 SLOW = 1e-3  # [m/s] speed below which the slope of a law by the speed is found with steps for this speed

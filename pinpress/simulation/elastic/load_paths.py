@@ -6,7 +6,6 @@ They are `Coordinate`s of the driven press, for links that yield: values, rates 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -16,25 +15,10 @@ from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
 from ..driven_press import Coordinate, JointPosition, Length, WorkOfForce
 from .assembly import DrawnBodies
+from .press_on_springs import PathMotion
 from .sprung_press import SprungPress
 
 NEAREST = 1e-300  # least length of a distance, which has no direction where it is zero [m]
-
-
-class PathMotion(NamedTuple):
-    """A length along which a load acts, at n states.
-
-    Attributes:
-        value: (n,) [m].
-        rate: (n,) [m/s].
-        gradient: (n, f) of the value by the free coordinates.
-        bend: (n, f, f) its second derivatives.
-    """
-
-    value: Array
-    rate: Array
-    gradient: Array
-    bend: Array
 
 
 @dataclass(frozen=True)

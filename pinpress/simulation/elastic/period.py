@@ -14,11 +14,11 @@ import numpy as np
 
 from ...common.quantities import Array
 from ..failures import failure
-from .assembly import frequencies, reference_angle
 from .equations import CRANK_ANGLE, ElasticEquations, Event, Release
 from .marching import cut_to, march, telling_steps
 from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
 from .phases import Plan
+from .press_on_springs import frequencies, reference_angle
 from .task import ASIDE, FIRST, LEAST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
 
 RESOLVED = 3.0  # angle of the lowest vibration on a panel up to which its decay is exact [rad]

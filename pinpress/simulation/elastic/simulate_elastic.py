@@ -17,7 +17,7 @@ from ..failures import failure
 from ..run import state_count
 from ..solvers import SimulationProblem
 from ..trajectory import Trajectory
-from .assembly import coordinates_of, sprung_press
+from .assembly import sprung_press
 from .description import Elastic
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
@@ -182,7 +182,7 @@ def _free(task: Task, period: Trajectory | None) -> Task:
 
 def _rigid_states(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, Array]:
     """Free coordinates, rates and accelerations (n, f) of the rigid press."""
-    found = coordinates_of(sprung, motion)
+    found = sprung.rigid_coordinates(motion)
     return sprung.free_coordinates(found[0]), sprung.free_rates(found[1]), sprung.free_rates(found[2])
 
 

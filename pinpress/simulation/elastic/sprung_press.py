@@ -24,8 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array, ComplexArray
+from ...engines.planar.engine import PlanarEngine
+from ...engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity
+from ...engines.planar.model import Plane, to_world
+from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage
 from .contact import OpenPin
+from .press_on_springs import SpringForces
 
 Indices = NDArray[np.intp]
 
@@ -76,20 +81,6 @@ class TurningSprings(NamedTuple):
     stiffness: Array
     damping: Array
     bearing: Indices
-
-
-class SpringForces(NamedTuple):
-    """Forces of the springs on the free coordinates at n states, and their derivatives.
-
-    Attributes:
-        force: (n, f) generalised forces [N, N m].
-        stiffness: (n, f, f) minus d force / d coordinates; None where it is not asked for.
-        damping: (n, f, f) minus d force / d rates; None where it is not asked for.
-    """
-
-    force: Array
-    stiffness: Array | None
-    damping: Array | None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -164,6 +155,54 @@ class SprungPress:
         """(3 (bodies + 1), f) all rates to the free ones."""
         return np.asarray(np.linalg.pinv(self.carry).T)
 
+    def mass_at(self, coordinates: Array) -> Array:
+        """Mass matrix (f, f), the same everywhere."""
+        return self.mass
+
+    # ----------------------------------------------------------------------------------------------------------------- the linkage
+
+    @cached_property
+    def plane(self) -> Plane:
+        """Constants of the planar linkage."""
+        engine = self.press.engine("plane")
+        assert isinstance(engine, PlanarEngine)
+        return engine.plane.dense
+
+    def rigid_coordinates(self, motion: Motion) -> tuple[Array, Array, Array]:
+        """All coordinates, rates and accelerations (n, 3 (bodies + 1)) of the rigid press in a motion."""
+        plane, states, count = self.plane, motion.states(self.press), self.press.model.nv
+        basis = basis_at(plane, states.position)
+        rows = plane.origins + plane.centers
+        points = [rows @ basis - self.centers[:count, None], rows @ basis_velocity(plane, basis, states.v)]
+        points.append(rows @ basis_acceleration(plane, basis, states.v, states.a))
+        found = [np.zeros((states.v.shape[1], len(self.drawn))) for _ in range(3)]
+        drivers = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
+        for each, place, joints, driver in zip(found, points, (states.position, states.v, states.a), drivers, strict=True):
+            each[:, : 3 * count : 3], each[:, 1 : 3 * count : 3] = place.real.T, place.imag.T
+            each[:, 2 : 3 * count : 3] = (plane.spin @ joints).T
+            if self.rotor is not None:
+                each[:, 3 * self.rotor + 2] = plane.sense[plane.driver] * driver
+        return found[0], found[1], found[2]
+
+    def crank(self, coordinates: Array, rates: Array) -> tuple[Array, Array]:
+        """Angle and speed (n,) of the crank's joint."""
+        driver, parent = self.plane.driver, self.plane.parents[self.plane.driver]
+        sense = float(self.plane.sense[driver])
+        angle, speed = (
+            sense * (each[:, 3 * driver + 2] - (each[:, 3 * parent + 2] if parent >= 0 else 0.0)) for each in (coordinates, rates)
+        )
+        return angle, speed
+
+    def displacement(self, coordinates: Array, motion: Motion) -> Array:
+        """(n, links, 3) of all moving links beside the rigid press in a motion, along the axes of the plane [m], and turns [rad]."""
+        moved = coordinates - self.rigid_coordinates(motion)[0]
+        return np.asarray(moved.reshape(len(moved), -1, 3)[:, : self.press.model.nv])
+
+    def weight_less_inertia(self, accelerations: Array) -> Array:
+        """Sum (n, 3) of the weights less the inertia forces of all bodies, of free accelerations (n, f), in world axes [N]."""
+        left = self.weight - (accelerations @ self.carry.T) * self.inertia
+        return to_world(self.plane, left[:, ::3].sum(axis=1) + 1j * left[:, 1::3].sum(axis=1))
+
     # ------------------------------------------------------------------------------------------------------------------- springs
 
     def geometry(self, coordinates: Array, rates: Array) -> LineGeometry:
@@ -196,6 +235,30 @@ class SprungPress:
         stiffness = np.matmul(transposed, yielding) - self._bend(at, pull) + turning.T @ (turns.stiffness[:, None] * turning)
         damping = np.matmul(transposed, lines.damping[:, None] * gradient) + turning.T @ (turns.damping[:, None] * turning)
         return SpringForces(force, stiffness, damping)
+
+    def bearing_forces(self, coordinates: Array, rates: Array) -> Array:
+        """Forces (bearings, n, 3) of the springs, parent on child or link1 on link2, in world axes [N]."""
+        lines, at = self.lines, self.geometry(coordinates, rates)
+        forces = -(lines.stiffness * at.extension + lines.damping * at.opening) * lines.sign * at.against.conj()
+        found = np.zeros((len(self.press.bearings), len(coordinates)), dtype=complex)
+        for spring, number in enumerate(lines.bearing):
+            if number >= 0:
+                found[number] += forces[:, spring]
+        return to_world(self.plane, found)
+
+    def lost_power(self, coordinates: Array, rates: Array) -> Array:
+        """Power (n,) lost in the dampers [W]."""
+        opening = self.geometry(coordinates, rates).opening
+        return np.asarray(opening**2 @ self.lines.damping + self.turning_rates(rates) ** 2 @ self.turns.damping)
+
+    def kinetic_energy(self, coordinates: Array, rates: Array) -> Array:
+        """Kinetic energy (n,) of all bodies [J]."""
+        return np.asarray(0.5 * (rates**2 @ self.inertia))
+
+    def stored_energy(self, coordinates: Array) -> Array:
+        """Energy (n,) of springs and weights [J]."""
+        extension, twist = self.geometry(coordinates, np.zeros_like(coordinates)).extension, self.turning_rates(coordinates)
+        return np.asarray(0.5 * (extension**2 @ self.lines.stiffness + twist**2 @ self.turns.stiffness) - coordinates @ self.weight)
 
     @cached_property
     def _angles(self) -> Array:
