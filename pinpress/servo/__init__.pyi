@@ -1,7 +1,14 @@
 from .drive import ServoDrive as ServoDrive
+from .laws import MotionLaw as MotionLaw
+from .laws import vdi_law as vdi_law
 from .motion import ServoMotion as ServoMotion
 from .motion import evaluate as evaluate
 from .paths import Pendulum as Pendulum
 from .paths import Pulse as Pulse
 from .paths import Stop as Stop
 from .paths import Turn as Turn
+from .stroke_laws import constant_crank_speed as constant_crank_speed
+from .stroke_laws import constant_slide_speed as constant_slide_speed
+from .stroke_laws import motion_by_law as motion_by_law
+from .stroke_laws import ready_motions as ready_motions
+from .stroke_laws import two_speed as two_speed

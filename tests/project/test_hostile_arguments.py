@@ -53,6 +53,7 @@ MADE |= {
     "SnapThroughResponse",
     "PermissibleSpeed",
     "ServoMotion",
+    "MotionLaw",
     "SweepTable",
     "SynthesisResult",
 }

@@ -128,6 +128,15 @@ def servo_numbers() -> dict[str, Any]:
     }
 
 
+def servo_cycle() -> dict[str, Any]:
+    drive = pp.servo.ServoDrive(**servo_numbers())
+    return {"press": press(), "drive": drive, "loads": [], "time": 0.5, "path": pp.servo.Turn(), "points": 48}
+
+
+def servo_window() -> dict[str, Any]:
+    return {"slide_speed": 0.1, "heights": (0.01, 0.0)}
+
+
 @cache
 def motion() -> pp.Motion:
     return pp.cycle(press(), 7.0, points=24)
@@ -386,6 +395,12 @@ def calls() -> dict[str, Call]:
         ("servo.Pendulum", pp.servo.Pendulum, lambda: {"opening": 0.05, "dwell": 0.1}),
         ("servo.Pulse", pp.servo.Pulse, lambda: {"heights": (0.02, 0.01, 0.0), "back": 0.005, "dwell": 0.1}),
         ("servo.ServoDrive", pp.servo.ServoDrive, servo_numbers),
+        ("servo.vdi_law", pp.servo.vdi_law, lambda: {"name": "3-4-5"}),
+        ("servo.constant_crank_speed", pp.servo.constant_crank_speed, servo_cycle),
+        ("servo.two_speed", pp.servo.two_speed, lambda: servo_cycle() | servo_window()),
+        ("servo.constant_slide_speed", pp.servo.constant_slide_speed, lambda: servo_cycle() | servo_window()),
+        ("servo.motion_by_law", pp.servo.motion_by_law, lambda: servo_cycle() | {"law": "cubic", "path": pp.servo.Stop(0.1)}),
+        ("servo.ready_motions", pp.servo.ready_motions, lambda: servo_cycle() | servo_window()),
         (
             "servo.evaluate",
             pp.servo.evaluate,

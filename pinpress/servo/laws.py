@@ -1,0 +1,146 @@
+"""Motion laws of VDI 2143 from rest to rest: a stroke of 1 in a time of 1, exact in position, speed and acceleration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common.arguments import suitable_numbers
+from ..common.errors import UnknownNameError
+from ..common.quantities import Array
+from ..common.results import Record
+
+GAUSS = 24  # points for the integral of a squared acceleration over a piece: exact for the polynomials, to rounding for the sines
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """Acceleration over a part of the time, as a share of the largest: a polynomial or a sine of the time since its start.
+
+    Attributes:
+        duration: Its part of the time.
+        polynomial: Coefficients, the constant first; none for a sine.
+        frequency: Angular frequency of the sine; 0 for a polynomial.
+        phase: Phase of the sine at the start [rad].
+    """
+
+    duration: float
+    polynomial: tuple[float, ...] = (0.0,)
+    frequency: float = 0.0
+    phase: float = 0.0
+
+    def gains(self, time: Array) -> tuple[Array, Array, Array]:
+        """What position, from rest, and speed gain up to times since the start, and the acceleration there."""
+        if not self.frequency:
+            polynomial = np.polynomial.Polynomial(self.polynomial)
+            return polynomial.integ(2)(time), polynomial.integ()(time), polynomial(time)
+        angle, rate, first = self.frequency * time + self.phase, 1 / self.frequency, math.cos(self.phase)
+        position = rate * (first * time - rate * (np.sin(angle) - math.sin(self.phase)))
+        return position, rate * (first - np.cos(angle)), np.sin(angle)
+
+
+@dataclass(frozen=True, repr=False)
+class MotionLaw(Record):
+    """A motion from rest to rest over a stroke of 1 in a time of 1, symmetric about its middle. Over a stroke L in a time T speeds are L/T
+    times, accelerations L/T^2 times as large.
+
+    Attributes:
+        name: Its name in VDI 2143.
+        peak_speed: Largest speed, the coefficient Cv [-].
+        peak_acceleration: Largest acceleration, the coefficient Ca [-].
+        heat: Integral of the squared acceleration over the time [-]. A motor turns a constant inertia J by an angle L in a time T with a
+            heat, the integral of its squared torque, of this times J^2 L^2/T^3 [N2 m2 s]. No motion has less than 12, that of the cubic.
+    """
+
+    name: str
+    peak_speed: float
+    peak_acceleration: float
+    heat: float
+    _first_half: tuple[_Piece, ...] = field(repr=False)
+
+    def position(self, time: ArrayLike) -> Array:
+        """Position at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for others."""
+        return self._values(time)[0]
+
+    def speed(self, time: ArrayLike) -> Array:
+        """Speed at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for others."""
+        return self._values(time)[1]
+
+    def acceleration(self, time: ArrayLike) -> Array:
+        """Acceleration at times from 0 to 1, arrays of any shape [-]; raises `PinpressError` for others. Where it jumps it is that before
+        the jump, at 0 and in the second half that behind it."""
+        return self._values(time)[2]
+
+    def _values(self, time: ArrayLike) -> tuple[Array, Array, Array]:
+        given = suitable_numbers("time", time, "times from 0 to 1, as shares of the whole", None, lambda t: (t >= 0) & (t <= 1))
+        late = given > 0.5
+        position, speed, acceleration = _half(self._first_half, np.where(late, 1 - given, given))
+        position, acceleration = self.peak_acceleration * position, self.peak_acceleration * acceleration
+        return np.where(late, 1 - position, position), self.peak_acceleration * speed, np.where(late, -acceleration, acceleration)
+
+
+def vdi_law(name: str) -> MotionLaw:
+    """A motion law of VDI 2143, by its name.
+
+    | name | Cv | Ca | heat | acceleration |
+    |---|---|---|---|---|
+    | cubic | 1.5 | 6 | 12 | falls evenly; it jumps at both ends |
+    | trapezoid | 1.5 | 4.5 | 13.5 | constant, none and constant, a third of the time each |
+    | modified sine | 1.760 | 5.528 | 15.28 | sines, three times as slow between the eighths at both ends |
+    | 3-4-5 | 1.875 | 5.774 | 17.14 | a polynomial, without a jump |
+    | modified trapezoid | 2 | 4.888 | 17.92 | a trapezoid rounded by sines |
+    | Bestehorn | 2 | 6.283 | 19.74 | a sine: the motion is a cycloid |
+
+    Args:
+        name: One of the names.
+
+    Raises:
+        UnknownNameError: There is no such law.
+    """
+    if not isinstance(name, str) or name not in _ACCELERATIONS:
+        raise UnknownNameError("motion law", name, _ACCELERATIONS)
+    return _law(name)
+
+
+@cache
+def _law(name: str) -> MotionLaw:
+    half = _ACCELERATIONS[name]
+    position, speed, _ = _half(half, np.array(0.5))
+    largest = 0.5 / float(position)
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    squares = [0.5 * each.duration * weights @ each.gains(0.5 * each.duration * (1 + nodes))[2] ** 2 for each in half]
+    return MotionLaw(name, largest * float(speed), largest, 2 * largest**2 * float(sum(squares)), half)
+
+
+def _half(pieces: tuple[_Piece, ...], time: Array) -> tuple[Array, Array, Array]:
+    """Position, speed and acceleration at times from 0 to 0.5, where the largest acceleration is 1."""
+    position, speed, acceleration = (np.zeros_like(time) for _ in range(3))
+    for piece, start in zip(pieces, np.cumsum([0.0, *(each.duration for each in pieces[:-1])]), strict=True):
+        since = np.clip(time - start, 0.0, piece.duration)
+        moved, gained, now = piece.gains(since)
+        # a piece that has ended goes on at the speed that it left
+        position += moved + gained * np.maximum(time - start - since, 0.0)
+        speed += gained
+        acceleration = np.where((time > start) | (start == 0.0), now, acceleration)
+    return position, speed, acceleration
+
+
+_QUARTER = 0.5 * math.pi
+_ACCELERATIONS: Mapping[str, tuple[_Piece, ...]] = {  # in the first half of the time
+    "cubic": (_Piece(1 / 2, (1.0, -2.0)),),
+    "trapezoid": (_Piece(1 / 3, (1.0,)), _Piece(1 / 6)),
+    "modified sine": (_Piece(1 / 8, frequency=4 * math.pi), _Piece(3 / 8, frequency=4 * math.pi / 3, phase=_QUARTER)),
+    "3-4-5": (_Piece(1 / 2, (0.0, 6 * math.sqrt(3), -18 * math.sqrt(3), 12 * math.sqrt(3))),),
+    "modified trapezoid": (
+        _Piece(1 / 8, frequency=4 * math.pi),
+        _Piece(1 / 4, (1.0,)),
+        _Piece(1 / 8, frequency=4 * math.pi, phase=_QUARTER),
+    ),
+    "Bestehorn": (_Piece(1 / 2, frequency=2 * math.pi),),
+}
+VDI_LAWS = tuple(_ACCELERATIONS)  # their names

@@ -1,0 +1,518 @@
+"""Motions that engineers know: constant crank speed, two speeds, constant slide speed, and the laws of VDI 2143 from rest to rest.
+
+What such a law leaves free is chosen for the least heat: the ramps between two speeds, and how a cycle's time is shared between two legs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..common.arguments import expect, in_unit, positive, suitable_numbers, typed, whole_number
+from ..common.errors import PinpressError
+from ..common.quantities import Array
+from ..dynamics.applied_loads import asked
+from ..kinematics.motion import motion_through_change_points
+from ..kinematics.servo_motion import angle_on_flank
+from ..kinematics.slide_path import dead_centres
+from ..linkage.linkage import Linkage
+from ..loads import caller_laws
+from ..loads.link import Load
+from ..loads.process import ProcessLoad, datum
+from .drive import ServoDrive
+from .laws import VDI_LAWS, MotionLaw, vdi_law
+from .motion import MOST_STATES, ServoMotion, evaluated
+from .paths import Path, PathLegs, Stop, Turn, legs_of
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline
+
+TURN, STOP = Turn(), Stop()
+POINTS = 720  # states of a cycle
+FEWEST = 16  # states of each part of a cycle: a ramp, a leg
+SHARES = 1e-4  # to which ramps and shares of time are found, of their range
+LEAST_RAMP = 1e-3  # shortest ramp, as a share of the cycle
+SAME = 1e-9  # share of a speed below which two are one
+BESIDE = 1e-9  # how near states are to an angle at which a load begins, as a share of the part of the cycle
+WINDOW = 721  # crank angles at which a window of heights is looked at
+
+
+class _Part(NamedTuple):
+    """A part of a cycle in which angle, speed and acceleration are smooth, counted along the path.
+
+    Attributes:
+        duration: its time [s].
+        at: returns the angle from its start [rad], the speed and the acceleration at times since its start.
+    """
+
+    duration: float
+    at: Callable[[Array], tuple[Array, Array, Array]]
+
+
+@dataclass(frozen=True)
+class _Cycle:
+    """What all laws of a cycle need.
+
+    Attributes:
+        press: the press.
+        drive: its drive.
+        loads: its loads.
+        legs: the path.
+        edges: (k,) crank angles at which a load begins or ends [rad].
+        time: time of the cycle [s].
+        points: number of states.
+    """
+
+    press: Linkage
+    drive: ServoDrive
+    loads: Sequence[Load]
+    legs: PathLegs
+    edges: Array
+    time: float
+    points: int
+
+    @property
+    def stroke_time(self) -> float:
+        """Time of one of the strokes of the cycle [s]."""
+        return self.time / self.legs.strokes
+
+    @property
+    def way(self) -> float:
+        """Angle by which the crank turns in a stroke of a full turn, not negative [rad]."""
+        return abs(float(self.legs.angles[-1] - self.legs.angles[0])) / self.legs.strokes
+
+    @property
+    def forward(self) -> bool:
+        """Whether the crank of a full turn turns positively."""
+        return bool(self.legs.angles[-1] > self.legs.angles[0])
+
+    def motion(self, legs: Sequence[Sequence[_Part]], start: float | None = None) -> ServoMotion:
+        """The motion of parts, leg by leg; ``start``: crank angle at which it begins, by default the path's."""
+        times, weights, states = [], [], []
+        angle, time = float(self.legs.angles[0]) if start is None else start, 0.0
+        ways = np.sign(np.diff(self.legs.angles))
+        for way, parts in zip(ways, legs, strict=True):
+            for part in parts:
+                count = max(FEWEST, math.ceil(self.points * part.duration / self.time))
+                since = self._with_edges(np.linspace(0.0, part.duration, count + 1), part, angle, way)
+                gained, speed, acceleration = part.at(since)
+                steps = np.diff(since)
+                weights.append(0.5 * (np.append(steps, 0.0) + np.append(0.0, steps)))
+                times.append(time + since)
+                states.append([angle + way * gained, way * speed, way * acceleration])
+                time, angle = time + part.duration, angle + way * float(gained[-1])
+        return evaluated(
+            self.press, self.drive, self.loads, np.concatenate(times), np.concatenate(weights), *np.concatenate(states, axis=1)
+        )[0]
+
+    def _with_edges(self, since: Array, part: _Part, start: float, way: float) -> Array:
+        """The times of a part's states, with two more beside each angle at which a load begins or ends, so that no step reaches over it."""
+        from scipy.optimize import brentq  # to save start-up time
+
+        angles = way * part.at(since)[0]
+        ends = np.sort(start + angles[[0, -1]])
+        whole = 2 * np.pi * dead_centres(self.press).turns
+        turns = np.arange(math.floor(ends[0] / whole) - 1, math.ceil(ends[1] / whole) + 1)
+        edges = (self.edges[:, None] + whole * turns).ravel() - start
+        found = []
+        for edge in edges[(edges > ends[0] - start) & (edges < ends[1] - start)].tolist():
+            k = min(int(np.searchsorted(way * angles, way * edge)), len(since) - 1)
+            if abs(edge - angles[k]) > 0 and abs(edge - angles[k - 1]) > 0:
+                time = brentq(lambda t, edge=edge: way * float(part.at(np.array([t]))[0][0]) - edge, since[k - 1], since[k])
+                found += [time - BESIDE * part.duration, time + BESIDE * part.duration]
+        return np.sort(np.clip([*since, *found], 0.0, part.duration))
+
+
+def _constant(speed: float, duration: float) -> _Part:
+    return _Part(duration, lambda time: (speed * time, np.full_like(time, speed), np.zeros_like(time)))
+
+
+def _ramp(first: float, last: float, duration: float) -> _Part:
+    """From one speed to another at constant acceleration."""
+    rate = (last - first) / duration
+    return _Part(duration, lambda time: (first * time + 0.5 * rate * time**2, first + rate * time, np.full_like(time, rate)))
+
+
+def _by_law(law: MotionLaw, way: float, duration: float) -> _Part:
+    def at(time: Array) -> tuple[Array, Array, Array]:
+        share = np.clip(time / duration, 0.0, 1.0)
+        return way * law.position(share), way / duration * law.speed(share), way / duration**2 * law.acceleration(share)
+
+    return _Part(duration, at)
+
+
+@typed
+def constant_crank_speed(
+    press: Linkage, drive: ServoDrive, loads: Sequence[Load] = (), *, time: float, path: Path = TURN, points: int = POINTS
+) -> ServoMotion:
+    """The motion of a servo press whose crank turns at constant speed, as that of a press with a heavy flywheel.
+
+    Args:
+        press: the press.
+        drive: its drive.
+        loads: as of `inverse_dynamics`.
+        time: of a cycle [s].
+        path: `Turn`; by default forwards.
+        points: number of states.
+
+    Raises:
+        PinpressError: the path has rests, or as `servo_motion`.
+    """
+    cycle = _cycle(press, drive, loads, time, path, points)
+    _refuse_rests(cycle)
+    return cycle.motion([[_constant(cycle.way / cycle.stroke_time, cycle.stroke_time)] * cycle.legs.strokes])
+
+
+@typed
+def two_speed(
+    press: Linkage,
+    drive: ServoDrive,
+    loads: Sequence[Load] = (),
+    *,
+    time: float,
+    slide_speed: float,
+    heights: tuple[float, float],
+    path: Path = TURN,
+    points: int = POINTS,
+) -> ServoMotion:
+    """The motion of a servo press with two crank speeds: slow while the slide works, fast for the rest.
+
+    The slow speed is the highest at which the slide nowhere in the window of heights is faster than allowed. Before and after it the speed
+    changes at constant acceleration, in the time that makes the heat least.
+
+    Args:
+        press: the press.
+        drive: its drive.
+        loads: as of `inverse_dynamics`.
+        time: of a cycle [s].
+        slide_speed: largest speed of the slide in the window, on its way down [m/s].
+        heights: of the slide above bottom dead centre between which that holds, the upper one first [m].
+        path: `Turn`; by default forwards.
+        points: number of states.
+
+    Raises:
+        PinpressError: the path has rests, heights are not within the stroke, the time is too short, or so long that the speed can be
+            constant, or as `servo_motion`.
+    """
+    cycle = _cycle(press, drive, loads, time, path, points)
+    _refuse_rests(cycle)
+    window = _window(cycle, slide_speed, heights)
+    slow, whole = window.slowest, cycle.stroke_time
+    working = window.angle / slow
+    _refuse_slack(cycle, window)
+    _refuse_short(cycle, working)
+
+    def motion(ramp: float) -> ServoMotion:
+        fast = (cycle.way - slow * (working + ramp)) / (whole - working - ramp)
+        rest = whole - working - 2 * ramp
+        parts = [_constant(slow, working), _ramp(slow, fast, ramp), *([_constant(fast, rest)] if rest > 0 else []), _ramp(fast, slow, ramp)]
+        return cycle.motion([parts * cycle.legs.strokes], window.start)
+
+    return _best(motion, LEAST_RAMP * whole, 0.5 * (whole - working))
+
+
+@typed
+def constant_slide_speed(
+    press: Linkage,
+    drive: ServoDrive,
+    loads: Sequence[Load] = (),
+    *,
+    time: float,
+    slide_speed: float,
+    heights: tuple[float, float],
+    path: Path = TURN,
+    points: int = POINTS,
+) -> ServoMotion:
+    """The motion of a servo press whose slide goes down at constant speed within a window of heights, while the crank turns at constant
+    speed for the rest.
+
+    Near bottom dead centre, where the crank would have to turn ever faster to keep the slide's speed, it goes on at the speed of the rest
+    as soon as it has reached that. Before the window the crank slows down at constant acceleration, in the time that makes the heat least.
+
+    Args:
+        press: the press.
+        drive: its drive.
+        loads: as of `inverse_dynamics`.
+        time: of a cycle [s].
+        slide_speed: speed of the slide in the window [m/s].
+        heights: of the slide above bottom dead centre between which that holds, the upper one first [m].
+        path: `Turn`; by default forwards.
+        points: number of states.
+
+    Raises:
+        PinpressError: as `two_speed`.
+    """
+    cycle = _cycle(press, drive, loads, time, path, points)
+    _refuse_rests(cycle)
+    window = _window(cycle, slide_speed, heights)
+    whole = cycle.stroke_time
+    _refuse_slack(cycle, window)
+    working = float(window.height(0.0) - window.height(window.angle)) / slide_speed
+    _refuse_short(cycle, working)
+
+    def motion(ramp: float) -> ServoMotion:
+        first, parts = _beside_window(cycle, window, ramp)
+        return cycle.motion([parts * cycle.legs.strokes], window.start + (first if cycle.forward else -first))
+
+    return _best(motion, LEAST_RAMP * whole, 0.5 * (whole - working))
+
+
+@typed
+def motion_by_law(
+    press: Linkage,
+    drive: ServoDrive,
+    law: str,
+    loads: Sequence[Load] = (),
+    *,
+    time: float,
+    path: Path = STOP,
+    points: int = POINTS,
+) -> ServoMotion:
+    """The motion of a servo press whose crank goes from rest to rest by a law of VDI 2143, on each leg of its path.
+
+    Two legs share the time so that the heat is least. Of more legs each takes a time by the root of its angle, as is best for a constant
+    inertia.
+
+    Args:
+        press: the press.
+        drive: its drive.
+        law: name of the law, see `vdi_law`.
+        loads: as of `inverse_dynamics`.
+        time: of a cycle, of which the legs take all that is not rest [s].
+        path: `Stop`, `Pendulum` or `Pulse`; by default `Stop()`: one leg from top to top dead centre.
+        points: number of states.
+
+    Raises:
+        PinpressError: the path has no rests, they take all the time, or as `servo_motion`.
+        UnknownNameError: there is no such law.
+    """
+    chosen = vdi_law(law)
+    cycle = _cycle(press, drive, loads, time, path, points)
+    if cycle.legs.closed:
+        raise PinpressError("path is a turn without a rest, and the laws go from rest to rest: give servo.Stop(), Pendulum or Pulse")
+    ways, moving = np.abs(np.diff(cycle.legs.angles)), cycle.time - cycle.legs.dwell
+    if not moving > 0:
+        raise PinpressError(f"time is {cycle.time:g} s, but the path rests for {cycle.legs.dwell:g} s: give more time")
+
+    def motion(shares: Array) -> ServoMotion:
+        legs = [[_by_law(chosen, float(way), moving * float(share))] for way, share in zip(ways, shares, strict=True)]
+        for leg, dwell in zip(legs, cycle.legs.dwells.tolist(), strict=True):
+            leg += [_constant(0.0, dwell)] if dwell > 0 else []
+        return cycle.motion(legs)
+
+    if len(ways) == 2:
+        return _best(lambda share: motion(np.array([share, 1 - share])), 0.02, 0.98)
+    return motion(np.sqrt(ways) / np.sqrt(ways).sum())
+
+
+@typed
+def ready_motions(
+    press: Linkage,
+    drive: ServoDrive,
+    loads: Sequence[Load] = (),
+    *,
+    time: float,
+    path: Path = TURN,
+    slide_speed: float | None = None,
+    heights: tuple[float, float] | None = None,
+    points: int = POINTS,
+) -> dict[str, ServoMotion]:
+    """All motions that engineers know for a cycle, by their names: what a better one is to be compared with.
+
+    Of a full turn these are "constant crank speed", and where the slide's speed is limited and a constant crank speed breaks the limit,
+    "two speeds" and "constant slide speed". Of a path with rests they are the laws of `vdi_law`, of which none heeds a limit.
+
+    Args:
+        press: the press.
+        drive: its drive.
+        loads: as of `inverse_dynamics`.
+        time: of a cycle [s].
+        path: by default `Turn()`.
+        slide_speed: largest speed of the slide in a window of heights, on its way down [m/s]; goes with ``heights``.
+        heights: the window, see `two_speed` [m].
+        points: number of states.
+
+    Raises:
+        PinpressError: only one of slide_speed and heights is given; or as the functions that make one motion.
+    """
+    if (slide_speed is None) != (heights is None):
+        raise PinpressError("slide_speed and heights go together: give both, e.g. slide_speed=0.2, heights=(0.06, 0.0), or neither")
+    cycle = _cycle(press, drive, loads, time, path, points)
+    common: dict[str, Any] = {"time": cycle.time, "path": path, "points": cycle.points}
+    if not cycle.legs.closed:
+        return {law: motion_by_law(press, drive, law, cycle.loads, **common) for law in VDI_LAWS}
+    found = {"constant crank speed": constant_crank_speed(press, drive, cycle.loads, **common)}
+    if slide_speed is not None and heights is not None and not _is_slack(cycle, _window(cycle, slide_speed, heights)):
+        limited: dict[str, Any] = {"slide_speed": slide_speed, "heights": heights, **common}
+        found["two speeds"] = two_speed(press, drive, cycle.loads, **limited)
+        found["constant slide speed"] = constant_slide_speed(press, drive, cycle.loads, **limited)
+    return found
+
+
+# ------------------------------------------------------------------------------------------------------------------- windows of heights
+
+
+@dataclass(frozen=True)
+class _Window:
+    """A window of heights on the slide's way down.
+
+    Attributes:
+        speed: of the slide in it [m/s].
+        start: crank angle at its upper end [rad].
+        angle: by which the crank turns within it [rad].
+        height: spline of the slide's height over the angle since the start [m].
+        ratio: spline of the way of the slide by the crank's angle, positive downwards, over the same [m/rad].
+    """
+
+    speed: float
+    start: float
+    angle: float
+    height: CubicHermiteSpline
+    ratio: CubicHermiteSpline
+
+    @property
+    def slowest(self) -> float:
+        """Largest constant speed of the crank at which the slide nowhere in the window is faster than it may [rad/s]."""
+        return self.speed / float(self.ratio(np.linspace(0.0, self.angle, 4 * WINDOW)).max())
+
+
+def _window(cycle: _Cycle, slide_speed: float, heights: tuple[float, float]) -> _Window:
+    from scipy.interpolate import CubicHermiteSpline  # to save start-up time
+
+    speed = positive("slide_speed", slide_speed, "m/s")
+    ends = dead_centres(cycle.press)
+    wanted = f"two falling heights above bottom dead centre, within the stroke of {ends.stroke:.6g} m, e.g. (0.06, 0.0) [m]"
+    upper, lower = suitable_numbers(
+        "heights", in_unit("heights", heights, "m"), wanted, (2,), lambda h: (h[0] > h[1]) & (h[1] >= 0) & (h[0] <= ends.stroke)
+    ).tolist()
+    before, after = (angle_on_flank(cycle.press, ends, height, cycle.forward) for height in (upper, lower))
+    angle = (after - before if cycle.forward else before - after) % cycle.way
+    along = np.linspace(0.0, angle, WINDOW)
+    way = 1.0 if cycle.forward else -1.0
+    motion = motion_through_change_points(cycle.press, before + way * along, way)
+    ratio = -motion.slide_velocity
+    height = CubicHermiteSpline(along, motion.slide_position - ends.bottom_position, -ratio)
+    return _Window(speed, before, angle, height, CubicHermiteSpline(along, ratio, -motion.slide_acceleration))
+
+
+def _beside_window(cycle: _Cycle, window: _Window, ramp: float) -> tuple[float, list[_Part]]:
+    """The parts of a stroke at constant slide speed in the window, with ramps of a duration and one speed beside it.
+
+    Returns:
+        The angle in the window at which the slide's speed begins to be constant [rad], and the parts.
+    """
+    from scipy.optimize import brentq  # to save start-up time
+
+    whole = cycle.stroke_time
+
+    def parts(fast: float) -> tuple[float, list[_Part]]:
+        first, last = _constant_within(window, fast)
+        inside = _at_constant_slide_speed(window, first, last)
+        entry, exit_ = (float(window.speed / window.ratio(x)) for x in (first, last))
+        down, up = fast - entry > SAME * fast, fast - exit_ > SAME * fast
+        rest = whole - inside.duration - ramp * (down + up)
+        return first, [
+            inside,
+            *([_ramp(exit_, fast, ramp)] if up else []),
+            _constant(fast, rest),
+            *([_ramp(fast, entry, ramp)] if down else []),
+        ]
+
+    def missed(fast: float) -> float:
+        return sum(float(part.at(np.array([part.duration]))[0][0]) for part in parts(fast)[1]) - cycle.way
+
+    low = cycle.way / whole
+    high = 2 * low
+    while missed(high) < 0:
+        high *= 2
+    fast = brentq(missed, low, high, xtol=1e-13 * low, rtol=1e-14)
+    return parts(fast)
+
+
+def _constant_within(window: _Window, fast: float) -> tuple[float, float]:
+    """Angles in the window between which the slide goes at its constant speed: where the crank is slower than beside the window."""
+    ends = [0.0, window.angle]
+    roots = np.sort(window.ratio.solve(window.speed / fast, extrapolate=False))
+    slower = [bool(window.ratio(x) * fast > window.speed) for x in ends]
+    return ends[0] if slower[0] else float(roots[0]), ends[1] if slower[1] else float(roots[-1])
+
+
+def _at_constant_slide_speed(window: _Window, first: float, last: float) -> _Part:
+    from scipy.interpolate import CubicHermiteSpline  # to save start-up time
+
+    along = np.linspace(first, last, WINDOW)
+    times = (window.height(first) - window.height(along)) / window.speed
+    angles = CubicHermiteSpline(times, along, window.speed / window.ratio(along))
+    slope = window.ratio.derivative()
+
+    def at(time: Array) -> tuple[Array, Array, Array]:
+        angle = angles(np.clip(time, 0.0, times[-1]))
+        ratio = window.ratio(angle)
+        speed = window.speed / ratio
+        return angle - first, speed, -(speed**2) * slope(angle) / ratio
+
+    return _Part(float(times[-1]), at)
+
+
+# -------------------------------------------------------------------------------------------------------------------------- shared parts
+
+
+def _cycle(press: Linkage, drive: ServoDrive, loads: Sequence[Load], time: float, path: Path, points: int) -> _Cycle:
+    expect("drive", drive, ServoDrive, "servo.ServoDrive")
+    duration = positive("time", time, "s")
+    count = whole_number("points", points, FEWEST, MOST_STATES // 4)
+    given = list(loads)
+    return _Cycle(press, drive, given, legs_of(path, press), _load_edges(press, given), duration, count)
+
+
+def _load_edges(press: Linkage, loads: Sequence[Load]) -> Array:
+    """(k,) crank angles within the slide's period at which a load begins or ends, or changes its law [rad]."""
+    ends, found = dead_centres(press), []
+    for load in asked(loads):
+        if not isinstance(load, ProcessLoad):
+            continue
+        for downwards in (True, False):
+            for interval in load.intervals(downwards):
+                above = datum(caller_laws.as_given(load), press) - ends.bottom_position
+                heights = (above + interval.upper, above + interval.lower)
+                found += [angle_on_flank(press, ends, each, downwards) for each in heights if 0 < each < ends.stroke]
+    return np.unique(found)
+
+
+def _best(motion: Callable[[float], ServoMotion], low: float, high: float) -> ServoMotion:
+    """The motion of the number between two ends that has the least heat."""
+    from scipy.optimize import minimize_scalar  # to save start-up time
+
+    options = {"xatol": SHARES * (high - low)}
+    found = minimize_scalar(lambda number: motion(number).heat, bounds=(low, high), method="bounded", options=options)
+    return motion(float(found.x))
+
+
+def _refuse_rests(cycle: _Cycle) -> None:
+    if not cycle.legs.closed:
+        raise PinpressError("path has rests, and this motion has none: give servo.Turn(), or a law from rest to rest, motion_by_law")
+
+
+def _is_slack(cycle: _Cycle, window: _Window) -> bool:
+    return cycle.way / cycle.stroke_time <= window.slowest
+
+
+def _refuse_slack(cycle: _Cycle, window: _Window) -> None:
+    if _is_slack(cycle, window):
+        even = cycle.way / cycle.stroke_time * window.speed / window.slowest
+        raise PinpressError(
+            f"slide_speed is {window.speed:g} m/s, but at constant crank speed the slide is no faster than {even:.4g} m/s in the window:"
+            " take constant_crank_speed, or give a lower speed or less time"
+        )
+
+
+def _refuse_short(cycle: _Cycle, working: float) -> None:
+    if not working < (1 - 4 * LEAST_RAMP) * cycle.stroke_time:
+        raise PinpressError(
+            f"time is too short: of {cycle.stroke_time:g} s a stroke the window of heights alone takes {working:.6g} s at this slide speed;"
+            " give more time, a higher speed or a smaller window"
+        )
