@@ -18,7 +18,7 @@ from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
 from .load_paths import LoadPath
-from .panels import Indices
+from .panels import Indices, VaryingInertia
 from .press_on_springs import PathMotion
 from .sprung_press import SprungPress
 
@@ -118,6 +118,9 @@ class ElasticEquations:
         found = self.sprung.mass.copy()
         found[-1, -1] += float(self.driven.inertia)
         return found
+
+    def varying_inertia(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
+        return None
 
     def whole(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
         """Free coordinates and rates (n, f), that of the crank last, of the unknown ones (n, size)."""

@@ -1,8 +1,9 @@
 """Second-order equations of motion by Radau IIA collocation, on many panels of time at once.
 
-    M y'' = F(t, y, y')
+    M y'' + R(t, y, y', y'') = F(t, y, y')
 
-On a panel of length h the unknowns are the accelerations a at the s Radau points c; the coefficients A give
+M is constant; R, where there is any, are inertia forces that depend on the state. On a panel of length h the unknowns are the
+accelerations a at the s Radau points c; the coefficients A give
 
     y' = v0 + h A a,   y = y0 + c h v0 + h^2 A A a
 
@@ -67,12 +68,33 @@ def _integral(stages: int) -> Array:
     return 0.5 * np.array([legendre.legint(row, lbnd=-1) for row in np.eye(stages)]).T
 
 
+class VaryingInertia(NamedTuple):
+    """Inertia forces R that a constant mass matrix leaves out, at n states.
+
+    Attributes:
+        force: (n, f) R, beside M y''.
+        by_place: (n, f, f) its derivatives by y.
+        by_rate: (n, f, f) by y'.
+        by_acceleration: (n, f, f) by y''.
+        by_time: (n, f) by the time itself.
+    """
+
+    force: Array
+    by_place: Array
+    by_rate: Array
+    by_acceleration: Array
+    by_time: Array
+
+
 class EquationsOfMotion(Protocol):
-    """Equations of motion with a constant mass matrix."""
+    """Equations of motion."""
 
     @property
     def mass(self) -> Array:
-        """(f, f) mass matrix."""
+        """(f, f) mass matrix, constant."""
+
+    def varying_inertia(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
+        """Inertia forces beside those of the mass matrix at n states and accelerations, (n, f) each; None where there are none."""
 
     def forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array, Array]:
         """Force F (n, f), minus its derivatives by y and by v, (n, f, f) each, and its derivative by time (n, f), at n states in the given
@@ -295,15 +317,21 @@ class _Step:
         v0, y0 = self.first[:, None, self.size :], self.first[:, None, : self.size]
         self.v = v0 + h * self.once
         self.y = y0 + h * rule.points[:, None] * v0 + h * h * self.twice
-        times = mesh.start[:, None] + self.h[:, None] * rule.points
+        times = (mesh.start[:, None] + self.h[:, None] * rule.points).ravel()
         count = self.panels * self.stages
         segments = np.repeat(mesh.segment, self.stages)
-        force, stiffness, damping, by_time = equations.forces(times.ravel(), self.y.reshape(count, -1), self.v.reshape(count, -1), segments)
+        y, v = self.y.reshape(count, -1), self.v.reshape(count, -1)
+        force, stiffness, damping, by_time = equations.forces(times, y, v, segments)
+        varying = equations.varying_inertia(times, y, v, a.reshape(count, -1))
         shape = self.panels, self.stages, self.size
+        self.mass = equations.mass
+        if varying is not None:
+            force, by_time = force - varying.force, by_time - varying.by_time
+            stiffness, damping = stiffness + varying.by_place, damping + varying.by_rate
+            self.mass = self.mass + varying.by_acceleration.reshape(*shape, -1).swapaxes(0, 1)  # stages first, as it is added
         self.left = force.reshape(shape) - a @ equations.mass
         self.stiffness, self.damping = stiffness.reshape(*shape, -1), damping.reshape(*shape, -1)
         self.by_time = by_time.reshape(shape)
-        self.mass, self.a = equations.mass, a
 
     def solved(self, timed: bool) -> tuple[Array, Array, Array]:
         """Changes of the accelerations (p, s f): alone; by the first state (p, s f, 2 f); by start and length (p, s f, 2)."""
@@ -334,7 +362,7 @@ class _Step:
         matrix = (h * h * rule.twice[:, None, :, None]) * self.stiffness[some, :, :, None, :]
         matrix += (h * rule.integrate[:, None, :, None]) * self.damping[some, :, :, None, :]
         stage = np.arange(self.stages)
-        matrix[:, stage, :, stage] += self.mass
+        matrix[:, stage, :, stage] += self.mass if self.mass.ndim == 2 else self.mass[:, some]
         return np.asarray(matrix)
 
     def ends(self, alone: Array, by_state: Array, by_time: Array) -> tuple[Array, Array, Array]:
