@@ -145,7 +145,7 @@ def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: floa
     return ForceMode(low, high, rising, interval, pushing)
 
 
-def _at_start(coupling: Coupling | None, angle: float, speed: float, relative: float, missing: Grip) -> CouplingMode:
+def coupling_at_start(coupling: Coupling | None, angle: float, speed: float, relative: float, missing: Grip) -> CouplingMode:
     """Mode of a coupling at the start.
 
     Args:
@@ -211,8 +211,8 @@ class HybridSystem:
             if driven.flywheel is not None and driven.flywheel.speed is not None:
                 shaft = driven.flywheel.speed
             states = (*states, shaft)
-        clutch = _at_start(driven.clutch, angle, turning, shaft - turning, missing=HOLDING)
-        brake = _at_start(driven.brake, angle, turning, -turning, missing=OPEN)
+        clutch = coupling_at_start(driven.clutch, angle, turning, shaft - turning, missing=HOLDING)
+        brake = coupling_at_start(driven.brake, angle, turning, -turning, missing=OPEN)
         y = np.concatenate([position, speed, states, integrals])
         forces = tuple(None if force.time is not None else ForceMode(-math.inf, math.inf, True, None) for force in driven.forces)
         return self.placed(self.past_corner(Mode(clutch, brake, forces), y), time, y), y

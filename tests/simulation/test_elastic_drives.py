@@ -158,8 +158,6 @@ def test_too_soft_and_unstable(monkeypatch):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"clutch": pp.drives.Clutch(torque=5e3)}, "no clutch"),
-        ({"brake": pp.drives.Brake(torque=5e3)}, "no brake"),
         ({"speed": 0.0}, "crank that turns"),
         ({"method": "implicit"}, "leave out method"),
         ({"step": 1e-3}, "leave out method and step"),

@@ -99,7 +99,8 @@ class ElasticRun(Run):
 
     @property
     def events(self) -> tuple[tuple[float, float, float], ...]:
-        """Time [s], crank angle [rad] and slide position [m] of each event at which a load begins, changes its law or ends."""
+        """Time [s], crank angle [rad] and slide position [m] of each event: a load begins, changes its law or ends; clutch or brake is
+        switched, begins to slip or to hold; the drive's torque jumps."""
         return self._extremes.events
 
     def columns(self) -> dict[str, Array]:
@@ -175,12 +176,9 @@ class ElasticSegment:
         at = self.states(times)
         angle, speed = self.crank(*at.whole)
         _, acceleration = self.crank(at.whole[0], at.whole_acceleration)
-        drive = self.solution.equations.driven.drive
-        rotor, spin = at.whole[0][:, -1], at.whole[1][:, -1]
-        torque = self.solution.equations.crank_torque(at.times, at.y, at.v, at.a, at.segments)
-        motor = torque if drive is None else np.broadcast_to(drive.motor_torque(spin, rotor, times), torque.shape)
+        driving = self.solution.equations.driving(at.times, at.y, at.v, at.a, at.segments)
         angle = angle + self._whole_periods
-        return Sample(angle[None], speed[None], acceleration[None], torque, motor, spin, self.integrals(at))
+        return Sample(angle[None], speed[None], acceleration[None], driving.torque, driving.motor, driving.speed, self.integrals(at))
 
     @cached_property
     def _whole_periods(self) -> float:
@@ -248,8 +246,8 @@ def solution_states(solution: ElasticSolution, panel: Indices, share: Array, tur
     if turns is not None and turns.any():
         period = mesh.knots[-1] - mesh.knots[0]
         held = () if equations.crank is None else (equations.crank.speed * period,)
-        free = free + passed[:, None] * np.concatenate([gain[: y.shape[1]], held])
-    accelerations = a if equations.crank is None else np.column_stack([a, np.zeros(len(a))])
+        free = free + passed[:, None] * np.concatenate([gain[equations.own : y.shape[1]], held])
+    accelerations = a[:, equations.own :] if equations.crank is None else np.column_stack([a, np.zeros(len(a))])
     return SolutionStates(panel, share, passed, times, mesh.segment[panel], y, v, a, (free, rates), accelerations)
 
 
@@ -258,15 +256,12 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     equations, sprung = solution.equations, solution.equations.sprung
     driven, (free, rates) = equations.driven, at.whole
     coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
-    torque = equations.crank_torque(at.times, at.y, at.v, at.a, at.segments)
-    motor = (
-        torque if driven.drive is None else np.broadcast_to(driven.drive.motor_torque(rates[:, -1], free[:, -1], at.times), torque.shape)
-    )
-    found = np.zeros((len(INTEGRALS), len(torque)))
-    found[DRIVE_WORK], found[MOTOR_SQUARED] = torque * rates[:, -1], motor**2
-    found[LOST] = sprung.lost_power(coordinates, all_rates)
+    driving, nothing = equations.driving(at.times, at.y, at.v, at.a, at.segments), np.zeros(len(free))
+    found = np.zeros((len(INTEGRALS), len(free)))
+    found[DRIVE_WORK], found[MOTOR_SQUARED] = driving.torque * driving.speed, driving.motor**2
+    found[LOST] = sprung.lost_power(coordinates, all_rates) + driving.lost
     powers = [force * rate for force, rate in equations.load_forces(at.times, at.segments, coordinates, all_rates)]
-    loads, nothing = len(driven.forces), np.zeros(len(torque))
+    loads = len(driven.forces)
     found[LOAD_WORK], found[LOST] = -sum(powers[:loads], nothing), found[LOST] - sum(powers[loads:], nothing)
     return found
 
@@ -365,7 +360,9 @@ def _energy_error(segment: ElasticSegment) -> float:
     at = solution_states(solution, np.append(np.arange(count), count - 1), np.append(np.zeros(count), 1.0), None, segment.gain)
     free, rates = at.whole
     coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
-    kinetic = sprung.kinetic_energy(coordinates, all_rates) + 0.5 * float(equations.driven.inertia) * rates[:, -1] ** 2
+    kinetic = (
+        sprung.kinetic_energy(coordinates, all_rates) + equations.driven.inertia * equations.shaft_speed(at.times, at.y, at.v) ** 2 / 2
+    )
     _, works = segment._powers
     gained = works[:, DRIVE_WORK] - works[:, LOAD_WORK] - works[:, LOST]
     energy = kinetic + sprung.stored_energy(coordinates)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ import numpy as np
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
+from .drive_train import DriveTrain, TrainEvent, TrainMode
 from .load_paths import LoadPath
 from .panels import Indices, VaryingInertia
 from .press_on_springs import PathMotion
@@ -61,6 +62,10 @@ class Release(NamedTuple):
     force: int
 
 
+MotionEvent = Event | Release | TrainEvent
+"""What ends a segment at a time that is not known before."""
+
+
 @dataclass(frozen=True, eq=False)
 class HeldCrank:
     """A crank that turns at a constant speed.
@@ -83,9 +88,12 @@ class ElasticEquations:
         driven: its drive and loads.
         paths: along which the loads act, by the rows of `DrivenPress.coordinates`.
         crank: its prescribed motion; None: it turns freely, under the drive.
+        train: of a free crank; None: the crank is held.
         segments: the forces that act in each segment.
+        modes: of the drive train in each segment; (): it is engaged all the time.
         events: what happens at the knots whose times are free.
         contacts: of pins with clearance; they come after the loads.
+        direction: 1 where the crank turns forwards, else -1.
         lost: laws of contacts whose bodies are not apart yet, but part too fast to push each other, by the numbers of their forces.
     """
 
@@ -93,9 +101,12 @@ class ElasticEquations:
     driven: DrivenPress
     paths: tuple[LoadPath, ...]
     crank: HeldCrank | None
+    train: DriveTrain | None = None
     segments: tuple[Segment, ...] = ()
-    events: Mapping[int, Event | Release] | None = None
+    modes: tuple[TrainMode, ...] = ()
+    events: Mapping[int, MotionEvent] | None = None
     contacts: tuple[GeneralizedForce, ...] = ()
+    direction: int = 1
     lost: Mapping[int, ForceInterval] = field(default_factory=dict)
 
     @property
@@ -105,32 +116,43 @@ class ElasticEquations:
 
     @property
     def size(self) -> int:
-        """Number of unknown coordinates."""
-        return self.sprung.free - (self.crank is not None)
+        """Number of unknown coordinates: those of the drive train, those of the bodies, and the crank's angle where it is free."""
+        return self.sprung.free - 1 if self.train is None else self.train.count + self.sprung.free
 
     @property
+    def own(self) -> int:
+        """Number of coordinates of the drive train, which come before those of the bodies."""
+        return 0 if self.train is None else self.train.count
+
+    @cached_property
     def mass(self) -> Array:
-        return self.whole_mass[: self.size, : self.size]
+        """(size, size) mass matrix in the mode of the first segment; motions whose mode changes are solved segment by segment."""
+        if self.train is None:
+            return self.sprung.mass[: self.size, : self.size]
+        return self.train.mass(self.sprung.mass, self.mode(0))
 
-    @property
+    @cached_property
     def whole_mass(self) -> Array:
-        """(f, f) mass matrix with flywheel and drive."""
-        found = self.sprung.mass.copy()
-        found[-1, -1] += float(self.driven.inertia)
-        return found
+        """Mass matrix of all unknown coordinates and the crank's angle, with flywheel and drive."""
+        return self.sprung.mass if self.train is None else self.train.mass(self.sprung.mass)
+
+    def mode(self, segment: int) -> TrainMode:
+        """Mode of the drive train in a segment."""
+        assert self.train is not None
+        return self.modes[segment] if self.modes else self.train.engaged
 
     def varying_inertia(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
         return None
 
     def whole(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
-        """Free coordinates and rates (n, f), that of the crank last, of the unknown ones (n, size)."""
+        """Free coordinates and rates (n, f) of the bodies, that of the crank last, of the unknown ones (n, size)."""
         if self.crank is None:
-            return y, v
+            return y[:, self.own :], v[:, self.own :]
         angle, speed = self.crank.angle + self.crank.speed * time, np.full(len(time), self.crank.speed)
         return np.column_stack([y, angle]), np.column_stack([v, speed])
 
     def forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array, Array]:
-        force, stiffness, damping = self.whole_forces(time, y, v, segments)
+        force, stiffness, damping = self._all_forces(time, y, v, segments)
         n = self.size
         return force[:, :n], stiffness[:, :n, :n], damping[:, :n, :n], self._by_time(time, y, v, segments, stiffness)
 
@@ -138,15 +160,55 @@ class ElasticEquations:
         """Derivative (n, size) of the forces by time."""
         if self.crank is not None:
             return np.asarray(-stiffness[:, : self.size, -1] * self.crank.speed)
-        drive, timed = self.driven.drive, any(law.time is not None for law in self.driven.forces)
-        if not timed and (drive is None or not drive.timed):
-            return np.zeros_like(y)
-        before, _, _ = self.whole_forces(time - INSTANT, y, v, segments)
-        after, _, _ = self.whole_forces(time + INSTANT, y, v, segments)
-        return np.asarray((after - before) / (2 * INSTANT))
+        assert self.train is not None
+        found = np.zeros_like(y)
+        if self.train.timed:
+            for mode, there in self._by_mode(segments):
+                at = y[there], v[there]
+                before, after = (self.train.pushes(mode, time[there] + step, *at) for step in (-INSTANT, INSTANT))
+                found[there] += (after - before) / (2 * INSTANT)
+        for number, law in enumerate(self.driven.forces):
+            if law.time is not None:
+                found += self._slope_in_time(law, number, time, y, v, segments)
+        return found
+
+    def _slope_in_time(self, law: GeneralizedForce, number: int, time: Array, y: Array, v: Array, segments: Indices) -> Array:
+        """Derivative (n, size) of a force in time by time."""
+        free, rates = self.whole(time, y, v)
+        path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
+        before, after = (self._law_values(law, number, segments, time + step, path)[0] for step in (-INSTANT, INSTANT))
+        gradient = np.zeros_like(y)
+        gradient[:, self.own :] = path.gradient
+        return np.asarray((after - before)[:, None] / (2 * INSTANT) * gradient)
+
+    def _all_forces(self, time: Array, y: Array, v: Array, segments: Indices, held: bool = True) -> tuple[Array, Array, Array]:
+        """Forces on all unknown coordinates, and on that of a held crank, and minus their derivatives by coordinates and rates; where not
+        ``held``, those that act on sides that hold each other, too."""
+        force, stiffness, damping = self.whole_forces(time, y, v, segments)
+        if self.train is None:
+            return force, stiffness, damping
+        if own := self.own:
+            bodies = force, stiffness, damping
+            force, stiffness, damping = np.zeros_like(y), *(np.zeros((*y.shape, y.shape[1])) for _ in range(2))
+            force[:, own:], stiffness[:, own:, own:], damping[:, own:, own:] = bodies
+        for mode, there in self._by_mode(segments):
+            parts = (force[there], stiffness[there], damping[there])
+            self.train.add(mode, time[there], y[there], v[there], parts, held=held)
+            force[there], stiffness[there], damping[there] = parts
+        return force, stiffness, damping
+
+    def _by_mode(self, segments: Indices) -> list[tuple[TrainMode, Any]]:
+        """The modes of the drive train at n states in segments, and which of the states are in each."""
+        if len(self.modes) <= 1:
+            return [(self.mode(0), slice(None))]
+        found: dict[TrainMode, list[int]] = {}
+        for segment in np.unique(segments):
+            found.setdefault(self.mode(segment), []).append(segment)
+        return [(mode, np.flatnonzero(np.isin(segments, some))) for mode, some in found.items()]
 
     def whole_forces(self, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array]:
-        """Forces (n, f) on all free coordinates, the crank's last, and minus their derivatives by these coordinates and rates."""
+        """Forces (n, f) on all free coordinates of the bodies, the crank's last, and minus their derivatives by these coordinates and
+        rates; without those of the drive train."""
         free, rates = self.whole(time, y, v)
         coordinates, all_rates = self.sprung.all_coordinates(free), rates @ self.sprung.carry.T
         force, stiffness, damping = self.sprung.spring_forces(coordinates, all_rates)
@@ -166,8 +228,6 @@ class ElasticEquations:
                 turned = np.matmul(path.bend, rates[some, :, None]).transpose(0, 2, 1)
                 stiffness[some] -= by_rate[:, None, None] * path.gradient[:, :, None] * turned
                 damping[some] -= by_rate[:, None, None] * outer
-        if self.crank is None:
-            self._add_drive(rates[:, -1], free[:, -1], time, force, stiffness, damping)
         return force, stiffness, damping
 
     def load_forces(self, time: Array, segments: Indices, coordinates: Array, rates: Array) -> list[tuple[Array, Array]]:
@@ -197,20 +257,13 @@ class ElasticEquations:
                     each[there] *= values[there] > 0
         return values, by_place, by_rate
 
-    def _add_drive(self, speed: Array, angle: Array, time: Array, force: Array, stiffness: Array, damping: Array) -> None:
-        drive = self.driven.drive
-        if drive is None:
-            return
-        force[:, -1] += np.broadcast_to(drive.torque(speed, angle, time), speed.shape)
-        damping[:, -1, -1] -= _slope(lambda w: drive.torque(w, angle, time), speed, float(np.abs(speed).max()) or 1.0)
-        if drive.timed:
-            stiffness[:, -1, -1] -= _slope(lambda at: drive.torque(speed, at, time), angle, 1.0)
-
     def event(self, knot: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
         assert self.events is not None
         event = self.events[knot]
         if isinstance(event, Release):
             return self._contact_force(event.force, time, y, v)
+        if isinstance(event, TrainEvent):
+            return self._train_event(event, time, y, v)
         path, value = event
         if path == CRANK_ANGLE:
             gradient = np.zeros(2 * self.size)
@@ -218,8 +271,12 @@ class ElasticEquations:
             return float(y[-1] - value), gradient, 0.0
         free, rates = self.whole(np.array([time]), y[None], v[None])
         at = self.paths[path].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
-        gradient = np.concatenate([at.gradient[0, : self.size], np.zeros(self.size)])
+        gradient = np.concatenate([self._of_unknowns(at.gradient[0]), np.zeros(self.size)])
         return float(at.value[0] - value), gradient, self._with_the_crank(at.gradient[0])
+
+    def _of_unknowns(self, gradient: Array) -> Array:
+        """A gradient (size,) by the unknown coordinates, of that (f,) by the bodies' free ones."""
+        return np.concatenate([np.zeros(self.own), gradient])[: self.size]
 
     def _with_the_crank(self, gradient: Array) -> float:
         """Derivative by time of what has this gradient (f,) by the free coordinates, where the crank goes its prescribed way."""
@@ -234,16 +291,82 @@ class ElasticEquations:
         assert isinstance(interval, ForceInterval)
         value, by_place, by_rate = _values(interval, path.value - law.datum, path.rate)
         gradient = by_place[0] * path.gradient[0] + by_rate[0] * (path.bend[0] @ rates[0])
-        by_state = np.concatenate([gradient[: self.size], by_rate[0] * path.gradient[0, : self.size]])
+        by_state = np.concatenate([self._of_unknowns(gradient), self._of_unknowns(by_rate[0] * path.gradient[0])])
         return float(value[0]), by_state, self._with_the_crank(gradient)
 
-    def crank_torque(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Array:
-        """Torque (n,) on the crank that holds its speed, or that of the drive [N m]."""
-        force, _, _ = self.whole_forces(time, y, v, segments)
-        if self.crank is None:
-            drive = self.driven.drive
-            return np.zeros(len(time)) if drive is None else np.broadcast_to(drive.torque(v[:, -1], y[:, -1], time), time.shape)
-        return np.asarray(a @ self.whole_mass[-1, :-1] - force[:, -1])
+    # ---------------------------------------------------------------------------------------------------------------------- drive train
+
+    def _train_event(self, event: TrainEvent, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
+        """Margin of an event of the drive train, its gradient (2 size,) by state and rate, and its derivative by time."""
+        train, mode, last = self.train, self.mode(-1), np.full(1, len(self.segments) - 1)
+        assert train is not None
+        times = time + INSTANT * np.arange(-1.0, 2.0)
+        states, rates = np.tile(y, (3, 1)), np.tile(v, (3, 1))
+        if event.kind != "slips":
+            value = train.margin(event, mode, self.direction, times, states, rates, np.zeros(3))
+            return float(value[1]), train.gradient(event, mode, self.direction, self.size), float(value[2] - value[0]) / (2 * INSTANT)
+        segments = np.repeat(last, 3)
+        held, by_place, by_rate = self._held_torque(event, times, states, rates, segments)
+        value = train.margin(event, mode, self.direction, times, states, rates, held)
+        gradient = -np.sign(held[1]) * np.concatenate([by_place[1], by_rate[1]])
+        return float(value[1]), gradient, float(value[2] - value[0]) / (2 * INSTANT)
+
+    def held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array, segments: Indices) -> Array:
+        """Torque (n,) on the crank of the coupling that holds and may slip [N m]."""
+        return self._held_torque(event, time, y, v, segments)[0]
+
+    def _held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array]:
+        """Likewise, and its derivatives (n, size) by coordinates and rates."""
+        assert self.train is not None
+        force, stiffness, damping = self._all_forces(time, y, v, segments)
+        inverse = np.linalg.inv(self.mass)
+        acceleration = [force @ inverse, -np.matmul(inverse, stiffness), -np.matmul(inverse, damping)]
+        if event.side == "clutch":
+            torque, inertia = self.train.torque(self.mode(-1), time, y, v), self.train.inertia
+            slopes = self.train.torque_slopes(self.mode(-1), time, y, v)
+            taken = [inertia * acceleration[0][:, -1], inertia * acceleration[1][:, -1], inertia * acceleration[2][:, -1]]
+            return torque - taken[0], slopes.by_place - taken[1], slopes.by_rate - taken[2]
+        force, stiffness, damping = self._all_forces(time, y, v, segments, held=False)
+        row = self.whole_mass[-1]
+        return (
+            acceleration[0] @ row - force[:, -1],
+            np.matmul(row, acceleration[1]) + stiffness[:, -1],
+            np.matmul(row, acceleration[2]) + damping[:, -1],
+        )
+
+    def shaft_speed(self, time: Array, y: Array, v: Array) -> Array:
+        """(n,) speed of the shaft with flywheel and drive [rad/s]."""
+        return self.whole(time, y, v)[1][:, -1] if self.train is None else self.train.shaft_speed(v)
+
+    def driving(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Driving:
+        """What turns the crank, at n states."""
+        if self.train is None:
+            force, _, _ = self.whole_forces(time, y, v, segments)
+            torque = np.asarray(a @ self.whole_mass[-1, :-1] - force[:, -1])
+            assert self.crank is not None
+            return Driving(torque, torque, np.full(len(time), self.crank.speed), np.zeros(len(time)))
+        torque, motor, lost = np.zeros((3, len(time)))
+        for mode, there in self._by_mode(segments):
+            at = time[there], y[there], v[there]
+            torque[there], motor[there] = self.train.torque(mode, *at), self.train.motor_torque(mode, *at)
+            lost[there] = self.train.lost(mode, time[there], v[there])
+        return Driving(torque, motor, self.train.shaft_speed(v), lost)
+
+
+class Driving(NamedTuple):
+    """What turns the crank, at n states.
+
+    Attributes:
+        torque: (n,) on the crank that holds its speed, or that of the drive [N m].
+        motor: (n,) at the motor's own shaft [N m].
+        speed: (n,) of the drive's shaft [rad/s].
+        lost: (n,) power lost in clutch and brake [W].
+    """
+
+    torque: Array
+    motor: Array
+    speed: Array
+    lost: Array
 
 
 def _values(interval: ForceInterval, place: Array, rate: Array) -> tuple[Array, Array, Array]:

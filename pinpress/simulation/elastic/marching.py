@@ -10,12 +10,14 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..failures import failure
 from .contact import HertzContact
-from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, Release, Segment
+from .drive_train import TrainEvent, TrainMode
+from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, MotionEvent, Release, Segment
 from .panels import Border, Mesh, PanelSolution, radau, solve
 from .phases import Border as LoadBorder
 from .phases import LoadPhases, Phase
@@ -24,6 +26,9 @@ from .task import ASIDE, BESIDE, FIRST, LOOKS, MOST_STEPS, SETTLED, STAGES, Elas
 
 WINDOW = 6  # panels that are solved at a time on the way from a known state
 SHORTEST = 1e-9  # share of a period below which a window counts as stuck
+TURNED_BACK = 0.01  # angle by which a crank behind clutch or brake may swing back [rad]
+HOLDS = 1e-9  # share of its torque by which a coupling may hold more than it can: rounding
+AT_ONCE = 12  # events without time between them after which forces count as switching to and fro
 
 
 def march(
@@ -53,22 +58,26 @@ def march(
 
 
 class _Passing(NamedTuple):
-    """A path passes a border, the crank an angle, or the force of a contact vanishes.
+    """A path passes a border, the crank an angle, the force of a contact vanishes, or the drive train switches.
 
     Attributes:
         time: about which it does [s].
         border: the border; None: it is a contact's force.
         rise: change of the path there: positive where it rises.
         force: number of the contact.
+        train: event of the drive train, without a border.
     """
 
     time: float
     border: LoadBorder | None
     rise: float = 0.0
     force: int = -1
+    train: TrainEvent | None = None
 
     @property
-    def event(self) -> Event | Release:
+    def event(self) -> MotionEvent:
+        if self.train is not None:
+            return self.train
         return Release(self.force) if self.border is None else Event(*self.border)
 
 
@@ -80,17 +89,24 @@ class _March:
         self.direction = 1 if task.speed > 0 else -1
         self.phase = task.phases.begun(start + ASIDE * self.direction)
         self.ahead = task.phases.turnings_ahead(start)
-        self.edges = np.sort([edge for force in task.phases.driven.forces for edge in force.edges])
+        self.train = task.equations.train
+        self.mode: TrainMode | None = None
+        edges = [edge for force in task.phases.driven.forces for edge in force.edges]
         self.length = task.period / FIRST / WINDOW
         self.lengths: dict[tuple[bool, ...], float] = {}  # of the last panels while the same forces acted
         self.arrived = False
         self.windows: list[tuple[PanelSolution, int]] = []  # with the segment of each
         size = len(state) // 2
         self.acceleration = np.zeros(size)
+        if self.train is not None:
+            self.mode = self.train.due(self.train.begun(start, float(state[-1]))[0], 0.0, state[size:])
+            edges += [*self.train.switch_times, *self.train.risen(self.mode)]
+        self.edges, self.farthest, self.at_once = np.unique(edges), start, 0
+        self.modes = [self.mode]
         self.segments: list[Segment] = [task.phases.active(self.phase, self._places_now())]
         self.laws = [self.segments[0]]  # the same, with contacts as they were struck
         self.lost: dict[int, ForceInterval] = {}  # laws of contacts that push no more, by the numbers of their forces
-        self.events: dict[int, Event | Release] = {}
+        self.events: dict[int, MotionEvent] = {}
         self.knots = [0.0]
 
     @property
@@ -110,7 +126,8 @@ class _March:
         return self.start + self.direction * float(options[options > travelled + ASIDE][0])
 
     def _equations(self) -> ElasticEquations:
-        return replace(self.task.equations, segments=(self.laws[-1],), events={}, lost=self.lost)
+        modes = () if self.mode is None else (self.mode,)
+        return replace(self.task.equations, segments=(self.laws[-1],), modes=modes, events={}, lost=self.lost)
 
     def _places_now(self) -> Array:
         return self._paths_now()[0]
@@ -128,6 +145,8 @@ class _March:
 
     def step(self, until: float) -> None:
         """Go on by a window, or to the next event in it."""
+        if self._switched_at_once():
+            return
         crank, turning, angle = self.task.equations.crank, np.inf, self._next_turning()
         if crank is not None:
             turning = self.time + (angle - self.angle) / crank.speed
@@ -154,6 +173,8 @@ class _March:
             self._cross(event)
         else:
             self._take(found)
+            if self.train is not None and self.mode is not None:
+                self._go_on_in(self.train.due(self.mode, self.time, self.state[len(self.state) // 2 :]), Event(CRANK_ANGLE, self.angle))
             if self.time >= turning - 1e-12 * self.task.period:
                 self._turn(angle)
             elif len(edges) and self.time >= edges[0] - INSTANT:
@@ -164,7 +185,7 @@ class _March:
         self.phase = self.task.phases.begun(angle + ASIDE * self.direction)
         self._begin(Event(CRANK_ANGLE, angle), self._places_now())
 
-    def _solved(self, span: float, events: dict[int, Event | Release], near: PanelSolution | None) -> PanelSolution | None:
+    def _solved(self, span: float, events: dict[int, MotionEvent], near: PanelSolution | None) -> PanelSolution | None:
         """A window from the present state; its end is free where an event ends it."""
         size, rule = len(self.state) // 2, radau(STAGES)
         mesh = even_mesh(np.array([self.time, self.time + span]), np.array([WINDOW]))
@@ -185,7 +206,8 @@ class _March:
         phase goes on to its end."""
         count, phases, phase = len(found.mesh.start), self.task.phases, self.phase
         angles = [angle for angle in (turning, self.goal) if np.isfinite(angle)] if self.task.equations.crank is None else []
-        if not phases.borders and not angles:
+        margins = self._margins(found)
+        if not phases.borders and not angles and not margins:
             return None
         panel, share = np.repeat(np.arange(count), LOOKS), np.tile(np.arange(1, LOOKS + 1) / LOOKS, count)
         places, rates, crank = places_on(self._equations(), found, panel, share)
@@ -196,10 +218,13 @@ class _March:
         contacts = [*pushing, *self.lost.items()]
         telling = telling_steps(phases, places)
         telling[1] = True  # it starts on a border
+        for _, values in margins:
+            telling = np.asarray(telling | (values < 0))
         for k in range(1, len(times)):
             if not (telling[k] or contacts or angles):
                 continue
             passed = [self._passing(times, crank, k, LoadBorder(CRANK_ANGLE, angle)) for angle in angles]
+            passed += [self._vanishing(times, values, k, event) for event, values in margins]
             released = None if any(passed) else self._released(contacts, phase, places[k], rates[k - 1])
             if released is not None:
                 self.phase = phase
@@ -233,8 +258,84 @@ class _March:
             return None
         return _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * before / (before - after)), border, after - before)
 
+    def _vanishing(self, times: Array, margin: Array, k: int, event: TrainEvent) -> _Passing | None:
+        """The event of the drive train whose margin (n,) falls below zero before number k; None where it does not."""
+        if margin[k] >= 0 or margin[k - 1] < 0:
+            return None
+        share = margin[k - 1] / (margin[k - 1] - margin[k])
+        return _Passing(float(times[k - 1] + (times[k] - times[k - 1]) * share), None, train=event)
+
+    def _margins(self, found: PanelSolution) -> list[tuple[TrainEvent, Array]]:
+        """The events that may end the mode of the drive train, each with its margins at the start and at all places of a window."""
+        if self.train is None or self.mode is None:
+            return []
+        events = self.train.events(self.mode, self.direction, self.angle)
+        if not events:
+            return []
+        count, mesh, size = len(found.mesh.start), found.mesh, len(self.state) // 2
+        panel, share = np.repeat(np.arange(count), LOOKS), np.tile(np.arange(1, LOOKS + 1) / LOOKS, count)
+        y, v, _ = found.within(panel, share)
+        y, v = np.vstack([self.state[:size], y]), np.vstack([self.state[size:], v])
+        times = np.append(self.time, mesh.start[panel] + share * mesh.length[panel])
+        return [(event, self._margin(event, times, y, v)) for event in events]
+
+    def _margin(self, event: TrainEvent, times: Array, y: Array, v: Array) -> Array:
+        """Margin (n,) of an event in the present mode; see `DriveTrain.margin`."""
+        assert self.train is not None
+        assert self.mode is not None
+        held = np.zeros(len(times))
+        if event.kind == "slips":
+            held = self._equations().held_torque(event, times, y, v, np.zeros(len(times), dtype=int))
+        return self.train.margin(event, self.mode, self.direction, times, y, v, held)
+
+    def _switched_at_once(self) -> bool:
+        """Whether a coupling that holds begins to slip, because it can hold no more after an event."""
+        if self.train is None or self.mode is None:
+            return False
+        size = len(self.state) // 2
+        for event in self.train.events(self.mode, self.direction, self.angle):
+            if event.kind != "slips":
+                continue
+            margin = self._margin(event, np.array([self.time]), self.state[None, :size], self.state[None, size:])
+            if margin[0] < -HOLDS * self._capacity(event):
+                self._switch(event)
+                return True
+        return False
+
+    def _capacity(self, event: TrainEvent) -> float:
+        assert self.train is not None
+        coupling = self.train.coupling(event.side)
+        assert coupling is not None
+        return coupling.torque
+
+    def _switch(self, event: TrainEvent) -> None:
+        """Go on after an event of the drive train."""
+        assert self.train is not None
+        assert self.mode is not None
+        size, held = len(self.state) // 2, 0.0
+        if event.kind == "slips":
+            y, v = self.state[None, :size], self.state[None, size:]
+            held = float(self._equations().held_torque(event, np.array([self.time]), y, v, np.zeros(1, dtype=int))[0])
+        mode, rates = self.train.after(event, self.mode, self.time, self.state[size:], held)
+        self.state = np.concatenate([self.state[:size], rates])
+        self._go_on_in(mode, event)
+
+    def _go_on_in(self, mode: TrainMode, event: MotionEvent) -> None:
+        """Go on in another mode of the drive train, after an event."""
+        if mode == self.mode:
+            return
+        self.at_once = self.at_once + 1 if self.time <= self.knots[-1] else 0
+        if self.at_once > AT_ONCE:
+            raise failure("chatters", self.time, self.angle)
+        assert self.train is not None
+        self.mode, self.edges = mode, np.unique([*self.edges, *self.train.risen(mode)])
+        self._begin(event, self._places_now())
+
     def _cross(self, passing: _Passing) -> None:
         """Go on after an event."""
+        if passing.train is not None:
+            self._switch(passing.train)
+            return
         if passing.border is not None and passing.border.path == CRANK_ANGLE:
             self.arrived = passing.border.value == self.goal
             if not self.arrived:
@@ -252,15 +353,21 @@ class _March:
             self.phase = self.task.phases.advanced(self.phase, places)
         self._begin(passing.event, places)
 
-    def _begin(self, event: Event | Release, places: Array) -> None:
+    def _begin(self, event: MotionEvent, places: Array) -> None:
         """Begin a new segment where other forces act."""
         segment = self.task.phases.active(self.phase, places, self.time)
-        if segment != self.segments[-1]:
-            self.events[len(self.knots)] = event
-            self.knots.append(self.time)
-            self.lengths[_acting(self.segments[-1])] = self.length
-            self.length = self.lengths.get(_acting(segment), self.length)
-            self.laws.append(self._struck(segment))
+        if segment != self.segments[-1] or self.mode != self.modes[-1]:
+            laws, at_once = self._struck(segment), not self.windows or self.windows[-1][1] < len(self.segments) - 1
+            if at_once:  # nothing has moved in the segment before: it is none
+                for each in (self.modes, self.laws, self.segments):
+                    each.pop()
+            else:
+                self.events[len(self.knots)] = event
+                self.knots.append(self.time)
+                self.lengths[_acting(self.segments[-1])] = self.length
+                self.length = self.lengths.get(_acting(segment), self.length)
+            self.modes.append(self.mode)
+            self.laws.append(laws)
             self.lost = {number: law for number, law in self.lost.items() if self.phase.through[number]}
             self.segments.append(segment)
 
@@ -281,7 +388,14 @@ class _March:
         self.windows.append((window, len(self.segments) - 1))
         self.time, self.state = float(window.mesh.knots[-1]), window.states[-1]
         self.acceleration = window.accelerations[-1, -1]
-        if self.task.equations.crank is None and not (self.direction * window.states[:, -1] > 0).all():
+        if self.task.equations.crank is not None:
+            return
+        if self.train is not None and (self.train.driven.clutch or self.train.driven.brake):
+            self.farthest = self.direction * max(self.direction * self.farthest, self.direction * self.angle)
+            backwards = self.direction * (self.farthest - self.angle) > TURNED_BACK
+        else:
+            backwards = not (self.direction * window.states[:, -1] > 0).all()
+        if backwards:
             raise failure("crank rests", self.time, self.angle)
 
     def joined(self) -> ElasticSolution:
@@ -305,7 +419,9 @@ class _March:
             passage,
         )
         evaluations = sum(window.steps * WINDOW * STAGES for window, _ in self.windows)
-        return ElasticSolution(replace(self.task.equations, segments=tuple(self.laws), events=self.events), panels, False, evaluations)
+        modes = tuple(mode for mode in self.modes if mode is not None)
+        equations = replace(self.task.equations, segments=tuple(self.laws), modes=modes, events=self.events)
+        return ElasticSolution(equations, panels, False, evaluations)
 
 
 def _acting(segment: Segment) -> tuple[bool, ...]:
@@ -321,8 +437,8 @@ def cut_to(near: PanelSolution, mesh: Mesh) -> PanelSolution:
 
 
 def resting(task: Task, start: float) -> Array:
-    """The state (2 f,) at time 0 whose springs carry weight, loads and the inertia forces of the rigid motion, so that no vibration begins.
-    Journals with clearance rest on their bearings on the side to which these forces press them.
+    """The state (2 size,) at time 0 whose springs carry weight, loads and the inertia forces of the rigid motion, so that no vibration
+    begins. Journals with clearance rest on their bearings on the side to which these forces press them.
 
     A free crank is accelerated by what its drive then leaves.
 
@@ -333,26 +449,37 @@ def resting(task: Task, start: float) -> Array:
     phase = task.phases.begun(start + ASIDE * np.sign(task.speed))
     segment = task.phases.active(phase, task.phases.places(start))
     equations, sprung = replace(task.equations, segments=(segment,)), task.equations.sprung
-    if sprung.closed is None:
-        return np.concatenate([_balanced(equations, y, v, a, task.tolerance)[0], v[0]])
-    y = _balanced(replace(equations, sprung=sprung.closed), y, v, a, task.tolerance)
-    aside = replace(sprung.closed, lines=_pressed_aside(sprung, replace(equations, sprung=sprung.closed), y, v))
-    y = _balanced(replace(equations, sprung=aside), y, v, a, task.tolerance)
-    touching = segment[: len(task.phases.driven.forces)] + tuple(contact.rising[0] for contact in task.phases.contacts)
-    return np.concatenate([_balanced(replace(equations, segments=(touching,)), y, v, a, task.tolerance)[0], v[0]])
-
-
-def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, tolerance: float) -> Array:
-    """Coordinates (1, f) near ``y`` at which all forces balance the inertia forces of given accelerations (1, f)."""
     by_crank = v[0] / v[0, -1]  # rates of a free crank's coordinates by its own
+    v, a = task.begins * v, task.begins**2 * a
+    if equations.train is not None:
+        own, train = equations.own, equations.train
+        mode, rates = train.begun(start, float(v[0, -1]))
+        by_crank[:own], v[0, :own] = 0.0, rates
+        equations = replace(equations, modes=(train.due(mode, 0.0, v[0]),))
+    if sprung.closed is None:
+        return np.concatenate([_balanced(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
+    y = _balanced(replace(equations, sprung=sprung.closed), y, v, a, by_crank, task.tolerance)
+    aside = replace(sprung.closed, lines=_pressed_aside(sprung, replace(equations, sprung=sprung.closed), y, v))
+    y = _balanced(replace(equations, sprung=aside), y, v, a, by_crank, task.tolerance)
+    touching = segment[: len(task.phases.driven.forces)] + tuple(contact.rising[0] for contact in task.phases.contacts)
+    return np.concatenate([_balanced(replace(equations, segments=(touching,)), y, v, a, by_crank, task.tolerance)[0], v[0]])
+
+
+def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank: Array, tolerance: float) -> Array:
+    """Coordinates (1, size) near ``y`` at which all forces balance the inertia forces of given accelerations (1, size); those of the drive
+    train, which has no springs, are found with them."""
+    own = equations.own
     for _ in range(MOST_STEPS):
         force, stiffness, _, _ = equations.forces(np.zeros(1), y, v, np.zeros(1, dtype=int))
         matrix = stiffness[0]
+        matrix[:, :own] = equations.mass[:, :own]
         if equations.crank is None:
             matrix[:, -1] = equations.mass @ by_crank
         step = np.linalg.solve(matrix, force[0] - a[0] @ equations.mass)
         if equations.crank is None:
             a, step[-1] = a + step[-1] * by_crank, 0.0
+            a[0, :own] += step[:own]
+            step[:own] = 0.0
         y = y + step
         if np.abs(step).max() <= tolerance:
             return y
@@ -371,7 +498,7 @@ def _pressed_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: A
     return lines._replace(rest=rest)
 
 
-def telling_steps(phases: LoadPhases, places: Array) -> Array:
+def telling_steps(phases: LoadPhases, places: Array) -> NDArray[np.bool_]:
     """(n,) whether a path passes a border on its way from one row of places (n, paths) to the next; it is told of the second one."""
     beyond = np.stack([places[:, border.path] > border.value for border in phases.borders], axis=1) if phases.borders else places[:, :0]
     return np.append(False, (beyond[1:] != beyond[:-1]).any(axis=1))

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...common.quantities import Array
 from ..failures import failure
-from .equations import CRANK_ANGLE, ElasticEquations, Event, Release
+from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent
 from .marching import cut_to, march, telling_steps
 from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
 from .phases import Plan
@@ -86,7 +86,7 @@ def _period_ends(task: Task, start: float) -> tuple[float, float]:
 
 def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution) -> ElasticSolution | None:
     """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails."""
-    events: dict[int, Event | Release] = dict(plan.events)
+    events: dict[int, MotionEvent] = dict(plan.events)
     if task.equations.crank is None:
         events[len(plan.segments)] = Event(CRANK_ANGLE, _period_ends(task, start)[1])
     equations = replace(task.equations, segments=plan.segments, events=events)
@@ -113,7 +113,7 @@ def _with_passage(equations: ElasticEquations, found: PanelSolution, border: Bor
     return replace(found, passage=newton_step(equations, found.onto(_parted(mesh, parts)), border, 1).passage)
 
 
-def _known(event: Event | Release) -> bool:
+def _known(event: MotionEvent) -> bool:
     """Whether the time of an event is known where the crank's speed is given."""
     return isinstance(event, Event) and event.path == CRANK_ANGLE
 

@@ -18,7 +18,7 @@ from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
 from ..reduced_model import COORDINATES, roots
-from .equations import CRANK_ANGLE, INSTANT, Event, Release, Segment, TimeSpan
+from .equations import CRANK_ANGLE, INSTANT, Event, MotionEvent, Segment, TimeSpan
 
 ASIDE = 1e-9  # angle from the start within which an event belongs to the start [rad]
 
@@ -137,7 +137,7 @@ class LoadPhases:
         first = found[0][0] if found else period
         phase = self.begun(start + 0.5 * self.direction * first)
         segments, knots = [self.active(phase, self.places(start + 0.5 * self.direction * first))], [0.0]
-        events: dict[int, Event | Release] = {}
+        events: dict[int, MotionEvent] = {}
         for (at, border), end in zip(found, ends, strict=True):
             middle = start + 0.5 * self.direction * (at + end)
             places = self.places(middle)
@@ -173,7 +173,7 @@ class Plan(NamedTuple):
     """
 
     segments: tuple[Segment, ...]
-    events: Mapping[int, Event | Release]
+    events: Mapping[int, MotionEvent]
     knots: Array
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...common.errors import PinpressError
+from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
 from ...drives.protocol import corners_of
 from ...kinematics.motion import Motion, motion_through_change_points
@@ -19,6 +19,7 @@ from ..solvers import SimulationProblem
 from ..trajectory import Trajectory
 from .assembly import sprung_press
 from .description import Elastic
+from .drive_train import DriveTrain
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
 from .load_paths import LengthPath, load_path
@@ -103,15 +104,25 @@ def elastic_simulation(
     """
     if problem.method != "reduced" or problem.step is not None:
         raise PinpressError("an elastic motion has a method and steps of its own: leave out method and step")
-    angle, speed, until = float(problem.angle[0]), float(problem.speed[0]), problem.until
-    if speed == 0.0:
-        raise PinpressError("speed is 0: an elastic motion is that of a crank that turns; give its speed at the start [rad/s]")
-    task, start = _task(problem.driven, elastic, speed, angle, problem.tolerance, steady=False)
-    if problem.driven.prescribed is None:
-        task = _free(task, None)
+    driven, angle, begins, until = problem.driven, float(problem.angle[0]), float(problem.speed[0]), problem.until
+    speed = begins or _speed_ahead(driven)
+    task, start = _task(driven, elastic, speed, angle, problem.tolerance, steady=False)
+    if driven.prescribed is None:
+        task = _free(task, None)._replace(begins=begins / speed)
     solution = march(task, start, resting(task, start), until, progress=progress)
     segment = ElasticSegment(solution, 0.0, until, task.gain, angle)
     return elastic_run(replace(problem, method="elastic"), segment, elastic, state_count(points, segment.travelled / (2 * np.pi)), began)
+
+
+def _speed_ahead(driven: DrivenPress) -> float:
+    """Speed with which a crank that stands will turn: that of the flywheel, which its clutch lets turn before it [rad/s]."""
+    flywheel = driven.flywheel
+    if driven.clutch is None or flywheel is None or not flywheel.speed:
+        raise PinpressError(
+            "speed is 0: an elastic motion is that of a crank that turns; give its speed at the start [rad/s], or a clutch that takes it"
+            " along, and a Flywheel with its own speed"
+        )
+    return flywheel.speed
 
 
 def _task(driven: DrivenPress, elastic: Elastic, speed: float, angle: float, tolerance: float, steady: bool) -> tuple[Task, float]:
@@ -163,7 +174,7 @@ def _contacts(driven: DrivenPress, sprung: SprungPress) -> tuple[GeneralizedForc
 
 def _free(task: Task, period: Trajectory | None) -> Task:
     """The task of a crank that its drive turns; ``period``: of the rigid press under it, None: it is not known."""
-    equations, held = task.equations, task.equations.crank
+    equations, held, train = task.equations, task.equations.crank, DriveTrain(task.equations.driven)
     assert held is not None
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
@@ -172,12 +183,15 @@ def _free(task: Task, period: Trajectory | None) -> Task:
         else:
             sample = period.at(times)
             angle, speed, acceleration = sample.position[0], sample.speed[0], sample.acceleration[0]
-        return _rigid_states(equations.sprung, motion_through_change_points(equations.sprung.press, angle, speed, acceleration))
+        found = _rigid_states(equations.sprung, motion_through_change_points(equations.sprung.press, angle, speed, acceleration))
+        y, v, a = (np.pad(each, ((0, 0), (train.count, 0))) for each in found)
+        return y, v, a
 
     until = task.period if period is None else period.segments[-1].end
     speed = held.speed * task.period / until
     gain = _gain(*rigid(np.array([0.0, until]))[0])
-    return task._replace(equations=replace(equations, crank=None), rigid=rigid, period=until, speed=speed, gain=gain)
+    equations = replace(equations, crank=None, train=train, direction=1 if speed > 0 else -1)
+    return task._replace(equations=equations, rigid=rigid, period=until, speed=speed, gain=gain)
 
 
 def _rigid_states(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, Array]:
@@ -203,15 +217,16 @@ def _refuse_soft(press: Linkage, deflection: float) -> None:
 
 
 def _refuse_unsuitable(driven: DrivenPress, elastic: Elastic) -> None:
+    if not isinstance(elastic, Elastic):
+        raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
     if driven.friction is not None:
         raise PinpressError("an elastic motion has no friction: leave it out")
-    for name, part in (("clutch", driven.clutch), ("brake", driven.brake)):
-        if part is not None:
-            raise PinpressError(f"an elastic motion has no {name}: begin it with the speed that the press has once it is engaged")
+    if elastic.stiffness.shaft is not None and driven.clutch is not None:
+        raise PinpressError("a shaft that twists has no clutch at its end, whose driven side would have no inertia: leave out one of them")
     drive = driven.drive
     if drive is not None and drive.state:
         raise PinpressError("an elastic motion takes no drive with states of its own: let its torque depend on speed, angle and time alone")
     if drive is not None and any(jump and np.any(speed) for speed, jump in corners_of(drive)):
         raise PinpressError("an elastic motion takes no drive whose torque jumps at a speed: give it a slope there")
-    if isinstance(elastic, Elastic) and elastic.stiffness.shaft is not None and driven.prescribed is None and not driven.inertia > 0:
+    if elastic.stiffness.shaft is not None and driven.prescribed is None and not driven.inertia > 0:
         raise PinpressError("a shaft that twists needs an inertia on its drive's side: give a flywheel, or a drive with inertia")

@@ -60,6 +60,7 @@ class Task(NamedTuple):
         speed: of the crank, its mean over a period [rad/s].
         gain: (2 f,) what coordinates and rates have gained after a period.
         tolerance: error of a coordinate [m or rad].
+        begins: speed of the crank at the start by ``speed``.
     """
 
     equations: ElasticEquations
@@ -69,6 +70,7 @@ class Task(NamedTuple):
     speed: float
     gain: Array
     tolerance: float
+    begins: float = 1.0
 
     def times(self, travelled: Array) -> Array:
         """Times (n,) at which the rigid press has turned its crank so far (n,) [s]."""
