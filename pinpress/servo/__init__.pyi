@@ -3,10 +3,16 @@ from .laws import MotionLaw as MotionLaw
 from .laws import vdi_law as vdi_law
 from .motion import ServoMotion as ServoMotion
 from .motion import evaluate as evaluate
+from .motors import CatalogueMotor as CatalogueMotor
+from .motors import MotorUtilisation as MotorUtilisation
+from .motors import motor_use as motor_use
+from .motors import read_motors as read_motors
 from .paths import Pendulum as Pendulum
 from .paths import Pulse as Pulse
 from .paths import Stop as Stop
 from .paths import Turn as Turn
+from .sizing import EnergyStore as EnergyStore
+from .sizing import capacitor as capacitor
 from .stroke_laws import constant_crank_speed as constant_crank_speed
 from .stroke_laws import constant_slide_speed as constant_slide_speed
 from .stroke_laws import motion_by_law as motion_by_law

@@ -54,6 +54,8 @@ MADE |= {
     "PermissibleSpeed",
     "ServoMotion",
     "MotionLaw",
+    "MotorUtilisation",
+    "EnergyStore",
     "SweepTable",
     "SynthesisResult",
 }

@@ -64,6 +64,9 @@ def reactions():
     )
 
 
+MOTOR = pp.servo.CatalogueMotor("short", 0.1, [0.0, 200.0], [100.0, 50.0], [500.0, 400.0])
+
+
 @cache
 def served():
     time = np.linspace(0.0, 1.0, 25)
@@ -280,6 +283,9 @@ def made():
             pp.servo.Pulse((0.02, 0.0)),
             served(),
             pp.servo.vdi_law("3-4-5"),
+            pp.servo.capacitor(served()),
+            MOTOR,
+            pp.servo.motor_use(MOTOR, served()),
         ),
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
         foundation.over_speeds(mounted(), [5.0, SPEED], points={"head": (0.0, 0.0, 1.0)}),
@@ -342,6 +348,7 @@ DESCRIPTIONS = {
     "Criterion",
     "Mount",
     "OperatingCondition",
+    "CatalogueMotor",
     "ServoDrive",
     "Parameter",
     "Parts",

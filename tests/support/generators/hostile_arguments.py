@@ -133,6 +133,16 @@ def servo_cycle() -> dict[str, Any]:
     return {"press": press(), "drive": drive, "loads": [], "time": 0.5, "path": pp.servo.Turn(), "points": 48}
 
 
+def catalogue_numbers() -> dict[str, Any]:
+    curves = {"speed": [0.0, 100.0, 200.0], "rated_torque": [30.0, 28.0, 14.0], "peak_torque": [80.0, 80.0, 40.0]}
+    return {"name": "short", "inertia": 0.1, **curves, "copper": 0.01}
+
+
+@cache
+def served() -> pp.servo.ServoMotion:
+    return pp.servo.constant_crank_speed(**servo_cycle())
+
+
 def servo_window() -> dict[str, Any]:
     return {"slide_speed": 0.1, "heights": (0.01, 0.0)}
 
@@ -401,6 +411,14 @@ def calls() -> dict[str, Call]:
         ("servo.constant_slide_speed", pp.servo.constant_slide_speed, lambda: servo_cycle() | servo_window()),
         ("servo.motion_by_law", pp.servo.motion_by_law, lambda: servo_cycle() | {"law": "cubic", "path": pp.servo.Stop(0.1)}),
         ("servo.ready_motions", pp.servo.ready_motions, lambda: servo_cycle() | servo_window()),
+        ("servo.CatalogueMotor", pp.servo.CatalogueMotor, catalogue_numbers),
+        (
+            "servo.motor_use",
+            pp.servo.motor_use,
+            lambda: {"motor": pp.servo.CatalogueMotor(**catalogue_numbers()), "motion": served(), "pause": 0.1},
+        ),
+        ("servo.read_motors", pp.servo.read_motors, lambda: {"path": FOLDER / "motors.csv"}),
+        ("servo.capacitor", pp.servo.capacitor, lambda: {"motion": served(), "upper_voltage": 700.0, "lower_voltage": 400.0}),
         (
             "servo.evaluate",
             pp.servo.evaluate,

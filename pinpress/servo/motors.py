@@ -1,0 +1,268 @@
+"""Servo motors as a catalogue describes them, by their curves of torque over speed; and how much of them a motion uses.
+
+A catalogue is a CSV file with a row for each point of a motor's curves, in the order of the speed; a motor's rows follow one another:
+
+    motor, inertia [kg m2], copper loss [W/(N m)2], speed [r/min], rated torque [N m], peak torque [N m]
+    example 300, 0.31, 0.012, 0, 300, 800
+    example 300, 0.31, 0.012, 1500, 270, 800
+    example 300, 0.31, 0.012, 2500, 160, 420
+
+The rated torque is the permanent one (S1). Between the points the curves are straight; the last is at the highest speed.
+"""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..common import files
+from ..common.arguments import expect, number, typed
+from ..common.errors import PinpressError, shown, suggestion
+from ..common.parameters import Checked, parameter, set_field
+from ..common.quantities import RPM, Array
+from ..common.results import Record
+from .drive import ServoDrive
+from .motion import ServoMotion
+
+HEADS = {
+    "motor": 1.0,
+    "inertia [kg m2]": 1.0,
+    "copper loss [W/(N m)2]": 1.0,
+    "speed [r/min]": RPM,
+    "rated torque [N m]": 1.0,
+    "peak torque [N m]": 1.0,
+}
+LARGEST_FILE = 10**7  # bytes
+ALIKE = 1e-9  # share by which inertias of one motor may differ
+
+
+@dataclass(frozen=True)
+class CatalogueMotor(Checked):
+    """A servo motor as a catalogue describes it.
+
+    Attributes:
+        name: its name.
+        inertia: of the rotor [kg m2].
+        speed: (k,) rising speeds from 0 to the highest, at which the torques are given [rad/s].
+        rated_torque: (k,) permanent torques (S1) [N m].
+        peak_torque: (k,) largest torques [N m].
+        copper: heat in the windings by the torque's square [W/(N m)2].
+
+    Raises:
+        PinpressError: the columns differ in length, speeds do not rise from 0, or a rated torque is above the peak.
+    """
+
+    name: str
+    inertia: float = field(metadata=parameter("kg m2", "positive"))
+    speed: Sequence[float] | Array = field(metadata=parameter("rad/s", "not negative", axes=1))
+    rated_torque: Sequence[float] | Array = field(metadata=parameter("N m", "positive", axes=1))
+    peak_torque: Sequence[float] | Array = field(metadata=parameter("N m", "positive", axes=1))
+    copper: float = field(default=0.0, metadata=parameter("W/(N m)2", "not negative"))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.name, str) or not self.name:
+            raise PinpressError(f"CatalogueMotor: name is {shown(self.name)}; give some words")
+        speed, rated, peak = (np.asarray(each) for each in (self.speed, self.rated_torque, self.peak_torque))
+        if len({len(speed), len(rated), len(peak)}) > 1:
+            raise PinpressError(f"{self.name}: {len(speed)} speeds, {len(rated)} rated, {len(peak)} peak torques; give one at each")
+        if len(speed) < 2 or speed[0] != 0 or not np.all(np.diff(speed) > 0):
+            raise PinpressError(f"{self.name}: give two or more speeds that rise from 0 to the highest speed [rad/s]")
+        if np.any(rated > peak):
+            k = int(np.argmax(rated > peak))
+            raise PinpressError(f"{self.name}: at {speed[k] / RPM:g} r/min the rated torque is above the peak torque; exchange them")
+        for name, column in (("speed", speed), ("rated_torque", rated), ("peak_torque", peak)):
+            set_field(self, name, tuple(column.tolist()))
+
+    @property
+    def top_speed(self) -> float:
+        """Highest speed [rad/s]."""
+        return float(self.speed[-1])
+
+    @property
+    def rated_power(self) -> float:
+        """Largest permanent power on the points of the curve [W]."""
+        return float(np.max(np.asarray(self.speed) * np.asarray(self.rated_torque)))
+
+    def rated_torque_at(self, speed: float | Array) -> Array:
+        """Permanent torque at speeds of any shape, both ways; beyond the highest speed that at it [N m]."""
+        return np.asarray(np.interp(np.abs(speed), self.speed, self.rated_torque))
+
+    def peak_torque_at(self, speed: float | Array) -> Array:
+        """Largest torque at speeds of any shape, both ways; beyond the highest speed that at it [N m]."""
+        return np.asarray(np.interp(np.abs(speed), self.speed, self.peak_torque))
+
+    def drive(self, ratio: float, *, up_to: float | None = None, gear_inertia: float = 0.0, regeneration: float = 1.0) -> ServoDrive:
+        """The motor behind a gear. A `ServoDrive` has one peak torque for all speeds, a catalogue's motor has a curve.
+
+        Args:
+            ratio: speed of the motor by speed of the crank.
+            up_to: speed of the motor to which the drive is limited, with the torque that the motor gives at all speeds up to it: every
+                motion of such a drive is below the curve. None: its highest speed and its largest torque, between which the curve may be
+                lower, see `motor_use` [rad/s].
+            gear_inertia: as of `ServoDrive` [kg m2].
+            regeneration: as of `ServoDrive`.
+
+        Raises:
+            PinpressError: a number is not as described.
+        """
+        top, peak = self.top_speed, max(self.peak_torque)
+        if up_to is not None:
+            top = min(number("up_to", up_to, "rad/s", positive=True), self.top_speed)
+            peak = min(float(self.peak_torque_at(top)), *(p for n, p in zip(self.speed, self.peak_torque, strict=True) if n <= top))
+        return ServoDrive(
+            inertia=self.inertia,
+            ratio=ratio,
+            peak_torque=float(peak),
+            rated_torque=float(self.rated_torque[0]),
+            top_speed=top,
+            copper=self.copper,
+            gear_inertia=gear_inertia,
+            regeneration=regeneration,
+        )
+
+
+@dataclass(frozen=True, repr=False)
+class MotorUtilisation(
+    Record,
+    units={
+        "rms_torque": "N m",
+        "mean_speed": "rad/s",
+        "rated_torque": "N m",
+        "thermal": "-",
+        "peak": "-",
+        "peak_angle": "rad",
+        "speed": "-",
+    },
+):
+    """How much of a motor a motion uses, at its own shaft.
+
+    Attributes:
+        motor: name of the motor.
+        ratio: of its gear.
+        rms_torque: root mean square of the torque over cycle and pause [N m].
+        mean_speed: mean size of the speed over cycle and pause [rad/s].
+        rated_torque: permanent torque at this speed (S1) [N m].
+        thermal: rms torque as a share of the rated torque [-].
+        peak: largest torque as a share of the peak torque at its speed [-].
+        peak_angle: crank angle where that is [rad].
+        speed: largest speed as a share of the motor's highest [-].
+    """
+
+    motor: str
+    ratio: float
+    rms_torque: float
+    mean_speed: float
+    rated_torque: float
+    thermal: float
+    peak: float
+    peak_angle: float
+    speed: float
+
+    @property
+    def suffices(self) -> bool:
+        """Whether the motor can do the motion for ever: no share is above 1."""
+        return max(self.thermal, self.peak, self.speed) <= 1
+
+
+@typed
+def motor_use(motor: CatalogueMotor, motion: ServoMotion, *, pause: float = 0.0) -> MotorUtilisation:
+    """How much of a motor a motion uses: of its permanent torque, of its peak torque at every speed, of its highest speed.
+
+    The root mean square of the torque over cycle and pause (duty S3) is compared with the permanent torque at the mean speed, as makers of
+    motors do.
+
+    Args:
+        motor: the motor.
+        motion: a motion of a drive with this motor, see `CatalogueMotor.drive`; its torque includes that of the rotor.
+        pause: time after each cycle in which the motor carries no current, for instance under a brake [s].
+
+    Raises:
+        PinpressError: the motion is that of a drive with another rotor, or the pause is negative.
+    """
+    expect("motor", motor, CatalogueMotor, "servo.CatalogueMotor or read_motors")
+    expect("motion", motion, ServoMotion, "servo.evaluate or best_motion")
+    if abs(motion.drive.inertia - motor.inertia) > ALIKE * motor.inertia:
+        raise PinpressError(
+            f"motion is that of a drive whose rotor has {motion.drive.inertia:g} kg m2, and {motor.name} has {motor.inertia:g}: give a"
+            " motion of motor.drive(ratio)"
+        )
+    idle = number("pause", pause, "s")
+    if idle < 0:
+        raise PinpressError(f"pause is {idle:g} s: give 0 or more")
+    duty, size, torque = motion.duration + idle, np.abs(motion.motor_speed), np.abs(motion.motor_torque)
+    rms, mean = math.sqrt(motion.heat / duty) / motion.drive.ratio, float(motion.weight @ size) / duty
+    rated, used = float(motor.rated_torque_at(mean)), torque / motor.peak_torque_at(size)
+    k = int(used.argmax())
+    return MotorUtilisation(
+        motor.name,
+        motion.drive.ratio,
+        rms,
+        mean,
+        rated,
+        rms / rated,
+        float(used[k]),
+        float(motion.angle[k]),
+        float(size.max()) / motor.top_speed,
+    )
+
+
+def read_motors(path: str | os.PathLike[str]) -> tuple[CatalogueMotor, ...]:
+    """The motors of a catalogue, a CSV file as the module describes it: a row for each point of a motor's curves, under these heads.
+
+        motor, inertia [kg m2], copper loss [W/(N m)2], speed [r/min], rated torque [N m], peak torque [N m]
+
+    Raises:
+        PinpressError: the file cannot be read, is no such table, or describes no motor; with the row.
+    """
+    name = files.path_of("path", path)
+    wanted = f"give a CSV file with the heads {', '.join(HEADS)}"
+    try:
+        text = files.read(name, LARGEST_FILE).decode("utf-8-sig")
+        rows = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)]
+    except (OSError, ValueError, csv.Error) as error:
+        reason = files.reason(error) if isinstance(error, OSError) else "it is no table"
+        raise PinpressError(f"{name} cannot be read ({reason}): {wanted}") from None
+    if not rows:
+        raise PinpressError(f"{name} is empty: {wanted}")
+    heads, *points = rows
+    for head in HEADS:
+        if head not in heads:
+            raise PinpressError(f"{name}: no column {head!r}{suggestion(head, heads)}; {wanted}")
+    read = [_point(name, k, dict(zip(heads, row, strict=False))) for k, row in enumerate(points, 2)]
+    motors = []
+    for motor, group in itertools.groupby(read, key=lambda point: point[0]):
+        _, inertia, copper, speed, rated, peak = zip(*group, strict=True)
+        for head, column in (("inertia", inertia), ("copper loss", copper)):
+            if len(set(column)) > 1:
+                raise PinpressError(f"{name}: {motor} has several values of its {head}: give the same in all its rows")
+        try:
+            motors.append(CatalogueMotor(motor, inertia[0], speed, rated, peak, copper[0]))
+        except PinpressError as error:
+            raise PinpressError(f"{name}: {error}") from None
+    names = [motor.name for motor in motors]
+    if twice := sorted({each for each in names if names.count(each) > 1}):
+        raise PinpressError(f"{name}: the rows of {twice[0]} do not follow one another: put them together")
+    if not motors:
+        raise PinpressError(f"{name} has no row under its heads: {wanted}")
+    return tuple(motors)
+
+
+def _point(name: str, row: int, cells: dict[str, str]) -> tuple[str, float, float, float, float, float]:
+    motor, *values = (cells.get(head, "") for head in HEADS)
+    if not motor:
+        raise PinpressError(f"{name}: row {row} names no motor")
+    found = []
+    for head, value in zip(list(HEADS)[1:], values, strict=True):
+        try:
+            found.append(HEADS[head] * float(value))
+        except ValueError:
+            raise PinpressError(f"{name}: row {row}, {head}: {value!r} is no number; write decimals after a point") from None
+    inertia, copper, speed, rated, peak = found
+    return motor, inertia, copper, speed, rated, peak

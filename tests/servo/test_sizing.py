@@ -1,0 +1,111 @@
+"""Motors of a catalogue and what a motion uses of them; capacitors."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pinpress as pp
+from pinpress.servo import CatalogueMotor, ServoDrive
+
+CATALOGUE = Path(__file__).parents[2] / "docs/servo_motors.csv"
+MOTOR = CatalogueMotor("short", 0.5, [0.0, 100.0, 200.0], [300.0, 280.0, 140.0], [800.0, 800.0, 400.0], 0.01)
+
+
+def turning(drive, time=1.0, swing=0.4, states=4001):
+    """A light press whose crank swings in speed about a mean turn, so that the torque is that of the rotor alone."""
+    press = pp.load("crank_slide")
+    t = np.linspace(0.0, time, states)
+    rate = 2 * np.pi / time
+    return pp.servo.evaluate(
+        press,
+        drive,
+        time=t,
+        angle=rate * t - swing * np.sin(rate * t),
+        speed=rate - swing * rate * np.cos(rate * t),
+        acceleration=swing * rate**2 * np.sin(rate * t),
+    )
+
+
+def test_use_of_a_motor_is_that_of_its_curves():
+    drive = ServoDrive(inertia=0.5, ratio=10.0, gear_inertia=1e8)
+    rate, swing = 2 * np.pi, 0.4
+    motor = CatalogueMotor("great", 0.5, [0.0, 100.0, 200.0], [3e9, 2.8e9, 1.4e9], [8e9, 8e9, 4e9])
+    use = pp.servo.motor_use(motor, turning(drive), pause=0.5)
+    torque = drive.crank_inertia * swing * rate**2 / 10.0
+    assert use.rms_torque == pytest.approx(torque / np.sqrt(2) * np.sqrt(1 / 1.5), rel=1e-5)
+    assert use.mean_speed == pytest.approx(10 * rate / 1.5, rel=1e-6)
+    assert use.thermal == pytest.approx(use.rms_torque / (3e9 - 2e6 * use.mean_speed), rel=1e-12)
+    assert use.peak == pytest.approx(torque / 8e9, rel=1e-5)
+    assert use.speed == pytest.approx(10 * 1.4 * rate / 200.0, rel=1e-6)
+    assert use.suffices
+
+
+def test_the_peak_is_looked_for_over_the_whole_curve():
+    torque = np.interp(150.0, [100.0, 200.0], [800.0, 400.0])
+    assert MOTOR.peak_torque_at([-150.0, 150.0, 0.0]).tolist() == [torque, torque, 800.0]
+    assert MOTOR.rated_torque_at(50.0) == pytest.approx(290.0)
+    assert MOTOR.rated_power == 28e3
+
+
+def test_a_limited_drive_is_below_the_curve():
+    whole, part, most = MOTOR.drive(20.0), MOTOR.drive(20.0, up_to=150.0), MOTOR.drive(20.0, up_to=900.0)
+    assert (whole.top_speed, whole.peak_torque) == (200.0, 800.0)
+    assert (part.top_speed, part.peak_torque) == (150.0, 600.0)
+    assert (most.top_speed, most.peak_torque) == (200.0, 400.0)
+    assert (part.inertia, part.copper, part.rated_torque) == (0.5, 0.01, 300.0)
+
+
+def test_capacitor_of_a_rotor_that_swings():
+    # power = J w' w, whose energy is J w^2/2: the swing is that of the kinetic energy
+    drive = ServoDrive(inertia=1e7)
+    found = pp.servo.capacitor(turning(drive), 700.0, 500.0)
+    rate = 2 * np.pi
+    swing = 0.5 * 1e7 * rate**2 * (1.4**2 - 0.6**2)
+    assert found.energy_swing == pytest.approx(swing, rel=1e-5)
+    assert found.capacitance == pytest.approx(2 * swing / (700.0**2 - 500.0**2), rel=1e-5)
+    assert found.mean_power == pytest.approx(0.0, abs=1e-4 * found.peak_power)
+
+
+def test_the_example_catalogue_is_read():
+    motors = pp.servo.read_motors(CATALOGUE)
+    assert [motor.name for motor in motors] == [f"example {size}" for size in (150, 300, 500, 800, 1200, 1800)]
+    assert motors[3].speed == pytest.approx([0.0, 1200 * pp.RPM, 2000 * pp.RPM])
+    assert (motors[3].inertia, motors[3].copper, motors[3].rated_torque[1], motors[3].peak_torque[2]) == (1.5, 0.0048, 720.0, 1150.0)
+    powers = [motor.rated_power for motor in motors]
+    assert powers == sorted(powers)
+
+
+HEAD = "motor,inertia [kg m2],copper loss [W/(N m)2],speed [r/min],rated torque [N m],peak torque [N m]\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("", "is empty"),
+        ("motor,speed\n", r"no column 'inertia \[kg m2\]'"),
+        (HEAD, "has no row under its heads"),
+        (HEAD + "a,1,0,0,10,20\na,1,0,zero,10,20\n", r"row 3, speed \[r/min\]: 'zero' is no number"),
+        (HEAD + "a,1,0,0,10,20\na,2,0,100,10,20\n", "a has several values of its inertia"),
+        (HEAD + "a,1,0,0,30,20\na,1,0,100,10,20\n", "at 0 r/min the rated torque is above the peak torque"),
+        (HEAD + "a,1,0,5,10,20\na,1,0,100,10,20\n", "speeds that rise from 0"),
+        (HEAD + "a,1,0,0,10,20\n", "two or more speeds"),
+        (HEAD + "a,1,0,0,9,9\na,1,0,9,9,9\nb,1,0,0,9,9\nb,1,0,9,9,9\na,1,0,0,9,9\na,1,0,9,9,9\n", "do not follow one another"),
+        (HEAD + ",1,0,0,10,20\n", "row 2 names no motor"),
+    ],
+)
+def test_what_is_no_catalogue_is_refused(content, words, tmp_path):
+    path = tmp_path / "motors.csv"
+    path.write_text(content)
+    with pytest.raises(pp.PinpressError, match=words):
+        pp.servo.read_motors(path)
+
+
+def test_a_motion_of_another_rotor_and_voltages_the_wrong_way_round_are_refused():
+    motion = turning(ServoDrive(inertia=3.0), states=41)
+    with pytest.raises(pp.PinpressError, match=r"whose rotor has 3 kg m2, and short has 0\.5"):
+        pp.servo.motor_use(MOTOR, motion)
+    with pytest.raises(pp.PinpressError, match="not above the lower_voltage"):
+        pp.servo.capacitor(motion, 400.0, 500.0)
+    with pytest.raises(pp.PinpressError, match=r"missing\.csv cannot be read"):
+        pp.servo.read_motors("missing.csv")
