@@ -113,16 +113,18 @@ class AskedDrive(Asked):
             for law in ("torque", "motor_torque", "motor_speed")
         }
 
-    def _rates(self, *at: Any) -> list[float]:
+    def _rates(self, *at: Any) -> list[Any]:
+        shape = np.shape(at[0])
         try:
             with np.errstate(**self.errors):
                 rates = self.part.rates(*at)
-            numbers = np.asarray(list(rates), dtype=float)
+            numbers = np.array([np.broadcast_to(np.asarray(rate, dtype=float), shape) for rate in rates]).reshape(-1, *shape)
         except Exception as error:
-            raise LawError(f"{name_of(self)}: rates cannot be worked out: {said(error)}") from error
-        if numbers.shape != (len(self.state),) or not (np.isfinite(numbers).all() or not np.isfinite(at[0])):
+            one_by_one = "; let it work element by element, as NumPy's functions do" if shape else ""
+            raise LawError(f"{name_of(self)}: rates cannot be worked out: {said(error)}{one_by_one}") from error
+        if len(numbers) != len(self.state) or not (np.isfinite(numbers).all() or not np.isfinite(at[0]).all()):
             raise LawError(f"{name_of(self)}: rates is {shown(rates)}; give a finite rate of each of {len(self.state)} states")
-        return list(map(float, numbers))
+        return list(numbers) if shape else list(map(float, numbers))
 
 
 # ----------------------------------------------------------------------------------------------------------------------------- checked

@@ -102,8 +102,8 @@ def simulate(
             on through the lock.
         points: number of states returned; by default 120 a turn, and at least 120.
         elastic: springs and dampers of bearings, guides, rods, shaft and frame; None: all parts are rigid. The result is then an
-            `ElasticRun`, from a start at which the springs carry what acts on them, so that nothing rings yet. Drives
-            have no states of their own. The crank turns one way, or stands where a brake holds it; the method is "auto".
+            `ElasticRun`, from a start at which the springs carry what acts on them, so that nothing rings yet. The
+            crank turns one way, or stands where a brake holds it; the method is "auto".
         tolerance: error accepted of a step, relative to 1 rad and to the speeds of the crank, by default 1e-11. With ``elastic`` that of
             a coordinate on a panel, as a share of the largest displacement, by default 1e-5.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.

@@ -12,6 +12,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import DOP853, DenseOutput, OdeSolver
 from scipy.optimize import brentq
 
@@ -114,11 +115,7 @@ class TimeSegment:
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         system, size, integrals = self.system, self.system.dynamics.size, len(INTEGRALS)
-        owner = np.clip(np.array(self.times).searchsorted(times, side="left"), 0, len(self.times) - 1)
-        columns = np.empty((len(self.pieces[0](self.start)), len(times)))
-        for k in np.unique(owner).tolist():
-            mine = np.flatnonzero(owner == k)
-            columns[:, mine] = self.pieces[k](times[mine])
+        owner, columns = self._vectors(times)
         accelerations = np.empty((0, len(times)))
         if complete:
             columns[: 2 * size] = np.concatenate(system.dynamics.closed(columns[:size], columns[size : 2 * size]))
@@ -126,6 +123,19 @@ class TimeSegment:
             accelerations = np.array(rates).T[size : 2 * size]
         driving = system.driving(times, columns)
         return Sample(columns[:size], columns[size : 2 * size], accelerations, *driving, columns[-integrals:])
+
+    def drive_states(self, times: Array) -> Array:
+        """(k, n) states of the drive at times (n,) of a press without a clutch."""
+        return self._vectors(times)[1][2 * self.system.dynamics.size : -len(INTEGRALS)]
+
+    def _vectors(self, times: Array) -> tuple[NDArray[np.intp], Array]:
+        """Numbers (n,) of the pieces at times (n,), and the vectors (len(y), n) there."""
+        owner = np.clip(np.array(self.times).searchsorted(times, side="left"), 0, len(self.times) - 1)
+        columns = np.empty((len(self.pieces[0](self.start)), len(times)))
+        for k in np.unique(owner).tolist():
+            mine = np.flatnonzero(owner == k)
+            columns[:, mine] = self.pieces[k](times[mine])
+        return owner, columns
 
 
 class Settings(NamedTuple):

@@ -1,10 +1,12 @@
-"""Presses on springs behind clutch and brake: closed forms of two inertias, the rigid press, energy, and what happens when."""
+"""Presses on springs behind clutch and brake, and under drives with states or with torques that jump: closed forms of two inertias, the
+rigid press, energy, and what happens when."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
-from simulation.test_elastic_drives import SPEED, induction, jf75g, pendulum, springs
+from simulation.test_elastic_drives import BLANK, SPEED, induction, jf75g, pendulum, springs
 
 import pinpress as pp
 
@@ -81,3 +83,75 @@ def test_refused_of_couplings():
         pp.simulate(jf75g(), 0.1, **STROKE, elastic=springs(jf75g(), shaft=1e7))
     with pytest.raises(pp.PinpressError, match="Flywheel with its own speed"):
         pp.simulate(jf75g(), 0.1, flywheel=Flywheel(40.0), clutch=Clutch(1e3), elastic=springs(jf75g()))
+
+
+@dataclass(frozen=True)
+class Controlled:
+    """A motor behind a lag, with a speed control that has an integral part: the mean speed is the one that is set."""
+
+    wanted: float
+    inertia = 0.5
+    state = (0.0, 0.0)
+    timed = True
+    rated_torque = None
+    corners = ()
+
+    def torque(self, speed, angle=0.0, time=0.0, state=()):
+        return state[0] + 0.0 * speed
+
+    def motor_torque(self, speed, angle=0.0, time=0.0, state=()):
+        return self.torque(speed, angle, time, state)
+
+    def rates(self, speed, angle=0.0, time=0.0, state=()):
+        error = self.wanted - speed
+        return (2000.0 * error + 20000.0 * state[1] - state[0]) / 0.01, error
+
+    def motor_speed(self, speed):
+        return speed
+
+
+def test_steady_state_of_a_drive_with_states():
+    run: Any = pp.steady_state(
+        jf75g(), SPEED, drive=Controlled(SPEED), flywheel=Flywheel(40.0), loads=[BLANK], elastic=springs(jf75g()), points=121
+    )
+    assert run.time[-1] == pytest.approx(2 * np.pi / SPEED, rel=1e-12)  # the integral of the error comes back
+    assert run.drive_torque[-1] == pytest.approx(run.drive_torque[0], rel=1e-9)
+    assert run.drive_work[-1] == pytest.approx(run.load_work[-1] + run.lost[-1], rel=1e-10)
+    assert run.decay_per_stroke < 1
+
+
+@dataclass(frozen=True)
+class Jumping(pp.drives.SpeedTorqueDrive):
+    """A torque that is larger above a speed."""
+
+    at: float
+    inertia = 0.5
+    rated_torque = None
+
+    @property
+    def corners(self):
+        return (pp.drives.Corner(self.at, jump=True),)
+
+    def torque(self, speed, angle=0.0, time=0.0, state=()):
+        return np.where(np.asarray(speed) < self.at, 300.0, 800.0) - 200 * (np.asarray(speed) - self.at)
+
+
+def servo(speed):
+    times = np.linspace(0.0, 0.1, 6)
+    return pp.drives.ServoMotor(times, 1.0 + speed * times, 2e5, 2e3, 1e5, inertia=1.0)
+
+
+@pytest.mark.parametrize(
+    ("drive", "torque"), [(Controlled(SPEED), 50.0), (Jumping(0.995 * SPEED), 20.0), (servo(SPEED), 50.0)], ids=["states", "jump", "servo"]
+)
+def test_drives_of_all_kinds_as_with_the_rigid_press(drive, torque):
+    given: Any = {"speed": 0.99 * SPEED, "angle": 1.0, "drive": drive, "flywheel": Flywheel(40.0), "points": 121}
+    rigid = pp.simulate(jf75g(), 0.07, **given)
+    run: Any = pp.simulate(jf75g(), 0.07, **given, elastic=springs(jf75g(), 2e10))
+    assert run.stats.energy_error < 1e-12
+    np.testing.assert_allclose(run.crank_speed, rigid.crank_speed, rtol=3e-3)
+    if isinstance(drive, Jumping):
+        passed = rigid.crank_angle[np.flatnonzero(np.diff(np.sign(rigid.crank_speed - drive.at)))]
+        assert [angle for _, angle, _ in run.events] == pytest.approx(passed, abs=0.02)
+    else:
+        np.testing.assert_allclose(run.drive_torque, rigid.drive_torque, atol=torque)

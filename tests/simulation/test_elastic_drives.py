@@ -161,7 +161,6 @@ def test_too_soft_and_unstable(monkeypatch):
         ({"speed": 0.0}, "crank that turns"),
         ({"method": "implicit"}, "leave out method"),
         ({"step": 1e-3}, "leave out method and step"),
-        ({"drive": pp.drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=0.1)}, "states of its own"),
         ({"flywheel": None, "elastic": "shaft"}, "inertia on its drive's side"),
     ],
 )

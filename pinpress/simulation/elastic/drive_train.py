@@ -25,6 +25,7 @@ from ..hybrid_system import HOLDING, OPEN, SLIPPING, CouplingMode, Side, couplin
 
 STEP = 1e-6  # share of a speed, angle or state by which slopes of the drive are found
 BESIDE = 1e-12  # share of a speed beside it at which a drive is asked on its own side
+SHARES = (0.0, 0.5, 1.0)  # of a speed, at which it is seen how large the states of a drive become
 SIDES: tuple[Side, ...] = ("clutch", "brake")
 
 
@@ -368,6 +369,34 @@ class DriveTrain:
                 v[self.slip] += v[-1]
             v[-1] = 0.0
         return mode.with_coupling(event.side, own._replace(grip=HOLDING)), v
+
+
+def drive_train(driven: DrivenPress, speed: float, period: float, displacement: float) -> DriveTrain:
+    """The drive train of a press.
+
+    Args:
+        driven: the press.
+        speed: of the crank, about [rad/s].
+        period: in which a state of the drive, as large as it becomes, changes its coordinate by ``displacement`` [s].
+        displacement: to which errors of coordinates are compared [m or rad].
+    """
+    if driven.drive is None:
+        return DriveTrain(driven)
+    sizes = _state_sizes(driven.drive, speed, period)
+    return DriveTrain(driven, tuple(displacement / (size * period) for size in sizes))
+
+
+def _state_sizes(drive: Drive, speed: float, period: float) -> list[float]:
+    """About how large the states of a drive become: as at its start, or where they settle at some speeds, or in a period."""
+    state, found = tuple(map(float, drive.state)), [abs(value) for value in drive.state]
+    for share in SHARES:
+        rates = drive.rates(share * speed, 0.0, 0.0, state)
+        for k in range(len(found)):
+            step = STEP * (abs(state[k]) or 1.0)
+            beside = drive.rates(share * speed, 0.0, 0.0, (*state[:k], state[k] + step, *state[k + 1 :]))
+            pace = max(abs(float(beside[k]) - float(rates[k])) / step, 1 / period)
+            found[k] = max(found[k], abs(float(rates[k])) / pace)
+    return [size or 1.0 for size in found]
 
 
 def _capacity(coupling: Coupling, mode: CouplingMode, time: Array) -> Array:

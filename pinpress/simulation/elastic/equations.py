@@ -7,7 +7,7 @@ the links ring, so that the direction of travel is that of the rigid press.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any, NamedTuple
@@ -123,6 +123,11 @@ class ElasticEquations:
     def own(self) -> int:
         """Number of coordinates of the drive train, which come before those of the bodies."""
         return 0 if self.train is None else self.train.count
+
+    @property
+    def integrals(self) -> Sequence[int]:
+        """Coordinates on which nothing depends, but on their rates: those of the drive's states."""
+        return range(0 if self.train is None else len(self.train.scale))
 
     @cached_property
     def mass(self) -> Array:
@@ -263,7 +268,7 @@ class ElasticEquations:
         if isinstance(event, Release):
             return self._contact_force(event.force, time, y, v)
         if isinstance(event, TrainEvent):
-            return self._train_event(event, time, y, v)
+            return self._train_event(event, knot, time, y, v)
         path, value = event
         if path == CRANK_ANGLE:
             gradient = np.zeros(2 * self.size)
@@ -296,23 +301,23 @@ class ElasticEquations:
 
     # ---------------------------------------------------------------------------------------------------------------------- drive train
 
-    def _train_event(self, event: TrainEvent, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
+    def _train_event(self, event: TrainEvent, knot: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
         """Margin of an event of the drive train, its gradient (2 size,) by state and rate, and its derivative by time."""
-        train, mode, last = self.train, self.mode(-1), np.full(1, len(self.segments) - 1)
+        train, mode = self.train, self.mode(knot - 1)
         assert train is not None
         times = time + INSTANT * np.arange(-1.0, 2.0)
         states, rates = np.tile(y, (3, 1)), np.tile(v, (3, 1))
         if event.kind != "slips":
             value = train.margin(event, mode, self.direction, times, states, rates, np.zeros(3))
             return float(value[1]), train.gradient(event, mode, self.direction, self.size), float(value[2] - value[0]) / (2 * INSTANT)
-        segments = np.repeat(last, 3)
+        segments = np.full(3, knot - 1)
         held, by_place, by_rate = self._held_torque(event, times, states, rates, segments)
         value = train.margin(event, mode, self.direction, times, states, rates, held)
         gradient = -np.sign(held[1]) * np.concatenate([by_place[1], by_rate[1]])
         return float(value[1]), gradient, float(value[2] - value[0]) / (2 * INSTANT)
 
     def held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array, segments: Indices) -> Array:
-        """Torque (n,) on the crank of the coupling that holds and may slip [N m]."""
+        """Torque (n,) on the crank of the coupling that holds and may slip [N m], in the mode of the only segment."""
         return self._held_torque(event, time, y, v, segments)[0]
 
     def _held_torque(self, event: TrainEvent, time: Array, y: Array, v: Array, segments: Indices) -> tuple[Array, Array, Array]:
@@ -322,8 +327,8 @@ class ElasticEquations:
         inverse = np.linalg.inv(self.mass)
         acceleration = [force @ inverse, -np.matmul(inverse, stiffness), -np.matmul(inverse, damping)]
         if event.side == "clutch":
-            torque, inertia = self.train.torque(self.mode(-1), time, y, v), self.train.inertia
-            slopes = self.train.torque_slopes(self.mode(-1), time, y, v)
+            torque, inertia = self.train.torque(self.mode(0), time, y, v), self.train.inertia
+            slopes = self.train.torque_slopes(self.mode(0), time, y, v)
             taken = [inertia * acceleration[0][:, -1], inertia * acceleration[1][:, -1], inertia * acceleration[2][:, -1]]
             return torque - taken[0], slopes.by_place - taken[1], slopes.by_rate - taken[2]
         force, stiffness, damping = self._all_forces(time, y, v, segments, held=False)

@@ -217,11 +217,13 @@ class Border(NamedTuple):
         periodic: whether it ends as it begins, but for ``gain``; else the first state is kept.
         gain: (2 f,) what the last state has more than the first one.
         free: knots whose times are free, each with an event.
+        kept: coordinates that begin where they are even so, as nothing depends on them.
     """
 
     periodic: bool
     gain: Array
     free: Sequence[int]
+    kept: Sequence[int] = ()
 
 
 def solve(equations: EquationsOfMotion, guess: PanelSolution, border: Border, tolerance: float, most: int) -> PanelSolution | None:
@@ -290,6 +292,9 @@ def _border_changes(equations: EquationsOfMotion, at: PanelSolution, border: Bor
     if border.periodic:
         matrix[: 2 * size] = carried[-1] - carried[0]
         right[: 2 * size] = -(at.states[-1] + alone[-1] - at.states[0] - border.gain)
+        for row in border.kept:
+            matrix[row], right[row] = 0.0, 0.0
+            matrix[row, row] = 1.0
     else:
         matrix[: 2 * size, : 2 * size] = np.eye(2 * size)
     for k, knot in enumerate(free):

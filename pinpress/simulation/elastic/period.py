@@ -14,6 +14,7 @@ import numpy as np
 
 from ...common.quantities import Array
 from ..failures import failure
+from .drive_train import TrainEvent, TrainMode
 from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent
 from .marching import cut_to, march, telling_steps
 from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
@@ -37,12 +38,17 @@ def periodic(task: Task, start: float) -> ElasticSolution:
     """
     plan = task.phases.planned(start)
     guess, tolerance = _rigid_guess(task, plan), LOOSE * task.tolerance
-    for _ in range(PLANS):
-        found = _refined(task._replace(tolerance=tolerance), start, plan, guess)
+    if task.equations.train is not None and task.equations.train.jumps:
+        rigid = ElasticSolution(replace(task.equations, segments=plan.segments, events=plan.events), guess, True, 0)
+        plan = _observed(task, rigid, start) or plan
+        guess = _replanned(plan, guess)
+    for attempt in range(PLANS):
+        near = attempt > 0 or not plan.jumps  # else the times at which the torque jumps are still those of the rigid press
+        found = _refined(task._replace(tolerance=tolerance), start, plan, guess, near)
         observed = None if found is None else _observed(task, found, start)
         if found is None or observed is None:
             break
-        if not _alike(observed, plan):
+        if not near or not _alike(observed, plan):
             plan, guess = observed, _replanned(observed, found.panels)
         elif tolerance == task.tolerance:
             return found
@@ -57,7 +63,8 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         depths.append(_deepest(followed))
         if stroke < 1:
             continue
-        plan = Plan(followed.equations.segments, followed.equations.events or {}, followed.panels.mesh.knots * abs(task.speed))
+        of, knots = followed.equations, followed.panels.mesh.knots * abs(task.speed)
+        plan = Plan(of.segments, of.events or {}, knots, of.modes)
         found = _refined(task, start, plan, followed.panels)
         observed = None if found is None else _observed(task, found, start)
         if found is not None and observed is not None and _alike(observed, plan):
@@ -84,14 +91,16 @@ def _period_ends(task: Task, start: float) -> tuple[float, float]:
     return PATIENCE * task.period, start + task.speed * task.period
 
 
-def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution) -> ElasticSolution | None:
-    """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails."""
+def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution, near: bool = True) -> ElasticSolution | None:
+    """The period with the events of a plan, on as many panels as it takes; None where Newton's method fails. Where the plan is not near,
+    the drive's torque jumps at the times that it says."""
     events: dict[int, MotionEvent] = dict(plan.events)
     if task.equations.crank is None:
         events[len(plan.segments)] = Event(CRANK_ANGLE, _period_ends(task, start)[1])
-    equations = replace(task.equations, segments=plan.segments, events=events)
+    equations = replace(task.equations, segments=plan.segments, modes=plan.modes, events=events)
     free = [knot for knot, event in events.items() if not _known(event) or equations.crank is None]
-    border = Border(True, task.gain, free)
+    free = [knot for knot in free if near or not isinstance(events[knot], TrainEvent)]
+    border = Border(True, task.gain, free, equations.integrals)
     for _ in range(ROUNDS):
         found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS)
         if found is None:
@@ -131,25 +140,32 @@ def _parted(mesh: Mesh, parts: Indices) -> Mesh:
 
 
 def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
-    """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach; None where
-    no border tells why."""
+    """The segments, with the times of their knots, in which forces act by the places that the paths of a motion really reach, and by the
+    speeds of the drive's shaft; None where no border tells why."""
     equations, mesh, phases = found.equations, found.panels.mesh, task.phases
     panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
     places, _, angles = places_on(equations, found.panels, panel, share)
+    beyond = _beyond_jumps(found, panel, share)
     times, ahead = mesh.start[panel] + share * mesh.length[panel], phases.turnings_ahead(start)
     turned, direction = np.searchsorted(ahead, np.abs(angles - start)), float(np.sign(task.speed))
     phase = phases.advanced(phases.begun(start + ASIDE * direction), places[0])
-    segments, knots, events = [phases.active(phase, places[0])], [float(mesh.knots[0])], {}
+    segments, knots = [phases.active(phase, places[0])], [float(mesh.knots[0])]
+    events: dict[int, MotionEvent] = {}
+    event: MotionEvent
+    modes, faster = [_mode(task, beyond[0])], beyond > 0
     telling = telling_steps(phases, places) | np.append(False, turned[1:] != turned[:-1])
-    for k in np.flatnonzero(telling):
+    for k in np.flatnonzero(telling | np.append(False, (faster[1:] != faster[:-1]).any(axis=1))):
         turning = start + direction * ahead[turned[k] - 1] if turned[k] != turned[k - 1] else None
         if turning is not None:
             phase = phases.begun(turning + direction * ASIDE)
         phase = phases.advanced(phase, places[k])
-        segment = phases.active(phase, places[k])
-        if segment == segments[-1]:
+        segment, mode = phases.active(phase, places[k]), _mode(task, beyond[k])
+        if segment == segments[-1] and mode == modes[-1]:
             continue
-        if turning is not None:
+        if mode != modes[-1]:
+            jump = int(np.argmax(faster[k] != faster[k - 1]))
+            share_before, event = beyond[k - 1, jump] / (beyond[k - 1, jump] - beyond[k, jump]), TrainEvent("jumps", number=jump)
+        elif turning is not None:
             share_before, event = (turning - angles[k - 1]) / (angles[k] - angles[k - 1]), Event(CRANK_ANGLE, turning)
         else:
             passed = [border for border in phases.borders if _between(places[k - 1, border.path], border.value, places[k, border.path])]
@@ -160,7 +176,23 @@ def _observed(task: Task, found: ElasticSolution, start: float) -> Plan | None:
         events[len(knots)] = event
         knots.append(float(times[k - 1] + share_before * (times[k] - times[k - 1])))
         segments.append(segment)
-    return Plan(tuple(segments), events, np.array([*knots, mesh.knots[-1]]))
+        modes.append(mode)
+    return Plan(tuple(segments), events, np.array([*knots, mesh.knots[-1]]), tuple(mode for mode in modes if mode is not None))
+
+
+def _beyond_jumps(found: ElasticSolution, panel: Indices, share: Array) -> Array:
+    """(n, jumps) by how much the drive's shaft is faster than the speeds at which its torque jumps [rad/s]."""
+    train = found.equations.train
+    if train is None or not train.jumps:
+        return np.zeros((len(panel), 0))
+    _, v, _ = found.panels.within(panel, share)
+    return np.asarray(train.shaft_speed(v)[:, None] - train.jumps)
+
+
+def _mode(task: Task, beyond: Array) -> TrainMode | None:
+    """Mode of a drive train beyond (jumps,) the speeds at which its torque jumps; None where the crank is held."""
+    train = task.equations.train
+    return None if train is None else train.engaged._replace(faster=tuple(bool(each > 0) for each in beyond))
 
 
 def _between(before: float, value: float, after: float) -> bool:
@@ -170,7 +202,9 @@ def _between(before: float, value: float, after: float) -> bool:
 def _alike(one: Plan, other: Plan) -> bool:
     """Whether the same forces act, from the same events on."""
     kinds = [[event.path for _, event in sorted(plan.events.items()) if isinstance(event, Event)] for plan in (one, other)]
-    return one.segments == other.segments and kinds[0] == kinds[1]
+    return (
+        one.segments == other.segments and kinds[0] == kinds[1] and [mode.faster for mode in one.modes] == [m.faster for m in other.modes]
+    )
 
 
 def _replanned(plan: Plan, near: PanelSolution) -> PanelSolution:

@@ -18,6 +18,7 @@ from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
 from ..reduced_model import COORDINATES, roots
+from .drive_train import TrainEvent, TrainMode
 from .equations import CRANK_ANGLE, INSTANT, Event, MotionEvent, Segment, TimeSpan
 
 ASIDE = 1e-9  # angle from the start within which an event belongs to the start [rad]
@@ -170,11 +171,18 @@ class Plan(NamedTuple):
         segments: the forces that act in each.
         events: what happens at each knot but the first and the last one.
         knots: how far the crank has turned at the knots [rad].
+        modes: of the drive train in each segment; (): it is engaged all the time, and its torque does not jump.
     """
 
     segments: tuple[Segment, ...]
     events: Mapping[int, MotionEvent]
     knots: Array
+    modes: tuple[TrainMode, ...] = ()
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the torque of the drive jumps."""
+        return any(isinstance(event, TrainEvent) for event in self.events.values())
 
 
 def _span(force: GeneralizedForce, time: float) -> TimeSpan:

@@ -9,7 +9,6 @@ import numpy as np
 
 from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
-from ...drives.protocol import corners_of
 from ...kinematics.motion import Motion, motion_through_change_points
 from ...linkage.linkage import Linkage
 from ..driven_press import DrivenPress, GeneralizedForce
@@ -19,7 +18,7 @@ from ..solvers import SimulationProblem
 from ..trajectory import Trajectory
 from .assembly import sprung_press
 from .description import Elastic
-from .drive_train import DriveTrain
+from .drive_train import drive_train
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
 from .load_paths import LengthPath, load_path
@@ -65,7 +64,7 @@ def elastic_steady_state(
         raise PinpressError(f"speed is {speed:g}, but the drive prescribes {driven.prescribed.speed:g} rad/s: give the same")
     task, start = _task(driven, elastic, speed, angle, tolerance, steady=True)
     if driven.prescribed is None:
-        task = _free(task, rigid_period(start))
+        task = _free(task, rigid_period(start), task.tolerance / tolerance)
     solution = periodic(task, start)
     if solution.decay > STABLE:
         raise failure("unstable stroke", decay=solution.decay)
@@ -108,7 +107,7 @@ def elastic_simulation(
     speed = begins or _speed_ahead(driven)
     task, start = _task(driven, elastic, speed, angle, problem.tolerance, steady=False)
     if driven.prescribed is None:
-        task = _free(task, None)._replace(begins=begins / speed)
+        task = _free(task, None, task.tolerance / problem.tolerance)._replace(begins=begins / speed)
     solution = march(task, start, resting(task, start), until, progress=progress)
     segment = ElasticSegment(solution, 0.0, until, task.gain, angle)
     return elastic_run(replace(problem, method="elastic"), segment, elastic, state_count(points, segment.travelled / (2 * np.pi)), began)
@@ -172,10 +171,18 @@ def _contacts(driven: DrivenPress, sprung: SprungPress) -> tuple[GeneralizedForc
     return tuple(found)
 
 
-def _free(task: Task, period: Trajectory | None) -> Task:
-    """The task of a crank that its drive turns; ``period``: of the rigid press under it, None: it is not known."""
-    equations, held, train = task.equations, task.equations.crank, DriveTrain(task.equations.driven)
+def _free(task: Task, period: Trajectory | None, displacement: float) -> Task:
+    """The task of a crank that its drive turns.
+
+    Args:
+        task: of the same crank at a constant speed.
+        period: of the rigid press under its drive; None: it is not known.
+        displacement: to which errors of coordinates are compared [m or rad].
+    """
+    equations, held, driven = task.equations, task.equations.crank, task.equations.driven
     assert held is not None
+    until = task.period if period is None else period.segments[-1].end
+    train = drive_train(driven, held.speed, until, displacement)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
         if period is None:
@@ -185,13 +192,30 @@ def _free(task: Task, period: Trajectory | None) -> Task:
             angle, speed, acceleration = sample.position[0], sample.speed[0], sample.acceleration[0]
         found = _rigid_states(equations.sprung, motion_through_change_points(equations.sprung.press, angle, speed, acceleration))
         y, v, a = (np.pad(each, ((0, 0), (train.count, 0))) for each in found)
+        if period is not None and train.scale:
+            states = _drive_states(period, times)
+            assert driven.drive is not None
+            v[:, : len(states)] = np.transpose(states) * train.scale
+            a[:, : len(states)] = np.transpose(np.array(driven.drive.rates(speed, angle, times, tuple(states)))) * train.scale
         return y, v, a
 
-    until = task.period if period is None else period.segments[-1].end
     speed = held.speed * task.period / until
     gain = _gain(*rigid(np.array([0.0, until]))[0])
     equations = replace(equations, crank=None, train=train, direction=1 if speed > 0 else -1)
     return task._replace(equations=equations, rigid=rigid, period=until, speed=speed, gain=gain)
+
+
+def _drive_states(period: Trajectory, times: Array) -> Array:
+    """(k, n) states of the drive at times (n,) of a period of the rigid press."""
+    from ..time_solver import TimeSegment  # imports SciPy's integrators
+
+    starts = np.array([segment.start for segment in period.segments])
+    owner = np.clip(starts.searchsorted(times, side="right") - 1, 0, len(starts) - 1)
+    parts = []
+    for k, segment in enumerate(period.segments):
+        assert isinstance(segment, TimeSegment)
+        parts.append(np.where(owner == k, segment.drive_states(np.clip(times, segment.start, segment.end)), 0.0))
+    return np.asarray(sum(parts))
 
 
 def _rigid_states(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, Array]:
@@ -223,10 +247,5 @@ def _refuse_unsuitable(driven: DrivenPress, elastic: Elastic) -> None:
         raise PinpressError("an elastic motion has no friction: leave it out")
     if elastic.stiffness.shaft is not None and driven.clutch is not None:
         raise PinpressError("a shaft that twists has no clutch at its end, whose driven side would have no inertia: leave out one of them")
-    drive = driven.drive
-    if drive is not None and drive.state:
-        raise PinpressError("an elastic motion takes no drive with states of its own: let its torque depend on speed, angle and time alone")
-    if drive is not None and any(jump and np.any(speed) for speed, jump in corners_of(drive)):
-        raise PinpressError("an elastic motion takes no drive whose torque jumps at a speed: give it a slope there")
     if elastic.stiffness.shaft is not None and driven.prescribed is None and not driven.inertia > 0:
         raise PinpressError("a shaft that twists needs an inertia on its drive's side: give a flywheel, or a drive with inertia")

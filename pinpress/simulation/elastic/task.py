@@ -46,7 +46,10 @@ class ElasticSolution:
     @property
     def decay(self) -> float:
         """Factor by which a disturbance shrinks in a period: the largest size of an eigenvalue of its passage [-]."""
-        return float(np.abs(np.linalg.eigvals(self.panels.passage)).max())
+        passage = self.panels.passage
+        for axis in (0, 1):
+            passage = np.delete(passage, self.equations.integrals, axis)
+        return float(np.abs(np.linalg.eigvals(passage)).max())
 
 
 class Task(NamedTuple):
