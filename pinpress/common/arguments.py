@@ -8,6 +8,7 @@ into nan. Here all these are refused, with the name of the argument.
 """
 
 import inspect
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
@@ -178,6 +179,8 @@ def suitable_numbers(
 def number(name: str, value: object, unit: str | None = None, *, positive: bool = False) -> float:
     """The argument as a finite number; raises PinpressError where it is none, or not ``positive`` as asked for. Quantities are turned into
     the unit."""
+    if type(value) is float and math.isfinite(value) and (value > 0 or not positive):
+        return value
     value = in_unit(name, value, unit)
     if positive:
         return float(suitable_numbers(name, value, "one finite number, positive", suits=lambda found: found > 0))

@@ -314,7 +314,7 @@ def driven_press(
     _refuse_other_parts(drive, flywheel, clutch, brake)
     if not press.driver_coordinates[0].turns:
         _refuse_parts_that_turn(press.driver, {"drive": drive, "flywheel": flywheel, "clutch": clutch, "brake": brake})
-    assert isinstance(drive, Drive | PrescribedSpeed | None)
+    assert isinstance(drive, None | PrescribedSpeed | Drive)  # the protocol last, because it looks for each of its members
     assert isinstance(flywheel, Flywheel | None)
     assert isinstance(clutch, Clutch | None)
     assert isinstance(brake, Brake | None)
@@ -346,7 +346,7 @@ def driven_press(
 
 def _refuse_other_parts(drive: object, flywheel: object, clutch: object, brake: object) -> None:
     """Raise PinpressError where a part is of the wrong kind, or clutch and brake have nothing to do."""
-    if drive is not None and not (isinstance(drive, Drive | PrescribedSpeed) and not isinstance(drive, type)):
+    if drive is not None and not (isinstance(drive, PrescribedSpeed | Drive) and not isinstance(drive, type)):
         raise PinpressError(f"drive is {shown(drive)}: give one of pinpress.drives, e.g. ConstantTorque(567.0) [N m]")
     for name, value, kind in (("flywheel", flywheel, Flywheel), ("clutch", clutch, Clutch), ("brake", brake, Brake)):
         if value is not None and not isinstance(value, kind):
@@ -407,10 +407,11 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
 
 def refuse_unlisted_loads(loads: object) -> None:
     """Raise PinpressError where loads are no list."""
+    if isinstance(loads, list | tuple):
+        return
     if isinstance(loads, Load) and not isinstance(loads, type):
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
-    if not isinstance(loads, list | tuple):
-        raise PinpressError(f"loads is {shown(loads)}: give a list, loads=[...]")
+    raise PinpressError(f"loads is {shown(loads)}: give a list, loads=[...]")
 
 
 def _of_loads(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate], list[GeneralizedForce]]":

@@ -42,7 +42,7 @@ def asked_drive(drive: Any, speed: float) -> Any:
     """A drive for a run that begins with about this crank speed: a caller's own drive as an `AskedDrive`, anything else as it is."""
     if isinstance(drive, Mapping):
         return {joint: asked_drive(one, speed) for joint, one in drive.items()}
-    if _is_known(drive) or isinstance(drive, type) or not isinstance(drive, Drive):
+    if drive is None or _is_known(drive) or isinstance(drive, type) or not isinstance(drive, Drive):
         return drive
     return AskedDrive(drive, np.geterr(), max(abs(speed), LEAST))
 

@@ -164,7 +164,7 @@ def _over_angle(driven: DrivenPress, angle: float, speed: float, tolerance: floa
 
 def _found_nearby(driven: DrivenPress, mesh: Mesh, speed: float, tolerance: float) -> CollocationSolution | None:
     """The periodic solution from few speeds about the given one; None where it takes a search among all speeds."""
-    tried = collocation.solve(driven, mesh, _energies(driven, mesh, speed * NEARBY))
+    tried = collocation.solve(driven, mesh, _energies(driven, mesh, speed * NEARBY), roughly=True)
     bounds = _bounds(tried, speed * NEARBY, speed)
     if bounds is None or tried.speed_free:  # at speeds further off a force may depend on the speed
         return None

@@ -118,6 +118,8 @@ class Trajectory:
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         """States at rising times (n,); if not ``complete``, without accelerations, and with loops not closed again."""
+        if len(self.segments) == 1 and complete:
+            return self.segments[0].at(times)
         starts = np.array([segment.start for segment in self.segments])
         owner = np.clip(starts.searchsorted(times, side="right") - 1, 0, len(starts) - 1)
         cuts = np.flatnonzero(np.diff(owner)) + 1

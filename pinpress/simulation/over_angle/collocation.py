@@ -25,6 +25,7 @@ ROUNDS = 30  # most rounds of Newton's method
 # shares of a run's tolerance that do, if larger.
 SETTLED, FORESEEN = 1e-10, 1e-15
 NEARLY_SETTLED, NEARLY_FORESEEN = 1e-2, 1e-4
+ROUGHLY = 1e-4  # relative change that ends it where a solution only has to tell where to look for another
 FLOOR = 1e-6  # share of the first kinetic energy: no speed is computed from less
 STIFF = 2.0  # where the energy changes the force by more over half a panel, the panel's own linear equations are solved
 CLOSE = 1e-3  # relative change of the kinetic energy in a round from which on the slopes of the forces are kept
@@ -115,6 +116,7 @@ def solve(
     *,
     beside: CollocationSolution | None = None,
     periodic: bool = False,
+    roughly: bool = False,
 ) -> CollocationSolution:
     """Find the kinetic energy over a mesh.
 
@@ -125,6 +127,7 @@ def solve(
         guess: (q, p, S) kinetic energy from which Newton's method starts; None: ``energy`` everywhere.
         beside: a solution over the same mesh, near which Newton's method starts in place of a guess.
         periodic: whether the motion has to end with the energy with which it begins; ``energy`` is then near it.
+        roughly: whether a solution to `ROUGHLY` serves.
 
     Raises:
         SimulationError: the inertia is not positive everywhere.
@@ -136,7 +139,10 @@ def solve(
         work, moved = beside.started_with(energy)
         return _Newton(driven, mesh, inertia, energy, work, periodic).solve(work, beside.growth, moved)
     work = np.broadcast_to(energy, (*mesh.angle.shape, len(energy))) if guess is None else guess
-    return _Newton(driven, mesh, inertia, energy, work, periodic).solve(work)
+    newton = _Newton(driven, mesh, inertia, energy, work, periodic)
+    if roughly:
+        newton.ending = ROUGHLY, ROUGHLY**2
+    return newton.solve(work)
 
 
 def _inertia(driven: DrivenPress, mesh: Mesh) -> Array:
@@ -237,7 +243,7 @@ class _Newton:
         """
         settled, foreseen = self.ending
         if growth.within is None:  # a stiff drive's torque changes with the last digit of the speed
-            return moved <= settled and moved >= 0.5 * before
+            return moved <= settled and (moved >= 0.5 * before or moved <= foreseen)
         return moved <= settled or moved * moved <= foreseen * before
 
     def _limited(self, work: Array, before: Array, above: Array) -> tuple[Array, Array]:

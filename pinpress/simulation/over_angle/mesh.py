@@ -167,7 +167,7 @@ def repeated(mesh: Mesh, periods: int) -> Mesh:
     begun = np.repeat(period * np.arange(periods), count)
 
     def again(values: Array) -> Array:
-        return np.tile(values, periods)
+        return np.concatenate([values] * periods, axis=-1)
 
     def at_borders(values: Array) -> Array:
         return np.concatenate([again(values[..., :-1]), values[..., -1:]], axis=-1)
