@@ -360,11 +360,11 @@ class BatchSolver:
 
     def _advance(self, solution: CollocationSolution, passed: Array, going: Mask, until: float) -> None:
         """Store the states and works of a period, and go to its end."""
-        forces = self.drive_and_loads(solution)
+        forces = [(k, force, panel_integrals(solution, force)) for k, force in self.drive_and_loads(solution)]
         self._fill(solution, passed, going, until, forces)
         through = going & (passed[-1] < until)
-        for k, force in forces:
-            self.works[k] += np.where(through, panel_integrals(solution, force).sum(axis=0), 0.0)
+        for k, _, over_panels in forces:
+            self.works[k] += np.where(through, over_panels.sum(axis=0), 0.0)
         self.before = solution if len(solution.mesh.kinds) < len(self.driven.model.borders) + MOST_KEPT else None
         self.clock = np.where(going, passed[-1], self.clock)
         self.energy = np.where(going, solution.ends[-1], self.energy)
@@ -405,22 +405,28 @@ class BatchSolver:
         resisting = [(1, -solution.resisting)] if driven.forces else []
         return driving + resisting + ([] if solution.friction_torque is None else [(2, -solution.friction_torque)])
 
-    def _fill(self, solution: CollocationSolution, passed: Array, going: Mask, until: float, forces: list[tuple[int, Array]]) -> None:
-        """Fill in the states within a period, and for scenarios that end in it the work up to their end."""
+    def _fill(
+        self, solution: CollocationSolution, passed: Array, going: Mask, until: float, forces: list[tuple[int, Array, Array]]
+    ) -> None:
+        """Fill in the states within a period, and for scenarios that end in it the work up to their end; ``forces``: rows in ``works``,
+        forces (q, p, S), and their integrals over the panels (p, S)."""
         rule, mesh = gauss_rule(), solution.mesh
         scenario, place = self._within(passed, going, until)
         time = self.times[place]
         panel = np.clip((passed[:, scenario] <= time).sum(axis=0) - 1, 0, len(mesh.kinds) - 1)
-        slowness = solution.slowness[:, panel, scenario]
-        since = time - passed[panel, scenario]
-        x = place_at(rule.integral(slowness), since, passed[panel + 1, scenario] - passed[panel, scenario])
+        at = panel * len(going) + scenario  # among panels and scenarios
+        slowness = solution.slowness.reshape(len(rule.nodes), -1).take(at, axis=1)
+        since = time - passed[:-1].ravel().take(at)
+        x = place_at(rule.integral(slowness), since, passed[1:].ravel().take(at) - passed[:-1].ravel().take(at))
         along, measure = mesh.travelled(panel, x)
         self.angle[place, scenario] = self.at + self.direction * along
         self.speed[place, scenario] = self.direction * measure / polynomial_values(rule.polynomial(slowness), x)
         ending = np.flatnonzero(place == len(self.times) - 1)
+        if not len(ending):
+            return
         of, at = scenario[ending], panel[ending]
-        for k, force in forces:
-            before = np.concatenate([np.zeros((1, len(going))), panel_integrals(solution, force).cumsum(axis=0)])[at, of]
+        for k, force, over_panels in forces:
+            before = np.concatenate([np.zeros((1, len(going))), over_panels.cumsum(axis=0)])[at, of]
             within = polynomial_values(rule.integral(force[:, at, of] * mesh.measure[:, at]), x[ending])
             self.works[k, of] += before + within
 

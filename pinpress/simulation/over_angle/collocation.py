@@ -358,8 +358,8 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     flat = inner.reshape(q, p * count)
     totals = (rule.weights @ flat).reshape(p, count)
     ends = np.concatenate([energy[None], totals]).cumsum(axis=0)
-    within = (rule.cumulative @ flat).reshape(q, p, count)
-    work = ends[:-1] + within
+    work = (rule.cumulative @ flat).reshape(q, p, count)
+    work += ends[:-1]
     if not rests:
         work -= mesh.lifted[:, :, None]
         ends -= mesh.lifted_ends[:, None]

@@ -26,16 +26,17 @@ class Forces:
         self.friction_torque: Array | None = None
         self.efforts: Array | None = None  # of friction, from which the next ones are found
         self.total = self.driving
-        self.steady = not mesh.forces
+        self.constant = not any(force.interval.heeds_velocity for force in mesh.forces)
+        self.steady = not mesh.forces  # whether the loads are known, whatever the speed
 
     def at(self, speed: Array) -> Array:
         """Sum of the forces at sizes of the crank's speed (q, p, S)."""
         self.driving = self._driving(speed)
         if not self.steady:
-            self.resisting = self._resisting(speed)
+            self.resisting, self.steady = self._resisting(speed), self.constant
         if self.mesh.bearings is not None:
             self.friction_torque = self._friction(self.mesh.bearings, speed, self.driving + self.resisting)
-        acting = self.driving + self.resisting
+        acting = self.driving + self.resisting if self.mesh.forces else self.driving
         self.total = acting if self.friction_torque is None else acting + self.friction_torque
         self.asked += 1
         return self.total
@@ -58,7 +59,7 @@ class Forces:
     def _driving(self, speed: Array) -> Array:
         if self.drive is None:
             return np.zeros_like(self.driving)
-        torque = np.asarray(self.drive.torque(self.mesh.direction * speed))
+        torque = np.asarray(self.drive.torque(speed if self.mesh.direction > 0 else -speed))
         signed = torque if self.mesh.direction > 0 else -torque
         return signed if signed.shape == speed.shape else signed + np.zeros_like(self.driving)
 

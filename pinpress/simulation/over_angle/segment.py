@@ -158,7 +158,8 @@ def drive_torque(drive: Drive, solution: CollocationSolution) -> Array:
     """Torque (q, p, S) of a drive along the travel at the speeds of a solution. It is computed again from these speeds, so that the energy
     balance tells whether they are right."""
     direction, speed = solution.mesh.direction, solution.speed
-    return np.asarray(direction * drive.torque(direction * speed) + np.zeros_like(speed))
+    torque = np.asarray(drive.torque(speed) if direction > 0 else -drive.torque(-speed))
+    return torque if torque.shape == speed.shape else torque + np.zeros_like(speed)
 
 
 def nearly_at_rest(energy: Array, force: Array, span: float) -> NDArray[np.bool_]:
