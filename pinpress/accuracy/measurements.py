@@ -17,22 +17,33 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FREE_RUN, CLUTCH, DIE, SPEED_LAW = SCENES = ("free run", "clutch and blanking", "elastic die", "stiff speed law")
+FREE_RUN, CLUTCH, DIE, SPEED_LAW, SPRINGS = SCENES = (
+    "free run",
+    "clutch and blanking",
+    "elastic die",
+    "stiff speed law",
+    "blanking on springs",
+)
 INVERSE_DYNAMICS, PROXIMAL, TABLE = "inverse dynamics", "proximal settings", "reduced table"
 GROUPS = (INVERSE_DYNAMICS, *SCENES, PROXIMAL, TABLE)
 PROXIMAL_STATES = 24  # states of a turn in which proximal settings are measured
 UNITS = {  # meaning of `seconds` and `error` of a group
     INVERSE_DYNAMICS: ("of a turn", "of the driving torque, of its peak"),
     **dict.fromkeys(SCENES, ("of the run and the forces at its end", "of the crank angle at its end [rad]")),
+    SPRINGS: ("of half a stroke and the forces at its end", "of the slide's place at its end, of the largest displacement by the springs"),
     PROXIMAL: (f"of {PROXIMAL_STATES} states", "of the joint accelerations, of their peak"),
     TABLE: ("of making it", "of reduced inertia and potential energy between the samples, of their range"),
 }
 
-HEIGHT = 28.0  # [cm]
+HEIGHT = 33.0  # [cm]
 WIDTH = 98  # longest line of the text
 ANGLE = "error of the crank angle [rad]"
 MARKERS = "osD^vP*X<>dhp1234x+"
-FAMILIES = {"plane": "reduced", "space": "reduced", "implicit": "reduced", "pinocchio": "constraint", "SciPy": "hand"}  # of one colour each
+FAMILIES = {  # of one colour each
+    **dict.fromkeys(("plane", "space", "implicit", "elastic"), "reduced"),
+    "pinocchio": "constraint",
+    "SciPy": "hand",
+}
 
 
 @dataclass(frozen=True, repr=False)
@@ -141,19 +152,20 @@ def plot(measured: WorkPrecision, *, ax: Iterable[Axes] | None = None) -> Figure
     """Draw error against run time, of inverse dynamics and of every scene, and what settings do to the error.
 
     The error of a scene is that of the crank angle at its end; under a stiff speed law, which fixes the crank angle, it is that of the
-    bearing forces. Further panels show loop gaps of the free run, error against the proximal parameter of constraint dynamics, and error
-    against the number of samples of the reduced table. Errors of torque, forces and accelerations are shares of their peaks, those of a
-    table are shares of its range. Grey lines show how far the reference is known.
+    bearing forces; on springs it is that of the bearing forces and of the slide's place. Further panels show loop gaps of the free run,
+    error against the proximal parameter of constraint dynamics, and error against the number of samples of the reduced table. Errors of
+    torque, forces and accelerations are shares of their peaks, those of a table are shares of its range. Grey lines show how far the
+    reference is known.
 
     Args:
         measured: result of `compare`.
-        ax: the caller's eight axes; by default those of a new figure.
+        ax: the caller's ten axes; by default those of a new figure.
 
     Raises:
-        PinpressError: it is no `WorkPrecision`, Matplotlib is not installed, or ``ax`` are not eight axes.
+        PinpressError: it is no `WorkPrecision`, Matplotlib is not installed, or ``ax`` are not ten axes.
     """
     looks = _looks(measured)
-    with panels(ax, 8, HEIGHT, lambda figure: figure.subplots(4, 2).ravel()) as drawn:
+    with panels(ax, 10, HEIGHT, lambda figure: figure.subplots(5, 2).ravel()) as drawn:
         *over_time, proximal, table = drawn.axes
         lines_of: dict[str, Any] = {}
         charts = (
@@ -162,6 +174,8 @@ def plot(measured: WorkPrecision, *, ax: Iterable[Axes] | None = None) -> Figure
             (CLUTCH, ANGLE, _error),
             (DIE, ANGLE, _error),
             (SPEED_LAW, "error of bearing forces", _force_error),
+            (SPRINGS, "error of bearing forces", _force_error),
+            (SPRINGS, "error of the slide's place", _error),
             (FREE_RUN, "loop gap [m]", _loop_gap),
         )
         for axes, (group, label, value) in zip(over_time, charts, strict=True):

@@ -12,7 +12,7 @@ from ..common.arguments import typed
 from ..dynamics.inputs import stated
 from ..visual.reports.blocks import Block, Line, LineChart, Section, Table
 from ..visual.reports.report import article
-from .measurements import FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SCENES, SPEED_LAW, TABLE, UNITS, Measurement, WorkPrecision
+from .measurements import FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SCENES, SPEED_LAW, SPRINGS, TABLE, UNITS, Measurement, WorkPrecision
 
 KNOWN = "reference known to"
 OF_SETTINGS = {PROXIMAL: "proximal parameter", TABLE: "samples"}  # what the error is drawn over, in place of the time
@@ -23,7 +23,8 @@ def report(measured: WorkPrecision, path: str | os.PathLike[str]) -> Path:
     """Write a self-contained page with error against run time of each group, and the tables of all measurements; return its path.
 
     The error of a scene is that of the crank angle at its end; under a stiff speed law, which fixes the crank angle, it is that of the
-    bearing forces. A line shows how far the reference is known. The page opens without server and network.
+    bearing forces; on springs it is that of the slide's place and of the bearing forces. A line shows how far the reference is known. The
+    page opens without server and network.
 
     Args:
         measured: Result of `compare`.
@@ -56,6 +57,8 @@ def _section(measured: WorkPrecision, group: str) -> Section:
         blocks += _chart(measured, group, "Error of bearing forces", "of the largest peak", across, along, _force_error)
     else:
         blocks += _chart(measured, group, "Error", "", across, along, _error)
+    if group == SPRINGS:
+        blocks += _chart(measured, group, "Error of bearing forces", "of the largest peak", across, along, _force_error)
     if group == FREE_RUN:
         blocks += _chart(measured, group, "Loop gap", "m", across, along, _loop_gap)
     note = f"Time {time}; error {error}."

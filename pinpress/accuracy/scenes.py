@@ -138,16 +138,27 @@ def build_scene(press: Linkage, group: str, speed: float, flywheel: float, durat
         words = f"{driven} and a die of {DIE_STIFFNESS:.0e} N/m, {1e3 * height:.3g} mm above bottom dead centre"
         return Scene(group, words, turn, duration, 0.0, speed, wheel, motor, loads=(ElasticDie(height, DIE_STIFFNESS),))
     assert group == CLUTCH
-    start, end = (height * (found.top_position - found.bottom_position) for height in HEIGHTS)
-    force = BLANKED * energy * 0.5 * math.pi / (start - end)
-    torque = STRONGER * force * _lever(press, start)
+    blank = build_blank(press, speed, flywheel)
+    torque = STRONGER * float(blank.force) * _lever(press, blank.start)
     words = (
-        f"{driven}; a clutch of {torque / 1e3:.3g} kN m starts the press at top dead centre; it blanks with {force / 1e3:.3g} kN from"
-        f" {1e3 * start:.3g} to {1e3 * end:.3g} mm"
+        f"{driven}; a clutch of {torque / 1e3:.3g} kN m starts the press at top dead centre; it blanks with"
+        f" {blank.force / 1e3:.3g} kN from {1e3 * blank.start:.3g} to {1e3 * blank.end:.3g} mm"
     )
     turning = Flywheel(flywheel, speed=speed)
     clutch = Clutch(torque, closes=SwitchPoint(time=0.0), rise=RISE * turn)
-    return Scene(group, words, turn, duration, float(found.top_angle), 0.0, turning, motor, clutch, (Blanking(force, start, end),))
+    return Scene(group, words, turn, duration, float(found.top_angle), 0.0, turning, motor, clutch, (blank,))
+
+
+def build_blank(press: Linkage, speed: float, flywheel: float) -> Blanking:
+    """A blank that takes a share of a flywheel's energy.
+
+    Raises:
+        PinpressError: the press has no slide, or a slide without dead centres.
+    """
+    found = dead_centres(press)
+    start, end = (height * (found.top_position - found.bottom_position) for height in HEIGHTS)
+    energy = 0.5 * flywheel * speed**2
+    return Blanking(BLANKED * energy * 0.5 * math.pi / (start - end), start, end)
 
 
 def _lever(press: Linkage, height: float) -> float:

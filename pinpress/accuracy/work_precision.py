@@ -22,7 +22,8 @@ from ..kinematics.motion import MOST_POINTS
 from ..linkage.linkage import Linkage
 from ..simulation.reduced_model import reduced_model_of
 from .contests import inverse_dynamics_contest, measured, proximal_contest
-from .measurements import SCENES, Measurement, WorkPrecision
+from .measurements import SCENES, SPRINGS, Measurement, WorkPrecision
+from .on_springs import SpringsScene, build_springs_scene, springs_contest
 from .peers.peer import ClosedFormSolver, Peer
 from .scenes import Scene, build_scene
 from .simulation import simulation_contest, table_contest
@@ -59,8 +60,9 @@ def compare(
 
     It measures inverse dynamics of a period at constant speed by all engines; simulations by all methods over tolerances and steps; the
     proximal settings of constraint dynamics; and the number of samples of the reduced table. The simulations are a free run from crank
-    angle 0 with weights; a start by a clutch under a motor, and a blank; a stiff elastic die under a motor; and a drive that holds the
-    speed so hard that the equation is stiff. Run times are the least of several rounds in which all take turns.
+    angle 0 with weights; a start by a clutch under a motor, and a blank; a stiff elastic die under a motor; a drive that holds the speed
+    so hard that the equation is stiff; and half a stroke of the press on springs, in which it blanks. Run times are the least of several
+    rounds in which all take turns.
 
     Args:
         press: a linkage with one driver.
@@ -69,7 +71,8 @@ def compare(
         duration: length of the runs; by default the time of two turns at that speed [s].
         points: number of crank angles in the period.
         repeats: number of rounds of timing.
-        scenes: scenes to simulate, among "free run", "clutch and blanking", "elastic die" and "stiff speed law".
+        scenes: scenes to simulate, among "free run", "clutch and blanking", "elastic die", "stiff speed law" and "blanking on
+            springs".
         progress: function called with the share done, 0 to 1.
 
     Raises:
@@ -83,9 +86,11 @@ def compare(
     found, skipped = find_peers(press)
     solvers, missing = find_solvers(press)
     made, unmade = _scenes(press, scenes, speed, inertia, lasting)
+    sprung, rigid = _on_springs(press, scenes, speed, inertia)
     contests = (
         inverse_dynamics_contest(press, speed, points, found),
         *(simulation_contest(press, scene, found, solvers) for scene in made),
+        *(springs_contest(scene) for scene in sprung),
         proximal_contest(press, speed, inertia),
         table_contest(press),
     )
@@ -101,11 +106,11 @@ def compare(
         press_name=press.name,
         scene=f"{speed / RPM:g} r/min; runs of {lasting:.4g} s with a flywheel of {inertia:.4g} kg m2",
         machine=_machine(),
-        scenes={scene.group: scene.words for scene in made},
+        scenes={scene.group: scene.words for scene in made} | {scene.group: scene.words for scene in sprung},
         certificates={contest.group: contest.certificate for contest in contests if contest.contestants},
         certified_by={contest.group: contest.certified_by for contest in contests if contest.contestants},
         measurements=Records(Measurement, (m for contest in contests for m in measured(contest.contestants, repeats, one_done))),
-        skipped=(*skipped, *missing, *unmade, *(line for contest in contests for line in contest.skipped)),
+        skipped=(*skipped, *missing, *unmade, *rigid, *(line for contest in contests for line in contest.skipped)),
     )
 
 
@@ -163,12 +168,22 @@ def _scenes(
 ) -> tuple[tuple[Scene, ...], tuple[str, ...]]:
     """The scenes wanted, and a line for each that this press does not have."""
     made, unmade = [], []
-    for group in (scene for scene in SCENES if scene in wanted):
+    for group in (scene for scene in SCENES if scene in wanted and scene != SPRINGS):
         try:
             made.append(build_scene(press, group, speed, flywheel, duration))
         except PinpressError as error:
             unmade.append(f"{group} is skipped: {error}")
     return tuple(made), tuple(unmade)
+
+
+def _on_springs(press: Linkage, wanted: Sequence[str], speed: float, flywheel: float) -> tuple[tuple[SpringsScene, ...], tuple[str, ...]]:
+    """The scene of the press on springs where it is wanted, or a line that says why this press has none."""
+    if SPRINGS not in wanted:
+        return (), ()
+    try:
+        return (build_springs_scene(press, speed, flywheel),), ()
+    except PinpressError as error:
+        return (), (f"{SPRINGS} is skipped: {error}",)
 
 
 def _machine() -> str:

@@ -28,8 +28,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "accuracy",
         help="error against run time of all methods for a press, and of other programs",
         description="Measure a press: inverse dynamics by all engines, simulations by all methods over tolerances and\n"
-        "steps (freely, with clutch and blank, on a stiff die, under a stiff drive), proximal settings of constraint dynamics, samples\n"
-        "of the reduced table, and the same press in other programs. Prints\n"
+        "steps (freely, with clutch and blank, on a stiff die, under a stiff drive, on springs), proximal settings of constraint\n"
+        "dynamics, samples of the reduced table, and the same press in other programs. Prints\n"
         "tables; with --out also writes accuracy.csv, accuracy.html (a page) and accuracy.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,

@@ -250,12 +250,12 @@ def test_csv_and_frame(measured, tmp_path):
 def test_plot(measured):
     pytest.importorskip("matplotlib")
     figure = pp.accuracy.plot(measured)
-    inverse, angle, clutch, die, law, gap, proximal, table = figure.axes
+    inverse, angle, clutch, die, law, springs, slide, gap, proximal, table = figure.axes
     assert len(angle.lines) == len({m.method for m in measured.of(FREE_RUN)}) + 1  # what the reference is known to
     constraint = measured.of(FREE_RUN, "constraint")
     assert any(np.array_equal(line.get_ydata(), [m.error for m in constraint]) for line in angle.lines)
     assert any(np.array_equal(line.get_ydata(), [m.loop_gap for m in constraint]) for line in gap.lines)
-    assert not any(axes.lines for axes in (clutch, die, law))  # not asked for
+    assert not any(axes.lines for axes in (clutch, die, law, springs, slide))  # not asked for
     for axes in (inverse, angle, gap, proximal, table):
         assert axes.get_xscale() == axes.get_yscale() == "log"
     with pytest.raises(pp.PinpressError, match="accuracy"):
