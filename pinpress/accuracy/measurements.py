@@ -184,7 +184,8 @@ def plot(measured: WorkPrecision, *, ax: Iterable[Axes] | None = None) -> Figure
                 if len(line.get_xdata()):
                     lines_of.setdefault(method, line)
             title = group[0].upper() + group[1:]
-            _axes(axes, f"{title}, loops" if value is _loop_gap else title, "time [ms]", label)
+            title += ", loops" if value is _loop_gap else ", slide" if group == SPRINGS and value is _error else ""
+            _axes(axes, title, "time [ms]", label)
             if value is _error:
                 _known(axes, measured, group)
         lines = _settings(proximal, measured, PROXIMAL)

@@ -18,14 +18,14 @@ import numpy as np
 from ..common.errors import PinpressError, SimulationError
 from ..common.quantities import Array
 from ..drives.transmission import PrescribedSpeed
-from ..engines.planar.model import to_world
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.process import Blanking, ForceInterval
-from ..simulation.elastic.assembly import DrawnBodies, frequencies, reference_angle, sprung_press
+from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.description import Elastic, Stiffness
 from ..simulation.elastic.elastic_run import ElasticRun, ElasticSegment, bearing_forces
 from ..simulation.elastic.equations import CRANK_ANGLE, Event
+from ..simulation.elastic.press_on_springs import frequencies, reference_angle
 from ..simulation.elastic.task import ElasticSolution
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
@@ -136,6 +136,7 @@ def build_springs_scene(press: Linkage, speed: float, flywheel: float) -> Spring
     Raises:
         PinpressError: the press is none that can stand on springs, or has no slide with dead centres.
     """
+    press.plane_or_refuse(f"{press.name} is not planar")
     found = dead_centres(press)
     load = build_blank(press, speed, flywheel)
     lowest = frequencies(sprung_press(press, _on_springs(press, STIFFNESS)), reference_angle(press))[0]
@@ -165,7 +166,7 @@ def springs_contest(scene: SpringsScene) -> Contest:
     segment = fine.trajectory.segments[0]
     assert isinstance(segment, ElasticSegment)
     solution = segment.solution
-    ahead = SciPy(scene.press, solution)
+    ahead = SciPy(solution)
     first = Judge(_end(fine), float(np.abs(fine.displacement[..., :2]).max()), float(max(fine.peaks.values())))
     certificate = first.errors(ahead.run(*CERTIFYING))
     judge = first._replace(certificates=(certificate.error, certificate.force_error or 0.0))
@@ -205,7 +206,7 @@ def _by_exudyn(scene: SpringsScene, solution: ElasticSolution, judge: Judge) -> 
     for how in SETTINGS:
 
         def work(how: Any = how) -> End:
-            return end_of(scene.press, solution, *peer.run(how))
+            return end_of(solution, *peer.run(how))
 
         yield Contestant(SPRINGS, f"{NAME}, {how.solver}", how.words, how.number, work, judge.errors)
 
@@ -215,13 +216,13 @@ def _end(run: ElasticRun) -> End:
     return End(float(run.slide_position[-1]), force, run.stats.energy_error, run.stats.evaluations)
 
 
-def end_of(press: Linkage, solution: ElasticSolution, coordinates: Array, rates: Array, evaluations: int | None = None) -> End:
+def end_of(solution: ElasticSolution, coordinates: Array, rates: Array, evaluations: int | None = None) -> End:
     """The end where all bodies have these coordinates and rates (1, 3 (bodies + 1))."""
     equations, mesh = solution.equations, solution.panels.mesh
     last = np.array([len(equations.segments) - 1])
-    force = to_world(DrawnBodies(press).plane, bearing_forces(solution, mesh.knots[-1:], last, coordinates, rates))
+    force = bearing_forces(solution, mesh.knots[-1:], last, coordinates, rates)
     place = equations.paths[0].over(equations.sprung, coordinates, rates).value
-    return End(float(place[0]), np.asarray(force)[:, 0], evaluations=evaluations)
+    return End(float(place[0]), force[:, 0], evaluations=evaluations)
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,11 +230,9 @@ class SciPy:
     """SciPy's integrators on the equations of a solution, from its first state, through its segments.
 
     Attributes:
-        press: the press.
         solution: the solution that says which forces act in which order.
     """
 
-    press: Linkage
     solution: ElasticSolution
 
     def run(self, integrator: str, tolerance: float) -> End:
@@ -268,7 +267,7 @@ class SciPy:
                 raise SimulationError(f"SciPy's {integrator} finds no end of the run: {found.message}", time)
         free, rates = equations.whole(np.array([time]), *np.split(state[None], 2, axis=1))
         coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
-        return end_of(self.press, self.solution, coordinates, all_rates, evaluations)
+        return end_of(self.solution, coordinates, all_rates, evaluations)
 
     @cached_property
     def _inverse(self) -> Array:

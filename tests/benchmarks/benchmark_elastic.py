@@ -42,7 +42,7 @@ class Release:
         press = pp.load(URDF / f"{name}.urdf")
         guides = [joint for joint, axis in zip(press.joints, press.axes, strict=True) if not axis.turns]
         springs = pp.elasticity.Stiffness(dict.fromkeys(press.bearings, stiffness), moments=dict.fromkeys(guides, 0.1 * stiffness))
-        self.press, self.speed = press, rpm * pp.RPM
+        self.speed = rpm * pp.RPM
         sprung = sprung_press(press, pp.elasticity.Elastic(springs))
         self.start = pp.dead_centres(press).bottom_angle - np.pi
         self.until = np.pi / self.speed
@@ -62,7 +62,7 @@ class Release:
         found = self.solution(tolerance)
         free, rates = found.equations.whole(np.array([self.until]), *np.split(found.panels.states[-1:], 2, axis=1))
         sprung = found.equations.sprung
-        return end_of(self.press, found, sprung.all_coordinates(free), rates @ sprung.carry.T).force
+        return end_of(found, sprung.all_coordinates(free), rates @ sprung.carry.T).force
 
 
 def _no_rigid_motion(times: Array) -> tuple[Array, Array, Array]:
@@ -72,7 +72,7 @@ def _no_rigid_motion(times: Array) -> tuple[Array, Array, Array]:
 def contest(name: str, rpm: float, stiffness: float, repeats: int) -> None:
     release = Release(name, rpm, stiffness)
     finest = release.solution(1e-13)
-    truth, scipy = release.collocation(1e-13), SciPy(release.press, finest)
+    truth, scipy = release.collocation(1e-13), SciPy(finest)
     size = float(np.abs(truth).max())
     print(f"\n{name}, {rpm:g} strokes/min, springs of {stiffness:.0e} N/m: half a stroke, {len(release.state) // 2} coordinates")
     entries: list[tuple[str, Callable[[], Array]]] = [
@@ -87,8 +87,7 @@ def contest(name: str, rpm: float, stiffness: float, repeats: int) -> None:
         implicit = [Setting("generalised alpha", steps=steps) for steps in (5000, 20000, 80000)]
         explicit = [Setting("DOPRI5", tolerance=tolerance) for tolerance in (1e-4, 1e-6, 1e-8)]
         entries += [
-            (f"Exudyn {how.solver} {how.words}", lambda how=how: end_of(release.press, finest, *peer.run(how)).force)
-            for how in (*implicit, *explicit)
+            (f"Exudyn {how.solver} {how.words}", lambda how=how: end_of(finest, *peer.run(how)).force) for how in (*implicit, *explicit)
         ]
     except ModuleNotFoundError:
         print("  Exudyn is not installed: pip install pinpress[peers]")
