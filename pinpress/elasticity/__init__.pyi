@@ -16,9 +16,12 @@ from .speed_range import campbell as campbell
 from .speed_range import over_speeds as over_speeds
 from .springs import Clearance as Clearance
 from .springs import Elastic as Elastic
+from .springs import FlexibleLink as FlexibleLink
 from .springs import Rod as Rod
 from .springs import Stiffness as Stiffness
 from .springs import hertz_stiffness as hertz_stiffness
+from .springs import read_flexible_link as read_flexible_link
+from .straight_beam import flexible_beam as flexible_beam
 from .unit_load import SlideCompliance as SlideCompliance
 from .unit_load import compliance as compliance
 from .vibration import ElasticModes as ElasticModes

@@ -24,6 +24,8 @@ from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness
 from ..simulation.elastic.description import Elastic as Elastic
 from ..simulation.elastic.description import Rod as Rod
 from ..simulation.elastic.description import Stiffness as Stiffness
+from ..simulation.elastic.flexible_link import FlexibleLink as FlexibleLink
+from ..simulation.elastic.flexible_link import read_flexible_link as read_flexible_link
 
 SHAFT, FRAME = "shaft", "frame"  # names of these parts
 MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them

@@ -156,7 +156,7 @@ def natural_frequencies(
         crank_angle=read_only(angles),
         natural_frequency=read_only(frequency),
         damping_ratio=read_only(_damping_ratios(frequency, shapes, forces.damping[:, :kept, :kept])),
-        shapes=read_only(moved.reshape(*moved.shape[:2], -1, 3)[:, :, : press.model.nv].copy()),
+        shapes=read_only(moved[:, :, : 3 * press.model.nv].reshape(*moved.shape[:2], -1, 3).copy()),
         strain_energy=_strain_energy(sprung, elastic, coordinates, moved),
         kinetic_energy=_kinetic_energy(sprung, moved, 0.0 if flywheel is None else flywheel_inertia(flywheel)),
         _bottom=reference_angle(press),
@@ -226,13 +226,18 @@ def _strain_energy(sprung: SprungPress, elastic: Elastic, coordinates: Array, mo
     twisted = sprung.turns.stiffness * sprung.turning_rates(moved) ** 2
     for spring, bearing in enumerate(sprung.turns.bearing):
         found[SHAFT if bearing < 0 else f"{press.bearings[bearing]} turning"] = twisted[:, :, spring]
+    for link in sprung.flexible:
+        found[link.name] = moved[:, :, link.columns] ** 2 @ link.stiffness
     return _shares(found)
 
 
 def _kinetic_energy(sprung: SprungPress, moved: Array, flywheel: float) -> FrozenMapping[str, Array]:
     """Share (n, m) of the kinetic energy in each body, of displacements (n, m, 3 (bodies + 1))."""
     press = sprung.press
-    energy = (sprung.inertia * moved**2).reshape(*moved.shape[:2], -1, 3).sum(axis=3)
+    bodies = 3 * len(sprung.centers)
+    energy = (sprung.inertia * moved**2)[:, :, :bodies].reshape(*moved.shape[:2], -1, 3).sum(axis=3)
+    for link in sprung.flexible:
+        energy[:, :, link.body] += link.mass * (moved[:, :, link.columns] ** 2).sum(axis=2)
     found = {press.link_of(body + 1): energy[:, :, body] for body in range(press.model.nv)}
     if sprung.crown is not None:
         found["crown"] = energy[:, :, sprung.crown]

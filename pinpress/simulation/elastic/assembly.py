@@ -23,6 +23,7 @@ from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
 from .contact import Clearance, OpenPin
 from .description import Elastic, Rod
+from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
 from .press_on_springs import frequencies, reference_angle
 from .sprung_press import LineSprings, SprungPress, TurningSprings
 
@@ -49,7 +50,8 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     drawn = DrawnBodies(press)
     bodies = _bodies(press, drawn, elastic)
     stiff = _with_springs(drawn, bodies, elastic)
-    closed = _with_dampers(drawn, stiff, elastic)
+    bending = _with_flexible_links(drawn, stiff, elastic) if len(elastic.flexible_links) else stiff
+    closed = _with_dampers(drawn, bending, elastic)
     return _with_clearances(drawn, closed, elastic) if elastic.clearances else closed
 
 
@@ -125,6 +127,7 @@ def _bodies(press: Linkage, drawn: DrawnBodies, elastic: Elastic) -> SprungPress
         turns=_columns(TurningSprings, []),
         carry=carry,
         drawn=rest,
+        shapes=np.zeros((2, 0, 0), dtype=complex),
         crown=crown,
         rotor=rotor,
     )
@@ -226,7 +229,12 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
     turns = [(body(drawn.plane.parents[j]), j, turning[j], 0.0, j) for j in guides]
     if bare.rotor is not None:
         turns.append((bare.rotor, drawn.plane.driver, positive("stiffness of the shaft", stiffness.shaft, "N m/rad"), 0.0, -1))
-    return replace(bare, lines=_columns(LineSprings, rows), turns=_columns(TurningSprings, turns))
+    return replace(
+        bare,
+        lines=_columns(LineSprings, rows),
+        turns=_columns(TurningSprings, turns),
+        shapes=np.zeros((2, len(rows), 0), dtype=complex),
+    )
 
 
 def _columns(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:
@@ -308,6 +316,78 @@ def _rod_ends(drawn: DrawnBodies, rod: Rod) -> tuple[int, list[int], complex]:
     return body, pins if len(own) == 2 else pins[1:], line / abs(line)
 
 
+# ------------------------------------------------------------------------------------------------------------------------- flexible links
+
+
+def rigid_inertia(drawn: DrawnBodies, body: int) -> RigidInertia:
+    """A link as a rigid body in the plane."""
+    inertia, normal = drawn.press.model.inertias[body + 1], drawn.plane.frames[body][2]
+    return RigidInertia(float(inertia.mass), complex(drawn.centers[body]), float(normal @ inertia.inertia @ normal))
+
+
+def pins_of(drawn: DrawnBodies, link: str) -> tuple[int, dict[str, complex]]:
+    """Number of a link that has pins alone, and their names and places in the drawn pose.
+
+    Raises:
+        UnknownNameError: the linkage has no such moving link.
+        PinpressError: it slides, carries a guide or a gear, or is the crank.
+    """
+    press, plane = drawn.press, drawn.plane
+    if not isinstance(link, str) or link not in press.links or link == press.root:
+        raise UnknownNameError("moving link", link, [name for name in press.links if name != press.root])
+    body = int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint) - 1
+    geared = {joint for coupling in press.couplings for end in (coupling.leader, coupling.follower) for joint in (end, plane.parents[end])}
+    for why, there in (
+        ("it is the crank, which its drive holds", body == plane.driver),
+        ("it carries the crank", body == plane.parents[plane.driver]),
+        ("it slides in a guide", body in drawn.directions),
+        ("it carries a guide", any(plane.parents[joint] == body for joint in drawn.directions)),
+        ("it carries a gear", body in geared),
+    ):
+        if there:
+            raise PinpressError(f"link {shown(link)} of {press.name} cannot bend: {why}; flexible links are joined by pins alone")
+    found = {}
+    for place, name in enumerate(press.bearings):
+        link1, one, link2, two = drawn.bearing(place)
+        if body in (link1, link2):
+            found[name] = one if link1 == body else two
+    return body, found
+
+
+def _with_flexible_links(drawn: DrawnBodies, rigid: SprungPress, elastic: Elastic) -> SprungPress:
+    """The press whose flexible links have coordinates of their own, after those of all bodies."""
+    press, first, found = drawn.press, len(rigid.drawn), list[FlexibleBody]()
+    for link in elastic.flexible_links:
+        if not isinstance(link, FlexibleLink):
+            raise PinpressError(f"flexible_links has {shown(link)}: give FlexibleLinks, as flexible_beam and read_flexible_link return")
+        body, places = pins_of(drawn, link.link)
+        if any(other.body == body for other in found) or any(rod.link == link.link for rod in elastic.stiffness.rods):
+            raise PinpressError(f"link {shown(link.link)} of {press.name} yields twice: give it one FlexibleLink, and no Rod")
+        pins = {press.bearings.index(name): (name, place) for name, place in places.items()}
+        found.append(flexible_body(link, body, first, pins, rigid_inertia(drawn, body)))
+        first = found[-1].columns.stop
+    size, more, lines = len(rigid.drawn), first - len(rigid.drawn), rigid.lines
+    carry = np.zeros((first, rigid.free + more))
+    carry[:size, : rigid.free - 1], carry[:size, -1] = rigid.carry[:, :-1], rigid.carry[:, -1]
+    carry[size:, rigid.free - 1 : -1] = np.eye(more)
+    shapes = np.zeros((2, len(lines.first), more), dtype=complex)
+    for bent in found:
+        columns = slice(bent.columns.start - size, bent.columns.stop - size)
+        for spring, bearing in enumerate(lines.bearing):
+            for side, bodies in enumerate((lines.first, lines.second)):
+                if bodies[spring] == bent.body:
+                    shapes[side, spring, columns] = bent.at_bearing[int(bearing)]
+    return replace(
+        rigid,
+        inertia=np.concatenate([rigid.inertia, *(np.full(len(bent.stiffness), bent.mass) for bent in found)]),
+        weight=np.append(rigid.weight, np.zeros(more)),
+        drawn=np.append(rigid.drawn, np.zeros(more)),
+        carry=carry,
+        flexible=tuple(found),
+        shapes=shapes,
+    )
+
+
 # --------------------------------------------------------------------------------------------------------------------------------- dampers
 
 
@@ -340,9 +420,11 @@ def _with_clearances(drawn: DrawnBodies, closed: SprungPress, elastic: Elastic) 
         own = np.flatnonzero(closed.lines.bearing == place)
         if place in drawn.directions or closed.lines.turning[own].any():
             raise PinpressError(f"clearance of {shown(name)}: it is a guide, or a rod yields there; give clearance to other pins")
+        if any(place in bent.at_bearing for bent in closed.flexible):
+            raise PinpressError(f"clearance of {shown(name)}: a flexible link is joined there; give clearance to other pins")
         k, lines = int(own[0]), closed.lines
         bodies, arms = (int(lines.first[k]), int(lines.second[k])), (complex(lines.arm1[k]), complex(lines.arm2[k]))
         found.append(OpenPin(place, bodies, arms, clearance, float(lines.stiffness[k]), float(lines.damping[k])))
     kept = ~np.isin(closed.lines.bearing, [open_pin.bearing for open_pin in found])
     lines = LineSprings._make(column[kept] for column in closed.lines)
-    return replace(closed, lines=lines, open_pins=tuple(found), closed=closed)
+    return replace(closed, lines=lines, open_pins=tuple(found), closed=closed, shapes=closed.shapes[:, kept])

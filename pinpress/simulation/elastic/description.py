@@ -14,6 +14,7 @@ from ...common.arguments import number
 from ...common.errors import PinpressError, shown
 from ...common.frozen import Frozen
 from .contact import Clearance
+from .flexible_link import FlexibleLink
 
 MOST_DAMPING = 2.0  # largest damping ratio
 
@@ -73,6 +74,7 @@ class Elastic(Frozen):
         dampers: name of a bearing or guide -> its damper in place of that [N s/m].
         crown_mass: mass of the crown on its columns, without the linkage [kg]; it is needed where ``stiffness.frame`` is given.
         clearances: name of a pin -> its clearance; such a press is simulated, it has no steady state.
+        flexible_links: links that bend and stretch.
     """
 
     stiffness: Stiffness
@@ -80,11 +82,14 @@ class Elastic(Frozen):
     dampers: Mapping[str, float] = field(default_factory=dict)
     crown_mass: float | None = None
     clearances: Mapping[str, Clearance] = field(default_factory=dict)
+    flexible_links: Sequence[FlexibleLink] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not isinstance(self.stiffness, Stiffness):
             raise PinpressError(f"Elastic: stiffness is {shown(self.stiffness)}: give a Stiffness(bearings={{...}}, moments={{...}})")
+        if not isinstance(self.flexible_links, Sequence):
+            raise PinpressError(f"Elastic: flexible_links is {shown(self.flexible_links)}: give a list of FlexibleLink")
         ratio = number("Elastic: damping_ratio", self.damping_ratio)
         if not 0.0 <= ratio <= MOST_DAMPING:
             raise PinpressError(

@@ -147,7 +147,13 @@ class ElasticEquations:
         return self.modes[segment] if self.modes else self.train.engaged
 
     def varying_inertia(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
-        return None
+        if self.sprung.has_constant_mass:
+            return None
+        (free, rates), n = self.whole(time, y, v), self.size
+        accelerations = np.pad(a, ((0, 0), (0, self.sprung.free - n)))
+        carried = rates @ self.sprung.carry.T, accelerations @ self.sprung.carry.T
+        found = self.sprung.varying_inertia(self.sprung.all_coordinates(free), *carried)
+        return VaryingInertia(found.force[:, :n], *(each[:, :n, :n] for each in found[1:4]), found.by_time[:, :n])
 
     def whole(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
         """Free coordinates and rates (n, f) of the bodies, that of the crank last, of the unknown ones (n, size)."""

@@ -39,7 +39,7 @@ class PointPath:
 
     def over(self, sprung: SprungPress, coordinates: Array, rates: Array) -> PathMotion:
         """The path at all coordinates and rates (n, 3 (bodies + 1))."""
-        place, along = 3 * self.body, self.direction.conjugate()
+        place, along = 3 * (self.body % len(sprung.centers)), self.direction.conjugate()
         arm = along * self.arm * np.exp(1j * coordinates[:, place + 2])
         gradient, bend = np.zeros_like(coordinates), np.zeros((*coordinates.shape, coordinates.shape[1]))
         gradient[:, place], gradient[:, place + 1], gradient[:, place + 2] = self.direction.real, self.direction.imag, -arm.imag

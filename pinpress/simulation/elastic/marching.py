@@ -471,6 +471,8 @@ def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_cran
     own = equations.own
     for _ in range(MOST_STEPS):
         force, stiffness, _, _ = equations.forces(np.zeros(1), y, v, np.zeros(1, dtype=int))
+        if (varying := equations.varying_inertia(np.zeros(1), y, v, a)) is not None:
+            force, stiffness = force - varying.force, stiffness + varying.by_place
         matrix = stiffness[0]
         matrix[:, :own] = equations.mass[:, :own]
         if equations.crank is None:

@@ -16,6 +16,7 @@ from ...kinematics.motion import Motion, motion_through_change_points
 from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from .contact import OpenPin
+from .panels import VaryingInertia
 
 
 class SpringForces(NamedTuple):
@@ -88,6 +89,13 @@ class PressOnSprings(Protocol):
 
     def spring_forces(self, coordinates: Array, rates: Array, derivatives: bool = True) -> SpringForces:
         """Forces of all springs and of weight on the free coordinates."""
+
+    @property
+    def has_constant_mass(self) -> bool:
+        """Whether ``mass_at`` is the same everywhere, and no inertia forces depend on the rates."""
+
+    def varying_inertia(self, coordinates: Array, rates: Array, accelerations: Array) -> VaryingInertia:
+        """Inertia forces on the free coordinates, and their derivatives by these, beside those of the constant mass matrix."""
 
     def crank(self, coordinates: Array, rates: Array) -> tuple[Array, Array]:
         """Angle and speed (n,) of the crank's joint."""

@@ -11,7 +11,8 @@ and pulls with k y + c y'. Its gradient and second derivatives stand in closed f
 
 What the springs do not join is kept rigidly: the crank by its angle, gear pairs by their ratio, a crown by its columns. These conditions
 are linear, so that the coordinates of all bodies are a constant matrix times the free ones: ``carry @ y + drawn``. The last of the free
-ones is the angle of the crank, which may be prescribed.
+ones is the angle of the crank, which may be prescribed. A flexible link has coordinates of its shapes too, which move the points s of its
+springs (`flexible_link`); they stand after those of all bodies.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ from ...engines.planar.model import Plane, to_world
 from ...kinematics.motion import Motion
 from ...linkage.linkage import Linkage
 from .contact import OpenPin
+from .flexible_link import FlexibleBody
+from .panels import VaryingInertia
 from .press_on_springs import SpringForces
 
 Indices = NDArray[np.intp]
@@ -88,19 +91,23 @@ class SprungPress:
     """Constants of a press on springs. Bodies are the links, counted as joints in v, then a crown and a rotor if there are any, and the
     frame.
 
+    Coordinates are 3 of each body, Q of the flexible links' shapes: k in all.
+
     Attributes:
         press: the linkage.
         centers: (bodies + 1,) centres of mass in the drawn pose; of the frame the world origin [m].
-        inertia: (3 (bodies + 1),) masses and moments of inertia on the diagonal: m, m, J of every body [kg, kg m2].
-        weight: (3 (bodies + 1),) generalised forces of gravity [N].
+        inertia: (k,) masses and moments of inertia on the diagonal: m, m, J of every body, m of every shape [kg, kg m2].
+        weight: (k,) generalised forces of gravity [N].
         lines: springs of bearings and guides.
         turns: springs against turning.
-        carry: (3 (bodies + 1), f) free coordinates, the crank's angle last, to all coordinates.
-        drawn: (3 (bodies + 1),) all coordinates where the free ones are zero.
+        carry: (k, f) free coordinates, the crank's angle last, to all coordinates.
+        drawn: (k,) all coordinates where the free ones are zero.
+        shapes: (2, S, Q) by the coordinates of the flexible links, displacements of points 1 and 2 of the line springs [-].
         crown: the body that carries the bearings on the frame, on its columns; None: the frame carries them.
         rotor: the body that a shaft joins to the crank; None: the crank is the shaft's own.
         open_pins: pins with clearance, which have no springs in ``lines``.
         closed: the same press without clearance; None where there is none.
+        flexible: the flexible links.
     """
 
     press: Linkage
@@ -111,10 +118,17 @@ class SprungPress:
     turns: TurningSprings
     carry: Array
     drawn: Array
+    shapes: ComplexArray
     crown: int | None = None
     rotor: int | None = None
     open_pins: tuple[OpenPin, ...] = ()
     closed: SprungPress | None = None
+    flexible: tuple[FlexibleBody, ...] = ()
+
+    @property
+    def _rigid(self) -> int:
+        """Number of the coordinates of bodies, after which those of shapes begin."""
+        return 3 * len(self.centers)
 
     @property
     def free(self) -> int:
@@ -139,20 +153,20 @@ class SprungPress:
         return np.asarray(self.carry.T @ self.weight)
 
     def all_coordinates(self, free: Array) -> Array:
-        """All coordinates (n, 3 (bodies + 1)) of free ones (n, f)."""
+        """All coordinates (n, k) of free ones (n, f)."""
         return np.asarray(free @ self.carry.T + self.drawn)
 
     def free_coordinates(self, coordinates: Array) -> Array:
-        """Free coordinates (n, f) of all coordinates (n, 3 (bodies + 1))."""
+        """Free coordinates (n, f) of all coordinates (n, k)."""
         return self.free_rates(coordinates - self.drawn)
 
     def free_rates(self, rates: Array) -> Array:
-        """Free rates or accelerations (n, f) of those of all coordinates (n, 3 (bodies + 1))."""
+        """Free rates or accelerations (n, f) of those of all coordinates (n, k)."""
         return np.asarray(rates @ self._back)
 
     @cached_property
     def _back(self) -> Array:
-        """(3 (bodies + 1), f) all rates to the free ones."""
+        """(k, f) all rates to the free ones."""
         return np.asarray(np.linalg.pinv(self.carry).T)
 
     def mass_at(self, coordinates: Array) -> Array:
@@ -169,7 +183,7 @@ class SprungPress:
         return engine.plane.dense
 
     def rigid_coordinates(self, motion: Motion) -> tuple[Array, Array, Array]:
-        """All coordinates, rates and accelerations (n, 3 (bodies + 1)) of the rigid press in a motion."""
+        """All coordinates, rates and accelerations (n, k) of the rigid press in a motion."""
         plane, states, count = self.plane, motion.states(self.press), self.press.model.nv
         basis = basis_at(plane, states.position)
         rows = plane.origins + plane.centers
@@ -196,44 +210,59 @@ class SprungPress:
     def displacement(self, coordinates: Array, motion: Motion) -> Array:
         """(n, links, 3) of all moving links beside the rigid press in a motion, along the axes of the plane [m], and turns [rad]."""
         moved = coordinates - self.rigid_coordinates(motion)[0]
-        return np.asarray(moved.reshape(len(moved), -1, 3)[:, : self.press.model.nv])
+        return np.asarray(moved[:, : 3 * self.press.model.nv].reshape(len(moved), -1, 3))
 
     def weight_less_inertia(self, accelerations: Array) -> Array:
         """Sum (n, 3) of the weights less the inertia forces of all bodies, of free accelerations (n, f), in world axes [N]."""
         left = self.weight - (accelerations @ self.carry.T) * self.inertia
-        return to_world(self.plane, left[:, ::3].sum(axis=1) + 1j * left[:, 1::3].sum(axis=1))
+        return to_world(self.plane, left[:, : self._rigid : 3].sum(axis=1) + 1j * left[:, 1 : self._rigid : 3].sum(axis=1))
 
     # ------------------------------------------------------------------------------------------------------------------- springs
 
     def geometry(self, coordinates: Array, rates: Array) -> LineGeometry:
-        """The line springs at all coordinates and rates (n, 3 (bodies + 1))."""
-        lines = self.lines
-        turned = np.exp(1j * coordinates[:, 2::3])
-        place = self.centers + coordinates[:, ::3] + 1j * coordinates[:, 1::3]
-        speed = rates[:, ::3] + 1j * rates[:, 1::3]
-        arm1, arm2 = turned[:, lines.first] * lines.arm1, turned[:, lines.second] * lines.arm2
+        """The line springs at all coordinates and rates (n, k)."""
+        lines, rigid = self.lines, self._rigid
+        turned = np.exp(1j * coordinates[:, 2:rigid:3])
+        place = self.centers + coordinates[:, :rigid:3] + 1j * coordinates[:, 1:rigid:3]
+        speed = rates[:, :rigid:3] + 1j * rates[:, 1:rigid:3]
+        arm1, arm2 = turned[:, lines.first], turned[:, lines.second]
+        if self.flexible:
+            bent1, bent2 = (arm[:, :, None] * shapes for arm, shapes in zip((arm1, arm2), self.shapes, strict=True))
+            arm1 = arm1 * lines.arm1 + np.einsum("nsq,nq->ns", bent1, coordinates[:, rigid:])
+            arm2 = arm2 * lines.arm2 + np.einsum("nsq,nq->ns", bent2, coordinates[:, rigid:])
+        else:
+            arm1, arm2 = arm1 * lines.arm1, arm2 * lines.arm2
         against = (np.where(lines.turning, turned[:, lines.first], 1.0) * lines.direction).conj()
         gap = against * (place[:, lines.second] - place[:, lines.first] + (arm2 - arm1))
         lever1, lever2 = against * arm1 + lines.turning * gap, against * arm2
         apart = against * (speed[:, lines.second] - speed[:, lines.first])
         spin1, spin2 = rates[:, 3 * lines.first + 2], rates[:, 3 * lines.second + 2]
         opening = apart.real - lever2.imag * spin2 + lever1.imag * spin1
-        return LineGeometry(against, gap.real - lines.rest, opening, lever1, lever2, apart, spin1, spin2)
+        bends = None
+        if self.flexible:
+            bends = against[:, :, None] * bent1, against[:, :, None] * bent2
+            opening += np.einsum("nsq,nq->ns", (bends[1] - bends[0]).real, rates[:, rigid:])
+        return LineGeometry(against, gap.real - lines.rest, opening, lever1, lever2, apart, spin1, spin2, bends)
 
     def spring_forces(self, coordinates: Array, rates: Array, derivatives: bool = True) -> SpringForces:
-        """Forces of all springs and of weight on the free coordinates, at all coordinates and rates (n, 3 (bodies + 1))."""
+        """Forces of all springs and of weight on the free coordinates, at all coordinates and rates (n, k)."""
         lines, turns, turning = self.lines, self.turns, self._turning
         at = self.geometry(coordinates, rates)
         pull = -(lines.stiffness * at.extension + lines.damping * at.opening)  # on the second body, along the direction
         gradient = self._gradient(at)
         moment = -((coordinates @ self._angles.T) * turns.stiffness + (rates @ self._angles.T) * turns.damping)
         force = np.matmul(pull[:, None, :], gradient)[:, 0] + moment @ turning + self.free_weight
+        if self.flexible:
+            force -= self.to_free(coordinates * self._of_shapes[0] + rates * self._of_shapes[1])
         if not derivatives:
             return SpringForces(force, None, None)
-        yielding = lines.stiffness[:, None] * gradient + lines.damping[:, None] * self._gradient_rate(at)
+        yielding = lines.stiffness[:, None] * gradient + lines.damping[:, None] * self._gradient_rate(at, rates)
         transposed = gradient.transpose(0, 2, 1)
         stiffness = np.matmul(transposed, yielding) - self._bend(at, pull) + turning.T @ (turns.stiffness[:, None] * turning)
         damping = np.matmul(transposed, lines.damping[:, None] * gradient) + turning.T @ (turns.damping[:, None] * turning)
+        if self.flexible:
+            stiffness += self.carry.T @ (self._of_shapes[0][:, None] * self.carry)
+            damping += self.carry.T @ (self._of_shapes[1][:, None] * self.carry)
         return SpringForces(force, stiffness, damping)
 
     def bearing_forces(self, coordinates: Array, rates: Array) -> Array:
@@ -249,27 +278,80 @@ class SprungPress:
     def lost_power(self, coordinates: Array, rates: Array) -> Array:
         """Power (n,) lost in the dampers [W]."""
         opening = self.geometry(coordinates, rates).opening
-        return np.asarray(opening**2 @ self.lines.damping + self.turning_rates(rates) ** 2 @ self.turns.damping)
+        return np.asarray(
+            opening**2 @ self.lines.damping + self.turning_rates(rates) ** 2 @ self.turns.damping + rates**2 @ self._of_shapes[1]
+        )
 
     def kinetic_energy(self, coordinates: Array, rates: Array) -> Array:
         """Kinetic energy (n,) of all bodies [J]."""
-        return np.asarray(0.5 * (rates**2 @ self.inertia))
+        found: Array = 0.5 * (rates**2 @ self.inertia)
+        for link in self.flexible:
+            q, dq, spin = coordinates[:, link.columns], rates[:, link.columns], rates[:, 3 * link.body + 2]
+            found += spin**2 * (q @ link.stretch + 0.5 * link.mass * (q**2).sum(axis=1)) + spin * ((q @ link.swirl) * dq).sum(axis=1)
+        return found
 
     def stored_energy(self, coordinates: Array) -> Array:
         """Energy (n,) of springs and weights [J]."""
         extension, twist = self.geometry(coordinates, np.zeros_like(coordinates)).extension, self.turning_rates(coordinates)
-        return np.asarray(0.5 * (extension**2 @ self.lines.stiffness + twist**2 @ self.turns.stiffness) - coordinates @ self.weight)
+        found = extension**2 @ self.lines.stiffness + twist**2 @ self.turns.stiffness + coordinates**2 @ self._of_shapes[0]
+        return np.asarray(0.5 * found - coordinates @ self.weight)
+
+    @cached_property
+    def _of_shapes(self) -> Array:
+        """(2, k) stiffnesses and dampings of the flexible links' shapes; zero of all other coordinates."""
+        found = np.zeros((2, len(self.drawn)))
+        for link in self.flexible:
+            found[:, link.columns] = link.stiffness, link.damping
+        return found
+
+    # --------------------------------------------------------------------------------------------------- flexible links in a turning frame
+
+    @property
+    def has_constant_mass(self) -> bool:
+        """Whether no inertia forces depend on the state."""
+        return not self.flexible
+
+    def varying_inertia(self, coordinates: Array, rates: Array, accelerations: Array) -> VaryingInertia:
+        """Inertia forces on the free coordinates, and their derivatives by these, beside those of the constant mass matrix.
+
+        With T of `flexible_link` they are d/dt dT/dy' - dT/dy for the turn phi and the shapes' coordinates q of each flexible link.
+        """
+        count, free = len(coordinates), self.free
+        force = np.zeros((count, free))
+        by_place, by_rate, by_acceleration = (np.zeros((count, free, free)) for _ in range(3))
+        for link in self.flexible:
+            turn, own = 3 * link.body + 2, link.columns
+            q, dq, ddq = (each[:, own] for each in (coordinates, rates, accelerations))
+            spin, growing = rates[:, turn, None], accelerations[:, turn, None]
+            lever, around, whirl = link.stretch + link.mass * q, q @ link.swirl.T, dq @ link.swirl.T
+            excess = 2 * q @ link.stretch + link.mass * (q**2).sum(axis=1)
+            phi = int(np.argmax(self.carry[turn]))
+            at = slice(free - 1 - (len(self.drawn) - own.start), free - 1 - (len(self.drawn) - own.stop))
+            shapes = np.arange(at.start, at.stop)
+            force[:, phi] += excess * growing[:, 0] + 2 * spin[:, 0] * (lever * dq).sum(axis=1) - (around * ddq).sum(axis=1)
+            force[:, at] -= growing * around + 2 * spin * whirl + spin**2 * lever
+            by_place[:, phi, at] += 2 * growing * lever + 2 * link.mass * spin * dq + ddq @ link.swirl.T
+            by_place[:, at, at] -= growing[:, :, None] * link.swirl
+            by_place[:, shapes, shapes] -= link.mass * spin**2
+            by_rate[:, phi, at] += 2 * spin * lever
+            by_rate[:, phi, phi] += 2 * (lever * dq).sum(axis=1)
+            by_rate[:, at, at] -= 2 * spin[:, :, None] * link.swirl
+            by_rate[:, at, phi] -= 2 * whirl + 2 * spin * lever
+            by_acceleration[:, phi, phi] += excess
+            by_acceleration[:, phi, at] -= around
+            by_acceleration[:, at, phi] -= around
+        return VaryingInertia(force, by_place, by_rate, by_acceleration, np.zeros((count, free)))
 
     @cached_property
     def _angles(self) -> Array:
-        """(T, 3 (bodies + 1)) gradients of the angles of `turns`."""
+        """(T, k) gradients of the angles of `turns`."""
         gradient, rows = np.zeros((len(self.turns.first), len(self.drawn))), np.arange(len(self.turns.first))
         gradient[rows, 3 * self.turns.first + 2] = -1.0
         gradient[rows, 3 * self.turns.second + 2] += 1.0
         return gradient
 
     def turning_rates(self, rates: Array) -> Array:
-        """(n, T) turning speeds of `turns`, or their angles, of rates or coordinates (n, 3 (bodies + 1))."""
+        """(n, T) turning speeds of `turns`, or their angles, of rates or coordinates (n, k)."""
         return np.asarray(rates @ self._angles.T)
 
     @cached_property
@@ -287,7 +369,7 @@ class SprungPress:
         return rows, self.carry[rows, np.arange(self.free)]
 
     def to_free(self, columns: Array) -> Array:
-        """Gradients (..., f) by the free coordinates, of those by all (..., 3 (bodies + 1))."""
+        """Gradients (..., f) by the free coordinates, of those by all (..., k)."""
         return columns[..., self._kept[0]] * self._kept[1] if self._kept is not None else np.asarray(columns @ self.carry)
 
     def to_free_twice(self, matrices: Array) -> Array:
@@ -299,9 +381,10 @@ class SprungPress:
 
     def _gradient(self, at: LineGeometry) -> Array:
         """Gradients (n, S, f) of the extensions."""
-        return self._placed(at.against.real, -at.against.imag, -at.lever2.imag, at.lever1.imag)
+        bent = None if at.bends is None else (at.bends[1] - at.bends[0]).real
+        return self._placed(at.against.real, -at.against.imag, -at.lever2.imag, at.lever1.imag, bent)
 
-    def _gradient_rate(self, at: LineGeometry) -> Array:
+    def _gradient_rate(self, at: LineGeometry, rates: Array) -> Array:
         """Rates (n, S, f) of the gradients, which are the gradients of the rates of the extensions."""
         turning = self.lines.turning
         spin = at.spin1 * turning
@@ -311,11 +394,17 @@ class SprungPress:
             at.spin1 * at.lever1.real,
         )
         rate = -1j * spin * at.against
-        return self._placed(rate.real, -rate.imag, (spin - at.spin2) * at.lever2.real, first)
+        second = (spin - at.spin2) * at.lever2.real
+        if at.bends is None:
+            return self._placed(rate.real, -rate.imag, second, first, None)
+        flow1, flow2 = (np.einsum("nsq,nq->ns", bend, rates[:, self._rigid :]).imag for bend in at.bends)
+        first, second = first + np.where(turning > 0, flow2, flow1), second - flow2
+        bent = at.spin1[:, :, None] * at.bends[0].imag - (at.spin2 - spin)[:, :, None] * at.bends[1].imag
+        return self._placed(rate.real, -rate.imag, second, first, bent)
 
-    def _placed(self, x: Array, z: Array, second: Array, first: Array) -> Array:
+    def _placed(self, x: Array, z: Array, second: Array, first: Array, bent: Array | None) -> Array:
         """Derivatives (n, S, f) from those by x and z of the second body, which are minus those of the first, and by both
-        angles, (n, S) each."""
+        angles, (n, S) each, and from those by the shapes' coordinates (n, S, Q)."""
         lines, rows = self.lines, np.arange(len(self.lines.first))
         found = np.zeros((len(x), len(rows), len(self.drawn)))
         found[:, rows, 3 * lines.first] = -x
@@ -324,6 +413,8 @@ class SprungPress:
         found[:, rows, 3 * lines.second] = x
         found[:, rows, 3 * lines.second + 1] = z
         found[:, rows, 3 * lines.second + 2] = second
+        if bent is not None:
+            found[:, :, self._rigid :] = bent
         return self.to_free(found)
 
     def _bend(self, at: LineGeometry, pull: Array) -> Array:
@@ -332,7 +423,7 @@ class SprungPress:
         found = np.zeros((len(pull), size, size))
         own1 = np.where(lines.turning > 0, -at.lever1.real, at.lever1.real) * pull
         own2 = -at.lever2.real * pull
-        angles = np.arange(2, size, 3)
+        angles = np.arange(2, self._rigid, 3)
         found[:, angles, angles] = own1 @ self._at_first + own2 @ self._at_second
         for k in np.flatnonzero(lines.turning):
             a, b = 3 * int(lines.first[k]), 3 * int(lines.second[k])
@@ -340,7 +431,20 @@ class SprungPress:
             for row, values in ((b, along.real), (b + 1, along.imag), (a, -along.real), (a + 1, -along.imag), (b + 2, -own2[:, k])):
                 found[:, row, a + 2] += values
                 found[:, a + 2, row] += values
+        if at.bends is not None:
+            self._add_bent(at, pull, found)
         return self.to_free_twice(found)
+
+    def _add_bent(self, at: LineGeometry, pull: Array, found: Array) -> None:
+        """Add the second derivatives by turns and shapes' coordinates, times the pulls (n, S), to a matrix (n, k, k)."""
+        assert at.bends is not None
+        lines, shapes = self.lines, slice(self._rigid, None)
+        pulled1, pulled2 = (pull[:, :, None] * bend.imag for bend in at.bends)
+        firsts = np.where(lines.turning[:, None] > 0, pulled2, pulled1)  # a direction that turns sees point 2 move
+        for bodies, values in ((self._at_first, firsts), (self._at_second, -pulled2)):
+            by_turn = np.einsum("nsq,sb->nbq", values, bodies)
+            found[:, 2 : self._rigid : 3, shapes] += by_turn
+            found[:, shapes, 2 : self._rigid : 3] += by_turn.transpose(0, 2, 1)
 
     @cached_property
     def _at_first(self) -> Array:
@@ -363,6 +467,7 @@ class LineGeometry(NamedTuple):
         apart: (n, S) velocities of the second body's centre of mass less those of the first [m/s].
         spin1: (n, S) turning speeds of the first body [rad/s].
         spin2: (n, S) of the second.
+        bends: (n, S, Q) displacements of points 1 and of points 2 by the coordinates of flexible links' shapes [-]; None: there are none.
     """
 
     against: ComplexArray
@@ -373,6 +478,7 @@ class LineGeometry(NamedTuple):
     apart: ComplexArray
     spin1: Array
     spin2: Array
+    bends: tuple[ComplexArray, ComplexArray] | None = None
 
 
 def _one_hot(columns: Indices, count: int) -> Array:

@@ -171,6 +171,14 @@ def elastic_run() -> pp.ElasticRun:
 
 
 @cache
+def flexible_link() -> dict[str, Any]:
+    """Two points on a spring that does not bend."""
+    stiffness, degrees = np.zeros((4, 4)), [[0, 0], [0, 1], [1, 0], [1, 1]]
+    stiffness[np.ix_([0, 2], [0, 2])] = 1e9 * np.array([[1, -1], [-1, 1]])
+    named = {"link": "rod", "bearings": {"P": 0, "W": 1}, "modes": 2, "damping_ratio": 0.01}
+    return named | {"mass": np.eye(4), "stiffness": stiffness, "nodes": [[0.0, 0.0], [0.5, 0.0]], "degrees": degrees}
+
+
 def springs() -> pp.elasticity.Stiffness:
     bearings = dict.fromkeys(press().bearings, 2e7)
     return pp.elasticity.Stiffness(bearings, moments={"slide_guide": 2e6})
@@ -333,6 +341,27 @@ def calls() -> dict[str, Call]:
             lambda: {"stiffness": stiffness(), "damping_ratio": 0.02, "dampers": {"O": 1e4}, "crown_mass": None},
         ),
         ("Clearance", pp.elasticity.Clearance, lambda: {"radial": 1e-4, "law": "hertz", "restitution": 0.7, "hertz_stiffness": 1e10}),
+        (
+            "flexible_beam",
+            pp.elasticity.flexible_beam,
+            lambda: {
+                "press": press(),
+                "link": "rod",
+                "between": ("P", "W"),
+                "area": 0.01,
+                "second_moment": 1e-5,
+                "modulus": 2e11,
+                "elements": 4,
+                "modes": 2,
+                "damping_ratio": 0.01,
+            },
+        ),
+        ("FlexibleLink", pp.elasticity.FlexibleLink, flexible_link),
+        (
+            "read_flexible_link",
+            pp.elasticity.read_flexible_link,
+            lambda: {"link": "rod", "file": FOLDER / "rod.npz", "bearings": {"P": 0, "W": 1}, "modes": 2, "damping_ratio": 0.01},
+        ),
         ("journal_impacts", pp.elasticity.journal_impacts, lambda: {"run": elastic_run(), "bearing": "P"}),
         (
             "wear_depth",

@@ -1,0 +1,384 @@
+"""Links that bend and stretch: finite elements in the plane, reduced by the method of Craig and Bampton.
+
+A model of finite elements is a mass and a stiffness matrix. Of its motions those are kept that the bearings can cause: what it does where
+one bearing after another is moved slowly, and its lowest vibrations with all bearings held (Craig and Bampton, AIAA Journal 6 (1968) 1313).
+The vibrations of the free link in these motions, but for the three in which it moves as a whole, are its shapes Psi. Points of the link
+are then at
+
+    r + exp(i phi) (s + Psi q)
+
+in the plane, with the centre of mass at r, the turn phi, the place s in the undeformed link, and small coordinates q of the shapes. As
+the shapes of a free link move neither its centre of mass nor turn it on the whole, its kinetic energy is
+
+    m |r'|^2 / 2 + (J + 2 c.q + m q.q) phi'^2 / 2 + phi' q.G q' + m q'.q' / 2
+
+with shapes that have the link's mass each, c = int s.Psi dm and G = int Psi x Psi dm. So all inertia forces of the turning frame are there:
+centrifugal ones stretch the link, those of Coriolis bend it. Stiffness by tension, as in a rotor's blade, is not.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...common import files
+from ...common.arguments import number, numbers, whole_number
+from ...common.errors import PinpressError, shown
+from ...common.frozen import Frozen
+from ...common.quantities import Array, ComplexArray
+
+MOST_ROWS = 2000  # of matrices: larger ones are reduced in seconds by programs that keep them sparse
+MOST_BYTES = 200_000_000  # of a file of matrices
+MOST_MODES = 50
+RIGID = 1e-6  # share of the stiffness that a motion of the whole link may cost by rounding
+AGREE = 0.02  # share by which the matrices and the linkage may differ in mass, moment of inertia, and lengths
+TURN = 2  # direction of a degree of freedom that turns
+
+
+@dataclass(frozen=True, eq=False)
+class FlexibleLink(Frozen):
+    """A link that bends and stretches, as the matrices of a finite-element model in the plane, free in space.
+
+    Axes of the model are any two of the plane; the places of its bearings say how it lies. Mass, centre of mass and moment of inertia must
+    be those of the linkage.
+
+    Attributes:
+        link: name of the link; its bearings are pins, and it is not the crank.
+        bearings: names of all its bearings -> number of the node at which each is.
+        mass: (n, n) mass matrix [kg, kg m, kg m2].
+        stiffness: (n, n) stiffness matrix [N/m, N, N m].
+        nodes: (k, 2) places of the nodes [m].
+        degrees: (n, 2) of each row of the matrices: the number of its node, and 0 or 1 for its displacement along the first or second axis,
+            2 for its turn from the first axis to the second; -1, -1 for a coordinate of a model that is reduced already.
+        modes: number of vibrations with its bearings held that are kept.
+        damping_ratio: of each vibration of the free link, from 0 to 2 [-].
+    """
+
+    link: str
+    bearings: Mapping[str, int]
+    mass: Array
+    stiffness: Array
+    nodes: Array
+    degrees: NDArray[np.intp]
+    modes: int = 4
+    damping_ratio: float = 0.01
+
+    def __post_init__(self) -> None:
+        what, own = f"FlexibleLink of {shown(self.link)}", vars(self)
+        for name in ("mass", "stiffness"):
+            own[name] = _matrix(f"{what}: {name}", own[name])
+        count = len(self.mass)
+        if self.stiffness.shape != self.mass.shape:
+            raise PinpressError(f"{what}: stiffness has shape {self.stiffness.shape}, mass {self.mass.shape}: give both for the same rows")
+        own["nodes"] = numbers(f"{what}: nodes", self.nodes, (None, 2), unit="m")
+        degrees = numbers(f"{what}: degrees", self.degrees, (count, 2))
+        node, direction = degrees.T
+        apart = (degrees != np.round(degrees)).any() or len(np.unique(degrees[node >= 0], axis=0)) < np.count_nonzero(node >= 0)
+        known = np.isin(node, np.arange(len(self.nodes))) & np.isin(direction, [0, 1, TURN]) | ((node == -1) & (direction == -1))
+        if apart or not known.all():
+            raise PinpressError(
+                f"{what}: degrees must say for each row of the matrices the number of its node, from 0 to {len(self.nodes) - 1}, and 0 or 1"
+                " for its displacement along the axes or 2 for its turn, each once; leave out what moves across the plane"
+            )
+        own["degrees"] = degrees.astype(np.intp)
+        if not isinstance(self.bearings, Mapping) or len(set(map(str, self.bearings.values()))) < 2:
+            raise PinpressError(
+                f"{what}: bearings is {shown(self.bearings)}: give a mapping, name of each bearing: number of its node; at least two"
+            )
+        for name, place in self.bearings.items():
+            whole_number(f"{what}: node of bearing {shown(name)}", place, 0, len(self.nodes) - 1)
+            if not all(((degrees == (place, along)).all(axis=1)).any() for along in (0, 1)):
+                raise PinpressError(f"{what}: node {place} of bearing {shown(name)} has no rows for its displacement along both axes")
+        whole_number(f"{what}: modes", self.modes, 0, MOST_MODES)
+        ratio = number(f"{what}: damping_ratio", self.damping_ratio)
+        if not 0.0 <= ratio <= 2.0:
+            raise PinpressError(f"{what}: damping_ratio is {ratio:g}: give a number from 0 to 2; steel has 0.001 to 0.02")
+        super().__post_init__()
+
+    @property
+    def natural_frequency(self) -> Array:
+        """(m,) natural frequencies of the free link, as it is reduced [rad/s]."""
+        return self._reduced.frequency
+
+    @cached_property
+    def _reduced(self) -> _Reduced:
+        return _reduced(self)
+
+
+def read_flexible_link(
+    link: str,
+    file: str | os.PathLike[str],
+    *,
+    bearings: Mapping[str, int],
+    stiffness: str | os.PathLike[str] | None = None,
+    nodes: Any = None,
+    degrees: Any = None,
+    modes: int = 4,
+    damping_ratio: float = 0.01,
+) -> FlexibleLink:
+    """Read the matrices of a flexible link: one NumPy file, or two files in the Matrix Market format.
+
+    Args:
+        link: name of the link.
+        file: a file `.npz` with ``mass``, ``stiffness``, ``nodes`` and ``degrees`` of `FlexibleLink`; or the mass matrix, `.mtx`.
+        bearings: names of all bearings of the link -> number of the node at which each is, counted from 0.
+        stiffness: the stiffness matrix, `.mtx`, where ``file`` is one.
+        nodes: (k, 2) places of the nodes [m], likewise.
+        degrees: (n, 2) node and direction of each row, likewise.
+        modes: number of vibrations with its bearings held that are kept.
+        damping_ratio: of each vibration of the free link [-].
+
+    Raises:
+        PinpressError: a file cannot be read, lacks an array, or the arrays make no sense.
+    """
+    path = files.path_of("file", file)
+    if stiffness is None:
+        arrays = _arrays(path)
+        if nodes is not None or degrees is not None:
+            raise PinpressError(f"{path} brings its own nodes and degrees: leave out nodes= and degrees=, or give stiffness= too")
+        missing = [name for name in ("mass", "stiffness", "nodes", "degrees") if name not in arrays]
+        if missing:
+            raise PinpressError(f"{path} lacks {', '.join(missing)}: write numpy.savez(file, mass=, stiffness=, nodes=, degrees=)")
+        mass, other, nodes, degrees = (arrays[name] for name in ("mass", "stiffness", "nodes", "degrees"))
+    else:
+        if nodes is None or degrees is None:
+            raise PinpressError(f"{path} holds a matrix alone: give nodes= and degrees= too, which say what its rows are")
+        mass, other = _market(path), _market(files.path_of("stiffness", stiffness))
+    return FlexibleLink(link, bearings, mass, other, nodes, degrees, modes, damping_ratio)
+
+
+# --------------------------------------------------------------------------------------------------------------------------------- reading
+
+
+def _matrix(what: str, given: Any) -> Array:
+    if hasattr(given, "toarray"):  # of SciPy, sparse
+        if max(given.shape) > MOST_ROWS:
+            raise PinpressError(f"{what} has shape {given.shape}: at most {MOST_ROWS} rows; condense the model where it was made")
+        given = given.toarray()
+    found = numbers(what, given, (None, None))
+    if found.shape[0] != found.shape[1] or not 0 < len(found) <= MOST_ROWS:
+        raise PinpressError(f"{what} has shape {found.shape}: give a square matrix of at most {MOST_ROWS} rows")
+    if np.abs(found - found.T).max() > 1e-6 * np.abs(found).max():
+        raise PinpressError(f"{what} is not symmetric: give the whole matrix, both of its halves")
+    return np.asarray(0.5 * (found + found.T))
+
+
+def _arrays(path: str) -> dict[str, Any]:
+    try:
+        with np.load(io.BytesIO(files.read(path, MOST_BYTES)), allow_pickle=False) as archive:
+            if not hasattr(archive, "files"):
+                raise ValueError
+            return {name: archive[name] for name in archive.files}
+    except (ValueError, OSError, EOFError, KeyError, AttributeError, TypeError) as error:
+        raise PinpressError(f"{path} is no file of arrays: write it with numpy.savez(file, mass=, stiffness=, nodes=, degrees=)") from error
+
+
+def _market(path: str) -> Any:
+    from scipy.io import mmread  # SciPy takes its time to load
+
+    try:
+        return mmread(io.BytesIO(files.read(path, MOST_BYTES)))
+    except (ValueError, TypeError, OSError, IndexError, OverflowError) as error:
+        raise PinpressError(f"{path} is no Matrix Market file: {error}; give the matrix as .mtx, or all arrays in one .npz") from error
+
+
+# ------------------------------------------------------------------------------------------------------------------------------- reduction
+
+
+class _Reduced(NamedTuple):
+    """A free link in its own vibrations, of modal masses of 1, in the axes of its model.
+
+    Attributes:
+        mass: of the whole [kg].
+        centre: its centre of mass [m].
+        inertia: about that [kg m2].
+        frequency: (m,) rising [rad/s].
+        shapes: (k, m) displacements of its nodes, along the first axis and i times along the second.
+        stretch: (m,) integrals of place times shape over the mass.
+        swirl: (m, m) integrals of the cross products of shapes over the mass.
+    """
+
+    mass: float
+    centre: complex
+    inertia: float
+    frequency: Array
+    shapes: ComplexArray
+    stretch: Array
+    swirl: Array
+
+
+def _reduced(link: FlexibleLink) -> _Reduced:
+    what, mass, stiffness = f"FlexibleLink of {shown(link.link)}", link.mass, link.stiffness
+    node, direction = link.degrees.T
+    x, z = link.nodes[node].T  # of rows without a node they do not count
+    along, across, turning = (np.where(direction == k, 1.0, 0.0) for k in (0, 1, TURN))
+    whole = np.stack([along, across, across * x - along * z + turning], axis=1)
+    if np.abs(stiffness @ whole).max() > RIGID * np.abs(stiffness).max() * max(1.0, float(np.abs(link.nodes).max())):
+        raise PinpressError(
+            f"{what}: its stiffness matrix resists when the link moves as a whole: give that of a link that nothing holds, with nodes in m"
+        )
+    rigid = whole.T @ mass @ whole
+    total = float(rigid[0, 0])
+    if not total > 0:
+        raise PinpressError(f"{what}: its mass matrix has no mass: give kg")
+    centre = complex(rigid[1, 2], -rigid[0, 2]) / total
+    inertia = float(rigid[2, 2]) - total * abs(centre) ** 2
+    basis = _craig_bampton(link, what)
+    try:
+        small = np.linalg.inv(np.linalg.cholesky(basis.T @ mass @ basis))
+    except np.linalg.LinAlgError as error:
+        raise PinpressError(f"{what}: its mass matrix is not positive definite: give the consistent mass matrix of all rows") from error
+    squared, vectors = np.linalg.eigh(small @ (basis.T @ stiffness @ basis) @ small.T)
+    if not squared[3] > 0 or np.abs(squared[:3]).max() > 1e-3 * squared[3]:
+        raise PinpressError(f"{what}: more than three of its motions cost no energy: its parts are not joined, or it has a hinge")
+    shapes = basis @ (small.T @ vectors[:, 3:])
+    dilation = along * (x - centre.real) + across * (z - centre.imag)
+    turned = _quarter_turned(link, shapes)
+    swirl = -shapes.T @ mass @ turned
+    at_nodes = np.zeros((len(link.nodes), shapes.shape[1]), dtype=complex)
+    for k, factor in ((0, 1.0), (1, 1j)):
+        rows = direction == k
+        at_nodes[node[rows]] += factor * shapes[rows]
+    return _Reduced(
+        total, centre, inertia, np.sqrt(squared[3:]), at_nodes, np.asarray(dilation @ mass @ shapes), np.asarray(0.5 * (swirl - swirl.T))
+    )
+
+
+def _quarter_turned(link: FlexibleLink, shapes: Array) -> Array:
+    """Displacements (n, m) of the nodes turned by a right angle."""
+    found = np.zeros_like(shapes)
+    rows = {(int(node), int(direction)): row for row, (node, direction) in enumerate(link.degrees)}
+    for (node, direction), row in rows.items():
+        other = rows.get((node, 1 - direction)) if direction in (0, 1) else None
+        if other is not None:
+            found[row] = -shapes[other] if direction == 0 else shapes[other]
+    return found
+
+
+def _craig_bampton(link: FlexibleLink, what: str) -> Array:
+    """(n, c) motions of all rows: one bearing moved after another along an axis, then the vibrations with all bearings held."""
+    from scipy.linalg import eigh  # SciPy takes its time to load
+
+    node, direction = link.degrees.T
+    at_bearing = np.isin(node, list(link.bearings.values())) & np.isin(direction, (0, 1))
+    outer, inner = np.flatnonzero(at_bearing), np.flatnonzero(~at_bearing)
+    kept = min(link.modes, len(inner))
+    basis = np.zeros((len(node), len(outer) + kept))
+    basis[outer, np.arange(len(outer))] = 1.0
+    if not len(inner):
+        return basis
+    held, mass = link.stiffness[np.ix_(inner, inner)], link.mass[np.ix_(inner, inner)]
+    try:
+        basis[inner, : len(outer)] = -np.linalg.solve(held, link.stiffness[np.ix_(inner, outer)])
+        if kept:
+            basis[inner, len(outer) :] = eigh(held, mass, subset_by_index=[0, kept - 1])[1]
+    except np.linalg.LinAlgError as error:
+        raise PinpressError(
+            f"{what}: it moves though all its bearings are held, or its mass matrix is not positive definite: some rows lack stiffness or"
+            " mass"
+        ) from error
+    return basis
+
+
+# -------------------------------------------------------------------------------------------------------------------------- in the linkage
+
+
+@dataclass(frozen=True, eq=False)
+class FlexibleBody:
+    """A flexible link of a press, with shapes that have the link's mass each.
+
+    Attributes:
+        name: of the link.
+        body: its number.
+        columns: of its shapes' coordinates among all coordinates.
+        mass: of the link [kg].
+        stiffness: (m,) of its shapes [N/m].
+        damping: (m,) [N s/m].
+        stretch: (m,) c of the module [kg m].
+        swirl: (m, m) G of the module [kg].
+        places: (k,) nodes from the centre of mass, in the axes of the plane, in the drawn pose [m].
+        shapes: (k, m) their displacements [-].
+        at_bearing: (m,) those of each bearing, by its number.
+    """
+
+    name: str
+    body: int
+    columns: slice
+    mass: float
+    stiffness: Array
+    damping: Array
+    stretch: Array
+    swirl: Array
+    places: ComplexArray
+    shapes: ComplexArray
+    at_bearing: Mapping[int, ComplexArray]
+
+
+def flexible_body(link: FlexibleLink, body: int, first: int, pins: Mapping[int, tuple[str, complex]], own: RigidInertia) -> FlexibleBody:
+    """A flexible link put where the linkage has it.
+
+    Args:
+        link: its description.
+        body: its number.
+        first: column of the coordinate of its first shape.
+        pins: name and place of each of its bearings by their numbers, in the axes of the plane, in the drawn pose.
+        own: the link as a rigid body.
+
+    Raises:
+        PinpressError: bearings, mass, centre of mass or moment of inertia are not those of the link.
+    """
+    what, found = f"FlexibleLink of {shown(link.link)}", link._reduced
+    names = [name for name, _ in pins.values()]
+    if sorted(map(str, link.bearings)) != sorted(names):
+        raise PinpressError(
+            f"{what}: bearings names {', '.join(map(str, link.bearings))}, and the link has {', '.join(names)}: name all of them"
+        )
+    nodes = link.nodes @ (1.0, 1j) - found.centre
+    there = np.array([nodes[link.bearings[name]] for name in names])
+    wanted = np.array([place - own.centre for _, place in pins.values()])
+    sides = [each - each.mean() for each in (there, wanted)]
+    turn = complex(sides[0].conj() @ sides[1])
+    turn /= abs(turn) or 1.0
+    span = float(np.abs(sides[1]).max())
+    for words, given, needed, size in (
+        ("places of the bearings from each other [m]", turn * sides[0], sides[1], span),
+        ("places of the bearings from the centre of mass [m]", turn * there, wanted, span),
+        ("mass [kg]", found.mass, own.mass, own.mass),
+        ("moment of inertia [kg m2]", found.inertia, own.inertia, own.inertia),
+    ):
+        if not np.abs(np.subtract(given, needed)).max() <= AGREE * size:
+            texts = (", ".join(_text(value) for value in np.atleast_1d(each)) for each in (given, needed))
+            raise PinpressError(f"{what}: {words} by its matrices: {next(texts)}; in the linkage: {next(texts)}; let both be the same")
+    shapes = turn * found.shapes * np.sqrt(own.mass)
+    return FlexibleBody(
+        name=link.link,
+        body=body,
+        columns=slice(first, first + len(found.frequency)),
+        mass=own.mass,
+        stiffness=own.mass * found.frequency**2,
+        damping=2 * link.damping_ratio * own.mass * found.frequency,
+        stretch=found.stretch * np.sqrt(own.mass),
+        swirl=found.swirl * own.mass,
+        places=turn * nodes,
+        shapes=shapes,
+        at_bearing={number: shapes[link.bearings[name]] for number, (name, _) in pins.items()},
+    )
+
+
+class RigidInertia(NamedTuple):
+    """A link as a rigid body: mass [kg], centre of mass in the drawn pose [m], moment of inertia about it [kg m2]."""
+
+    mass: float
+    centre: complex
+    inertia: float
+
+
+def _text(value: complex) -> str:
+    return f"{value.real:.5g}" if not np.iscomplexobj(value) else f"({value.real:.5g}, {value.imag:.5g})"
