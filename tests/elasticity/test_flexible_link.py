@@ -173,6 +173,18 @@ def test_stroke_with_a_rod_that_bends():
         assert soft[0].peaks[name] != pytest.approx(peak, rel=1e-3)
 
 
+def test_free_crank():
+    """Running down with a rod that bends: energy, and the held crank's forces behind a heavy flywheel."""
+    press, speed = shipped(JF75G), 300 * pp.RPM
+    elastic = Elastic(stiffness_of(press), flexible_links=[main_rod(modes=1, area=AREA / 10)])
+    light, heavy = (
+        pp.simulate(press, 0.05, speed=speed, flywheel=pp.drives.Flywheel(inertia), elastic=elastic, points=51) for inertia in (20, 1e9)
+    )
+    held = pp.simulate(press, 0.05, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic, points=51)
+    assert light.stats.energy_error < 1e-10
+    np.testing.assert_allclose(heavy.bearing_force["P4"], held.bearing_force["P4"], rtol=0, atol=1e-5 * held.peaks["P4"])
+
+
 def test_files(tmp_path):
     beam = main_rod(modes=2)
     np.savez(tmp_path / "rod.npz", mass=beam.mass, stiffness=beam.stiffness, nodes=beam.nodes, degrees=beam.degrees)

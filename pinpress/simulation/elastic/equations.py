@@ -149,11 +149,13 @@ class ElasticEquations:
     def varying_inertia(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
         if self.sprung.has_constant_mass:
             return None
-        (free, rates), n = self.whole(time, y, v), self.size
-        accelerations = np.pad(a, ((0, 0), (0, self.sprung.free - n)))
+        (free, rates), own, n = self.whole(time, y, v), self.own, self.size - self.own
+        accelerations = np.pad(a[:, own:], ((0, 0), (0, self.sprung.free - n)))  # a held crank has none
         carried = rates @ self.sprung.carry.T, accelerations @ self.sprung.carry.T
-        found = self.sprung.varying_inertia(self.sprung.all_coordinates(free), *carried)
-        return VaryingInertia(found.force[:, :n], *(each[:, :n, :n] for each in found[1:4]), found.by_time[:, :n])
+        force, *derivatives, by_time = self.sprung.varying_inertia(self.sprung.all_coordinates(free), *carried)
+        behind = (0, 0), (own, 0)  # the drive train's coordinates have constant inertia
+        padded = (np.pad(each[:, :n, :n], (*behind, (own, 0))) for each in derivatives)
+        return VaryingInertia(np.pad(force[:, :n], behind), *padded, np.pad(by_time[:, :n], behind))
 
     def whole(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
         """Free coordinates and rates (n, f) of the bodies, that of the crank last, of the unknown ones (n, size)."""
