@@ -154,8 +154,8 @@ class ElasticEquations:
         carried = rates @ self.sprung.carry.T, accelerations @ self.sprung.carry.T
         force, *derivatives, by_time = self.sprung.varying_inertia(self.sprung.all_coordinates(free), *carried)
         behind = (0, 0), (own, 0)  # the drive train's coordinates have constant inertia
-        padded = (np.pad(each[:, :n, :n], (*behind, (own, 0))) for each in derivatives)
-        return VaryingInertia(np.pad(force[:, :n], behind), *padded, np.pad(by_time[:, :n], behind))
+        by_place, by_rate, by_acceleration = (np.pad(each[:, :n, :n], (*behind, (own, 0))) for each in derivatives)
+        return VaryingInertia(np.pad(force[:, :n], behind), by_place, by_rate, by_acceleration, np.pad(by_time[:, :n], behind))
 
     def whole(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
         """Free coordinates and rates (n, f) of the bodies, that of the crank last, of the unknown ones (n, size)."""

@@ -366,7 +366,7 @@ def flexible_body(link: FlexibleLink, body: int, first: int, pins: Mapping[int, 
         damping=2 * link.damping_ratio * own.mass * found.frequency,
         stretch=found.stretch * np.sqrt(own.mass),
         swirl=found.swirl * own.mass,
-        places=turn * nodes,
+        places=np.asarray(turn * nodes, dtype=complex),
         shapes=shapes,
         at_bearing={number: shapes[link.bearings[name]] for number, (name, _) in pins.items()},
     )
