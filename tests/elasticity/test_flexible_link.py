@@ -268,3 +268,12 @@ def test_refused_beside_others():
     ):
         with pytest.raises(pp.PinpressError, match=message):
             sprung_press(press, Elastic(**{"stiffness": stiffness_of(press)} | more))
+
+
+@pytest.mark.parametrize(
+    "load",
+    [pp.loads.PointForce("main_rod", (0.0, 0.0, 1.0)), pp.loads.SpringDamper("frame", "main_rod", 1e4, point1=(0.0, 0.0, 1.0))],
+)
+def test_loads_on_a_link_that_bends_are_refused(load):
+    with pytest.raises(pp.PinpressError, match="a load acts on the flexible link 'main_rod'"):
+        stroke(main_rod(), loads=[load])

@@ -5,11 +5,13 @@ They are `Coordinate`s of the driven press, for links that yield: values, rates 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
+from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
 from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
@@ -117,3 +119,14 @@ def load_path(press: Linkage, coordinate: Coordinate) -> LoadPath:
 def _height(plane: Plane, joint: int, point: Array) -> float:
     """Where a point of a link lies along the plane's normal [m]."""
     return float(plane.normal @ point) if joint < 0 else float(plane.heights[joint] + plane.frames[joint][2] @ point)
+
+
+def refuse_on_flexible_links(sprung: SprungPress, paths: Sequence[LoadPath]) -> None:
+    """Raise PinpressError where a load acts on a link that bends: nothing says which of its nodes it moves."""
+    for path in paths:
+        bodies = (path.body,) if isinstance(path, PointPath) else path.bodies
+        for link in sprung.flexible:
+            if link.body in bodies:
+                raise PinpressError(
+                    f"a load acts on the flexible link {shown(link.name)}: it may bend between its pins alone; load another link"
+                )

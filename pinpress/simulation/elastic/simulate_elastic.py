@@ -21,7 +21,7 @@ from .description import Elastic
 from .drive_train import drive_train
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
-from .load_paths import LengthPath, load_path
+from .load_paths import LengthPath, load_path, refuse_on_flexible_links
 from .marching import march, resting
 from .period import periodic
 from .phases import LoadPhases
@@ -150,6 +150,7 @@ def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: flo
     if press.period_turns is None:
         raise PinpressError(f"the crank of {press.name} does not turn fully: an elastic motion is that of a crank that does")
     paths = tuple(load_path(press, coordinate) for coordinate in driven.coordinates)
+    refuse_on_flexible_links(sprung, paths)
     paths += tuple(LengthPath(pin.bodies, pin.arms, 0.0, -1.0) for pin in sprung.open_pins)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
