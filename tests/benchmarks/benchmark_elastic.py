@@ -24,11 +24,11 @@ import pinpress as pp
 from pinpress.accuracy.on_springs import SciPy, end_of
 from pinpress.common.quantities import Array
 from pinpress.simulation.driven_press import driven_press
+from pinpress.simulation.elastic.acting.phases import LoadPhases
 from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
 from pinpress.simulation.elastic.load_paths import load_path
 from pinpress.simulation.elastic.marching import march
-from pinpress.simulation.elastic.phases import LoadPhases
 from pinpress.simulation.elastic.task import ElasticSolution, Task
 
 CASES = (("jf75g_125_plain", 300.0, 2e9), ("zxn2_3000b", 70.0, 2e9), ("jf75g_125_plain", 300.0, 1e11))

@@ -8,11 +8,11 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.elasticity import Elastic, FlexibleLink, Stiffness
 from pinpress.simulation.driven_press import driven_press
+from pinpress.simulation.elastic.acting.phases import LoadPhases
 from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
 from pinpress.simulation.elastic.load_paths import load_path
 from pinpress.simulation.elastic.marching import march
-from pinpress.simulation.elastic.phases import LoadPhases
 from pinpress.simulation.elastic.task import Task
 
 LENGTH, HIGH, THICK, COLUMNS, ROWS = 0.3, 0.04, 0.1, 10, 2  # of the rod, and its elements

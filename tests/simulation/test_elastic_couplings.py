@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from simulation.test_elastic_drives import BLANK, SPEED, induction, jf75g, pendulum, springs
+from support.presses_on_springs import BLANK, SPEED, induction, jf75g, pendulum, springs
 
 import pinpress as pp
 

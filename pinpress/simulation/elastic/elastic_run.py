@@ -260,6 +260,8 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     found = np.zeros((len(INTEGRALS), len(free)))
     found[DRIVE_WORK], found[MOTOR_SQUARED] = driving.torque * driving.speed, driving.motor**2
     found[LOST] = sprung.lost_power(coordinates, all_rates) + driving.lost
+    if equations.friction is not None:
+        found[LOST] += equations.friction.lost_power(coordinates, all_rates)
     powers = [force * rate for force, rate in equations.load_forces(at.times, at.segments, coordinates, all_rates)]
     loads = len(driven.forces)
     found[LOAD_WORK], found[LOST] = -sum(powers[:loads], nothing), found[LOST] - sum(powers[loads:], nothing)
@@ -316,7 +318,10 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
 def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> Array:
     """Forces (bearings, n, 3) in world axes, parent on child, or link1 on link2 [N]."""
     sprung = solution.equations.sprung
-    found = sprung.bearing_forces(coordinates, rates)
+    found, friction = sprung.bearing_forces(coordinates, rates), solution.equations.friction
+    if friction is not None:
+        for number, along in friction.along_guides(coordinates, rates).items():
+            found[number] += to_world(sprung.plane, along)
     if sprung.open_pins:
         loads = solution.equations.load_forces(times, segments, coordinates, rates)[len(solution.equations.driven.forces) :]
         for pin, (force, _) in zip(sprung.open_pins, loads, strict=True):

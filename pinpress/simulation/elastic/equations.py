@@ -17,7 +17,8 @@ import numpy as np
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
-from .drive_train import DriveTrain, TrainEvent, TrainMode
+from .acting.bearing_friction import BearingFriction
+from .acting.drive_train import DriveTrain, TrainEvent, TrainMode
 from .load_paths import LoadPath
 from .panels import Indices, VaryingInertia
 from .press_on_springs import PathMotion
@@ -93,6 +94,7 @@ class ElasticEquations:
         modes: of the drive train in each segment; (): it is engaged all the time.
         events: what happens at the knots whose times are free.
         contacts: of pins with clearance; they come after the loads.
+        friction: of the bearings; None: they have none.
         direction: 1 where the crank turns forwards, else -1.
         lost: laws of contacts whose bodies are not apart yet, but part too fast to push each other, by the numbers of their forces.
     """
@@ -106,6 +108,7 @@ class ElasticEquations:
     modes: tuple[TrainMode, ...] = ()
     events: Mapping[int, MotionEvent] | None = None
     contacts: tuple[GeneralizedForce, ...] = ()
+    friction: BearingFriction | None = None
     direction: int = 1
     lost: Mapping[int, ForceInterval] = field(default_factory=dict)
 
@@ -227,6 +230,8 @@ class ElasticEquations:
         force, stiffness, damping = self.sprung.spring_forces(coordinates, all_rates)
         assert stiffness is not None
         assert damping is not None
+        if self.friction is not None:
+            self.friction.add(coordinates, all_rates, force, stiffness, damping)
         for number, law in enumerate(self.all_forces):
             on = [segment for segment in np.unique(segments) if self.segments[segment][number] is not None]
             if not on:

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
 from ..failures import failure
+from .acting.drive_train import TrainEvent, TrainMode
+from .acting.phases import Border as LoadBorder
+from .acting.phases import LoadPhases, Phase
 from .contact import HertzContact
-from .drive_train import TrainEvent, TrainMode
 from .equations import CRANK_ANGLE, INSTANT, ElasticEquations, Event, MotionEvent, Release, Segment
 from .panels import Border, Mesh, PanelSolution, radau, solve
-from .phases import Border as LoadBorder
-from .phases import LoadPhases, Phase
 from .sprung_press import LineSprings, SprungPress
 from .task import ASIDE, BESIDE, FIRST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
 

@@ -14,11 +14,11 @@ import numpy as np
 
 from ...common.quantities import Array
 from ..failures import failure
-from .drive_train import TrainEvent, TrainMode
+from .acting.drive_train import TrainEvent, TrainMode
+from .acting.phases import Plan
 from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent
 from .marching import cut_to, march, telling_steps
 from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
-from .phases import Plan
 from .press_on_springs import frequencies, reference_angle
 from .task import ASIDE, FIRST, LEAST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
 

@@ -16,15 +16,16 @@ from ..failures import failure
 from ..run import state_count
 from ..solvers import SimulationProblem
 from ..trajectory import Trajectory
+from .acting.bearing_friction import bearing_friction
+from .acting.drive_train import drive_train
+from .acting.phases import LoadPhases
 from .assembly import sprung_press
 from .description import Elastic
-from .drive_train import drive_train
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
 from .load_paths import LengthPath, load_path, refuse_on_flexible_links
 from .marching import march, resting
 from .period import periodic
-from .phases import LoadPhases
 from .sprung_press import SprungPress
 from .task import ElasticSolution, Task, largest_deflection
 
@@ -134,6 +135,11 @@ def _task(driven: DrivenPress, elastic: Elastic, speed: float, angle: float, tol
             "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"
             " at the peaks of its turns"
         )
+    if (driven.clutch is not None or driven.brake is not None) and not sprung.has_constant_mass:
+        raise PinpressError(
+            "clutch and brake are for presses in a plane whose links do not bend: what holds them takes no inertia that depends on the pose"
+            " yet; leave them out, or the flexible links"
+        )
     phases = LoadPhases(driven, 1 if speed > 0 else -1, _contacts(driven, sprung))
     turning = float(phases.turnings[0]) if len(phases.turnings) else angle
     from_turning = _task_from(turning, sprung, phases, speed)
@@ -159,7 +165,8 @@ def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: flo
 
     period = 2 * np.pi * press.period_turns / abs(speed)
     gain = _gain(*rigid(np.array([0.0, period]))[0])
-    equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed), contacts=phases.contacts)
+    friction = None if driven.friction is None else bearing_friction(sprung, driven.friction, speed)
+    equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed), contacts=phases.contacts, friction=friction)
     return Task(equations, phases, rigid, period, speed, gain, 0.0)
 
 
@@ -244,8 +251,6 @@ def _refuse_soft(press: Linkage, deflection: float) -> None:
 def _refuse_unsuitable(driven: DrivenPress, elastic: Elastic) -> None:
     if not isinstance(elastic, Elastic):
         raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
-    if driven.friction is not None:
-        raise PinpressError("an elastic motion has no friction: leave it out")
     if elastic.stiffness.shaft is not None and driven.clutch is not None:
         raise PinpressError("a shaft that twists has no clutch at its end, whose driven side would have no inertia: leave out one of them")
     if elastic.stiffness.shaft is not None and driven.prescribed is None and not driven.inertia > 0:

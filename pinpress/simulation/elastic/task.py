@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.quantities import Array
+from .acting.phases import LoadPhases
 from .equations import ElasticEquations
 from .panels import Indices, Mesh, PanelSolution
-from .phases import LoadPhases
 
 STAGES = 7  # collocation points of a panel: five to seven cost the same for the same error, seven less where it is small
 MOST_STEPS = 16  # of Newton's method

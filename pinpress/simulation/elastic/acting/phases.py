@@ -14,12 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.quantities import Array
-from ...loads.process import ForceInterval
-from ..driven_press import DrivenPress, GeneralizedForce
-from ..reduced_model import COORDINATES, roots
+from ....common.quantities import Array
+from ....loads.process import ForceInterval
+from ...driven_press import DrivenPress, GeneralizedForce
+from ...reduced_model import COORDINATES, roots
+from ..equations import CRANK_ANGLE, INSTANT, Event, MotionEvent, Segment, TimeSpan
 from .drive_train import TrainEvent, TrainMode
-from .equations import CRANK_ANGLE, INSTANT, Event, MotionEvent, Segment, TimeSpan
 
 ASIDE = 1e-9  # angle from the start within which an event belongs to the start [rad]
 
