@@ -1,6 +1,16 @@
+from .best_motion import ActiveLimit as ActiveLimit
+from .best_motion import MotionOptimum as MotionOptimum
+from .best_motion import best_motion as best_motion
 from .drive import ServoDrive as ServoDrive
 from .laws import MotionLaw as MotionLaw
 from .laws import vdi_law as vdi_law
+from .limits import BearingForce as BearingForce
+from .limits import CrankAcceleration as CrankAcceleration
+from .limits import CrankSpeed as CrankSpeed
+from .limits import FeedWindow as FeedWindow
+from .limits import RmsTorque as RmsTorque
+from .limits import SlideAcceleration as SlideAcceleration
+from .limits import SlideSpeed as SlideSpeed
 from .motion import ServoMotion as ServoMotion
 from .motion import evaluate as evaluate
 from .motors import CatalogueMotor as CatalogueMotor

@@ -213,7 +213,7 @@ def evaluated(
     speed: Array,
     acceleration: Array,
     friction: Mapping[str, Friction] = NONE_GIVEN,
-    bearings: Sequence[str] = (),
+    bearings: Sequence[str] | None = (),
 ) -> tuple[ServoMotion, Reactions]:
     """The motion in states (n,), with the weights of a quadrature over time, and its reactions; arguments and errors as of `evaluate`.
 
@@ -227,7 +227,7 @@ def evaluated(
         speed: (n,) [rad/s].
         acceleration: (n,) [rad/s2].
         friction: friction of bearings.
-        bearings: bearings whose forces are wanted.
+        bearings: bearings whose forces are wanted; None for all.
     """
     press.refuse_sliding_driver("servo motions are those of a crank; give positions over time to servo_cycle")
     if len(press.drivers) > 1:

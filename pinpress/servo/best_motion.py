@@ -1,0 +1,531 @@
+"""The best motion of a servo press, with the proof that none is better: the public call and its result."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import expect, in_unit, numbers, suitable_numbers, typed, whole_number
+from ..common.errors import PinpressError, shown
+from ..common.frozen import FrozenMapping
+from ..common.quantities import Array
+from ..common.results import Record, Records, Tabular
+from ..drives.motors import ServoMotor
+from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
+from ..kinematics.motion import moved
+from ..kinematics.slide_path import dead_centres
+from ..linkage.linkage import Linkage
+from ..loads.link import Friction, Load
+from . import limits as limits_
+from .bounds import bearings_of, contradiction, limit_heights, motion_problem, refuse_heights
+from .coefficients import Coefficients, coefficients, feels_speed, load_heights, path_grid
+from .drive import ServoDrive
+from .limits import Limit
+from .motion import ServoMotion, evaluated
+from .motion_problem import Figures, MotionProblem, figures, segment_times
+from .paths import Path, Turn, legs_of
+from .power_limit import within_power
+from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
+
+POINTS, MOST_POINTS = 720, 20_000
+PROVED = 1e-7  # gap above which the program is scaled anew by the motion found
+FAR = 1e-3  # gap of a convex program that is no answer
+SETTLED, MOST_ROUNDS = 1e-8, 30  # relative change of the value that ends rounds of loads that feel the speed
+SLACK = 1e-5  # share of the cycle that counts as a pause
+PEAK_WITH_HEAT = 0.1  # weight of the heat beside the peak: alone the peak leaves open how fast the crank is elsewhere
+INSIDE = 1e-7  # distance of the states at a segment's ends from its nodes, as a share: loads may jump there
+LOBATTO = np.array([0.0, 0.5 - 0.1 * 5**0.5, 0.5 + 0.1 * 5**0.5, 1.0]), np.array([1.0, 5.0, 5.0, 1.0]) / 12.0
+UNITS = {"heat": "N2 m2 s", "time": "s", "energy": "J", "peak": "N m"}
+FOLLOWED = 2 * np.pi * 250.0  # natural frequency with which the motor of `MotionOptimum.program` follows by default [rad/s]
+
+
+@dataclass(frozen=True, repr=False)
+class ActiveLimit(Record, units={"begins_at": "rad", "ends_at": "rad"}):
+    """A limit that acts on a best motion, with its price.
+
+    Attributes:
+        limit: the limit in words.
+        price: by how much the objective falls for each unit by which the limit is let out.
+        price_unit: unit of the price.
+        gain: share of the objective that 1 % more of the limit saves, to first order, by 1 %.
+        begins_at: first crank angle of the path at which it acts [rad].
+        ends_at: last such crank angle [rad].
+    """
+
+    limit: str
+    price: float
+    price_unit: str
+    gain: float
+    begins_at: float
+    ends_at: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionOptimum(Tabular):
+    """The best motion of a press along a path, and the proof that none is better.
+
+    The program's motion has a constant acceleration between its nodes. ``motion`` is the same motion by full inverse dynamics, with states
+    between the nodes.
+
+    Attributes:
+        press_name: name of the press.
+        minimise: what was minimised: "heat" [N2 m2 s], "time" [s], "energy" [J], or several with their weights [-].
+        path: where the crank goes.
+        drive: the drive; of several gear ratios with the best one.
+        value: the objective of the motion, computed from it and not from the solver.
+        bound: no motion with these nodes that keeps the limits has a lower objective: the dual cost of the program.
+        limits: limits that act, with their prices.
+        missed: largest share by which the motion exceeds a limit in full inverse dynamics, between nodes too [-].
+        notes: what is not proved, and what else is to be said, in words.
+        angle: (N + 1,) crank angles of the nodes [rad].
+        speed: (N + 1,) speeds of the crank there [rad/s].
+        time: (N + 1,) times at which a node is passed, or left after a rest [s].
+        motion: the motion and what it asks of the drive, by full inverse dynamics.
+        reactions: its reactions.
+        by_ratio: gear ratio -> objective, of all ratios that were tried, the heat by the torque at the motor's own shaft; infinite where no
+            motion keeps the limits.
+    """
+
+    press_name: str
+    minimise: Mapping[str, float]
+    path: Path
+    drive: ServoDrive
+    value: float
+    bound: float
+    limits: Records[ActiveLimit]
+    missed: float
+    notes: tuple[str, ...]
+    angle: Array
+    speed: Array
+    time: Array
+    motion: ServoMotion
+    reactions: Reactions
+    by_ratio: Mapping[float, float]
+    _stiff: float
+
+    @property
+    def gap(self) -> float:
+        """(value - bound) / value: how much better another motion could be at most [-]."""
+        return (self.value - self.bound) / max(abs(self.value), 1e-300)
+
+    @property
+    def title(self) -> str:
+        wanted = " and ".join(self.minimise)
+        return (
+            f"MotionOptimum of {self.press_name}: least {wanted}, {self.motion.duration:.6g} s a cycle, torque at the crank"
+            f" {self.motion.rms_torque:.6g} N m rms, proved to {max(self.gap, 0.0):.1e}"
+        )
+
+    def columns(self) -> dict[str, Array]:
+        """The columns of the motion."""
+        return self.motion.columns()
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return self.motion._pictured
+
+    def __str__(self) -> str:
+        unit = UNITS[next(iter(self.minimise))] if len(self.minimise) == 1 else "-"
+        drive, motion = self.drive, self.motion
+        rows = [
+            ["objective", f"{self.value:.8g} {unit}"],
+            ["no motion is below", f"{self.bound:.8g} {unit}"],
+            ["gap", f"{self.gap:.1e}"],
+            ["cycle", f"{motion.duration:.6g} s, {60.0 / motion.duration:.6g} a minute"],
+            ["rms torque of the motor", f"{motion.rms_motor_torque:.6g} N m"],
+            ["peak torque of the motor", f"{motion.peak_motor_torque:.6g} N m"],
+            ["peak power", f"{1e-3 * motion.peak_power:.6g} kW"],
+            ["energy drawn", f"{1e-3 * motion.energy_drawn:.6g} kJ a cycle"],
+            ["gear ratio", f"{drive.ratio:.6g}"],
+            ["limits are kept to", f"{self.missed:.1e}"],
+        ]
+        lines = [self.title, *(line.rstrip() for line in tables.table(rows, [28, 0]))]
+        lines += ["limits that act, and what 1 % more of each saves:"] if self.limits else ["no limit acts"]
+        lines += [f"  {each.limit}: {each.gain:.3g} %, {each.price:.6g} {each.price_unit}" for each in self.limits]
+        return "\n".join([*lines, *self.notes])
+
+    def program(self, *, stiffness: float | None = None, damping: float | None = None) -> ServoMotor:
+        """A servo motor that follows the motion, for `simulate`: a cycle before the first one, the first, and one after it.
+
+        Its shaft's angle is the crank's times the ratio: drive the press by ``Geared(best.program(), best.drive.ratio)``, from crank angle
+        ``best.angle[0]`` at the speed ``best.speed[0]``, with ``Flywheel(best.drive.gear_inertia)`` where gears have inertia. The drag of
+        the drive is not in it.
+
+        Args:
+            stiffness: of the control, at the motor's shaft [N m/rad]; by default such that it follows with 250 Hz.
+            damping: of the control [N m s/rad]; by default that of the aperiodic limit.
+        """
+        ratio = self.drive.ratio
+        stiff = self._stiff * FOLLOWED**2 / ratio**2 if stiffness is None else stiffness
+        damp = 2.0 * self._stiff * FOLLOWED / ratio**2 if damping is None else damping
+        time, angle = self.motion.time, self.motion.angle
+        kept = np.append(True, np.diff(time) > 1e-6 * self.motion.duration)
+        time, angle = time[kept], angle[kept]
+        way, period = angle[-1] - angle[0], time[-1] - time[0]
+        times = np.concatenate([time[:-1] - period, time[:-1], time + period])
+        angles = np.concatenate([angle[:-1] - way, angle[:-1], angle + way])
+        peak = 10.0 * self.motion.peak_motor_torque if self.drive.peak_torque is None else 2.0 * self.drive.peak_torque
+        return ServoMotor(times, ratio * angles, stiff, damp, peak, self.drive.inertia, self.drive.rated_torque)
+
+
+@typed
+def best_motion(
+    press: Linkage,
+    drive: ServoDrive,
+    loads: Sequence[Load] = (),
+    *,
+    minimise: str | Mapping[str, float] = "heat",
+    time: float | None = None,
+    path: Path | None = None,
+    limits: Sequence[Limit] = (),
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+    ratios: Sequence[float] | None = None,
+    points: int = POINTS,
+) -> MotionOptimum:
+    """The motion with the least heat, time, energy or peak torque within limits, proved to be the best.
+
+    With b, the square of the crank's speed over its angle, the problem is convex: a second-order-cone program, whose dual cost bounds all
+    motions. The drive's peak torque, top speed and power are limits always; its rated torque is one where `RmsTorque` is.
+
+    Args:
+        press: the press, whose crank turns fully.
+        drive: the drive.
+        loads: as of `inverse_dynamics`, but forces in time.
+        minimise: "heat", "time", "energy" (drawn from the mains) or "peak" (torque, with a tenth of heat); or weights of several of them,
+            each relative to its value in the motion with the least heat.
+        time: most time of a cycle, rests and pauses included [s]; of a `Pendulum` a cycle is two strokes. None only where the time is
+            minimised.
+        path: where the crank goes; by default `Turn`.
+        limits: limits beside those of the drive.
+        friction: friction of bearings and guides, by their names.
+        ratios: gear ratios to try, each proved, of which the best is taken; None: that of the drive.
+        points: number of segments of the path; the error falls with its square.
+
+    Raises:
+        PinpressError: no motion keeps the limits: the message names those that contradict one another, and what would do; arguments do not
+            fit together; the program was not solved.
+        UnknownNameError: a bearing that the press does not have.
+    """
+    expect("drive", drive, ServoDrive, "servo.ServoDrive")
+    press.refuse_sliding_driver("servo motions are those of a crank")
+    legs = legs_of(Turn() if path is None else path, press)
+    chosen = limits_.checked(limits)
+    wanted = _objective(minimise)
+    most = None if time is None else float(_positive("time", time, "s"))
+    count = whole_number("points", points, 8, MOST_POINTS)
+    _refuse_open(drive, wanted, most, chosen, legs.dwell, legs.closed)
+    refuse_heights(press, chosen, dead_centres(press).stroke)
+    bearings = bearings_of(press, chosen)
+    grid = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(chosen)], count)
+    speed = float(np.abs(grid.step).sum()) / (most - legs.dwell if most else 1.0)
+    found = coefficients(press, grid, loads, friction, speed, bearings)
+    if ratios is not None and len(wanted) > 1:
+        raise PinpressError("ratios are compared by one quantity: minimise heat, time or energy, or give one ratio")
+    drives = [drive] if ratios is None else [replace(drive, ratio=ratio) for ratio in _ratios(ratios)]
+    task = _Task(press, loads, friction, found, chosen, wanted, most)
+    tried: dict[float, float] = {}
+    best: tuple[MotionProblem, Solution, tuple[str, ...]] | None = None
+    failed: PinpressError | None = None
+    for each in drives:
+        try:
+            answer = task.solved(each)
+        except PinpressError as error:
+            tried[each.ratio], failed = np.inf, error
+            if ratios is None:
+                raise
+            continue
+        tried[each.ratio] = answer[1].value / (each.ratio**2 if "heat" in wanted else 1.0)
+        best = answer if tried[each.ratio] <= min(tried.values()) else best
+    if best is None:
+        assert failed is not None
+        raise failed
+    return task.result(Turn() if path is None else path, *best, tried if ratios is not None else {})
+
+
+def _objective(minimise: object) -> dict[str, float]:
+    """The weights of what is minimised."""
+    if isinstance(minimise, str) and minimise in UNITS:
+        return {"peak": 1.0, "heat": PEAK_WITH_HEAT} if minimise == "peak" else {minimise: 1.0}
+    if isinstance(minimise, Mapping) and minimise and all(isinstance(name, str) and name in UNITS for name in minimise):
+        weights = {name: float(_positive(f"minimise: weight of {name}", value, "-")) for name, value in minimise.items()}
+        if set(weights) == {"peak"}:
+            raise PinpressError('minimise is the peak alone, which leaves open how fast the crank is elsewhere: give "heat" a weight too')
+        return weights
+    raise PinpressError(f'minimise is {shown(minimise)}: give "heat", "time", "energy" or "peak", or a mapping of such to weights')
+
+
+def _positive(name: str, value: object, unit: str) -> Array:
+    wanted = f"a positive number [{unit}]"
+    return suitable_numbers(name, in_unit(name, value, unit), wanted, suits=lambda given: (given >= 1e-9) & (given <= 1e9))
+
+
+def _ratios(ratios: object) -> list[float]:
+    given = numbers("ratios", ratios, (None,))
+    if not len(given) or not np.all((given > 0) & (given < 1e9)):
+        raise PinpressError(f"ratios is {shown(ratios)}: give one or more positive gear ratios")
+    return list(dict.fromkeys(given.tolist()))
+
+
+def _refuse_open(
+    drive: ServoDrive, wanted: Mapping[str, float], time: float | None, limits: Sequence[Limit], dwell: float, closed: bool
+) -> None:
+    """Raise PinpressError where nothing ends the search."""
+    if time is None and "time" not in wanted:
+        raise PinpressError('time is missing: give the time of a cycle [s], e.g. time=60 / 25; or minimise="time"')
+    if time is not None and not time > dwell:
+        raise PinpressError(f"time is {time:g} s, and the path rests for {dwell:g} s: give a longer time")
+    if time is None and len(wanted) > 1:
+        raise PinpressError("time is missing: weights are relative to the motion with the least heat, which takes a time; give one")
+    if wanted != {"time": 1.0}:
+        return
+    speeds = limits_.SlideSpeed, limits_.CrankSpeed, limits_.SlideAcceleration, limits_.BearingForce, limits_.FeedWindow
+    fast = drive.top_speed or any(isinstance(each, speeds) for each in limits)
+    if closed and not fast:
+        raise PinpressError(
+            "nothing limits the speed: a crank that never rests can be as fast as ever with hardly a torque; give the drive a top_speed, or"
+            " limits=[servo.CrankSpeed(...)], or path=servo.Stop()"
+        )
+    torques = limits_.RmsTorque, limits_.CrankAcceleration
+    if not (fast or drive.peak_torque or drive.power or any(isinstance(each, torques) for each in limits)):
+        raise PinpressError("nothing limits the speed: give the drive a peak_torque or top_speed, or limits=[servo.RmsTorque(...)]")
+
+
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """What is asked for, with the coefficients of the press; attributes as the arguments of `best_motion`."""
+
+    press: Linkage
+    loads: Sequence[Load]
+    friction: Mapping[str, Friction]
+    coefficients: Coefficients
+    limits: tuple[Limit, ...]
+    wanted: Mapping[str, float]
+    time: float | None
+
+    def solved(self, drive: ServoDrive) -> tuple[MotionProblem, Solution, tuple[str, ...]]:
+        """The problem with this drive, its solution, and what is to be said of the proof."""
+        feels = feels_speed(self.loads, self.friction)
+        found, value = self.coefficients, np.inf
+        for rounds in range(1, MOST_ROUNDS + 1):
+            problem, answer, notes = self._once(found, drive)
+            if not feels:
+                break
+            change, value = abs(answer.value - value), answer.value
+            if change <= SETTLED * abs(value):
+                notes = [*notes, _fixed_point(feels, rounds)]
+                break
+            found = self._with_speeds(problem, answer.b)
+        else:
+            raise PinpressError(
+                f"the best motion of {self.press.name} was not found: with {' and '.join(feels)} it does not settle within {MOST_ROUNDS}"
+                " rounds; make these smaller, or leave them out"
+            )
+        return problem, answer, tuple(notes)
+
+    def _once(self, found: Coefficients, drive: ServoDrive) -> tuple[MotionProblem, Solution, list[str]]:
+        """One program, where loads are given."""
+        weights = dict(self.wanted)
+        if len(weights) > 1:
+            least = _optimum(motion_problem(found, drive, self.limits, {"heat": 1.0}, self.time), self.press.name)
+            cost = figures(motion_problem(found, drive, self.limits, {"heat": 1.0}, self.time), least.b)
+            sizes = {"heat": cost.heat, "time": cost.time, "energy": max(cost.energy, 1e-9), "peak": cost.peak}
+            weights = {name: weight / sizes[name] for name, weight in weights.items()}
+        problem = motion_problem(found, drive, self.limits, weights, self.time)
+        answer = _optimum(problem, self.press.name)
+        notes: list[str] = []
+        if drive.power is not None:
+            answer, problem, notes = within_power(problem, answer, drive.power, lambda each: _optimum(each, self.press.name))
+        return problem, answer, notes
+
+    def _with_speeds(self, problem: MotionProblem, b: Array) -> Coefficients:
+        """The coefficients with the torque that loads and friction take at the speeds of a motion."""
+        c, grid = problem.coefficients, problem.coefficients.grid
+        angle = (grid.angle[:-1] + c.inner * grid.step).ravel()
+        speed = (grid.way * np.sqrt(b[:-1] + c.inner * np.diff(b))).ravel()
+        motion = moved(self.press, self.press.branch, angle, speed, np.tile(0.5 * np.diff(b) / grid.step, 2), None, "auto")
+        reactions = inverse_dynamics(self.press, motion, self.loads, self.friction, bearings=None)
+        torque = (reactions.driving_torque + problem.inertia * motion.crank_acceleration).reshape(2, -1)
+        other = torque - np.stack([each.at(b) for each in problem.inner_torques()])
+        rate, square = (values.reshape(2, -1, 1) for values in (motion.crank_acceleration, speed**2))
+        bearings = {}
+        for name, part in c.bearings.items():
+            force = reactions.bearing_force[name].reshape(2, -1, 3)
+            bearings[name] = replace(part, fixed=force - part.by_acceleration * rate - part.by_square * square)
+        return replace(c, inner_torque=c.inner_torque + other, mean_torque=c.mean_torque + other.mean(axis=0), bearings=bearings)
+
+    def result(
+        self, path: Path, problem: MotionProblem, answer: Solution, notes: tuple[str, ...], tried: Mapping[float, float]
+    ) -> MotionOptimum:
+        """The motion by full inverse dynamics, with its limits."""
+        motion, reactions, time = _in_full(self.press, self.loads, self.friction, problem, answer.b)
+        cost = figures(problem, answer.b)
+        said = list(notes)
+        pause = 0.0 if problem.time is None else problem.time - cost.time
+        if pause > SLACK * (problem.time or 1.0):
+            said.append(_pause_in_words(pause, problem.coefficients.grid.legs.closed))
+        missed = self._missed(problem, motion, reactions, cost)
+        if answer.gap > FAR and _loses_by_speed(problem):
+            said.append(
+                "losses that grow with the speed are not convex where the crank could be slower at no cost: no motion is better by more"
+                f" than {100 * answer.gap:.2g} %"
+            )
+        if missed > 1e-3:
+            said.append(f"between nodes limits are exceeded by up to {100 * missed:.2g} %: give more points=")
+        grid = problem.coefficients.grid
+        return MotionOptimum(
+            press_name=self.press.name,
+            minimise=FrozenMapping(dict(self.wanted)),
+            path=path,
+            drive=problem.drive,
+            value=answer.value,
+            bound=answer.bound,
+            limits=_active(problem, answer),
+            missed=missed,
+            notes=tuple(said),
+            angle=grid.angle,
+            speed=np.append(grid.way, grid.way[-1]) * np.sqrt(answer.b),
+            time=time,
+            motion=motion,
+            reactions=reactions,
+            by_ratio=FrozenMapping(dict(tried)),
+            _stiff=float(np.max(problem.coefficients.inertia)) + problem.inertia,
+        )
+
+    def _missed(self, problem: MotionProblem, motion: ServoMotion, reactions: Reactions, cost: Figures) -> float:
+        """Largest share by which the full motion exceeds a limit."""
+        drive, found = problem.drive, [0.0]
+        if problem.time is not None:
+            found.append(cost.time / problem.time - 1.0)
+        if drive.peak_torque is not None:
+            found.append(motion.peak_motor_torque / drive.peak_torque - 1.0)
+        if drive.top_speed is not None:
+            found.append(float(np.abs(motion.motor_speed).max()) / drive.top_speed - 1.0)
+        if drive.power is not None:
+            found.append(motion.peak_power / drive.power - 1.0)
+        if problem.rms is not None:
+            found.append(np.sqrt(motion.heat / max(problem.time or 0.0, motion.duration)) / problem.rms - 1.0)
+        if problem.below is not None:
+            found.append((cost.below + problem.feed_time) / motion.duration - 1.0)
+        down = motion.motion.slide_velocity < 0
+        for each in self.limits:
+            if isinstance(each, limits_.BearingForce):
+                found.append(float(np.linalg.norm(reactions.bearing_force[each.bearing], axis=1).max()) / each.force - 1.0)
+            elif isinstance(each, limits_.CrankAcceleration):
+                found.append(float(np.abs(motion.acceleration).max()) / each.acceleration - 1.0)
+            elif isinstance(each, limits_.Window):
+                low, high = limits_.span(each)
+                inside = (motion.height > low) & (motion.height < high)
+                inside &= True if each.flank == "both" else down if each.flank == "down" else ~down
+                values, most = _limited(each, motion)
+                found.append(float(np.abs(values[inside]).max(initial=0.0)) / most - 1.0)
+        return max(found)
+
+
+def _limited(limit: limits_.Window, motion: ServoMotion) -> tuple[Array, float]:
+    if isinstance(limit, limits_.SlideSpeed):
+        return motion.motion.slide_velocity, limit.speed
+    if isinstance(limit, limits_.CrankSpeed):
+        return motion.speed, limit.speed
+    return motion.motion.slide_acceleration, limit.acceleration
+
+
+def _fixed_point(feels: Sequence[str], rounds: int) -> str:
+    return (
+        f"{' and '.join(feels)}: the torque was taken from the last motion, {rounds} rounds; each program is proved, not that no other"
+        " motion agrees with its own torques"
+    )
+
+
+def _pause_in_words(pause: float, closed: bool) -> str:
+    if closed:
+        return f"the motion is {pause:.4g} s faster than the time given: slower would cost more, and a path without a rest cannot pause"
+    return f"a pause of {pause:.4g} s is left at the end of the cycle, in which a brake holds: a slower motion would cost more"
+
+
+def _optimum(problem: MotionProblem, press_name: str) -> Solution:
+    """The optimum of a convex problem; where it is proved badly, again with the sizes of the motion found."""
+    answer, status = None, "no answer"
+    sizes = first_sizes(problem)
+    for _ in range(3):
+        try:
+            new = solve(problem, sizes)
+        except InfeasibleError:
+            if answer is None:
+                raise contradiction(problem, press_name) from None
+            break
+        except UnsolvedError as error:
+            status = str(error)
+            sizes = sizes.with_torques(3.0)
+            continue
+        if answer is None or abs(new.gap) < abs(answer.gap):
+            answer = new
+        if abs(answer.gap) <= PROVED:
+            break
+        sizes = sizes_of(problem, answer.b)
+    if answer is None or not (abs(answer.gap) <= FAR or _loses_by_speed(problem)):
+        raise PinpressError(
+            f"the best motion of {press_name} was not found ({status if answer is None else f'gap {answer.gap:.1e}'}): bring limits,"
+            " inertia and time to sizes that a press has, or give other points="
+        )
+    return answer
+
+
+def _loses_by_speed(problem: MotionProblem) -> bool:
+    """Whether losses of the drive grow with its speed. Its program may then make them smaller than they are, and the gap is no rounding."""
+    return bool(problem.drive.viscous or (problem.drive.iron and "energy" in problem.weights))
+
+
+def _in_full(
+    press: Linkage, loads: Sequence[Load], friction: Mapping[str, Friction], problem: MotionProblem, b: Array
+) -> tuple[ServoMotion, Reactions, Array]:
+    """The motion in states within all segments and at rests, with its reactions; and the times of the nodes."""
+    c, grid = problem.coefficients, problem.coefficients.grid
+    durations = segment_times(c, b)
+    nodes, rule = LOBATTO
+    share = np.clip(nodes, INSIDE, 1.0 - INSIDE)
+    speed, acceleration = grid.way * np.sqrt(b[:-1]), 0.5 * np.diff(b) / grid.step
+    rests = np.zeros(len(durations))
+    last = np.flatnonzero(np.append(np.diff(grid.leg) > 0, True))
+    rests[last] = grid.legs.dwells
+    if problem.time is not None and not grid.legs.closed:
+        rests[-1] += max(0.0, problem.time - durations.sum() - rests.sum())
+    start = np.concatenate([[0.0], np.cumsum(durations + rests)])
+    since = durations[:, None] * share
+    time = start[:-1, None] + since
+    angle = grid.angle[:-1, None] + speed[:, None] * since + 0.5 * acceleration[:, None] * since**2
+    rate = speed[:, None] + acceleration[:, None] * since
+    weight = durations[:, None] * rule
+    parts = [time.ravel(), weight.ravel(), angle.ravel(), rate.ravel(), np.repeat(acceleration, len(nodes))]
+    for k in np.flatnonzero(rests)[::-1]:
+        at, ends = (k + 1) * len(nodes), np.array([start[k] + durations[k], start[k + 1]])
+        # a pause that the path does not ask for is one of the brake
+        held = 0.5 * grid.legs.dwells[grid.leg[k]]
+        rest = (ends, np.full(2, held), np.full(2, grid.angle[k + 1]), np.zeros(2), np.zeros(2))
+        parts = [np.concatenate([part[:at], more, part[at:]]) for part, more in zip(parts, rest, strict=True)]
+    time_, weight_, angle_, rate_, acceleration_ = parts
+    time_ = np.maximum.accumulate(time_)
+    time_[-1] = start[-1]
+    time_[0] = 0.0
+    evaluated_ = evaluated(press, problem.drive, loads, time_, weight_, angle_, rate_, acceleration_, friction, bearings=None)
+    return *evaluated_, start
+
+
+def _active(problem: MotionProblem, answer: Solution) -> Records[ActiveLimit]:
+    grid = problem.coefficients.grid
+    unit = UNITS[next(iter(problem.weights))] if len(problem.weights) == 1 else "-"
+    units: dict[str, Any] = {each.name: each.unit for each in problem.bounds}
+    found = []
+    for name, price in answer.prices.items():
+        gain = answer.parts[name] / max(abs(answer.value), 1e-300)
+        if gain <= 1e-6:
+            continue
+        at = np.flatnonzero(answer.where[name])
+        whole = name in (problem.time_name, problem.rms_name, problem.feed_name)
+        first, last = (0, len(grid.angle) - 1) if whole or not len(at) else (at[0], at[-1])
+        of = units.get(name, "N m" if name == problem.rms_name else "s")
+        found.append(ActiveLimit(name, price, f"{unit} per {of}", gain, float(grid.angle[first]), float(grid.angle[last])))
+    return Records(ActiveLimit, sorted(found, key=lambda each: -each.gain))

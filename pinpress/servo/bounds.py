@@ -1,0 +1,246 @@
+"""From limits in the words of press builders to the bounds of the program, and which of them contradict one another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import PinpressError, UnknownNameError
+from ..common.quantities import Array
+from ..linkage.linkage import Linkage
+from .coefficients import Coefficients
+from .drive import ServoDrive
+from .limits import (
+    BearingForce,
+    CrankAcceleration,
+    CrankSpeed,
+    FeedWindow,
+    Limit,
+    RmsTorque,
+    SlideAcceleration,
+    SlideSpeed,
+    Window,
+    in_words,
+    span,
+)
+from .motion_problem import Affine, Bounded, MotionProblem, inner_affine
+from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, solve
+
+EDGE = 1e-9  # heights closer than this count as one [m]
+FLAT = 1e-9  # share of the largest travel by crank angle below which the slide turns back
+INVOLVED = 1e-4  # a limit with a smaller part in a contradiction, whose parts sum to one, is not named
+MUCH = 1e3  # limits that would have to be this many times as large are no remedy
+
+
+def limit_heights(limits: Sequence[Limit]) -> list[float]:
+    """Heights above bottom dead centre at which windows of limits begin or end [m]."""
+    found = [height for each in limits if isinstance(each, Window) and each.heights is not None for height in each.heights]
+    return [*found, *(each.height for each in limits if isinstance(each, FeedWindow))]
+
+
+def bearings_of(press: Linkage, limits: Sequence[Limit]) -> tuple[str, ...]:
+    """Bearings whose forces are limited; raises UnknownNameError for one that the press does not have."""
+    for each in limits:
+        if isinstance(each, BearingForce) and each.bearing not in press.bearings:
+            raise UnknownNameError("bearing", each.bearing, press.bearings)
+    return tuple(dict.fromkeys(each.bearing for each in limits if isinstance(each, BearingForce)))
+
+
+def refuse_heights(press: Linkage, limits: Sequence[Limit], stroke: float) -> None:
+    """Raise PinpressError for heights of limits that the slide does not reach."""
+    for each in limits:
+        heights = (each.height,) if isinstance(each, FeedWindow) else each.heights if isinstance(each, Window) else None
+        if heights and max(heights) > stroke + EDGE:
+            raise PinpressError(
+                f"{in_words(each)}: {1e3 * max(heights):.6g} mm are beyond the stroke of {press.name}: give heights above bottom dead"
+                f" centre, from 0 to {stroke:.9g} m"
+            )
+
+
+def motion_problem(
+    c: Coefficients, drive: ServoDrive, limits: Sequence[Limit], weights: dict[str, float], time: float | None
+) -> MotionProblem:
+    """The problem of these limits and of those of the drive.
+
+    Raises:
+        PinpressError: a window in which the path has no part, a constant speed through a dead centre, a drive that cannot hold a rest.
+    """
+    found = _of_drive(c, drive)
+    all_ = np.arange(len(c.grid.step))
+    problem = MotionProblem(c, drive, weights, time, time_name="cycle time" if time is None else f"cycle time of {time:.6g} s")
+    for each in limits:
+        if isinstance(each, SlideSpeed):
+            found.append(_slide_speed(c, each))
+        elif isinstance(each, CrankSpeed):
+            nodes = _nodes(c, _segments(c, each))
+            found.append(Bounded(in_words(each), np.full(len(nodes), each.speed**2), each.speed, "rad/s", nodes=nodes, power=2.0))
+        elif isinstance(each, SlideAcceleration):
+            chosen = np.flatnonzero(_segments(c, each))
+            most = np.full(len(chosen), each.acceleration)
+            for k in range(2):
+                travel, bend = c.inner_travel[k][chosen], c.inner_bend[k][chosen]
+                quantity = inner_affine(c, k, travel, bend, np.zeros(len(chosen)), chosen)
+                found.append(Bounded(in_words(each), most, each.acceleration, "m/s2", quantity, both=True))
+        elif isinstance(each, CrankAcceleration):
+            step = c.grid.step
+            rate = Affine(-0.5 / step, 0.5 / step, np.zeros(len(step)), all_)
+            found.append(Bounded(in_words(each), np.full(len(step), each.acceleration), each.acceleration, "rad/s2", rate, both=True))
+        elif isinstance(each, BearingForce):
+            found += [_bearing_force(c, each, k) for k in range(2)]
+        elif isinstance(each, RmsTorque):
+            problem = _with_rms(problem, drive, each)
+        elif isinstance(each, FeedWindow):
+            if problem.below is not None:
+                raise PinpressError("limits have two feed windows: give one FeedWindow")
+            middle = 0.5 * (c.height[1:] + c.height[:-1])
+            problem = replace(problem, below=middle < each.height, feed_time=each.time, feed_name=in_words(each))
+    return replace(problem, bounds=tuple(found))
+
+
+def _of_drive(c: Coefficients, drive: ServoDrive) -> list[Bounded]:
+    """The limits that the drive itself has."""
+    found, n = [], len(c.grid.step)
+    if drive.peak_torque is not None:
+        _refuse_to_hold(c, drive, drive.peak_torque)
+        inertia = (c.inertia + drive.crank_inertia) / 2.0
+        step = c.grid.step
+        torque = Affine(-inertia[:-1] / step, inertia[1:] / step, c.mean_torque, np.arange(n))
+        most = np.full(n, drive.peak_torque * drive.ratio)
+        name = f"torque of the motor of {drive.peak_torque:.6g} N m"
+        found.append(Bounded(name, most, drive.peak_torque, "N m", torque, both=True, drag=drive.crank_drag))
+    if drive.top_speed is not None:
+        nodes = np.flatnonzero(~c.grid.rest)
+        most = np.full(len(nodes), (drive.top_speed / drive.ratio) ** 2)
+        found.append(Bounded(f"speed of the motor of {drive.top_speed:.6g} rad/s", most, drive.top_speed, "rad/s", nodes=nodes, power=2.0))
+    return found
+
+
+def _refuse_to_hold(c: Coefficients, drive: ServoDrive, peak: float) -> None:
+    legs = c.grid.legs
+    for angle, dwell, torque in zip(legs.angles[1:], legs.dwells, c.holding, strict=True):
+        if dwell and abs(torque) > peak * drive.ratio:
+            raise PinpressError(
+                f"the drive cannot hold the press at rest at crank angle {np.degrees(angle):.6g} deg: its motor gives {peak:.6g} N m, and"
+                f" {abs(torque) / drive.ratio:.6g} N m are needed; give a larger peak_torque or ratio, or a rest elsewhere"
+            )
+
+
+def _with_rms(problem: MotionProblem, drive: ServoDrive, limit: RmsTorque) -> MotionProblem:
+    torque = drive.rated_torque if limit.torque is None else limit.torque
+    if torque is None:
+        raise PinpressError("RmsTorque has no torque, and the drive no rated_torque: give one of them [N m]")
+    rms = torque * drive.ratio
+    if problem.rms is not None:
+        rms = min(rms, problem.rms)
+    return replace(problem, rms=rms, rms_name=f"rms torque of the motor of {rms / drive.ratio:.6g} N m")
+
+
+def _segments(c: Coefficients, limit: Window) -> NDArray[np.bool_]:
+    """(N,) whether a segment is in the window of a limit."""
+    low, high = span(limit)
+    middle = 0.5 * (c.height[1:] + c.height[:-1])
+    down = c.grid.way * c.inner_travel[0] < 0
+    flank = np.ones(len(down), bool) if limit.flank == "both" else down if limit.flank == "down" else ~down
+    inside = flank & (middle > low) & (middle < high)
+    if not inside.any():
+        raise PinpressError(
+            f"{in_words(limit)}: the path has no part there on the way {limit.flank if limit.flank != 'both' else 'down or up'}: the slide"
+            f" goes from {1e3 * c.height.min():.6g} to {1e3 * c.height.max():.6g} mm above bottom dead centre"
+        )
+    return inside
+
+
+def _nodes(c: Coefficients, segments: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Nodes at the ends of segments, without rests."""
+    at = np.append(segments, False) | np.append(False, segments)
+    return np.flatnonzero(at & ~c.grid.rest)
+
+
+def _slide_speed(c: Coefficients, limit: SlideSpeed) -> Bounded:
+    inside = _segments(c, limit)
+    nodes = _nodes(c, inside)
+    flat = np.abs(c.travel[nodes]) <= FLAT * np.abs(c.travel).max()
+    if limit.constant:
+        ends = np.append(inside, False) | np.append(False, inside)
+        if flat.any() or (ends & c.grid.rest).any():
+            raise PinpressError(
+                f"{in_words(limit)}: the slide rests or turns back within these heights, and is not so fast there; give heights away from"
+                " dead centres, or no constant=True"
+            )
+    moving = nodes[~flat]
+    most = (limit.speed / c.travel[moving]) ** 2
+    return Bounded(in_words(limit), most, limit.speed, "m/s", nodes=moving, power=2.0, equal=limit.constant)
+
+
+def _bearing_force(c: Coefficients, limit: BearingForce, place: int) -> Bounded:
+    """The force at one of the inner places of segments, a cone of three components."""
+    part, all_ = c.bearings[limit.bearing], np.arange(len(c.grid.step))
+    first, second, third = (
+        inner_affine(c, place, part.by_acceleration[place, :, k], part.by_square[place, :, k], part.fixed[place, :, k], all_)
+        for k in range(3)
+    )
+    most: Array = np.full(len(all_), limit.force)
+    return Bounded(in_words(limit), most, limit.force, "N", first, length=(second, third))
+
+
+# ---------------------------------------------------------------------------------------------------------------------- contradictions
+
+
+def contradiction(problem: MotionProblem, press_name: str) -> PinpressError:
+    """The error that says which limits contradict one another, and by how much each of them alone must be let out."""
+    together = _let_out(problem, None)
+    if together is None:
+        return PinpressError(
+            f"no motion of {press_name} keeps all limits, however far they are let out: a constant slide speed asks for what the path does"
+            " not allow, or numbers are of very different sizes; take limits away one by one"
+        )
+    involved = [name for name, part in together.parts.items() if part > INVOLVED] or list(together.parts)
+    remedies = [words for name in involved if (words := _remedy(problem, name))]
+    names = " and ".join([", ".join(involved[:-1]), involved[-1]] if len(involved) > 1 else involved)
+    remedy = f"{' or '.join(remedies)} would do; " if remedies else ""
+    return PinpressError(
+        f"no motion of {press_name} keeps the {names} together: {remedy}let out all {len(involved)} by {100 * together.relaxed:.3g} %"
+        if len(involved) > 1
+        else f"no motion of {press_name} keeps the {names}: {remedy}it must be let out by {100 * together.relaxed:.3g} %"
+    )
+
+
+def _remedy(problem: MotionProblem, name: str) -> str:
+    """What a limit alone would have to be, in words; empty where it helps nothing."""
+    alone = _let_out(problem, name)
+    if alone is None or not 0.0 <= alone.relaxed < MUCH:
+        return ""
+    grown = 1.0 + alone.relaxed
+    if name == problem.time_name and problem.time is not None:
+        return f"a cycle time of {problem.time * grown:.4g} s"
+    if name == problem.rms_name and problem.rms is not None:
+        # exact limits are squares: the program lets them out to first order
+        return f"an rms torque of {problem.rms / problem.drive.ratio * np.sqrt(1.0 + 2.0 * alone.relaxed):.4g} N m"
+    if name == problem.feed_name:
+        return f"a feed window of {max(0.0, problem.feed_time * (1.0 - alone.relaxed)):.4g} s" if alone.relaxed < 1.0 else ""
+    each = next(bound for bound in problem.bounds if bound.name == name)
+    number = each.limit * (1.0 + each.power * alone.relaxed) ** (1.0 / each.power)
+    return f"{_kind(each.name)} of {number:.4g} {each.unit}"
+
+
+def _kind(name: str) -> str:
+    words = name.split(" of ")
+    return f"a {' of '.join(words[:-1])}" if len(words) > 1 else f"a {name}"
+
+
+def _let_out(problem: MotionProblem, name: str | None) -> Solution | None:
+    """The least share by which all limits, or the one of this name, must be let out; None where that was not found."""
+    sizes = first_sizes(problem)
+    for attempt in range(2):
+        try:
+            return solve(problem, sizes, (lambda each: each == name) if name else lambda _: True)
+        except InfeasibleError:
+            return None
+        except UnsolvedError:
+            if attempt:
+                return None
+            sizes = sizes.with_torques(10.0)
+    return None

@@ -1,0 +1,327 @@
+"""What the driving torque of a press takes of a motion along its path, as functions of b, the square of the crank's speed.
+
+    torque = M b'/2 + M' b/2 + G + F        (b' = db/d(crank angle), acceleration = b'/2)
+
+M is the inertia at the crank, G the torque of weights and springs, F that of the process by the direction of travel. Everything follows
+from inverse dynamics at chosen speeds and accelerations. Nodes stand exactly where a load begins or ends, where a limit's window does and
+where the slide turns back; they are graded towards rests, where b rises from 0.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import PinpressError
+from ..common.numerics import bracketed_roots
+from ..common.quantities import Array
+from ..dynamics.applied_loads import process_force, process_work
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..kinematics.motion import Motion, moved
+from ..kinematics.slide_path import ROUNDING, dead_centres
+from ..linkage.linkage import Linkage
+from ..loads.link import Friction, Load, PointForce, SpringDamper
+from ..loads.process import ProcessLoad, TimeForce, datum
+from .paths import PathLegs
+
+LOOKED = 256  # steps of a leg between which places are looked for at which the slide passes a height
+GRADED = 0.9  # share of cosine grading of a leg between rests; the rest is even
+GAUSS = 0.5 - 0.5 / 3**0.5, 0.5 + 0.5 / 3**0.5  # shares of a segment's time at which it is looked at
+BRAKED = 0.4  # share of cosine grading between marks: the crank brakes before a load or a window begins
+SHARED = 0.5  # share of a leg's segments that its pieces get alike, however short they are
+APART = 1e-7  # crank angles closer than this are one place [rad]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PathGrid:
+    """Nodes of a path, N segments between them.
+
+    Attributes:
+        legs: the path.
+        angle: (N + 1,) crank angles of the nodes, one after the other [rad].
+        leg: (N,) leg of each segment.
+        share: (N + 1,) how far along its leg a node is, 0 to 1; at a rest 0.
+        rest: (N + 1,) whether the crank rests at the node.
+    """
+
+    legs: PathLegs
+    angle: Array
+    leg: NDArray[np.intp]
+    share: Array
+    rest: NDArray[np.bool_]
+
+    @property
+    def step(self) -> Array:
+        """(N,) steps of the crank angle, negative on a way back [rad]."""
+        return np.diff(self.angle)
+
+    @property
+    def way(self) -> Array:
+        """(N,) sense in which the crank turns, 1 or -1."""
+        return np.sign(self.step)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BearingCoefficients:
+    """Force of a bearing at the inner places of segments: by_acceleration x acceleration + by_square x b + fixed, world axes.
+
+    Attributes:
+        by_acceleration: (2, N, 3) [N s2/rad].
+        by_square: (2, N, 3) [N s2/rad2].
+        fixed: (2, N, 3), with the process [N].
+    """
+
+    by_acceleration: Array
+    by_square: Array
+    fixed: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Coefficients:
+    """The torque of a press without its drive, along a path of N segments, each with two inner places.
+
+    The inner places are those of Gauss's rule in time, where b rises from rests in proportion to the way, and is about even elsewhere.
+
+    Attributes:
+        grid: the nodes.
+        inertia: (N + 1,) M at the nodes [kg m2].
+        inner: (2, N) inner places, as shares of the segments' steps.
+        inner_inertia: (2, N) M there [kg m2].
+        inner_slope: (2, N) dM/d(crank angle) there [kg m2/rad].
+        inner_torque: (2, N) G + F there [N m].
+        mean_torque: (N,) mean of G + F over the crank angle of a segment [N m].
+        travel: (N + 1,) way of the slide by crank angle at the nodes [m/rad].
+        inner_travel: (2, N) the same at the inner places [m/rad].
+        inner_bend: (2, N) its derivative there [m/rad2].
+        height: (N + 1,) height of the slide above bottom dead centre [m].
+        holding: (k,) torque that holds the press at the end of each leg [N m].
+        bearings: forces of bearings by their names.
+    """
+
+    grid: PathGrid
+    inertia: Array
+    inner: Array
+    inner_inertia: Array
+    inner_slope: Array
+    inner_torque: Array
+    mean_torque: Array
+    travel: Array
+    inner_travel: Array
+    inner_bend: Array
+    height: Array
+    holding: Array
+    bearings: Mapping[str, BearingCoefficients]
+
+
+def path_grid(press: Linkage, legs: PathLegs, heights: Iterable[float], points: int) -> PathGrid:
+    """Nodes along a path.
+
+    Args:
+        press: the press.
+        legs: the path.
+        heights: heights above bottom dead centre at which nodes are to stand, besides where the slide turns back [m].
+        points: number of segments; some more where nodes must stand at given places.
+    """
+    ways = np.abs(np.diff(legs.angles))
+    bottom = dead_centres(press).bottom_position
+    wanted = np.array([*heights], float) + bottom
+    angles, leg, share = [legs.angles[:1]], [], [np.zeros(1)]
+    for k, (start, end) in enumerate(zip(legs.angles[:-1], legs.angles[1:], strict=True)):
+        marks = _marks(press, start, end, wanted)
+        count = max(4, round(points * ways[k] / ways.sum()))
+        nodes = _graded(start, end, marks, count, legs.closed)
+        angles.append(nodes[1:])
+        leg.append(np.full(len(nodes) - 1, k))
+        share.append(np.append(((nodes - start) / (end - start))[1:-1], 0.0))
+    angle = np.concatenate(angles)
+    rest = np.zeros(len(angle), bool)
+    if not legs.closed:
+        rest[np.cumsum([0, *map(len, leg)])] = True
+    return PathGrid(legs, angle, np.concatenate(leg), np.concatenate(share), rest)
+
+
+def load_heights(press: Linkage, loads: Sequence[Load]) -> list[float]:
+    """Heights above bottom dead centre at which process loads begin or end [m]."""
+    bottom, found = dead_centres(press).bottom_position, []
+    for load in loads:
+        if isinstance(load, PointForce | SpringDamper | TimeForce) or not isinstance(load, ProcessLoad):
+            continue
+        intervals = [*load.intervals(True), *load.intervals(False)]
+        zero = datum(load, press) if intervals else 0.0
+        found += [border + zero - bottom for each in intervals for border in (each.lower, each.upper) if np.isfinite(border)]
+    return found
+
+
+def feels_speed(loads: Sequence[Load], friction: Mapping[str, Friction]) -> list[str]:
+    """What makes the torque depend on the speed in another way than by its square, in words."""
+    found = ["friction of bearings"] if friction else []
+    for load in loads:
+        if isinstance(load, SpringDamper):
+            found += ["a damper"] if np.any(load.damping) else []
+        elif isinstance(load, PointForce):
+            found += ["a force that is a function of the motion"] if callable(load.force) else []
+        elif isinstance(load, ProcessLoad) and any(each.heeds_velocity for down in (True, False) for each in load.intervals(down)):
+            found.append(f"{type(load).__name__}, which feels the slide's speed")
+    return list(dict.fromkeys(found))
+
+
+def coefficients(
+    press: Linkage, grid: PathGrid, loads: Sequence[Load], friction: Mapping[str, Friction], speed: float, bearings: Sequence[str] = ()
+) -> Coefficients:
+    """What the torque takes of a motion along a path.
+
+    Args:
+        press: the press.
+        grid: nodes of the path.
+        loads: the loads.
+        friction: friction of bearings.
+        speed: of the crank, for what feels the speed in another way than by its square [rad/s].
+        bearings: names of bearings whose forces are wanted.
+
+    Raises:
+        PinpressError: a force in time; and as `inverse_dynamics`.
+    """
+    if any(isinstance(load, TimeForce) for load in loads):
+        raise PinpressError("a TimeForce acts at an instant, and when the slide is where is what is asked for: give a load by height")
+    inner = _inner_places(grid)
+    angle = np.empty(3 * len(grid.step) + 1)
+    angle[::3] = grid.angle
+    angle[1::3], angle[2::3] = grid.angle[:-1] + inner * grid.step
+    way = np.concatenate([np.repeat(grid.way, 3), grid.way[-1:]])
+    zero, one = np.zeros_like(angle), np.ones_like(angle)
+    still = [replace(load, damping=0.0) if isinstance(load, SpringDamper) else load for load in loads if not _feels_travel(load)]
+    unit = _moved(press, angle, one, zero)
+    at_rest, accelerated, moving, alone = (
+        inverse_dynamics(press, motion, given, bearings=bearings)
+        for motion, given in (
+            (_moved(press, angle, zero, zero), ()),
+            (_moved(press, angle, zero, one), ()),
+            (unit, ()),
+            (_moved(press, angle, zero, zero), still),
+        )
+    )
+    turning = _moved(press, angle, speed * way, zero)
+    loaded = inverse_dynamics(press, turning, loads, friction, bearings=bearings)
+    slope = 2.0 * (moving.driving_torque - at_rest.driving_torque)
+    static = alone.driving_torque
+    process = -process_force(loads, press, turning) * unit.slide_velocity  # by the principle of virtual power
+    other = loaded.driving_torque - static - 0.5 * slope * speed**2 - process
+    work = process_work(loads, press, turning).reshape(-1, 3).sum(axis=1)
+    inertia = accelerated.driving_torque - at_rest.driving_torque
+    return Coefficients(
+        grid=grid,
+        inertia=inertia[::3],
+        inner=inner,
+        inner_inertia=_inside(inertia),
+        inner_slope=_inside(slope),
+        inner_torque=_inside(static + process + other),
+        mean_torque=_mean(static, inner) + _inside(other).mean(axis=0) + work / grid.step,
+        travel=unit.slide_velocity[::3],
+        inner_travel=_inside(unit.slide_velocity),
+        inner_bend=_inside(unit.slide_acceleration),
+        height=unit.slide_position[::3] - dead_centres(press).bottom_position,
+        holding=_holding(press, grid, loads),
+        bearings={
+            name: BearingCoefficients(
+                _inside(accelerated.bearing_force[name] - at_rest.bearing_force[name]),
+                by_square := _inside(moving.bearing_force[name] - at_rest.bearing_force[name]),
+                _inside(loaded.bearing_force[name]) - by_square * speed**2,
+            )
+            for name in bearings
+        },
+    )
+
+
+def _inner_places(grid: PathGrid) -> Array:
+    """(2, N) inner places of the segments, as shares of their steps."""
+    first, second = GAUSS
+    if grid.legs.closed:
+        return np.repeat([[first], [second]], len(grid.step), axis=1)
+    share = np.stack([grid.share[:-1], np.where(grid.rest[1:], 1.0, grid.share[1:])])
+    speed = np.sqrt(np.minimum(share, 1.0 - share))  # rises like this from a rest
+    start, change = speed[0], speed[1] - speed[0]
+    even = np.abs(change) <= 1e-6 * speed.max(axis=0)
+    whole = np.where(even, 1.0, speed[1] ** 2 - speed[0] ** 2)
+    gone = (((start + change * part) ** 2 - start**2) / whole for part in GAUSS)
+    return np.stack([np.where(even, part, way) for part, way in zip(GAUSS, gone, strict=True)])
+
+
+def _inside(values: Array) -> Array:
+    """Values at the inner places, (2, N, ...), of those at nodes and inner places."""
+    return np.stack([values[1::3], values[2::3]])
+
+
+def _mean(values: Array, inner: Array) -> Array:
+    """(N,) means over the segments of the cubics through values at their nodes and inner places."""
+    places = np.stack([np.zeros_like(inner[0]), *inner, np.ones_like(inner[0])], axis=1)
+    powers = places[:, None, :] ** np.arange(4)[:, None]  # (N, 4, 4)
+    weights = np.linalg.solve(powers, np.broadcast_to(1.0 / np.arange(1.0, 5.0)[:, None], (len(places), 4, 1)))[:, :, 0]
+    four = np.stack([values[:-1:3], values[1::3], values[2::3], values[3::3]], axis=1)
+    return np.asarray((four * weights).sum(axis=1))
+
+
+def _feels_travel(load: Load) -> bool:
+    """Whether a load is one of the process or a function of the motion, and not the same in all motions through a state."""
+    return callable(load.force) if isinstance(load, PointForce) else not isinstance(load, SpringDamper)
+
+
+def _holding(press: Linkage, grid: PathGrid, loads: Sequence[Load]) -> Array:
+    """(k,) torque that holds the press at rest at the end of each leg [N m]."""
+    ends = grid.legs.angles[1:]
+    return inverse_dynamics(press, _moved(press, ends, np.zeros_like(ends), np.zeros_like(ends)), loads, bearings=()).driving_torque
+
+
+def _moved(press: Linkage, angle: Array, speed: Array, acceleration: Array) -> Motion:
+    return moved(press, press.branch, angle, speed, acceleration, None, "auto")
+
+
+def _marks(press: Linkage, start: float, end: float, positions: Array) -> Array:
+    """Places between the ends of a leg at which the slide is at one of these positions, or turns back, in the order of the leg."""
+    samples = np.linspace(start, end, LOOKED + 1)
+    motion = _moved(press, samples, np.ones_like(samples), np.zeros_like(samples))
+    above = motion.slide_position[None] - positions[:, None]  # (positions, samples)
+    curves = np.concatenate([above, motion.slide_velocity[None]])
+    which, before = np.nonzero(np.signbit(curves[:, :-1]) != np.signbit(curves[:, 1:]))
+    if not len(which):
+        return np.empty(0)
+    offset = np.append(positions, 0.0)[which]
+    turns = which == len(positions)
+
+    def off(angle: Array) -> tuple[Array, Array]:
+        at = _moved(press, angle, np.ones_like(angle), np.zeros_like(angle))
+        return (
+            np.where(turns, at.slide_velocity, at.slide_position - offset),
+            np.where(turns, at.slide_acceleration, at.slide_velocity),
+        )
+
+    low, high = np.minimum(samples[before], samples[before + 1]), np.maximum(samples[before], samples[before + 1])
+    found = np.sort(bracketed_roots(off, low, high, absolute=ROUNDING))
+    found = found[(np.abs(found - start) > APART) & (np.abs(found - end) > APART)]
+    found = found[np.append(True, np.diff(found) > APART)] if len(found) else found
+    return found if end > start else found[::-1]
+
+
+def _graded(start: float, end: float, marks: Array, count: int, even: bool) -> Array:
+    """About ``count`` + 1 nodes from start to end, through marks; even, or closer to each other towards both ends."""
+    fine = np.linspace(0.0, 1.0, 2049)
+    graded = fine if even else _denser_at_ends(fine, GRADED)
+    borders = np.concatenate([[0.0], np.interp((marks - start) / (end - start), graded, fine), [1.0]])
+    pieces = []
+    for low, high in itertools.pairwise(borders.tolist()):
+        # short pieces, between loads and windows, are where the torque changes
+        steps = max(1, round(count * ((1.0 - SHARED) * (high - low) + SHARED / (len(borders) - 1))))
+        pieces.append(low + (high - low) * _denser_at_ends(np.arange(steps) / steps, BRAKED if len(marks) else 0.0))
+    places = np.concatenate([*pieces, [1.0]])
+    shares = places if even else _denser_at_ends(places, GRADED)
+    nodes = start + (end - start) * shares
+    nodes[np.searchsorted(places, borders)] = np.concatenate([[start], marks, [end]])
+    return nodes
+
+
+def _denser_at_ends(share: Array, grading: float) -> Array:
+    """Places from 0 to 1 that are closer to each other towards both ends, of even ones."""
+    return np.asarray((1.0 - grading) * share + grading * 0.5 * (1.0 - np.cos(np.pi * share)))

@@ -1,0 +1,197 @@
+"""The problem of the best motion: what is minimised within which limits, as functions of b, the square of the crank's speed, at the nodes
+of a path; and what a motion costs, computed from b alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.quantities import Array
+from .coefficients import Coefficients
+from .drive import ServoDrive
+
+Index = NDArray[np.intp]
+
+
+class Affine(NamedTuple):
+    """A quantity of each of m segments that is affine in b at the two ends of it: before b_i + after b_{i+1} + fixed.
+
+    Attributes:
+        before: (m,).
+        after: (m,).
+        fixed: (m,).
+        segments: (m,) indices of the segments.
+    """
+
+    before: Array
+    after: Array
+    fixed: Array
+    segments: Index
+
+    def at(self, b: Array) -> Array:
+        """(m,) values, for b (N + 1,) at the nodes."""
+        return self.before * b[self.segments] + self.after * b[self.segments + 1] + self.fixed
+
+
+def inner_affine(c: Coefficients, place: int, by_acceleration: Array, by_square: Array, fixed: Array, segments: Index) -> Affine:
+    """by_acceleration x acceleration + by_square x b + fixed at one of the inner places of segments, of values (m,) there."""
+    step, share = c.grid.step[segments], c.inner[place][segments]
+    change = by_acceleration / (2.0 * step)
+    return Affine((1.0 - share) * by_square - change, share * by_square + change, fixed, segments)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Bounded:
+    """A named limit: a quantity of segments (an `Affine`), or b at nodes (``nodes``), is at most a bound, or equal to it.
+
+    Attributes:
+        name: in words.
+        most: (m,) the bound; it is proportional to the limit to the power of ``power``.
+        limit: the number that the user gave, in ``unit``.
+        unit: its unit.
+        quantity: the quantity of segments; None for b at nodes.
+        nodes: (m,) indices of nodes, where ``quantity`` is None.
+        power: see ``most``: 2 for a speed, whose square is bounded.
+        equal: whether the quantity equals the bound.
+        both: whether the negative quantity is bounded too.
+        drag: part of c_i + c_{i+1} that is added to the quantity, in the sense of the crank's way: the drag of the drive.
+        length: (m, 2) or None: of a vector of forces, quantities of its two further components; then its length is bounded.
+    """
+
+    name: str
+    most: Array
+    limit: float
+    unit: str
+    quantity: Affine | None = None
+    nodes: Index = field(default_factory=lambda: np.empty(0, np.intp))
+    power: float = 1.0
+    equal: bool = False
+    both: bool = False
+    drag: float = 0.0
+    length: tuple[Affine, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionProblem:
+    """What is to be found: the motion along a path with the least objective within limits.
+
+    Attributes:
+        coefficients: of the press.
+        drive: of the drive.
+        weights: weights of "heat" [1/(N2 m2 s)], "time" [1/s], "energy" [1/J], "peak" [1/(N m)] in the objective.
+        time: most time of a cycle [s]; None: only the objective or other limits limit it.
+        bounds: limits that are proportional to one number each.
+        rms: largest root mean square of the torque at the crank [N m], or None.
+        below: (N,) whether a segment is outside the feed window, or None.
+        feed_time: time of the feed window [s].
+    """
+
+    coefficients: Coefficients
+    drive: ServoDrive
+    weights: Mapping[str, float]
+    time: float | None
+    bounds: tuple[Bounded, ...] = ()
+    rms: float | None = None
+    below: NDArray[np.bool_] | None = None
+    feed_time: float = 0.0
+    time_name: str = "cycle time"
+    rms_name: str = "rms torque"
+    feed_name: str = "feed window"
+
+    @property
+    def inertia(self) -> float:
+        """Inertia of the drive at the crank [kg m2]."""
+        return self.drive.crank_inertia
+
+    def inner_torques(self) -> tuple[Affine, Affine]:
+        """Torques at the two inner places of the segments, without the drag of the drive."""
+        c, step = self.coefficients, self.coefficients.grid.step
+        first, second = (
+            inner_affine(c, k, (c.inner_inertia[k] + self.inertia), 0.5 * c.inner_slope[k], c.inner_torque[k], np.arange(len(step)))
+            for k in range(2)
+        )
+        return first, second
+
+    def mean_torque(self) -> Affine:
+        """Mean torque over the segments, without the drag of the drive."""
+        c, step = self.coefficients, self.coefficients.grid.step
+        inertia = (c.inertia + self.inertia) / 2.0
+        return Affine(-inertia[:-1] / step, inertia[1:] / step, c.mean_torque, np.arange(len(step)))
+
+    @property
+    def resting(self) -> float:
+        """Time of the rests that the path asks for [s]."""
+        return self.coefficients.grid.legs.dwell
+
+    @property
+    def holding_heat(self) -> float:
+        """Heat of holding in these rests [N2 m2 s]."""
+        return float(self.coefficients.grid.legs.dwells @ self.coefficients.holding**2)
+
+
+class Figures(NamedTuple):
+    """What a motion costs, computed from b alone.
+
+    Attributes:
+        time: of moving and of the rests that the path asks for [s].
+        heat: [N2 m2 s].
+        energy: drawn [J].
+        peak: largest mean torque of a segment [N m].
+        below: time outside the feed window [s].
+    """
+
+    time: float
+    heat: float
+    energy: float
+    peak: float
+    below: float
+
+
+def segment_times(coefficients: Coefficients, b: Array) -> Array:
+    """(N,) times of the segments [s]."""
+    speed = np.sqrt(b)
+    return np.asarray(2.0 * np.abs(coefficients.grid.step) / (speed[1:] + speed[:-1]))
+
+
+def figures(problem: MotionProblem, b: Array) -> Figures:
+    """What a motion costs; ``b``: (N + 1,) at the nodes [rad2/s2]."""
+    drive, grid = problem.drive, problem.coefficients.grid
+    speed, step, times = np.sqrt(b), grid.step, segment_times(problem.coefficients, b)
+    s, drag = speed[1:] + speed[:-1], drive.crank_drag
+    mean = problem.mean_torque().at(b)
+    rolled = 0.5 * np.abs(step) * s  # integral of the square of the speed over the time
+    first, second = problem.inner_torques()
+    heat = 0.5 * (first.at(b) ** 2 + second.at(b) ** 2) * times + 2.0 * drag * mean * step + drag**2 * rolled
+    given = mean * step + drag * rolled + drive.copper / drive.ratio**2 * heat + drive.iron * drive.ratio**2 * rolled
+    held = drive.copper / drive.ratio**2 * problem.holding_heat
+    below = float("nan") if problem.below is None else float(times[problem.below].sum()) + rest_below(problem)
+    return Figures(
+        time=float(times.sum()) + problem.resting,
+        heat=float(heat.sum()) + problem.holding_heat,
+        energy=float(np.maximum(given, drive.regeneration * given).sum()) + held,
+        peak=float(np.abs(mean + 0.5 * drag * grid.way * s).max()),
+        below=below,
+    )
+
+
+def rest_below(problem: MotionProblem) -> float:
+    """Time of the rests outside the feed window [s]."""
+    if problem.below is None:
+        return 0.0
+    last = np.flatnonzero(np.append(np.diff(problem.coefficients.grid.leg) > 0, True))
+    return float(problem.coefficients.grid.legs.dwells[problem.below[last]].sum())
+
+
+def objective(problem: MotionProblem, b: Array) -> float:
+    """The objective of a motion, computed from b alone."""
+    cost = figures(problem, b)
+    time = cost.time if problem.below is None else max(cost.time, cost.below + problem.feed_time)
+    if problem.rms is not None:
+        time = max(time, cost.heat / problem.rms**2)
+    parts = {"heat": cost.heat, "time": time, "energy": cost.energy, "peak": cost.peak}
+    return sum(weight * parts[name] for name, weight in problem.weights.items())

@@ -1,0 +1,473 @@
+"""The best motion along a path as a second-order-cone program, with the proof of its optimum.
+
+Unknown are b, the square of the crank's speed, at the nodes, its root c, and for each segment d, 1 / (c_i + c_{i+1}), and e, the square of
+the torque times d; p is the energy drawn. With h the size of a segment's step,
+
+    c^2 <= b,  1 <= d (c_i + c_{i+1}),  torque^2 <= e (c_i + c_{i+1}),  time = sum 2 h d,  heat = sum 2 h e.
+
+A segment takes the time 2 h / (c_i + c_{i+1}), exactly that of a constant acceleration, from rest too. The square of the torque is the
+mean of its squares at two inner places of a segment, by Gauss's rule; limits of the torque, and work, take its mean over the segment, which
+is exact by the kinetic energies at its ends.
+(Verscheure et al. 2009, IEEE Trans. Automatic Control 54(10), have the convexity; units and cones are scaled by the sizes that each node
+has, without which interior-point methods lose six digits near rests.)
+
+Every cone only lets quantities be larger than they are, so that the dual cost is a bound for all motions, whether the cones are tight or
+not; the value is computed from b alone. Their difference is the gap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.quantities import Array
+from .motion_problem import Affine, Bounded, Index, MotionProblem, figures, objective, rest_below
+
+TOLERANCE = 1e-9  # that the solver aims at
+EQUAL, AT_MOST, CONE = "equal", "at most", "cone"
+
+
+class InfeasibleError(Exception):
+    """The solver proved that no motion keeps all limits."""
+
+
+class UnsolvedError(Exception):
+    """The solver found neither an optimum nor that there is none."""
+
+
+class Sizes(NamedTuple):
+    """Sizes by which unknowns and cones are scaled.
+
+    Attributes:
+        b: (N + 1,) size of b at the nodes; 0 at rests.
+        torque: of torques [N m].
+        torques: (N,) of the torque of each segment [N m].
+        speed: of the crank [rad/s].
+    """
+
+    b: Array
+    torque: float
+    torques: Array
+    speed: float
+
+    def with_torques(self, times: float) -> Sizes:
+        """Torques of other sizes."""
+        return self._replace(torque=times * self.torque, torques=times * self.torques)
+
+
+def first_sizes(problem: MotionProblem) -> Sizes:
+    """Sizes that are guessed before a motion is known."""
+    grid, c = problem.coefficients.grid, problem.coefficients
+    length, inertia = float(np.abs(grid.step).sum()), float(np.mean(c.inertia)) + problem.inertia
+    if problem.time is None or problem.time <= problem.resting:
+        limits = [each.limit for each in problem.bounds if each.name.startswith("torque")]
+        torque = problem.rms or (limits[0] if limits else float(np.sqrt(np.mean(c.inner_torque**2))) + inertia)
+        speed = float(np.sqrt(torque * length / inertia))
+    else:
+        speed = length / (problem.time - problem.resting)
+        constant = c.inner_torque + 0.5 * c.inner_slope * speed**2
+        torque = float(np.sqrt(np.mean(constant**2) + (inertia * speed**2 / length) ** 2))
+    b = np.full(len(grid.angle), speed**2)
+    if not grid.legs.closed:
+        b = 4.0 * b * np.minimum(grid.share, 1.0 - grid.share)
+    for each in problem.bounds:
+        if each.quantity is None:
+            b[each.nodes] = np.minimum(b[each.nodes], each.most)
+    b[grid.rest] = 0.0
+    own = np.sqrt(np.mean((c.inner_torque + 0.25 * c.inner_slope * (b[1:] + b[:-1])) ** 2, axis=0))
+    return Sizes(b, torque, np.hypot(torque, own), speed)
+
+
+def sizes_of(problem: MotionProblem, b: Array) -> Sizes:
+    """Sizes of a motion that was found."""
+    cost = figures(problem, b)
+    moving = cost.time - problem.resting
+    least = 1e-9 * float(b.max())
+    sizes = np.where(problem.coefficients.grid.rest, 0.0, np.maximum(b, least))
+    torque = np.sqrt(max(cost.heat / cost.time, (1e-3 * cost.peak) ** 2))
+    inner = np.stack([each.at(b) for each in problem.inner_torques()])
+    return Sizes(
+        sizes,
+        float(torque),
+        np.hypot(torque, np.sqrt(np.mean(inner**2, axis=0))),
+        float(np.abs(problem.coefficients.grid.step).sum()) / moving,
+    )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution:
+    """An optimum and its proof.
+
+    Attributes:
+        b: (N + 1,) at the nodes [rad2/s2].
+        value: objective of b.
+        bound: no motion along these nodes has a lower one.
+        prices: name of a limit -> the objective falls by this much for each unit by which the limit is relaxed.
+        where: name of a limit -> (N + 1,) or (N,) bool, nodes or segments at which it acts.
+        relaxed: of a program that lets limits out: the share.
+        parts: of a program that lets limits out: part of each limit in the contradiction.
+    """
+
+    b: Array
+    value: float
+    bound: float
+    prices: Mapping[str, float]
+    where: Mapping[str, NDArray[np.bool_]]
+    relaxed: float = 0.0
+    parts: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def gap(self) -> float:
+        """How far the value is above the bound, as a share of its size."""
+        return (self.value - self.bound) / max(abs(self.value), 1e-300)
+
+
+class _Block(NamedTuple):
+    """Rows of the program, of one kind.
+
+    Attributes:
+        kind: of the cone; rows of `CONE` come in groups of ``size``.
+        rows: of coefficients.
+        columns: of coefficients.
+        values: of coefficients.
+        bound: one number a row.
+        name: of the limit, empty where it is none.
+        slope: by how much the bound grows with the share by which the limit is let out, one number a row.
+        at: node or segment of each row of a limit.
+        unit_change: change of the limit, in its unit, by that share.
+        size: rows of a cone.
+    """
+
+    kind: str
+    rows: Index
+    columns: Index
+    values: Array
+    bound: Array
+    name: str = ""
+    slope: Array | None = None
+    at: Index | None = None
+    unit_change: float = 1.0
+    size: int = 3
+
+
+class _Program:
+    """The columns of the unknowns, and the blocks of rows as they are written."""
+
+    def __init__(self, problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] | None) -> None:
+        self.problem, self.sizes, self.let_out = problem, sizes, let_out
+        grid = problem.coefficients.grid
+        n, free = len(grid.step), ~grid.rest
+        self.column = np.full(n + 1, -1)
+        if grid.legs.closed:
+            free[-1] = False
+        self.nodes = np.flatnonzero(free)
+        self.column[self.nodes] = np.arange(len(self.nodes))
+        if grid.legs.closed:
+            self.column[-1] = self.column[0]
+        m = len(self.nodes)
+        self.c, self.d, self.e = m, 2 * m, 2 * m + n
+        self.p = self.e + n
+        weights = problem.weights
+        self.with_energy, self.with_peak = "energy" in weights, "peak" in weights
+        self.with_heat = self.with_energy or "heat" in weights or problem.rms is not None
+        self.peak = self.p + (n if self.with_energy else 0)
+        self.cycle = self.peak + int(self.with_peak)
+        self.out = self.cycle + 1
+        self.width = self.out + int(let_out is not None)
+        self.segments = np.arange(n)
+        self.root = np.sqrt(sizes.b)
+        self.s = self.root[1:] + self.root[:-1]  # size of c_i + c_{i+1}
+        self.length = float(np.abs(grid.step).sum())
+        self.unit_time = self.length / sizes.speed
+        self.unit_heat = sizes.torque**2 * self.unit_time
+        self.unit_energy = sizes.torque * self.length
+        self.blocks: list[_Block] = []
+
+    def add(
+        self,
+        kind: str,
+        entries: Sequence[tuple[Index, Index, Array]],
+        bound: Array,
+        limit: tuple[str, Array, Index, float] | None = None,
+        size: int = 3,
+    ) -> None:
+        """Add rows; entries whose column is -1, of what is 0, are left out. ``limit``: name, slope, places and change of the unit."""
+        rows, columns, values = (np.concatenate([np.broadcast_to(entry[k], entry[0].shape) for entry in entries]) for k in range(3))
+        kept = columns >= 0
+        rows, columns, values = rows[kept], columns[kept], values[kept]
+        name, slope, at, change = limit or ("", None, None, 1.0)
+        if slope is not None and self.let_out is not None and self.let_out(name):
+            some = np.flatnonzero(slope)
+            rows = np.concatenate([rows, some])
+            columns = np.concatenate([columns, np.full(len(some), self.out)])
+            values = np.concatenate([values, -slope[some]])
+        self.blocks.append(_Block(kind, rows, columns, values, bound, name, slope, at, change, size))
+
+    def affine(self, quantity: Affine, scale: Array | float, rows: Index) -> list[tuple[Index, Index, Array]]:
+        """Entries of a quantity by ``scale``, without its fixed part, in these rows."""
+        at, b = quantity.segments, self.sizes.b
+        return [
+            (rows, self.column[at], quantity.before * b[at] * scale),
+            (rows, self.column[at + 1], quantity.after * b[at + 1] * scale),
+        ]
+
+    def speeds(self, segments: Index, scale: Array | float, rows: Index) -> list[tuple[Index, Index, Array]]:
+        """Entries of c_i + c_{i+1}."""
+        first, second = self.column[segments], self.column[segments + 1]
+        return [
+            (rows, np.where(first < 0, -1, self.c + first), self.root[segments] * scale),
+            (rows, np.where(second < 0, -1, self.c + second), self.root[segments + 1] * scale),
+        ]
+
+    # -------------------------------------------------------------------------------------------------------------- the motion itself
+
+    def write(self) -> Array:
+        """All rows; returns the cost."""
+        problem, n = self.problem, len(self.segments)
+        m, k = np.arange(len(self.nodes)), self.segments
+        ones, none = np.ones(len(m)), np.zeros(len(m))
+        bound = np.stack([ones, -ones, none], axis=1).ravel()
+        self.add(CONE, [(3 * m, m, -ones), (3 * m + 1, m, -ones), (3 * m + 2, self.c + m, -2.0 * ones)], bound)
+        ones, none = np.ones(n), np.zeros(n)
+        share = self.speeds(k, -1.0 / self.s, 3 * k)
+        minus = self.speeds(k, 1.0 / self.s, 3 * k + 1)
+        self.add(
+            CONE,
+            [(3 * k, self.d + k, -ones), *share, (3 * k + 1, self.d + k, -ones), *minus],
+            np.stack([none, none, 2.0 * ones], axis=1).ravel(),
+        )
+        if self.with_heat:
+            torques, root = problem.inner_torques(), 2.0**0.5 / self.sizes.torques
+            entries = [(4 * k, self.e + k, -ones), *self.speeds(k, -1.0 / self.s, 4 * k)]
+            entries += [(4 * k + 1, self.e + k, -ones), *self.speeds(k, 1.0 / self.s, 4 * k + 1)]
+            entries += [entry for j, torque in enumerate(torques) for entry in self.affine(torque, -root, 4 * k + 2 + j)]
+            self.add(CONE, entries, np.stack([none, none, *(root * each.fixed for each in torques)], axis=1).ravel(), size=4)
+        self._cycle_time()
+        for each in problem.bounds:
+            self._bounded(each)
+        if problem.rms is not None:
+            self._rms(problem.rms)
+        if self.with_energy:
+            self._energy()
+        if self.with_peak:
+            self._peak()
+        return self._cost()
+
+    def moving_time(self, chosen: Index | None = None) -> tuple[Index, Array]:
+        """Columns and coefficients of the time of all, or of chosen, segments, in the unit of time."""
+        k = self.segments if chosen is None else chosen
+        h = np.abs(self.problem.coefficients.grid.step)[k]
+        return self.d + k, 2.0 * h / (self.s[k] * self.unit_time)
+
+    def heat(self) -> tuple[list[tuple[Index, Array]], float]:
+        """Columns and coefficients of the heat, in its unit, and its fixed part."""
+        problem, grid = self.problem, self.problem.coefficients.grid
+        h, drag, zero = np.abs(grid.step), problem.drive.crank_drag, np.zeros(len(self.segments), np.intp)
+        parts = [(self.e + self.segments, 2.0 * h * self.sizes.torques**2 / (self.s * self.unit_heat))]
+        fixed = problem.holding_heat
+        if drag:
+            mean = problem.mean_torque()
+            parts += [(columns, values) for _, columns, values in self.affine(mean, 2.0 * drag * grid.step / self.unit_heat, zero)]
+            parts += [(columns, values) for _, columns, values in self.speeds(self.segments, 0.5 * h * drag**2 / self.unit_heat, zero)]
+            fixed += float(2.0 * drag * mean.fixed @ grid.step)
+        return parts, fixed / self.unit_heat
+
+    def _row(self, parts: Sequence[tuple[Index, Array]], row: int = 0, sign: float = 1.0) -> list[tuple[Index, Index, Array]]:
+        return [(np.full(len(columns), row), np.asarray(columns), sign * np.asarray(values)) for columns, values in parts]
+
+    def _cycle_time(self) -> None:
+        """The cycle's time, a variable, is at least that of moving and resting, and at least the feed window longer than the rest; it is at
+        most the time given."""
+        problem = self.problem
+        cycle = (np.array([self.cycle]), np.array([-1.0]))
+        resting = problem.resting / self.unit_time
+        self.add(AT_MOST, self._row([self.moving_time(), cycle]), np.array([-resting]))
+        if problem.below is not None:
+            beside = -(rest_below(problem) + problem.feed_time) / self.unit_time
+            limit = (problem.feed_name, np.array([problem.feed_time / self.unit_time]), np.zeros(1, np.intp), -problem.feed_time)
+            self.add(AT_MOST, self._row([self.moving_time(np.flatnonzero(problem.below)), cycle]), np.array([beside]), limit)
+        if problem.time is not None:
+            most = np.array([problem.time / self.unit_time])
+            self.add(AT_MOST, self._row([(cycle[0], np.ones(1))]), most, (problem.time_name, most, np.zeros(1, np.intp), problem.time))
+
+    def _bounded(self, each: Bounded) -> None:
+        if each.quantity is None:
+            chosen = each.nodes
+            rows, size = np.arange(len(chosen)), self.sizes.b[chosen]
+            bound = each.most / size
+            limit = (each.name, each.power * bound, chosen, each.limit)
+            kind = EQUAL if each.equal else AT_MOST
+            self.add(kind, [(rows, self.column[chosen], np.ones(len(chosen)))], bound, None if each.equal else limit)
+            return
+        at = each.quantity.segments
+        rows, scale = np.arange(len(at)), 1.0 / each.most
+        if each.length:
+            parts = [entry for k, part in enumerate((each.quantity, *each.length)) for entry in self.affine(part, -scale, 4 * rows + k + 1)]
+            bound = np.stack([np.ones(len(at)), *(part.fixed * scale for part in (each.quantity, *each.length))], axis=1)
+            slope = np.zeros((len(at), 4))
+            slope[:, 0] = 1.0
+            self.add(CONE, parts, bound.ravel(), (each.name, slope.ravel(), np.repeat(at, 4), each.limit), 4)
+            return
+        for sign in (1.0, -1.0) if each.both else (1.0,):
+            entries = self.affine(each.quantity, sign * scale, rows)
+            if each.drag:
+                way = self.problem.coefficients.grid.way[at]
+                entries += self.speeds(at, 0.5 * each.drag * sign * way * scale, rows)
+            limit = (each.name, np.full(len(at), each.power), at, each.limit)
+            self.add(AT_MOST, entries, 1.0 - sign * scale * each.quantity.fixed, limit)
+
+    def _rms(self, rms: float) -> None:
+        parts, fixed = self.heat()
+        most = rms**2 * self.unit_time / self.unit_heat  # heat of the unit of time at this torque
+        row = self._row([*((columns, values / most) for columns, values in parts), (np.array([self.cycle]), np.array([-1.0]))])
+        # to first order in the share by which it is let out, at the time of the unit
+        limit = (self.problem.rms_name, np.array([2.0]), np.zeros(1, np.intp), rms)
+        self.add(AT_MOST, row, np.array([-fixed / most]), limit)
+
+    def _energy(self) -> None:
+        problem, grid, k = self.problem, self.problem.coefficients.grid, self.segments
+        drive, mean, h = problem.drive, problem.mean_torque(), np.abs(grid.step)
+        copper, drag, unit = drive.copper / drive.ratio**2, drive.crank_drag, self.unit_energy
+        for share in dict.fromkeys((1.0, drive.regeneration)):
+            by_torque = share * (1.0 + 2.0 * copper * drag) * grid.step / unit
+            by_speed = share * 0.5 * h * (drag + copper * drag**2 + drive.iron * drive.ratio**2) / unit
+            entries = [(k, self.p + k, -np.ones(len(k))), *self.affine(mean, by_torque, k), *self.speeds(k, by_speed, k)]
+            entries.append((k, self.e + k, share * 2.0 * h * copper * self.sizes.torques**2 / (self.s * unit)))
+            self.add(AT_MOST, entries, -by_torque * mean.fixed)
+
+    def _peak(self) -> None:
+        mean, grid, k = self.problem.mean_torque(), self.problem.coefficients.grid, self.segments
+        size, drag = self.sizes.torque, self.problem.drive.crank_drag
+        for sign in (1.0, -1.0):
+            entries = [*self.affine(mean, sign / size, k), (k, np.full(len(k), self.peak), -np.ones(len(k)))]
+            if drag:
+                entries += self.speeds(k, 0.5 * drag * sign * grid.way / size, k)
+            self.add(AT_MOST, entries, -sign * mean.fixed / size)
+
+    def _cost(self) -> Array:
+        """Coefficients of the objective, whose unit is 1; fixed parts are `fixed_cost`."""
+        cost, weights = np.zeros(self.width), self.problem.weights
+        if self.let_out is not None:
+            cost[self.out] = 1.0
+            return cost
+        if weight := weights.get("heat", 0.0):
+            for columns, values in self.heat()[0]:
+                some = np.asarray(columns) >= 0
+                np.add.at(cost, np.asarray(columns)[some], weight * self.unit_heat * values[some])
+        cost[self.cycle] += weights.get("time", 0.0) * self.unit_time
+        if self.with_energy:
+            cost[self.p : self.p + len(self.segments)] += weights["energy"] * self.unit_energy
+        if self.with_peak:
+            cost[self.peak] += weights["peak"] * self.sizes.torque
+        return cost
+
+    def fixed_cost(self) -> float:
+        """Part of the objective that no motion changes."""
+        problem, weights = self.problem, self.problem.weights
+        if self.let_out is not None:
+            return 0.0
+        held = problem.drive.copper / problem.drive.ratio**2 * problem.holding_heat
+        return weights.get("heat", 0.0) * self.heat()[1] * self.unit_heat + weights.get("energy", 0.0) * held
+
+
+def solve(problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] | None = None) -> Solution:
+    """The optimum, or with ``let_out`` the least share by which limits of these names must be let out.
+
+    Raises:
+        InfeasibleError: there is no motion within the limits.
+        UnsolvedError: the solver did not find out.
+    """
+    import clarabel  # to save start-up time
+    from scipy import sparse  # to save start-up time
+
+    program = _Program(problem, sizes, let_out)
+    cost = program.write()
+    scale = float(np.abs(cost).max())
+    starts = np.concatenate([[0], np.cumsum([len(block.bound) for block in program.blocks])])
+    rows, columns, values = (
+        np.concatenate(parts)
+        for parts in (
+            [block.rows + start for block, start in zip(program.blocks, starts, strict=False)],
+            [block.columns for block in program.blocks],
+            [block.values for block in program.blocks],
+        )
+    )
+    matrix = sparse.csc_matrix((values, (rows, columns)), shape=(int(starts[-1]), program.width))
+    bound = np.concatenate([block.bound for block in program.blocks])
+    solution = clarabel.DefaultSolver(
+        sparse.csc_matrix((program.width, program.width)), cost / scale, matrix, bound, _cones(program.blocks), _settings()
+    ).solve()
+    status = solution.status
+    if status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
+        raise InfeasibleError
+    x, z = np.array(solution.x), np.array(solution.z)
+    if not (np.isfinite(x).all() and np.isfinite(z).all()):
+        raise UnsolvedError(str(status))
+    # what is not free keeps its 0; a solver's last digits must not make b negative
+    b = np.where(program.column < 0, 0.0, np.maximum(x[program.column], 1e-12) * sizes.b)
+    z = _in_dual_cones(program.blocks, z)
+    off = cost / scale + matrix.T @ z
+    bound_ = scale * (float(-bound @ z) - float(np.abs(off) @ np.maximum(np.abs(x), 1.0))) + program.fixed_cost()
+    prices, where, parts = _prices(program, scale, np.split(z, starts[1:-1]))
+    share = float(x[program.out]) if let_out is not None else 0.0
+    value = share if let_out is not None else objective(problem, b)
+    return Solution(b, value, bound_, prices, where, share, parts)
+
+
+def _settings() -> object:
+    import clarabel  # to save start-up time
+
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_threads = 1
+    settings.equilibrate_enable = False  # unknowns and cones are scaled by their sizes
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    return settings
+
+
+def _cones(blocks: Sequence[_Block]) -> list[object]:
+    import clarabel  # to save start-up time
+
+    cones: list[object] = []
+    for block in blocks:
+        if block.kind == CONE:
+            cones += [clarabel.SecondOrderConeT(block.size)] * (len(block.bound) // block.size)
+        else:
+            cones.append((clarabel.ZeroConeT if block.kind == EQUAL else clarabel.NonnegativeConeT)(len(block.bound)))
+    return cones
+
+
+def _in_dual_cones(blocks: Sequence[_Block], z: Array) -> Array:
+    """Dual variables in their cones, where the solver left them a rounding outside."""
+    found, start = z.copy(), 0
+    for block in blocks:
+        part = found[start : start + len(block.bound)]
+        if block.kind == AT_MOST:
+            np.maximum(part, 0.0, out=part)
+        elif block.kind == CONE:
+            cone = part.reshape(-1, block.size)
+            cone[:, 0] = np.maximum(cone[:, 0], np.linalg.norm(cone[:, 1:], axis=1))
+        start += len(block.bound)
+    return found
+
+
+def _prices(
+    program: _Program, scale: float, duals: Sequence[Array]
+) -> tuple[dict[str, float], dict[str, NDArray[np.bool_]], dict[str, float]]:
+    """Prices of limits, the places at which they act, and their parts in the objective."""
+    prices: dict[str, float] = {}
+    where: dict[str, NDArray[np.bool_]] = {}
+    parts: dict[str, float] = {}
+    for block, z in zip(program.blocks, duals, strict=True):
+        if not block.name or block.slope is None or block.at is None:
+            continue
+        by_row = scale * z * block.slope
+        parts[block.name] = parts.get(block.name, 0.0) + float(by_row.sum())
+        prices[block.name] = prices.get(block.name, 0.0) + float(by_row.sum()) / block.unit_change
+        acts = where.setdefault(block.name, np.zeros(len(program.segments) + 1, bool))
+        acts[block.at[by_row > 1e-4 * max(by_row.sum(), 1e-300) / len(program.segments)]] = True
+    return prices, where, parts

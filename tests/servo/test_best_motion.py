@@ -1,0 +1,428 @@
+"""Best motions against closed forms, other solvers, printed tables, and by their own proof."""
+
+import dataclasses
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support import texts
+from support.exploring import examples
+from support.oracles import servo_by_hand
+
+import pinpress as pp
+from pinpress import servo
+
+FULL = 2 * np.pi
+HEAVY = 1e9  # inertia beside which that of a linkage is nothing [kg m2]
+DRAWING = [pp.loads.DeepDrawing(1.5e6, 0.06)]
+SLOW = servo.SlideSpeed(0.2, heights=(0.06, 0.0))
+
+
+@cache
+def weightless(name):
+    """A press without gravity."""
+    press = texts.shipped(name)
+    model = press.model.copy()
+    model.gravity.linear = np.zeros(3)
+    return dataclasses.replace(press, model=model)
+
+
+@cache
+def knuckle():
+    return pp.load(Path(__file__).parents[2] / "docs" / "tour" / "knuckle.urdf")
+
+
+COINING = [pp.loads.ForceStroke([0.002, 0.001, 0.0005, 0.0], [0.0, 0.30e6, 0.70e6, 1.60e6])]
+
+
+# ------------------------------------------------------------------------------------------------------------------------ closed forms
+
+
+def test_constant_inertia_from_rest_to_rest():
+    """Least heat 12 J² L² / T³, by a parabola of the speed over time; the error falls with the square of the number of segments."""
+    press, drive = weightless("crank_slide"), servo.ServoDrive(inertia=HEAVY)
+    exact = 12.0 * HEAVY**2 * FULL**2 / 2.0**3
+    coarse, fine = (servo.best_motion(press, drive, time=2.0, path=servo.Stop(), points=n) for n in (120, 480))
+    assert fine.value == pytest.approx(exact, rel=2e-5)
+    assert fine.gap < 1e-7
+    order = np.log(abs(coarse.value / exact - 1) / abs(fine.value / exact - 1)) / np.log(4)
+    assert 1.8 < order < 2.3
+    x = fine.time / 2.0
+    np.testing.assert_allclose(fine.speed, 6.0 * FULL / 2.0 * x * (1.0 - x), atol=2e-3 * FULL)
+
+
+def test_constant_inertia_in_least_time_and_with_least_peak():
+    press = weightless("crank_slide")
+    drive = servo.ServoDrive(inertia=HEAVY, peak_torque=3e9)
+    quick = servo.best_motion(press, drive, minimise="time", path=servo.Stop(), points=120)
+    assert quick.value == pytest.approx(2.0 * np.sqrt(HEAVY * FULL / 3e9), rel=1e-7)
+    assert quick.motion.peak_motor_torque == pytest.approx(3e9, rel=1e-6)
+    even = servo.best_motion(press, drive, minimise={"peak": 1.0, "heat": 1e-4}, time=4.0, path=servo.Stop(), points=120)
+    assert even.motion.peak_torque == pytest.approx(4.0 * HEAVY * FULL / 4.0**2, rel=1e-3)
+
+
+def test_at_least_rms_the_least_time_is_the_time_of_least_heat():
+    """rms = sqrt(12 J² L² / T⁴)."""
+    drive = servo.ServoDrive(inertia=HEAVY, rated_torque=1e9)
+    quick = servo.best_motion(weightless("crank_slide"), drive, minimise="time", path=servo.Stop(), limits=[servo.RmsTorque()], points=240)
+    assert quick.value == pytest.approx((12.0 * FULL**2) ** 0.25, rel=2e-5)
+
+
+@pytest.mark.parametrize("name", ["crank_slide", "zxn2_3000b"])
+def test_bang_bang_of_a_linkage(name):
+    """Without weight, E = (M + J) b / 2 rises by torque x way up to the middle, and falls as fast."""
+    press, inertia, torque = weightless(name), 0.5 if name == "crank_slide" else 50.0, 2000.0
+    quick = servo.best_motion(press, servo.ServoDrive(inertia=inertia, peak_torque=torque), minimise="time", path=servo.Stop(), points=720)
+    top = pp.dead_centres(press).top_angle
+    s = 0.5 * (1 - np.cos(np.pi * (np.arange(4000) + 0.5) / 4000))  # dq / sqrt(q) has no pole in this variable
+    weight = 0.5 * np.pi * np.sin(np.pi * (np.arange(4000) + 0.5) / 4000) / 4000 * FULL
+    mass = servo_by_hand.Press(press, inertia).at(top + FULL * s)[0]
+    time = np.sum(weight * np.sqrt(mass / (2.0 * torque * FULL * np.minimum(s, 1 - s))))
+    assert quick.value == pytest.approx(time, rel=2e-5)
+    assert quick.gap < 1e-7
+
+
+# --------------------------------------------------------------------------------------------------------------------- other solvers
+
+
+def test_least_heat_by_another_solver():
+    press, n = texts.shipped("zxn2_3000b"), 72
+    best = servo.best_motion(press, servo.ServoDrive(inertia=800), DRAWING, time=2.4, limits=[SLOW], points=n)
+    hand = servo_by_hand.Press(press, 800.0, DRAWING)
+    height, travel = hand.slide(best.angle[:-1])
+    inside = (height <= 0.06 + 1e-9) & (travel < -1e-9)
+    most = np.where(inside, (0.2 / np.where(inside, travel, 1.0)) ** 2, np.inf)
+    inner = np.repeat([[0.5 - 0.5 / 3**0.5], [0.5 + 0.5 / 3**0.5]], len(best.angle) - 1, axis=1)
+    start = np.minimum(np.full(len(height), (FULL / 2.0) ** 2), 0.9 * most)
+    b, heat = servo_by_hand.least_heat(hand, best.angle, inner, 2.4, most, start)
+    assert best.value == pytest.approx(heat, rel=1e-7)
+    np.testing.assert_allclose(best.speed[:-1] ** 2, b, rtol=2e-3)
+
+
+def test_least_time_in_the_phase_plane():
+    press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=800, peak_torque=1.5e5, top_speed=8.0)
+    best = servo.best_motion(press, drive, minimise="time", path=servo.Stop(), limits=[servo.SlideSpeed(0.5, (0.1, 0.0))])
+    hand = servo_by_hand.Press(press, 800.0)
+    angle = best.angle[0] + FULL * np.linspace(0.0, 1.0, 20001)
+    height, travel = hand.slide(angle)
+    inside = (height <= 0.1) & (travel < 0)
+    most = np.minimum(np.where(inside, (0.5 / np.where(inside, travel, 1.0)) ** 2, np.inf), 64.0)
+    assert best.value == pytest.approx(servo_by_hand.least_time(hand, angle, 1.5e5, most), rel=2e-4)
+
+
+# ------------------------------------------------------------------------------------------------- tables of our own first prototype
+
+
+@pytest.mark.parametrize(
+    ("name", "inertia", "loads", "time", "limits", "path", "rms", "full"),
+    [
+        ("zxn2_3000b", 800, DRAWING, 2.4, [SLOW], servo.Turn(), 31330, 5e-5),
+        ("zxn2_3000b", 800, DRAWING, 2.4, [SLOW], servo.Stop(), 31463, 5e-5),
+        ("zxn2_3000b", 800, DRAWING, 2.4, [], servo.Stop(), 7539, 1e-4),
+        ("jf75g_125", 2, [pp.loads.Blanking(0.6e6, 0.003, 0.001)], 0.5, [servo.SlideSpeed(0.08, (0.003, 0.001))], servo.Turn(), 632, 5e-5),
+        ("thin_wall", 2, [pp.loads.DeepDrawing(20e3, 0.15)], 60 / 72, [servo.SlideSpeed(0.8, (0.15, 0.0))], servo.Turn(), 833, 1e-5),
+        ("knuckle", 10, COINING, 1.0, [], servo.Stop(bottom=0.15), 482, 5e-5),
+        ("knuckle", 10, COINING, 2.0, [servo.SlideSpeed(0.05, (0.004, 0.0))], servo.Pendulum(0.06), 524, 5e-4),
+        ("knuckle", 10, COINING, 1.0, [servo.SlideSpeed(0.05, (0.004, 0.0))], servo.Stop(), 656, 5e-5),
+    ],
+)
+def test_least_heat(name, inertia, loads, time, limits, path, rms, full):
+    """Numbers of a prototype with another grid (N = 720); full inverse dynamics between the nodes confirms each."""
+    press = knuckle() if name == "knuckle" else texts.shipped(name)
+    best = servo.best_motion(press, servo.ServoDrive(inertia=inertia), loads, time=time, limits=limits, path=path)
+    assert best.motion.rms_torque == pytest.approx(rms, rel=1.5e-3)
+    assert -1e-8 < best.gap < 1e-7
+    assert best.motion.heat == pytest.approx(best.value, rel=full)
+    assert best.missed < 1e-3
+    assert best.motion.duration == pytest.approx(time, rel=1e-6)
+
+
+def test_least_time_of_a_pendulum():
+    drive, limits = servo.ServoDrive(inertia=10, peak_torque=2700), [servo.SlideSpeed(0.05, (0.004, 0.0))]
+    swing = servo.best_motion(knuckle(), drive, COINING, minimise="time", path=servo.Pendulum(0.06), limits=limits)
+    turn = servo.best_motion(knuckle(), drive, COINING, minimise="time", path=servo.Stop(), limits=limits)
+    assert 120.0 / swing.value == pytest.approx(153.7, rel=1e-3)
+    assert 60.0 / turn.value == pytest.approx(120.5, rel=1e-3)
+
+
+@pytest.mark.parametrize(("ratio", "rms"), [(40.0, 1012.0), (60.0, 932.0), (100.0, 1115.0)])
+def test_gear_ratios(ratio, rms):
+    press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=6, gear_inertia=50)
+    best = servo.best_motion(press, drive, DRAWING, time=2.4, limits=[SLOW], ratios=[ratio], points=360)
+    assert best.motion.rms_motor_torque == pytest.approx(rms, rel=1e-3)
+
+
+def test_the_best_of_gear_ratios_is_taken():
+    drive = servo.ServoDrive(inertia=6, gear_inertia=50)
+    best = servo.best_motion(texts.shipped("zxn2_3000b"), drive, DRAWING, time=2.4, limits=[SLOW], ratios=[40, 60, 100], points=180)
+    assert best.drive.ratio == 60.0
+    assert min(best.by_ratio, key=best.by_ratio.get) == 60.0
+    assert best.by_ratio[60.0] == pytest.approx(best.value / 60.0**2)
+
+
+def test_friction_settles():
+    """The fixed point of a prototype: 13 % more than without friction."""
+    press = texts.shipped("zxn2_3000b")
+    friction = {name: pp.loads.Friction(0.05, 0.08) for name in press.bearings if "guide" not in name}
+    best = servo.best_motion(press, servo.ServoDrive(inertia=800), DRAWING, time=2.4, limits=[SLOW], friction=friction, points=360)
+    assert best.motion.rms_torque / 31330 == pytest.approx(1.13, abs=0.005)
+    assert best.motion.heat == pytest.approx(best.value, rel=1e-4)  # its own torques
+    assert "each program is proved" in best.notes[0]
+
+
+@pytest.mark.parametrize(("power", "rms"), [(280e3, 31530), (240e3, 32340), (200e3, 33970)])
+@pytest.mark.one_in(3)
+def test_power_is_kept_and_said_not_to_be_proved(power, rms):
+    press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=800, power=power)
+    best = servo.best_motion(press, drive, DRAWING, time=2.4, limits=[SLOW], points=360)
+    assert best.motion.rms_torque == pytest.approx(rms, rel=1e-3)
+    assert best.motion.peak_power < 1.05 * power
+    assert best.bound < best.value
+    assert "power is not convex" in best.notes[0]
+
+
+# ------------------------------------------------------------------------------------------------------------------------- properties
+
+PRESSES = ["crank_slide", "jf75g_125", "thin_wall", "zxn2_3000b"]
+
+
+@st.composite
+def tasks(draw):
+    """A press with a drive, a load and limits that some motion keeps: all of them are wider than those of a constant speed."""
+    name = draw(st.sampled_from(PRESSES))
+    press = texts.shipped(name)
+    stroke, slide = pp.dead_centres(press).stroke, press.model.inertias[press.slide_guide.joint + 1].mass
+    time = draw(st.floats(0.4, 4.0))
+    loads = [pp.loads.DeepDrawing(draw(st.floats(1.0, 50.0)) * 10.0 * slide, draw(st.floats(0.05, 0.6)) * stroke)]
+    motion = pp.cycle(press, FULL / time, points=72)
+    torque = np.abs(pp.inverse_dynamics(press, motion, loads, bearings=()).driving_torque).max()
+    inertia = draw(st.floats(0.05, 3.0)) * torque * (time / FULL) ** 2
+    limits = []
+    if draw(st.booleans()):
+        fastest = np.abs(motion.slide_velocity).max()
+        limits.append(servo.SlideSpeed(draw(st.floats(1.0, 2.0)) * fastest, (draw(st.floats(0.1, 0.9)) * stroke, 0.0)))
+    if draw(st.booleans()):
+        limits.append(servo.CrankSpeed(draw(st.floats(1.05, 3.0)) * FULL / time))
+    peak = draw(st.none() | st.floats(1.2, 4.0))
+    return press, servo.ServoDrive(inertia, peak_torque=None if peak is None else peak * torque), loads, time, limits
+
+
+def proved(task, points):
+    press, drive, loads, time, limits = task
+    best = servo.best_motion(press, drive, loads, time=time, limits=limits, points=points)
+    constant = np.linspace(0.0, time, 1441)
+    angle = best.angle[0] + FULL * constant / time
+    usual = servo.evaluate(press, drive, loads, time=constant, angle=angle, speed=FULL / time, acceleration=0.0)
+    assert -1e-8 < best.gap < 1e-7
+    assert best.value <= usual.heat * (1.0 + 1e-3)
+    assert best.motion.heat == pytest.approx(best.value, rel=1e-2)
+
+
+@examples(5)
+@given(tasks())
+def test_random_tasks_are_proved(task):
+    proved(task, 120)
+
+
+@pytest.mark.exhaustive
+@examples(150)
+@given(tasks())
+def test_many_random_tasks_are_proved(task):
+    proved(task, 360)
+
+
+def test_more_time_and_wider_limits_are_no_worse():
+    press, drive = texts.shipped("jf75g_125"), servo.ServoDrive(inertia=2)
+    loads = [pp.loads.Blanking(0.6e6, 0.003, 0.001)]
+
+    def heat(time, speed):
+        limits = [servo.SlideSpeed(speed, (0.003, 0.001))]
+        return servo.best_motion(press, drive, loads, time=time, limits=limits, points=180)
+
+    best, slower, wider = heat(0.5, 0.08), heat(0.505, 0.08), heat(0.5, 0.0808)
+    assert slower.value < best.value
+    assert wider.value < best.value
+    by_name = {each.limit: each for each in best.limits}
+    speed = by_name["slide speed of 0.08 m/s from 3 to 1 mm"]
+    assert best.value - wider.value == pytest.approx(0.0008 * speed.price, rel=0.05)
+    assert 100 * (1 - wider.value / best.value) == pytest.approx(speed.gain, rel=0.05)
+    assert (best.value - slower.value) == pytest.approx(0.005 * by_name["cycle time of 0.5 s"].price, rel=0.05)
+
+
+# ---------------------------------------------------------------------------------------------------------------- limits and the drive
+
+
+def best_of_a(drive=None, points=240, **options):
+    options = {"time": 2.4, "limits": [SLOW]} | options
+    return servo.best_motion(texts.shipped("zxn2_3000b"), drive or servo.ServoDrive(inertia=800), DRAWING, points=points, **options)
+
+
+@pytest.mark.parametrize(
+    ("limit", "of"),
+    [
+        (servo.CrankSpeed(4.5), lambda best: np.abs(best.motion.speed).max() / 4.5),
+        (servo.CrankAcceleration(6.0), lambda best: np.abs(best.motion.acceleration).max() / 6.0),
+        (servo.SlideAcceleration(2.5), lambda best: np.abs(best.motion.motion.slide_acceleration).max() / 2.5),
+        (servo.BearingForce("A", 0.935e6), lambda best: np.linalg.norm(best.reactions.bearing_force["A"], axis=1).max() / 0.935e6),
+        (servo.FeedWindow(0.2, 1.5), lambda best: 1.5 / (2.4 - best.motion.weight[best.motion.height < 0.2].sum())),
+    ],
+)
+def test_a_limit_is_kept_and_acts(limit, of):
+    path = servo.Stop() if isinstance(limit, servo.FeedWindow) else servo.Turn()
+    free, best = (best_of_a(limits=limits, path=path) for limits in ([SLOW], [SLOW, limit]))
+    assert of(free) > 1.001
+    assert of(best) == pytest.approx(1.0, abs=0.02)
+    assert best.value > free.value * (1 + 1e-6)
+    assert len(best.limits) > 1
+
+
+def test_constant_slide_speed():
+    best = best_of_a(limits=[servo.SlideSpeed(0.2, (0.05, 0.01), constant=True)], points=720)
+    inside = (best.motion.height < 0.05) & (best.motion.height > 0.01) & (best.motion.motion.slide_velocity < 0)
+    np.testing.assert_allclose(best.motion.motion.slide_velocity[inside], -0.2, rtol=2e-4)
+
+
+def test_energy():
+    """Energy drawn is that of full inverse dynamics; the least heat draws more."""
+    drive = servo.ServoDrive(inertia=800, copper=1e-5, peak_torque=1.2 * 130143, regeneration=0.3)
+    best, heat = best_of_a(drive, minimise="energy"), best_of_a(drive)
+    assert best.gap < 1e-6
+    assert best.motion.energy_drawn == pytest.approx(best.value, rel=5e-3)
+    assert best.value < 0.999 * heat.motion.energy_drawn
+
+
+@pytest.mark.parametrize("minimise", ["heat", "energy"])
+def test_losses_by_speed(minimise):
+    """They are counted as full inverse dynamics has them; where the program could make them smaller than they are, the gap says so."""
+    drive = servo.ServoDrive(inertia=800, copper=1e-5, viscous=200.0, iron=50.0, peak_torque=1.2 * 130143)
+    best = best_of_a(drive, minimise=minimise)
+    motion = best.motion
+    assert (motion.heat if minimise == "heat" else motion.energy_drawn) == pytest.approx(best.value, rel=5e-3)
+    assert motion.work == pytest.approx(57295.8 + motion.weight @ (200.0 * motion.speed**2), rel=1e-4)
+    assert best.gap < 1e-7 or any("not convex" in note for note in best.notes)
+    assert best.gap < 0.02
+
+
+def test_rest_at_the_bottom_counts():
+    """A constant elastic force is held at rest: heat of holding and of the way add up."""
+    press = knuckle()
+    die = [pp.loads.ElasticDie(0.01, 5e6)]
+    best = servo.best_motion(press, servo.ServoDrive(inertia=10), die, time=1.0, path=servo.Pulse((0.005,), dwell=0.2), points=240)
+    rest = (best.motion.speed == 0) & (best.motion.weight > 0.05)
+    assert best.motion.weight[rest].sum() == pytest.approx(0.2)
+    assert best.motion.heat == pytest.approx(best.value, rel=1e-3)
+    assert np.abs(best.motion.torque[rest]).min() > 50.0
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize(("name", "loads"), [("jf75g_125", []), ("zxn2_3000b", DRAWING)])
+def test_simulated(name, loads):
+    """The servo motor that follows the motion has its rms torque within 0.1 %."""
+    press, drive = texts.shipped(name), servo.ServoDrive(inertia=0.02 if name == "jf75g_125" else 8.0, ratio=10.0)
+    limits = [servo.SlideSpeed(0.06, (0.01, 0.0))] if name == "jf75g_125" else [SLOW]
+    time = 0.5 if name == "jf75g_125" else 2.4
+    best = servo.best_motion(press, drive, loads, time=time, limits=limits, points=360)
+    motor = pp.drives.Geared(best.program(), 10.0)
+    run = pp.simulate(press, time, angle=best.angle[0], speed=best.speed[0], drive=motor, loads=loads, points=1440)
+    assert pp.measures.duty_cycle(run).motor_rms == pytest.approx(best.motion.rms_motor_torque, rel=1e-3)
+    np.testing.assert_allclose(run.crank_speed[-1], best.speed[-1], rtol=1e-3)
+
+
+def test_the_program_is_the_motion():
+    """The servo motor's program passes the motion's states, in the cycles before and after too, and rests where it rests."""
+    press, drive = knuckle(), servo.ServoDrive(inertia=0.1, ratio=10.0)
+    best = servo.best_motion(press, drive, COINING, time=1.2, path=servo.Stop(0.15), points=120)
+    motor, motion = best.program(), best.motion
+    for cycle in (-1, 0, 1):
+        angle, speed = motor.program(motion.time + 1.2 * cycle)
+        np.testing.assert_allclose(angle / 10.0, motion.angle + FULL * cycle, atol=2e-4)
+        np.testing.assert_allclose(speed / 10.0, motion.speed, atol=5e-3 * np.abs(motion.speed).max())
+    assert motor.inertia == 0.1
+
+
+def test_backwards_is_the_mirror_of_forwards():
+    """A press that stands symmetrically moves alike both ways."""
+    press, drive = texts.shipped("crank_slide"), servo.ServoDrive(inertia=1.0)
+    both = [servo.best_motion(press, drive, time=0.8, path=servo.Turn(backwards=way), points=120) for way in (False, True)]
+    assert both[0].value == pytest.approx(both[1].value, rel=1e-6)
+    assert both[1].speed.max() < 0
+
+
+def test_in_words():
+    text = str(best_of_a())
+    assert "least heat" in text
+    assert "no motion is below" in text
+    assert "slide speed of 0.2 m/s from 60 to 0 mm" in text
+
+
+# -------------------------------------------------------------------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            {"time": 0.25, "path": servo.Stop(), "drive": servo.ServoDrive(inertia=800, peak_torque=1.4e5)},
+            "a cycle time of 0.* s or a torque of the motor of",
+        ),
+        ({"limits": [servo.SlideSpeed(0.01, (0.06, 0.0))]}, "cycle time of 6.* s or a slide speed of 0.0"),
+        ({"limits": [servo.SlideSpeed(0.2, (0.5, 0.0))]}, "500 mm are beyond the stroke"),
+        ({"path": servo.Pendulum(0.05), "limits": [servo.SlideSpeed(0.2, (0.2, 0.1))]}, "the path has no part there on the way down"),
+        ({"path": servo.Pendulum(0.5)}, "Pendulum: opening is 0.5 m, not below top dead centre"),
+        ({"limits": [servo.SlideSpeed(0.2, (0.06, 0.0), constant=True)]}, "rests or turns back"),
+        (
+            {"path": servo.Pulse((0.05,), dwell=0.1), "drive": servo.ServoDrive(inertia=800, peak_torque=10.0)},
+            "cannot hold the press at rest .* 10 N m, and .* N m are needed",
+        ),
+        ({"time": None}, "time is missing"),
+        ({"time": None, "minimise": "time", "path": servo.Stop()}, "nothing limits the speed: .* peak_torque"),
+        (
+            {"time": None, "minimise": "time", "drive": servo.ServoDrive(inertia=800, peak_torque=1.4e5)},
+            "nothing limits the speed: a crank that never rests .* top_speed",
+        ),
+        ({"time": 0.1, "path": servo.Stop(0.2)}, "the path rests for 0.2 s"),
+        ({"limits": [servo.RmsTorque()]}, "RmsTorque has no torque"),
+        ({"limits": SLOW}, "limits is one SlideSpeed"),
+        ({"minimise": "price"}, 'give "heat", "time", "energy" or "peak"'),
+        ({"minimise": {"peak": 1.0}}, "leaves open"),
+        ({"limits": [servo.BearingForce("Q", 1.0)]}, "no bearing 'Q'"),
+        ({"loads": [pp.loads.TimeForce(lambda t: 0.0 * t)]}, "a TimeForce acts at an instant"),
+        ({"ratios": [1.0, 2.0], "minimise": "peak"}, "ratios are compared by one quantity"),
+    ],
+)
+def test_refused(options, words):
+    options = {"time": 2.4, "limits": [], "loads": DRAWING, "drive": servo.ServoDrive(inertia=800), "points": 120} | options
+    drive, loads = options.pop("drive"), options.pop("loads")
+    with pytest.raises(pp.PinpressError, match=words):
+        servo.best_motion(texts.shipped("zxn2_3000b"), drive, loads, **options)
+
+
+def test_what_would_do_does():
+    """The remedies that an error names are enough, and a little less is not."""
+    drive = servo.ServoDrive(inertia=10, peak_torque=2700)
+    with pytest.raises(pp.PinpressError, match=r"a cycle time of 0.594\d s or a torque of the motor of 449\d N m would do"):
+        servo.best_motion(knuckle(), drive, COINING, time=0.5, path=servo.Stop(0.15), points=240)
+    servo.best_motion(knuckle(), drive, COINING, time=0.596, path=servo.Stop(0.15), points=240)
+    servo.best_motion(knuckle(), dataclasses.replace(drive, peak_torque=4510.0), COINING, time=0.5, path=servo.Stop(0.15), points=240)
+    with pytest.raises(pp.PinpressError):
+        servo.best_motion(knuckle(), drive, COINING, time=0.593, path=servo.Stop(0.15), points=240)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: servo.ServoDrive(inertia=0.0), "inertia is 0"),
+        (lambda: servo.ServoDrive(inertia=1.0, regeneration=1.5), "a share from 0 to 1"),
+        (lambda: servo.SlideSpeed(0.0), "positive"),
+        (lambda: servo.SlideSpeed(0.1, (0.1, 0.1)), "two different heights"),
+        (lambda: servo.SlideSpeed(0.1, flank="left"), 'give "down", "up" or "both"'),
+        (lambda: servo.Pulse((0.01, 0.02)), "falling heights"),
+        (lambda: servo.Stop(bottom=-1.0), "not negative"),
+    ],
+)
+def test_descriptions_refused(make, words):
+    with pytest.raises(pp.PinpressError, match=words):
+        make()

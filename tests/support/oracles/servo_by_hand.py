@@ -1,0 +1,113 @@
+"""Best motions of a servo press found in other ways: by SLSQP in the squares of the speeds alone, and forwards and backwards in the phase
+plane. They share nothing with `pinpress.servo` but inverse dynamics."""
+
+import numpy as np
+from scipy.optimize import minimize
+
+import pinpress as pp
+
+
+class Press:
+    """Torque of a press over its crank angle: M b'/2 + M' b/2 + G + F, at any angles, from `inverse_dynamics`.
+
+    way: 1 or -1, sense of turning.
+    """
+
+    def __init__(self, press, drive_inertia, loads=()):
+        self.press, self.inertia, self.loads = press, drive_inertia, list(loads)
+
+    def at(self, angle):
+        """M with the drive, M', and G + F, (n,) each."""
+        zero, one = np.zeros_like(angle), np.ones_like(angle)
+
+        def torque(speed, acceleration, loads):
+            motion = pp.servo_cycle(self.press, angle, speed=speed, acceleration=acceleration)
+            return pp.inverse_dynamics(self.press, motion, loads, bearings=()).driving_torque
+
+        still = torque(1e-3 * one, zero, [])
+        accelerated, moving = torque(1e-3 * one, one, []), torque(one, zero, [])
+        loaded = torque(1e-3 * one, zero, self.loads)
+        return accelerated - still + self.inertia, 2.0 * (moving - still), loaded
+
+    def slide(self, angle):
+        """Height and travel by crank angle, (n,) each."""
+        motion = pp.servo_cycle(self.press, angle, speed=np.ones_like(angle), acceleration=np.zeros_like(angle))
+        return motion.slide_position - pp.dead_centres(self.press).bottom_position, motion.slide_velocity
+
+
+def least_heat(press, angle, inner, time, most, start):
+    """b (N,) at the nodes of a closed turn with the least heat, by SLSQP with exact gradients.
+
+    Args:
+        press: a `Press`.
+        angle: (N + 1,) nodes, the last one the first again.
+        inner: (2, N) places within the segments at which the torque is taken.
+        time: of the turn.
+        most: (N,) largest b, infinite where there is none.
+        start: (N,) b to start from.
+    """
+    step = np.diff(angle)
+    size = start.mean()
+    places = [press.at(angle[:-1] + share * step) for share in inner]
+
+    def times(b):
+        v = np.sqrt(np.append(b, b[0]))
+        total = v[1:] + v[:-1]
+        slope = -2.0 * step / total**2  # by each of the speeds
+        return 2.0 * step / total, slope, v
+
+    def heat(x):
+        b = size * x
+        duration, slope, v = times(b)
+        torques = [_torque(b, place, share, step) for place, share in zip(places, inner, strict=True)]
+        mean = 0.5 * sum(t**2 for t, _, _ in torques)
+        value = float(mean @ duration)
+        before = sum(t * first for t, first, _ in torques) * duration + mean * slope / (2.0 * v[:-1])
+        after = sum(t * second for t, _, second in torques) * duration + mean * slope / (2.0 * v[1:])
+        return value / scale, size * (before + np.roll(after, 1)) / scale
+
+    def spare(x):
+        return 1.0 - times(size * x)[0].sum() / time
+
+    def spare_slope(x):
+        _, slope, v = times(size * x)
+        return -size * (slope / (2.0 * v[:-1]) + np.roll(slope / (2.0 * v[1:]), 1)) / time
+
+    scale = 1.0
+    scale = heat(start / size)[0]
+    found = minimize(
+        heat,
+        start / size,
+        jac=True,
+        method="SLSQP",
+        bounds=[(1e-6, None if np.isinf(m) else m / size) for m in most],
+        constraints=[{"type": "ineq", "fun": spare, "jac": spare_slope}],
+        options={"maxiter": 2000, "ftol": 1e-15},
+    )
+    return size * found.x, float(found.fun * scale)
+
+
+def _torque(b, place, share, step):
+    """Torque at one place of each segment, and its slopes by b at both ends."""
+    inertia, slope, fixed = place
+    first, second = 0.5 * slope * (1.0 - share) - inertia / (2.0 * step), 0.5 * slope * share + inertia / (2.0 * step)
+    after = np.append(b[1:], b[0])
+    return first * b + second * after + fixed, first, second
+
+
+def least_time(press, angle, torque, most):
+    """Least time from rest to rest along angles (N + 1,), with torques up to ``torque`` and b at most ``most`` (N + 1,): as fast as
+    possible forwards from the start and backwards from the end, in kinetic energies. Works are summed by the trapezoidal rule, so that many
+    angles are needed."""
+    inertia, _, fixed = press.at(angle)
+    drag = np.concatenate([[0.0], np.cumsum(0.5 * (fixed[1:] + fixed[:-1]) * np.diff(angle))])
+    limit = 0.5 * inertia * most + drag
+    forwards, backwards = np.empty_like(angle), np.empty_like(angle)
+    forwards[0], backwards[-1] = drag[0], drag[-1]
+    for i, step in enumerate(np.diff(angle)):
+        forwards[i + 1] = min(forwards[i] + torque * step, limit[i + 1])
+    for i in range(len(angle) - 2, -1, -1):
+        backwards[i] = min(backwards[i + 1] + torque * (angle[i + 1] - angle[i]), limit[i])
+    b = np.maximum(2.0 * (np.minimum(forwards, backwards) - drag) / inertia, 0.0)
+    v = np.sqrt(b)
+    return float(np.sum(2.0 * np.diff(angle) / (v[1:] + v[:-1])))
