@@ -1,6 +1,3 @@
-from .best_motion import ActiveLimit as ActiveLimit
-from .best_motion import MotionOptimum as MotionOptimum
-from .best_motion import best_motion as best_motion
 from .drive import ServoDrive as ServoDrive
 from .laws import MotionLaw as MotionLaw
 from .laws import vdi_law as vdi_law
@@ -17,6 +14,9 @@ from .motors import CatalogueMotor as CatalogueMotor
 from .motors import MotorUtilisation as MotorUtilisation
 from .motors import motor_use as motor_use
 from .motors import read_motors as read_motors
+from .optimum import ActiveLimit as ActiveLimit
+from .optimum import MotionOptimum as MotionOptimum
+from .optimum import best_motion as best_motion
 from .paths import Pendulum as Pendulum
 from .paths import Pulse as Pulse
 from .paths import Stop as Stop

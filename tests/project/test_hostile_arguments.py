@@ -53,6 +53,8 @@ MADE |= {
     "SnapThroughResponse",
     "PermissibleSpeed",
     "ServoMotion",
+    "ActiveLimit",
+    "MotionOptimum",
     "MotionLaw",
     "MotorUtilisation",
     "EnergyStore",

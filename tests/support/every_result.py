@@ -75,6 +75,11 @@ def served():
 
 
 @cache
+def best_motion():
+    return pp.servo.best_motion(press(), SERVO, [DEEP], time=1.0, limits=[pp.servo.SlideSpeed(0.6, (0.1, 0.0))], points=24)
+
+
+@cache
 def run():
     return pp.simulate(press(), 0.3, speed=SPEED, drive=pp.drives.ConstantTorque(50.0), flywheel=pp.drives.Flywheel(20.0), loads=[DEEP])
 
@@ -282,6 +287,15 @@ def made():
             pp.servo.Stop(0.1),
             pp.servo.Pendulum(0.05),
             pp.servo.Pulse((0.02, 0.0)),
+            best_motion(),
+            *best_motion().limits[:1],
+            pp.servo.SlideSpeed(1.0, (0.1, 0.0)),
+            pp.servo.CrankSpeed(20.0),
+            pp.servo.RmsTorque(50.0),
+            pp.servo.SlideAcceleration(50.0),
+            pp.servo.CrankAcceleration(500.0),
+            pp.servo.BearingForce("W", 1e5),
+            pp.servo.FeedWindow(0.1, 0.2),
             served(),
             pp.servo.vdi_law("3-4-5"),
             pp.servo.capacitor(served()),
@@ -352,6 +366,8 @@ DESCRIPTIONS = {
     "OperatingCondition",
     "CatalogueMotor",
     "ServoDrive",
+    "ServoMotor",
+    "Corner",
     "Parameter",
     "Parts",
     "Pin",
