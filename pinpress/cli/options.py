@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
 from ..common import tables
-from ..common.errors import PinpressError, PinTableError
+from ..common.errors import PinpressError, PinTableError, UnknownNameError
 from ..common.results import Tabular
 from ..drives.transmission import Flywheel
 from ..dynamics.inputs import Inputs
@@ -20,7 +20,9 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load, presses
 from ..loads.link import Friction, Load
+from ..simulation.elastic.description import Elastic, Stiffness
 from . import part_specs
+from .part_specs import ALL
 
 if TYPE_CHECKING:
     from ..pin_table.building import DrawnPress
@@ -199,6 +201,17 @@ def add_refused_option(parser: argparse.ArgumentParser, name: str, why: str) -> 
     parser.add_argument(name, action=Refused, nargs="?", help=argparse.SUPPRESS)
 
 
+def add_spring_options(parser: argparse.ArgumentParser) -> None:
+    """Options of `springs`."""
+    option = parser.add_argument
+    help = "the press runs on springs: stiffness of a bearing, or of all, see below; may be given several times"
+    option("--stiffness", metavar="NAME=N/m", action="append", default=[], help=help)
+    help = "that of a guide against turning, see below"
+    option("--moment-stiffness", metavar="NAME=Nm/rad", action="append", default=[], help=help)
+    option("--elastic", metavar="KEYS", help="damping, shaft and frame of a press on springs, see below")
+    option("--clearance", metavar="NAME:KEYS", action="append", default=[], help="clearance of a pin of a press on springs, see below")
+
+
 class Forces(TypedDict):
     """What acts on the links besides gravity, under the names that `inverse_dynamics` gives it."""
 
@@ -224,6 +237,49 @@ def forces(options: argparse.Namespace, press: Linkage) -> Forces:
         "friction": part_specs.frictions(options.friction, press),
         "stiffness": part_specs.by_bearing("--stiffness", options.stiffness, "N/m", "stiffness", "1e9"),
     }
+
+
+def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
+    """The springs on which a press runs, of `add_spring_options`; None where none are given.
+
+    Raises:
+        UnknownNameError: a bearing or guide that the press does not have.
+        PinpressError: as `part_specs`; also where a bearing or guide has no stiffness.
+    """
+    if not options.stiffness:
+        alone = next((name for name in ("moment_stiffness", "elastic", "clearance") if getattr(options, name)), None)
+        if alone is None:
+            return None
+        option = f"--{alone.replace('_', '-')}"
+        raise PinpressError(f"{option} is for a press on springs: give --stiffness of its bearings too, e.g. --stiffness {ALL}=2e9")
+    guides = [name for name, axis in zip(press.joints, press.axes, strict=False) if not axis.turns]
+    across = part_specs.by_bearing("--stiffness", options.stiffness, "N/m", "stiffness", "2e9")
+    turning = part_specs.by_bearing("--moment-stiffness", options.moment_stiffness, "N m/rad", "stiffness against turning", "2e8")
+    also = part_specs.Yielding() if options.elastic is None else part_specs.part("--elastic", part_specs.ELASTIC, options.elastic)
+    clearances = part_specs.clearances(options.clearance, press)
+    stiffness = Stiffness(
+        _of_all("--stiffness", across, press.bearings, "2e9"),
+        moments=_of_all("--moment-stiffness", turning, guides, "2e8"),
+        shaft=also.shaft,
+        frame=also.frame,
+    )
+    try:
+        return Elastic(stiffness, also.damping_ratio, crown_mass=also.crown_mass, clearances=clearances)
+    except PinpressError as error:
+        raise PinpressError(f"--elastic {options.elastic}: {error}") from None
+
+
+def _of_all(option: str, given: dict[str, float], names: Sequence[str], example: str) -> dict[str, float]:
+    """Numbers by all names; those that are not given take that of `ALL`."""
+    every = given.pop(ALL) if ALL in given and ALL not in names else None
+    for name in given:
+        if name not in names:
+            raise UnknownNameError("bearing", name, (*names, ALL))
+    missing = [] if every is not None else [repr(name) for name in names if name not in given]
+    if missing:
+        lacks = f"{option} lacks {', '.join(missing)}: all of them yield in an elastic motion"
+        raise PinpressError(f"{lacks}; give e.g. {option} {ALL}={example} for the rest")
+    return {name: given.get(name, every or 0.0) for name in names}
 
 
 def add_out_option(parser: argparse.ArgumentParser, files: str) -> None:

@@ -1,5 +1,5 @@
 """What acts on a press from words of the command line, ``--motor induction:rated_power=75kW,rated_speed=1485,ratio=20.7``, one grammar for
-all commands: loads, springs, friction, motors, flywheels, clutches, brakes, and the frame on its mounts.
+all commands: loads, springs, friction, motors, flywheels, clutches, brakes, what yields, and the frame on its mounts.
 
 Keys are the fields of the classes of `drives`, `loads` and `foundation`. Values are in SI units, except speeds, which are in r/min (of a
 driver that slides in mm/s), or have a unit of their own. A clutch or brake is switched at a time, ``0.1s``, or at a crank angle,
@@ -28,6 +28,7 @@ from ..foundation.mounts import Frame, Mount, RubberPad, pad_mount
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce, SpringDamper
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
+from ..simulation.elastic.contact import Clearance
 from .units import UNITS, read_quantity
 
 T = TypeVar("T")
@@ -139,6 +140,27 @@ class Place:
 PLACE = Kind(Place, "point=0.55/0.6/-1.3")
 
 
+@dataclass(frozen=True)
+class Yielding:
+    """What yields in an elastic motion beside bearings and guides, and its damping; see `Elastic` and its `Stiffness`.
+
+    Attributes:
+        damping_ratio: of the lowest vibration at bottom dead centre [-].
+        shaft: torsional stiffness [N m/rad].
+        frame: stiffness of the columns [N/m].
+        crown_mass: mass that they carry [kg].
+    """
+
+    damping_ratio: float = declare(default=0.02, metadata=parameter("-"))
+    shaft: float | None = declare(default=None, metadata=parameter("N m/rad"))
+    frame: float | None = declare(default=None, metadata=parameter("N/m"))
+    crown_mass: float | None = declare(default=None, metadata=parameter("kg"))
+
+
+ELASTIC = Kind(Yielding, "damping_ratio=0.03,frame=3GN/m,crown_mass=4t")
+CLEARANCE = Kind(Clearance, "radial=0.1mm")
+
+
 def motor(words: str | None, coordinate: DriverCoordinate) -> Drive | PrescribedSpeed | None:
     """The motor or other drive that words such as ``constant:value=567`` mean.
 
@@ -223,6 +245,21 @@ def by_bearing(option: str, specs: Sequence[str], unit: str, quantity: str, exam
     return found
 
 
+def clearances(specs: Sequence[str], press: Linkage) -> dict[str, Clearance]:
+    """Clearances by the names of pins from words such as ``A:radial=0.1mm``. Raises as `frictions`."""
+    found: dict[str, Clearance] = {}
+    for words in specs:
+        name, colon, rest = words.rpartition(":")
+        if not colon:
+            raise PinpressError(f"--clearance {words}: it names no pin; write e.g. --clearance {press.bearings[-1]}:{CLEARANCE.example}")
+        if name in found:
+            raise PinpressError(f"--clearance {words}: the clearance of {name} is given twice")
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+        found[name] = _made(f"--clearance {name}:", CLEARANCE, rest)
+    return found
+
+
 def flywheel(words: str | None) -> Flywheel | None:
     """The flywheel that words such as ``2000`` (its inertia) or ``inertia=2000,speed=70`` mean; None where none are given.
 
@@ -267,7 +304,8 @@ def keys(kind: Kind[Any]) -> str:
 
 
 def explained(*parts: str) -> str:
-    """What the options of these names take, for the help of all commands that have them: load, spring, friction, motor, clutch, mount."""
+    """What the options of these names take, for the help of all commands that have them: load, spring, friction, motor, clutch, elastic,
+    mount."""
     intro = "KIND:KEYS are e.g. blanking:force=1000kN,start=6mm,end=2mm; keys in brackets are optional. Numbers are in SI units, speeds in"
     lines = [intro, "r/min, or have units of their own. Files are CSV of two columns."]
     for part in parts:
@@ -313,6 +351,20 @@ def _of_clutches() -> list[str]:
     return ["--clutch and --brake, switched at a time or a crank angle:", f"  {keys(CLUTCH)}"]
 
 
+def _of_springs_of_bearings() -> list[str]:
+    return [
+        "--stiffness of a bearing, or guide across its axis [N/m], and --moment-stiffness of a guide against turning [N m/rad], or of",
+        f"  {ALL} not named otherwise: the press runs on these springs",
+        f"  e.g. --stiffness {ALL}=2GN/m --stiffness A=3e9 --moment-stiffness {ALL}=2e8",
+        "--elastic, what else yields (shaft, columns under a crown), and the damping ratio of the lowest vibration:",
+        f"  {keys(ELASTIC)}",
+        f"  e.g. --elastic {ELASTIC.example}",
+        "--clearance of a pin, with law=hertz also restitution= and hertz_stiffness=:",
+        f"  NAME:{keys(CLEARANCE)}",
+        f"  e.g. --clearance A:{CLEARANCE.example}",
+    ]
+
+
 def _of_mounts() -> list[str]:
     return [
         "--frame, all that is fixed to it and not in the file, in world axes, and --mount, each of the springs that it stands on:",
@@ -336,6 +388,7 @@ _EXPLAINED: Mapping[str, Callable[[], list[str]]] = {
     "friction": _of_friction,
     "motor": _of_motors,
     "clutch": _of_clutches,
+    "elastic": _of_springs_of_bearings,
     "mount": _of_mounts,
 }
 
@@ -431,7 +484,9 @@ def _note(field: Field[Any], driver: DriverCoordinate = CRANK) -> str:
     known = declared(field)
     if known is not None and known.axes:
         return "=X/Y/Z"
-    return "" if field.default is MISSING or field.default is None else f"={field.default:g}"
+    if field.default is MISSING or field.default is None:
+        return ""
+    return f"={field.default}" if isinstance(field.default, str) else f"={field.default:g}"
 
 
 def _reader(field: Field[Any], driver: DriverCoordinate = CRANK) -> Callable[[str], Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,9 +12,13 @@ from ..common.quantities import RPM
 from ..drives.transmission import Geared
 from ..dynamics.inverse_dynamics import Reactions
 from ..dynamics.summary import bearing_table, checks
-from ..kinematics.slide_path import stroke_turns
+from ..kinematics.slide_path import dead_centres, stroke_turns
 from ..linkage.linkage import Linkage
+from ..simulation.elastic.elastic_run import ElasticRun
 from ..simulation.run import MotorDuty, Run, duty_cycle, stroke_duties
+
+if TYPE_CHECKING:
+    from ..elasticity.impacts import ImpactsByTurn
 
 MOST_STROKES = 8  # most strokes that are listed in full
 FIRST_STROKES = 5  # of more strokes so many first ones are listed, and the last one
@@ -39,9 +44,9 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: b
         *_speeds(run, whole, steady),
         *_work(run, whole),
         *_motor(run, whole),
-        *_torque(reactions),
+        *([] if isinstance(run, ElasticRun) else _torque(reactions)),
         *(_strokes(stroke_duties(run), stroke_turns(run.problem.driven.press)) if run.driver_coordinates[0].turns else []),
-        *bearing_table(reactions),
+        *(_on_springs(press, run, reactions) if isinstance(run, ElasticRun) else bearing_table(reactions)),
         "",
         "Checks",
         *checks(press, run.stats.closure_error, reactions),
@@ -98,7 +103,8 @@ def _work(run: Run, whole: MotorDuty) -> list[str]:
             ("flywheel", whole.flywheel_work, "given off, with the drive's inertia, from highest to lowest speed"),
         ]
     )
-    works += [("lost", whole.lost, f"in {'clutch, brake and ' if turns else ''}bearings")] if turns or whole.lost else []
+    where = f"{'clutch, brake and ' if turns else ''}{'dampers' if isinstance(run, ElasticRun) else 'bearings'}"
+    works += [("lost", whole.lost, f"in {where}")] if turns or whole.lost else []
     scale = tables.scale("J", [work for _, work, _ in works])
     return ["", "Work", *(tables.entry(name, scale.shown(work), scale.unit, remark) for name, work, remark in works)]
 
@@ -151,3 +157,39 @@ def _strokes(found: Sequence[MotorDuty], turns: int | None) -> list[str]:
         works = (scale.shown(stroke.drive_work), scale.shown(stroke.load_work))
         rows.append([f"{k + 1:6d}", *(f"{value:.6g}" for value in values), *works])
     return ["", f"Strokes ({what}, from the start)", *tables.table(rows, [6, 16])]
+
+
+def _on_springs(press: Linkage, run: ElasticRun, reactions: Reactions) -> list[str]:
+    """What an elastic run has: its deepest point and its forces, with the rigid press's beside them."""
+    first, bottom = run.driver_coordinates[0], dead_centres(press).bottom_position
+    frame = float(np.linalg.norm(run.shaking_force, axis=1).max())
+    scale = tables.scale("N", [*run.peaks.values(), run.reverse_force, frame])
+    deepest = f"off the rigid bottom dead centre, at {first.at(run.deepest_angle)}"
+    lines = [
+        "",
+        "On its springs",
+        tables.entry("deepest point", f"{1e3 * (run.deepest - bottom):+.4f}", "mm", deepest),
+        tables.entry("reverse force", scale.shown(run.reverse_force), scale.unit, "with which the linkage pulls the slide up"),
+        tables.entry("on the frame", scale.shown(frame), scale.unit, "largest at the states, weight included"),
+    ]
+    if run.decay_per_stroke is not None:
+        lines.append(tables.entry("decay", f"{100 * run.decay_per_stroke:.3g}", "%", "of a vibration is left after a stroke"))
+    heads = ["", f"on its springs [{scale.unit}]", f"rigid [{scale.unit}]"]
+    rows = [
+        [name, scale.shown(run.peaks[name]), scale.shown(float(np.linalg.norm(reactions.bearing_force[name], axis=1).max()))]
+        for name in press.bearings_as_drawn
+        if name in run.peaks
+    ]
+    lines += ["", "Bearings, each at its peak, and of the rigid press at the same crank angles", *tables.fitted([heads, *rows])]
+    for found in journals(run):
+        lines += ["", *str(found).splitlines()]
+    return lines
+
+
+def journals(run: ElasticRun) -> list[ImpactsByTurn]:
+    """What the journals of pins with clearance do, of a run of a whole turn or more."""
+    from ..elasticity.impacts import journal_impacts  # seldom needed
+
+    if abs(run.crank_angle[-1] - run.crank_angle[0]) < 2 * np.pi:
+        return []
+    return [journal_impacts(run, name) for name in run.elastic.clearances]

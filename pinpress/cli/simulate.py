@@ -8,13 +8,17 @@ from typing import Any
 from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
+from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
+from ..simulation.elastic.description import Elastic
+from ..simulation.elastic.elastic_run import ElasticRun
 from ..simulation.run import Run, inputs_of, stroke_duties
 from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
+from ..visual.reports.elastic_motion import elastic_in_words
 from . import part_specs
 from .options import (
     SIGNS,
@@ -22,14 +26,16 @@ from .options import (
     add_force_options,
     add_page_options,
     add_press_options,
+    add_spring_options,
     load_press,
     loads,
     print_inputs,
     progress,
     refuse_pages_without_folder,
+    springs,
     write_pages,
 )
-from .run_summary import simulation_summary
+from .run_summary import journals, simulation_summary
 from .units import driver_position, driver_speed, quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
@@ -42,10 +48,10 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "simulate",
         help="simulate a press under motor, flywheel and process load",
         description="Simulate a press under drive, flywheel and process loads, or find its steady state. Prints speeds, energies, the\n"
-        "motor's torque, the strokes and the peak force of every bearing; with --out also writes simulation.csv (every quantity at every\n"
-        "instant), strokes.csv (one line a stroke, SI units) and recording.html (the press turning with its forces, a page to open by\n"
-        "double click).",
-        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor', 'clutch')}\n{SIGNS}",
+        "motor's torque, the strokes and the peak force of every bearing, with --stiffness of the press on its springs; with --out also\n"
+        "writes simulation.csv (every quantity at every instant), strokes.csv (one line a stroke, SI units) and recording.html (the press\n"
+        "turning with its forces, a page to open by double click).",
+        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor', 'clutch', 'elastic')}\n{SIGNS}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
@@ -71,9 +77,11 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     add_force_options(parser, stiffness=False)
     option("--clutch", metavar="KEYS", help="clutch between flywheel and crank, see below")
     option("--brake", metavar="KEYS", help="brake on the crank, see below")
+    add_spring_options(parser)
     option("--method", choices=METHODS, default="auto", help="method of computation (default: %(default)s, the fastest that serves)")
     option("--step", type=quantity("s"), metavar="S", help="fixed step of integration, in s (default: steps by error)")
-    option("--tolerance", type=float, default=1e-11, metavar="T", help="relative error of a step (default: %(default)g)")
+    help = "relative error of a step (default: 1e-11); of a press on springs that of its displacements (default: 1e-5)"
+    option("--tolerance", type=float, metavar="T", help=help)
     option(
         "--points",
         type=int,
@@ -98,7 +106,8 @@ def run(options: argparse.Namespace) -> int:
     if len(press.drivers) > 1:
         raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
     acting, friction = loads(options), part_specs.frictions(options.friction, press)
-    done = _run(press, acting, friction, options)
+    elastic = springs(options, press)
+    done = _run(press, acting, friction, elastic, options)
     began = time.perf_counter()
     reactions = inverse_dynamics(press, done, acting, friction)
     took = time.perf_counter() - began
@@ -108,15 +117,29 @@ def run(options: argparse.Namespace) -> int:
             tables.entry("states", f"{len(done.time)}", "", "peaks are those at the states: where a blow falls between two, raise --points")
         )
     print(tables.entry("time taken", f"{1e3 * done.stats.wall_time:.1f}", f"ms simulation, {1e3 * took:.1f} ms torque and forces"))
-    print_inputs(inputs_of(reactions))
+    print_inputs([*inputs_of(reactions), *(elastic_in_words(elastic) if elastic is not None else [])])
     if options.out is not None:
-        reactions.to_csv(options.out / "simulation.csv")
+        written = reactions if elastic is None else done
+        written.to_csv(options.out / "simulation.csv")
         stroke_duties(done).to_csv(options.out / "strokes.csv")
-        write_pages(press, reactions, options, ["simulation.csv", "strokes.csv"])
+        write_pages(press, reactions, options, ["simulation.csv", "strokes.csv"], results=_beside(press, done, options))
     return 0
 
 
-def _run(press: Linkage, acting: Sequence[Load], friction: Mapping[str, Friction], options: argparse.Namespace) -> Run:
+def _beside(press: Linkage, run: Run, options: argparse.Namespace) -> list[Tabular]:
+    """What the page of an elastic run shows beside it: its vibrations, or what its journals with clearance do."""
+    if not (options.report and isinstance(run, ElasticRun)):
+        return []
+    from ..elasticity.vibration import natural_frequencies  # seldom needed
+
+    if run.elastic.clearances:
+        return list(journals(run))
+    return [natural_frequencies(press, run.elastic)]
+
+
+def _run(
+    press: Linkage, acting: Sequence[Load], friction: Mapping[str, Friction], elastic: Elastic | None, options: argparse.Namespace
+) -> Run:
     """The run, or one period of the steady state, that the options ask for."""
     coordinate = press.driver_coordinates[0]
     speed, angle = options.speed.of(coordinate), options.angle.of(coordinate)
@@ -128,11 +151,16 @@ def _run(press: Linkage, acting: Sequence[Load], friction: Mapping[str, Friction
         "points": options.points,
         "tolerance": options.tolerance,
     }
+    if elastic is not None:
+        parts["elastic"] = elastic
     clutch = None if options.clutch is None else part_specs.part("--clutch", part_specs.CLUTCH, options.clutch)
     brake = None if options.brake is None else part_specs.part("--brake", part_specs.BRAKE, options.brake)
     if options.steady:
         press.refuse_sliding_driver("--steady finds the stroke that repeats itself over turns of a crank; give --duration in its place")
         _refuse_beside_steady(options, speed)
+    if elastic is not None and (options.method != "auto" or options.step is not None):
+        option = "--step" if options.method == "auto" else "--method"
+        raise PinpressError(f"{option} does not go with --stiffness: a press on springs has a method and steps of its own; leave it out")
     if options.out is not None:
         make_folder(options.out)  # before a run that may be long
     if options.steady:

@@ -27,6 +27,7 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"mm/s": 1.0, "m/s": 1e3, "m/min": 1e3 / 60},
     {"m/s2": 1.0, "mm/s2": 1e-3},
     {"N/m": 1.0, "kN/m": 1e3, "kN/mm": 1e6, "N/mm": 1e3, "MN/m": 1e6, "GN/m": 1e9},
+    {"N/m^1.5": 1.0},
     {"N s/m": 1.0, "Ns/m": 1.0, "kNs/m": 1e3},
     {"N m/rad": 1.0, "Nm/rad": 1.0, "kNm/rad": 1e3},
     {"N m s/rad": 1.0, "Nms/rad": 1.0, "kNms/rad": 1e3},

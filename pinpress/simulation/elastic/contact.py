@@ -27,6 +27,7 @@ import numpy as np
 from ...common.arguments import number
 from ...common.errors import PinpressError, shown
 from ...common.numerics import sign_change
+from ...common.parameters import parameter
 from ...loads.process import ForceInterval
 
 LAWS = ("linear", "hertz")
@@ -45,10 +46,10 @@ class Clearance:
         hertz_stiffness: K of the contact by "hertz" [N/m^1.5], see `hertz_stiffness`.
     """
 
-    radial: float
+    radial: float = field(metadata=parameter("m", "positive"))
     law: str = "linear"
-    restitution: float | None = None
-    hertz_stiffness: float | None = None
+    restitution: float | None = field(default=None, metadata=parameter("-", "positive"))
+    hertz_stiffness: float | None = field(default=None, metadata=parameter("N/m^1.5", "positive"))
 
     def __post_init__(self) -> None:
         radial = number("Clearance: radial", self.radial, "m", positive=True)

@@ -122,6 +122,9 @@ def elastic_in_words(elastic: Elastic) -> Inputs:
         words.append(("dampers", ", ".join(f"{name} {1e-3 * value:.4g} kN s/m" for name, value in elastic.dampers.items())))
     if elastic.crown_mass is not None:
         words.append(("crown", f"{elastic.crown_mass:.6g} kg"))
+    for name, each in elastic.clearances.items():
+        law = each.law if each.law == "linear" else f"{each.law}, restitution {each.restitution:g}"
+        words.append((f"clearance of {name}", f"{1e6 * each.radial:.6g} um radial, contact law {law!r}"))
     return [*stiffness_in_words(elastic.stiffness), *words]
 
 
