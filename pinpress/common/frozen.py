@@ -14,6 +14,7 @@ T = TypeVar("T")
 
 
 _WRITABLE = (np.ndarray, dict, list)
+_UNCHANGEABLE = frozenset((tuple, str, int, float, bool, type(None)))  # most fields: a look at the type takes less time
 
 
 class Frozen:
@@ -24,7 +25,7 @@ class Frozen:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if not isinstance(value, _WRITABLE):
+            if type(value) in _UNCHANGEABLE or not isinstance(value, _WRITABLE):
                 continue
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)
@@ -92,15 +93,21 @@ class NamedArrays(Frozen, Mapping[str, NDArray[N]]):
         self._names, self._values, self._left_out = names, values, left_out
 
     def __getitem__(self, name: str) -> NDArray[N]:
-        if name not in self._names:
-            if name in self._left_out:
-                raise PinpressError(
-                    f"bearing {name!r} was left out: name it too, inverse_dynamics(..., bearings={[*self._names, name]}), or give no"
-                    " bearings=, for all"
-                )
-            raise UnknownNameError("bearing", name, self._names + self._left_out)
-        values: NDArray[N] = self._values[self._names.index(name)]
+        try:
+            place = self._names.index(name)
+        except ValueError:
+            raise self._missing(name) from None
+        values: NDArray[N] = self._values[place]
         return values
+
+    def _missing(self, name: str) -> PinpressError:
+        """The error for a name that is not among these."""
+        if name not in self._left_out:
+            return UnknownNameError("bearing", name, self._names + self._left_out)
+        named = [*self._names, name]
+        return PinpressError(
+            f"bearing {name!r} was left out: name it too, inverse_dynamics(..., bearings={named}), or give no bearings=, for all"
+        )
 
     def __contains__(self, name: object) -> bool:
         return name in self._names

@@ -364,11 +364,11 @@ def _solved(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedC
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
     """Raise PinpressError where a number is not finite. A sum shows it, and takes less time than looking at every number."""
-    total = 0.0
+    total, add = 0.0, np.add.reduce
     if len(wrenches.force):
-        total += wrenches.force.sum() + wrenches.moment.sum()
+        total += add(wrenches.force, axis=None) + add(wrenches.moment, axis=None)
     if len(wrenches.force) < len(wrenches.friction):  # else the torques are among the moments
-        total += wrenches.torque.sum() + wrenches.coupling.sum()
+        total += add(wrenches.torque, axis=None) + add(wrenches.coupling, axis=None)
     if math.isfinite(total):
         return
     arrays = {

@@ -5,7 +5,7 @@ Positions, rates and accelerations are (nv, n): one row for each joint, in the o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -72,22 +72,24 @@ class Closure:
     solved: Any = None
 
 
-def joined(pieces: Sequence[Closure]) -> Closure:
-    """One closure from those of consecutive crank angles."""
+def joined(pieces: Iterable[Closure], count: int) -> Closure:
+    """One closure from those of consecutive crank angles, ``count`` in all, without what the engines keep of a piece alone.
 
-    def along(name: str) -> Array:
-        return np.concatenate([getattr(piece, name) for piece in pieces], axis=-1)
-
-    return Closure(
-        position=along("position"),
-        first=along("first"),
-        second=along("second"),
-        gap=along("gap"),
-        widest=max(piece.widest for piece in pieces),
-        iterations=max(piece.iterations for piece in pieces),
-        margins=None if pieces[0].margins is None else along("margins"),
-        basis=None if pieces[0].basis is None else np.concatenate([p.basis for p in pieces if p.basis is not None], axis=1),
-    )
+    Each piece is copied while it is in the cache, and its memory serves the next one.
+    """
+    whole: dict[str, Any] = {}
+    widest, iterations, start = 0.0, 0, 0
+    for piece in pieces:
+        names = ("position", "first", "second", "gap", "margins", "basis")
+        parts = {name: part for name in names if (part := getattr(piece, name)) is not None}
+        if not whole:
+            whole = {name: np.empty((*part.shape[:-1], count), part.dtype) for name, part in parts.items()}
+        end = start + len(piece.gap)
+        for name, part in parts.items():
+            whole[name][..., start:end] = part
+        widest = widest if piece.widest <= widest else piece.widest  # which may be NaN
+        iterations, start = max(iterations, piece.iterations), end
+    return Closure(**whole, widest=widest, iterations=iterations)
 
 
 Close = Callable[[Array, Array], Closure]

@@ -286,11 +286,18 @@ def columns(nodes: Sequence[Node]) -> tuple[Array, Array, Array]:
 
 
 def evaluated(borders: Array, coefficients: Array, angle: Array) -> Array:
-    """Values (nv, n) of the polynomials (6, nv, m) between borders (m + 1,) at crank angles (n,), by Horner's scheme."""
+    """Values (nv, n) of the polynomials (6, nv, m) between borders (m + 1,) at crank angles (n,), by Estrin's scheme: in fewer steps than
+    Horner's, each on more numbers."""
     interval = borders[1:-1].searchsorted(angle, side="right")
     h = angle - borders.take(interval)
-    x: Array = coefficients[5].take(interval, axis=1)
-    for power in coefficients[4::-1]:
-        x *= h
-        x += power.take(interval, axis=1)
+    powers = coefficients.take(interval, axis=2)
+    pairs = powers[1::2]
+    pairs *= h
+    pairs += powers[::2]
+    x: Array = pairs[2]
+    h *= h
+    x *= h
+    x += pairs[1]
+    x *= h
+    x += pairs[0]
     return x

@@ -96,13 +96,16 @@ class Wrenches:
 
     @staticmethod
     def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> Wrenches:
-        """Wrenches to be filled in, of n states and of ``wanted`` of the bearings; the other arguments are numbers of each, too."""
+        """Wrenches to be filled in, of n states and of ``wanted`` of the bearings; the other arguments are numbers of each, too.
+
+        In memory the states are next to each other: components along one axis are filled in, and read, at once.
+        """
         return Wrenches(
             torque=np.zeros((drivers, n)),
             coupling=np.zeros((couplings, n)),
             friction=np.zeros((bearings, n)),
-            force=np.zeros((wanted, n, 3)),
-            moment=np.zeros((wanted, n, 3)),
+            force=np.zeros((3, wanted, n)).transpose(1, 2, 0),
+            moment=np.zeros((3, wanted, n)).transpose(1, 2, 0),
         )
 
     def part(self, points: slice) -> Wrenches:

@@ -144,12 +144,8 @@ def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: 
         return _closed_far_away(engine, spatial_model, branch, angles, name)
     if len(angles) <= engine.piece:
         return _closed_piece(engine, spatial_model, angles, predict(branch, angles), name)
-    pieces = []
-    for start in range(0, len(angles), engine.piece):
-        part = angles[start : start + engine.piece]
-        piece = _closed_piece(engine, spatial_model, part, predict(branch, part), name)
-        pieces.append(replace(piece, jacobian=None, solved=None))  # its memory serves the next piece
-    return joined(pieces)
+    parts = (angles[start : start + engine.piece] for start in range(0, len(angles), engine.piece))
+    return joined((_closed_piece(engine, spatial_model, part, predict(branch, part), name) for part in parts), len(angles))
 
 
 def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, angles: Array, name: str) -> Array:

@@ -38,9 +38,9 @@ class Bodies:
         forces: (nv, nb) second derivative of the basis to the inertia force less weight, m (a - g), of every body. The first column is the
             weight: callers put 1 in the first row of the second derivative, which is zero.
         subtree_forces: (nv, nb) likewise to the sum of these forces of all bodies that a joint carries.
-        reduced: (nb - 1, nb) likewise to the work of these forces on every function of the basis but the first.
+        reduced: (nb - 1, nb) likewise to the work of these forces on every function of the basis but the first, conj(function) times force;
+            the moments of inertia of the links stand with their rotors, as masses at the radius 1 round them would.
         open_tree: the rows of ``reduced``, of ``subtree_forces``, and of ``forces`` of the bodies that are ``on_guides``.
-        spins: (nv, nv) joint accelerations to the joint efforts that the bodies' moments of inertia need [kg m2].
         on_guides: joints that prismatic joints carry, with these, tips first.
         arms: rows over the basis, one group after the other: of the joints ``on_guides`` the centres of mass from the joint, then its
             origin from that of its parent; ``guided`` loops from their joints.
@@ -60,7 +60,6 @@ class Bodies:
     subtree_forces: Matrix
     reduced: Matrix
     open_tree: Matrix
-    spins: Matrix
     on_guides: tuple[int, ...]
     arms: Matrix
     guided: tuple[tuple[int, int], ...]
@@ -91,7 +90,7 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     centers = plane.origins + plane.centers
     body_forces = with_column(weighted(centers, mass), 0, -mass * complex(*(plane.axes @ gravity)))
     subtree_forces = compressed(plane.subtree @ body_forces)
-    reduced = compressed(centers.conj().T)[1:] @ body_forces
+    reduced = compressed(centers.conj().T)[1:] @ body_forces + _inertia_of_rotors(plane, tensors[:, 2, 2])
     guides = set(plane.prismatic)
     on_guides = [j for j in reversed(range(count)) if not guides.isdisjoint(plane.carriers(j))]
     parents = [max(plane.parents[j], 0) for j in on_guides]  # of a joint on the frame the arm is not needed
@@ -115,7 +114,6 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
         subtree_forces=subtree_forces,
         reduced=reduced,
         open_tree=stacked([reduced, subtree_forces, body_forces[on_guides]]),
-        spins=compressed(plane.spin.T @ inertia),
         on_guides=tuple(on_guides),
         arms=stacked(arms),
         guided=guided,
@@ -126,6 +124,15 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
             and np.all(np.abs(axial_weight) <= ROUNDING * mass * np.linalg.norm(gravity))
         ),
     )
+
+
+def _inertia_of_rotors(plane: Plane, about_normal: Array) -> Matrix:
+    """(nb - 1, nb) the moments of inertia (nv,) of the links with the rotors that turn them [kg m2]."""
+    rows: list[dict[int, complex]] = [{} for _ in plane.parents]
+    for rotor, inertia in zip(plane.rotors, about_normal.tolist(), strict=True):
+        if rotor:
+            rows[rotor - 1][rotor] = rows[rotor - 1].get(rotor, 0.0) + inertia
+    return matrix(rows, 1 + len(rows), len(rows))
 
 
 class OpenTree(NamedTuple):

@@ -8,7 +8,7 @@ Signs: forces and moments of a joint are the action of parent on child, of a loo
 
 The efforts follow from virtual work. Every point is a row of constants times the basis (see `model`), so that the inertia forces of all
 links do work on the basis functions: the sum of m conj(c) c'' over all centres of mass c is one small matrix of constants times the second
-derivative of the basis.
+derivative of the basis. A link's moment of inertia J adds J u'' for its rotor u: Im(conj(u) J u'') is J times the angular acceleration.
 """
 
 from __future__ import annotations
@@ -213,7 +213,7 @@ def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[Appli
     for load in loads:
         if load.joint:
             subtree_force[plane.carriers(load.joint - 1)] -= to_complex(plane, load.force)
-    efforts = _efforts(bodies, basis, states.a, work, loads)
+    efforts = _efforts(bodies, basis, work, loads)
     turning = _turning(bodies, arms[:on_guides], own, subtree_force, states.a, basis, loads) if on_guides else {}
     return OpenTree(second, subtree_force, efforts, turning, arms[on_guides:])
 
@@ -340,7 +340,7 @@ def _fill_with_some_bearings(
     plane, basis = bodies.plane, known_basis(states)
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
-    joint_efforts = _efforts(bodies, basis, states.a, product(bodies.reduced, second), loads)
+    joint_efforts = _efforts(bodies, basis, product(bodies.reduced, second), loads)
     rows, factors, _ = known_jacobian(plane, states)
     pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
     statics.transmit(plane, rows, factors, joint_efforts, pins, result.coupling)
@@ -352,14 +352,14 @@ def _fill_with_some_bearings(
     statics.torques(plane, result.coupling)
 
 
-def _efforts(bodies: Bodies, basis: ComplexArray, a: Array, work: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
+def _efforts(bodies: Bodies, basis: ComplexArray, work: ComplexArray, loads: Sequence[AppliedForce]) -> Array:
     """Efforts (nv, n) that the joints would have to transmit with all loops open.
 
     Args:
         bodies: inertial constants of the linkage.
         basis: (nb, n) of the states.
-        a: (nv, n) joint accelerations.
-        work: (nb - 1, n) of inertia forces and weights on every function of the basis but the first; that of loads is subtracted here.
+        work: (nb - 1, n) of inertia and weights on every function of the basis but the first, see `Bodies.reduced`; that of loads is
+            subtracted here.
         loads: forces on links.
     """
     plane, revolute = bodies.plane, len(bodies.plane.revolute)
@@ -375,7 +375,6 @@ def _efforts(bodies: Bodies, basis: ComplexArray, a: Array, work: ComplexArray, 
         if rotor:
             rotor_moments[rotor - 1] += rotor_moments[row]
     efforts: Array = plane.turn.T.dot(rotor_moments[:revolute])
-    efforts += bodies.spins.dot(a)
     for row, joint, rotor in plane.guides:
         efforts[joint] = (basis[rotor].conj() * work[row - 1]).real if rotor else work[row - 1].real
     return efforts

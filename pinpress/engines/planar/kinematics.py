@@ -27,7 +27,6 @@ from ..joints import product
 from .model import Block, Plane, to_world
 
 NO_SLIPS = np.empty((0, 1))
-BOTH_SIGNS = np.array([[1.0], [-1.0]])
 
 
 def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) -> Closure:
@@ -44,8 +43,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             basis = basis_at(plane, x)
             rows = product(plane.closure, basis)
             gaps = rows[:count]
-            squares = gaps.real * gaps.real + gaps.imag * gaps.imag
-            gap = np.sqrt(np.maximum.reduce(squares, axis=0, initial=0.0))
+            gap = np.sqrt(np.maximum.reduce((gaps.conj() * gaps).real, axis=0, initial=0.0))
             slips = plane.coupled @ x - plane.offsets[:, None] if len(plane.offsets) else NO_SLIPS
             if len(slips):
                 gap = np.maximum(gap, np.abs(slips).max(axis=0))
@@ -78,13 +76,22 @@ def jacobian_at(plane: Plane, basis: ComplexArray) -> Jacobian:
 
 def _influence(plane: Plane, basis: ComplexArray, jacobian: Jacobian) -> tuple[Array, Array]:
     """Influence coefficients, given the loop equations at these configurations."""
-    (rows, factors, _), shape = jacobian, (len(plane.parents), basis.shape[1])
-    first, second = np.empty(shape), np.empty(shape)
+    rows, factors, _ = jacobian
+    first, second = np.empty((2, len(plane.parents), basis.shape[1]))
     drive(plane, rows, factors, first)
-    opened = product(plane.gap_rows, basis_acceleration(plane, basis, first, None))
+    opened = _opened_by_turning(plane, basis, first)
     second[plane.driver] = 0.0
     solve(plane, rows, factors, [*opened, *[None] * len(plane.offsets)] if len(plane.offsets) else opened, second)
     return first, second
+
+
+def _opened_by_turning(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
+    """Second derivatives (nl, n) of the gaps by time at joint rates (nv, n) without accelerations."""
+    if any(plane.guide_rotors):
+        return np.asarray(product(plane.gap_rows, basis_acceleration(plane, basis, v, None)))
+    spin = plane.turn.dot(v)
+    spin *= spin
+    return np.asarray(product(plane.centripetal, basis[1 : 1 + len(plane.revolute)] * spin))
 
 
 def moves(plane: Plane, drawn: Closure) -> bool:
@@ -146,24 +153,19 @@ def basis_velocity(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
 def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | None) -> ComplexArray:
     """Second time derivative (nb, n) of the basis at joint rates and accelerations (nv, n); without ``a`` only its centripetal and Coriolis
     part."""
-    turning = len(plane.revolute)
+    turning = slice(1, 1 + len(plane.revolute))
     result = np.empty(basis.shape, complex)
     result[0] = 0.0
-    spin = plane.turn.dot(v)
-    factor: Array | ComplexArray
-    if a is None:
-        factor = spin * -spin
-    else:
-        factor = np.empty(spin.shape, complex)
-        np.multiply(spin, -spin, out=factor.real)
-        factor.imag = plane.turn.dot(a)
-    np.multiply(basis[1 : 1 + turning], factor, out=result[1 : 1 + turning])
+    spin, factor = plane.turn.dot(v), result[turning]
+    np.multiply(spin, -spin, out=factor.real)
+    factor.imag = 0.0 if a is None else plane.turn.dot(a)
     for row, joint, rotor in plane.guides:
         along = 0.0 if a is None else a[joint]
         if rotor:
             result[row] = (along + 2j * spin[rotor - 1] * v[joint]) * basis[rotor] + factor[rotor - 1] * basis[row]
         else:
             result[row] = along
+    factor *= basis[turning]
     return result
 
 
@@ -242,10 +244,10 @@ def _inverses(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
     """`Dyad.inverse` of all dyads, found for as many at a time as stay in the cache."""
     together = max(1, PIECE // rows.shape[1])
     for start in range(0, len(plane.dyad_columns), together):
-        inverses = rows.take(plane.dyad_columns[start : start + together], axis=0)  # b and a
-        determinants = (inverses[:, 1].conj() * inverses[:, 0]).imag
-        np.conjugate(inverses, out=inverses)
-        inverses *= BOTH_SIGNS / determinants[:, None]
+        columns = rows.take(plane.dyad_columns[start : start + together], axis=0)  # b and a
+        inverses = columns.conj()
+        determinants = (inverses[:, ::-1] * columns).imag  # D and -D
+        inverses *= 1.0 / determinants
         for place in range(len(inverses)):  # iterating over an array ends with a costly IndexError
             yield inverses[place]
 

@@ -178,6 +178,11 @@ class Plane:
         return self.closure[: len(self.loop_heights)]
 
     @cached_property
+    def centripetal(self) -> Matrix:
+        """(nl, nr) what the squared speeds of the rotors, times the rotors, add to the second derivatives of the gaps."""
+        return -self.gap_rows[:, 1 : 1 + len(self.revolute)]
+
+    @cached_property
     def dyad_columns(self) -> NDArray[np.intp]:
         """(dyads, 2) rows of ``closure`` with the two columns of every dyad, the second column first, in the order of ``blocks``."""
         rows = [[row for _, row in reversed(block.own[0])] for block in self.blocks if block.kind == "dyad"]

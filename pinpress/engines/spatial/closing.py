@@ -6,7 +6,6 @@ regular get a singular value decomposition of the whole, which finds the rank.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -177,7 +176,7 @@ def close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins
             return _close(loops, drivers, along, guess, with_margins)
         parts = (slice(k, k + step) for k in range(0, n, step))
         pieces = (_close(loops, drivers[:, some], along[:, some], guess[:, some], with_margins) for some in parts)
-        return joined([replace(piece, solved=None) for piece in pieces])  # its memory serves the next piece
+        return joined(pieces, n)
 
 
 def _close(loops: Loops, drivers: Array, along: Array, guess: Array, with_margins: bool) -> Closure:
