@@ -25,9 +25,11 @@ class Frozen:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if type(value) in _UNCHANGEABLE or not isinstance(value, _WRITABLE):
+            if type(value) is np.ndarray:
+                value.setflags(write=False)
+            elif type(value) in _UNCHANGEABLE or not isinstance(value, _WRITABLE):
                 continue
-            if isinstance(value, np.ndarray):
+            elif isinstance(value, np.ndarray):
                 value.setflags(write=False)
             elif isinstance(value, dict):
                 vars(self)[name] = FrozenMapping(value)

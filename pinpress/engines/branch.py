@@ -197,17 +197,23 @@ def walk_beside(close: Close, branch: Branch, size: float, tolerance: float) -> 
     return replace(branch, coefficients=hermite(angles, *rows))
 
 
-def predict(branch: Branch, angle: Array) -> Array:
+def predict(branch: Branch, angle: Array, ends: tuple[float, float] | None = None) -> Array:
     """Joint coordinates (nv, n) of the branch at crank angles (n,), with an error of about 1e-12 of their range.
+
+    Args:
+        branch: the branch.
+        angle: (n,) crank angles [rad or m].
+        ends: the smallest and the largest of them, where they are known.
 
     Raises:
         SingularityError: the linkage locks before it reaches one of the angles.
         PinpressError: the branch has no period, and was not followed as far as one of the angles.
     """
     turns, local = None, angle
-    if np.minimum.reduce(angle) < branch.angles[0] or np.maximum.reduce(angle) > branch.angles[-1]:
+    low, high = ends or (np.minimum.reduce(angle), np.maximum.reduce(angle))
+    if low < branch.angles[0] or high > branch.angles[-1]:
         if branch.period is None:
-            raise out_of_branch(branch, upwards=bool(angle.max() > branch.angles[-1]))
+            raise out_of_branch(branch, upwards=bool(high > branch.angles[-1]))
         turns = np.floor((angle - branch.angles[0]) / branch.period)
         local = angle - turns * branch.period
     x = evaluated(branch.angles, branch.coefficients, local)

@@ -140,10 +140,11 @@ def closed(engine: Engine, spatial_model: SpatialModel, branch: Branch, angles: 
     """
     if branch.change_points:
         return _closed_through_change_points(engine, spatial_model, branch, angles, name)
-    if branch.period is not None and np.abs(angles).max() > MANY_PERIODS * branch.period:
+    ends = np.minimum.reduce(angles), np.maximum.reduce(angles)
+    if branch.period is not None and max(-ends[0], ends[1]) > MANY_PERIODS * branch.period:
         return _closed_far_away(engine, spatial_model, branch, angles, name)
     if len(angles) <= engine.piece:
-        return _closed_piece(engine, spatial_model, angles, predict(branch, angles), name)
+        return _closed_piece(engine, spatial_model, angles, predict(branch, angles, ends), name)
     parts = (angles[start : start + engine.piece] for start in range(0, len(angles), engine.piece))
     return joined((_closed_piece(engine, spatial_model, part, predict(branch, part), name) for part in parts), len(angles))
 

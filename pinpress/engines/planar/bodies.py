@@ -44,6 +44,7 @@ class Bodies:
         on_guides: joints that prismatic joints carry, with these, tips first.
         arms: rows over the basis, one group after the other: of the joints ``on_guides`` the centres of mass from the joint, then its
             origin from that of its parent; ``guided`` loops from their joints.
+        arms_turn: whether these arms depend on the configuration.
         guided: pairs of a prismatic joint and a loop whose force has a moment on the joint's link.
         geared: joints that turn and are coupled.
         in_one_plane: whether all masses move, and all weights act, in one plane.
@@ -62,6 +63,7 @@ class Bodies:
     open_tree: Matrix
     on_guides: tuple[int, ...]
     arms: Matrix
+    arms_turn: bool
     guided: tuple[tuple[int, int], ...]
     geared: frozenset[int]
     in_one_plane: bool
@@ -93,13 +95,14 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     reduced = compressed(centers.conj().T)[1:] @ body_forces + _inertia_of_rotors(plane, tensors[:, 2, 2])
     guides = set(plane.prismatic)
     on_guides = [j for j in reversed(range(count)) if not guides.isdisjoint(plane.carriers(j))]
-    parents = [max(plane.parents[j], 0) for j in on_guides]  # of a joint on the frame the arm is not needed
+    parents = [plane.parents[j] if plane.parents[j] >= 0 else j for j in on_guides]  # of a joint on the frame the arm is not needed
     guided = tuple((j, k) for j in plane.prismatic for k in plane.loops_of_joint[j])
-    arms = [
+    groups = [
         plane.centers[on_guides],
         plane.origins[on_guides] - plane.origins[parents],
         plane.loop_points[[k for _, k in guided]] - plane.origins[[j for j, _ in guided]],
     ]
+    arms = stacked(groups)
     heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
     inertia = weighted(plane.spin, tensors[:, 2, 2])
     return Bodies(
@@ -109,13 +112,14 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
         axial_weight=axial_weight,
         inertia=inertia,
         products=products,
-        minus_incidence=-plane.incidence.astype(complex),
+        minus_incidence=-plane.incidence,
         forces=body_forces,
         subtree_forces=subtree_forces,
         reduced=reduced,
         open_tree=stacked([reduced, subtree_forces, body_forces[on_guides]]),
         on_guides=tuple(on_guides),
-        arms=stacked(arms),
+        arms=arms,
+        arms_turn=bool(abs(arms[:, 1:]).sum()),
         guided=guided,
         geared=frozenset(j for gear in plane.coupling_rows for j in gear if plane.sense[j]),
         in_one_plane=bool(
@@ -143,7 +147,7 @@ class OpenTree(NamedTuple):
         subtree_force: (nv, n) inertia forces less weights and loads of all bodies that a joint carries: its force [N].
         joint_efforts: (nv, n) efforts that the joints would have to transmit along or about their axes [N or N m].
         turning: by prismatic joint the moment (n,) about the normal that it would have to transmit [N m].
-        guided: (pairs, n) points of the ``guided`` loops of `Bodies` from their joints [m].
+        guided: (pairs, n) points of the ``guided`` loops of `Bodies` from their joints [m]; (pairs, 1) where they do not turn.
     """
 
     second: ComplexArray

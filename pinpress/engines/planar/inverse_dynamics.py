@@ -199,7 +199,7 @@ def _fill_with_all_bearings(
 
 def _acts_out_of_plane(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
     """Whether anything acts out of the plane."""
-    return not (bodies.in_one_plane and all(out_of_plane.is_flat(bodies.plane, load) for load in loads))
+    return not bodies.in_one_plane or any(not out_of_plane.is_flat(bodies.plane, load) for load in loads)
 
 
 def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:
@@ -208,7 +208,7 @@ def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[Appli
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
     functions, count, on_guides = len(basis) - 1, len(plane.parents), 2 * len(bodies.on_guides)
-    found, arms = product(bodies.open_tree, second), product(bodies.arms, basis)
+    found, arms = product(bodies.open_tree, second), product(bodies.arms, basis if bodies.arms_turn else basis[:, :1])
     work, subtree_force, own = found[:functions], found[functions : functions + count], found[functions + count :]
     for load in loads:
         if load.joint:
@@ -231,7 +231,8 @@ def _turning(
 
     Args:
         bodies: inertial constants of the linkage.
-        arms: (2 k, n) of the k joints on guides the centres of mass from the joint, then its origin from that of its parent [m].
+        arms: (2 k, n) of the k joints on guides the centres of mass from the joint, then its origin from that of its parent [m]; (2 k, 1)
+            where they do not turn.
         own: (k, n) inertia forces less weights of their bodies [N].
         subtree_force: (nv, n) as in `OpenTree`.
         a: (nv, n) joint accelerations.
@@ -395,7 +396,7 @@ def _wanted_forces(
             if load.joint:
                 carrying = [place for place, j in enumerate(joints) if j in plane.carriers(load.joint - 1)]
                 subtree_force[carrying] -= to_complex(plane, load.force)
-        np.add(product(bodies.minus_incidence[joints], pins), subtree_force, out=forces[: len(joints)])
+        np.add(statics.carried(bodies.minus_incidence[joints], pins), subtree_force, out=forces[: len(joints)])
     return forces
 
 

@@ -225,11 +225,15 @@ Opening = Sequence[ComplexArray | Array | None] | ComplexArray
 
 def factored(plane: Plane, rows: ComplexArray) -> tuple[Factor, ...]:
     """The equations of all blocks, ready to be solved."""
-    dyads = _inverses(plane, rows)
+    inverses = _inverses(plane, rows)
     result: list[Factor] = []
     for block in plane.blocks:
         if block.kind == "dyad":
-            result.append(_dyad(plane, block, rows, next(dyads)))
+            inverse, loop, driven = next(inverses), block.loops[0], None
+            if (row := plane.driven[loop]) is not None:
+                driven = (inverse * rows[row]).imag
+            transfers = [(joint, (inverse * rows[row]).imag) for joint, row in block.known[0]]
+            result.append(Dyad(loop, block.pair, inverse, transfers, driven))
         elif block.kind == "lever":
             a = rows[block.own[0][0][1]]
             result.append(Solvable(block, a.conj() / -(a.real * a.real + a.imag * a.imag)))
@@ -250,13 +254,6 @@ def _inverses(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
         inverses *= 1.0 / determinants
         for place in range(len(inverses)):  # iterating over an array ends with a costly IndexError
             yield inverses[place]
-
-
-def _dyad(plane: Plane, block: Block, rows: ComplexArray, inverse: ComplexArray) -> Dyad:
-    loop = block.loops[0]
-    transfers = [(joint, (inverse * rows[row]).imag) for joint, row in block.known[0]]
-    driven = plane.driven[loop]
-    return Dyad(loop, block.pair, inverse, transfers, None if driven is None else (inverse * rows[driven]).imag)
 
 
 def drive(plane: Plane, rows: ComplexArray, factors: Sequence[Factor], x: Array) -> None:
