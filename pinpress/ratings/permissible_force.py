@@ -646,6 +646,6 @@ def _capped(rated: RatedStroke, angle: Array) -> dict[str, Array]:
 
 
 def _governing(forces: Mapping[str, Array]) -> tuple[str, ...]:
-    """Name of the limit with the smallest force at every height, and of equal ones the first."""
-    names = list(forces)
-    return tuple(names[k] for k in np.argmin(list(forces.values()), axis=0))
+    """Name of the limit with the smallest force at every height, and of those that are equal but for rounding the first."""
+    names, limits = list(forces), np.array(list(forces.values()))
+    return tuple(names[k] for k in np.argmax(limits <= (1 + TIE) * limits.min(axis=0), axis=0))
