@@ -45,5 +45,6 @@ from .simulation.steady_state import steady_state as steady_state
 from .visual.recording import record as record
 from .visual.reports.report import report as report
 from .visual.shapes.appearance import visual_model as visual_model
+from .visual.swinging import record_modes as record_modes
 
 __version__: str

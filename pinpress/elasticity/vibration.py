@@ -66,6 +66,7 @@ class ElasticModes(Tabular):
     strain_energy: Mapping[str, Array]
     kinetic_energy: Mapping[str, Array]
     _bottom: float
+    _bending: Array  # (n, m, Q) coordinates of the shapes of flexible links, as `SprungPress` has them
 
     @property
     def title(self) -> str:
@@ -160,6 +161,7 @@ def natural_frequencies(
         strain_energy=_strain_energy(sprung, elastic, coordinates, moved),
         kinetic_energy=_kinetic_energy(sprung, moved, 0.0 if flywheel is None else flywheel_inertia(flywheel)),
         _bottom=reference_angle(press),
+        _bending=read_only(moved[:, :, moved.shape[2] - sprung.shapes.shape[2] :].copy()),
     )
 
 

@@ -305,7 +305,8 @@ class FlexibleBody:
         swirl: (m, m) G of the module [kg].
         places: (k,) nodes from the centre of mass, in the axes of the plane, in the drawn pose [m].
         shapes: (k, m) their displacements [-].
-        at_bearing: (m,) those of each bearing, by its number.
+        nodes: nodes of its bearings.
+        at_bearing: (m,) displacements of each bearing, by its number [-].
     """
 
     name: str
@@ -318,6 +319,7 @@ class FlexibleBody:
     swirl: Array
     places: ComplexArray
     shapes: ComplexArray
+    nodes: tuple[int, ...]
     at_bearing: Mapping[int, ComplexArray]
 
 
@@ -368,6 +370,7 @@ def flexible_body(link: FlexibleLink, body: int, first: int, pins: Mapping[int, 
         swirl=found.swirl * own.mass,
         places=np.asarray(turn * nodes, dtype=complex),
         shapes=shapes,
+        nodes=tuple(link.bearings[name] for name in names),
         at_bearing={number: shapes[link.bearings[name]] for number, (name, _) in pins.items()},
     )
 

@@ -108,6 +108,30 @@ function addPaths() {
   element("show-paths").hidden = !data.traces.length;
 }
 
+// ---- links that bend: the line of their nodes ----
+const bends = [];
+
+function addBends() {
+  for (const { link, nodes } of data.bends || []) {
+    const colour = new THREE.Color((data.legend.find(row => row.name === link) || { colour: "#1d2730" }).colour).multiplyScalar(0.6);
+    const series = floats(nodes), count = series.length / 3 / data.time.length, parts = [];
+    for (let i = 0; i < count - 1; i++) parts.push(layer(new THREE.CylinderGeometry(1, 1, 1, 12), colour, THREE.FrontSide, 13));
+    overlay.add(...parts);
+    bends.push({ series, count, parts });
+  }
+}
+
+function drawBend({ series, count, parts }) {
+  const at = (key, i) => new THREE.Vector3().fromArray(series, 3 * (key * count + i));
+  const node = i => at(moment.before, i).lerp(at(moment.after, i), moment.part);
+  parts.forEach((part, i) => {
+    const from = node(i), along = node(i + 1).sub(from), length = along.length();
+    part.position.copy(from).addScaledVector(along, 0.5);
+    part.scale.set(0.005 * size, length, 0.005 * size);
+    part.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along.divideScalar(length || 1));
+  });
+}
+
 function curve(points) {  // through the points; null where they rest
   const box = new THREE.Box3().setFromPoints(points), far = box.min.distanceTo(box.max);
   if (far < 1e-6 * size) return null;

@@ -7,14 +7,20 @@ const PLACES = travel > 0 ? Math.min(9, Math.max(1, 2 - Math.floor(Math.log10(tr
 const UNWRAPPED = !data.period || data.crank.every(angle => Math.abs(angle) <= data.period + 0.001);
 const listeners = [];  // what else follows the time: functions of the time [s]
 
+// of vibrations, mode follows mode in the time of the page, and the one on show is repeated
+const modeAt = time => data.modes.findLastIndex(mode => mode.start <= time + 1e-9);
+let modeShown = -1;
+const span = () => data.modes ? data.modes[Math.max(modeAt(now), 0)] : { start: 0, end: duration };  // s
+
 function seek(time) {
   now = Math.min(Math.max(time, 0), duration);
   moment = momentAt(now);
   viewer.animator.seek(now);
   arrows.forEach(drawArrow);
   for (const { dot, series } of dots) dot.position.copy(vector(series));
+  bends.forEach(drawBend);
   const angle = number(data.crank);
-  show("time", "", now.toFixed(DIGITS) + " s");
+  if (data.modes) showMode(); else show("time", "", now.toFixed(DIGITS) + " s");
   const within = UNWRAPPED ? angle : (angle % data.period + data.period) % data.period;
   show("crank", data.driver.name, within.toFixed(1) + data.driver.unit);
   if (data.height) show("slide", data.above, `${(number(data.height) * PER_METRE).toFixed(PLACES)} ${LENGTH}`);
@@ -23,6 +29,23 @@ function seek(time) {
   fillLabels();
   for (const tell of listeners) tell(now);
   viewer.set_dirty();
+}
+
+function showMode() {
+  const place = modeAt(now), mode = data.modes[place];
+  show("time", mode.name, number(data.frequency).toPrecision(4) + " Hz");
+  if (modeShown === place) return;
+  modeShown = element("mode").value = place;
+  Object.assign(element("slider"), { min: mode.start, max: mode.end });
+  element("words").textContent = mode.words;
+}
+
+function addModes() {  // a choice beside the speed, and words below the links
+  const choice = Object.assign(document.createElement("select"), { id: "mode", ariaLabel: "Mode", title: "Natural vibration" });
+  choice.append(...data.modes.map(({ name }, value) => Object.assign(document.createElement("option"), { value, textContent: name })));
+  choice.addEventListener("change", () => seek(data.modes[choice.value].start + now - span().start));
+  element("rate").before(choice);
+  element("legend").after(Object.assign(document.createElement("p"), { id: "words" }));
 }
 
 function show(id, label, text) {
@@ -41,7 +64,8 @@ function setPlaying(on) {
 function frame(stamp) {
   requestAnimationFrame(frame);
   if (playing) {
-    if (before !== null) seek((now + (stamp - before) / 1000 * element("rate").value) % duration);
+    const { start, end } = span();
+    if (before !== null) seek(start + (now - start + (stamp - before) / 1000 * element("rate").value) % (end - start));
     before = stamp;
   }
   if (viewer.needs_render) viewer.render();
@@ -68,7 +92,8 @@ const KEYS = {
 function step(count) {  // to a key before or after the present one
   const key = moment.part > 0.5 ? moment.after : moment.before;
   setPlaying(false);
-  seek(data.time[Math.min(Math.max(key + count, 0), data.time.length - 1)]);
+  const { start, end } = span(), to = data.time[Math.min(Math.max(key + count, 0), data.time.length - 1)];
+  seek(Math.min(Math.max(to, start), end));
 }
 
 function toggle(id, apply) {
@@ -112,10 +137,12 @@ function start() {
     row.textContent = `displacements on the springs drawn ${data.magnified}×`;
     element("legend").append(row);
   }
+  if (data.modes) addModes();
   addLights();
   addEdges();
   addForces();
   addPaths();
+  addBends();
   addLabels();
   viewer.scene.add(paths, overlay);
   holdArrows();

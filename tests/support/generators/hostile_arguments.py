@@ -796,6 +796,16 @@ def calls() -> dict[str, Call]:
             pp.record,
             lambda: {"press": press(), "motion": motion(), "path": PATH, "reactions": reactions(), "traces": [("slide", (0.0, 0.0, 0.0))]},
         ),
+        (
+            "record_modes",
+            pp.record_modes,
+            lambda: {
+                "press": press(),
+                "modes": pp.elasticity.natural_frequencies(press(), pp.elasticity.Elastic(springs()), angle=[0.1]),
+                "path": PATH,
+                "lowest": 1,
+            },
+        ),
         ("report", pp.report, lambda: {"press": press(), "motion": motion(), "path": PATH, "reactions": reactions(), "traces": []}),
         ("visual_model", pp.visual_model, lambda: {"press": press(), "motion": motion()}),
         ("Linkage.configuration", lambda angle: press().configuration(angle), lambda: {"angle": [0.1, 0.2]}),
