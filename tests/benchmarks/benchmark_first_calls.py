@@ -4,7 +4,7 @@ Run `python tests/benchmarks/benchmark_first_calls.py`, with words behind it for
 collect this file. The press is loaded, and what the call takes is there (see `GIVEN`). Both times are those of the processor, the least of
 three processes: of the first call, with the imports that it needs, and of the same call once more. Calls that search or run other programs,
 and those that need Matplotlib, whose import alone takes most of a second, stand in tables of their own. The last table has whole processes:
-commands, and what Python, NumPy and Pinocchio take of them.
+commands, and what Python, NumPy, Pinocchio and those parts of SciPy take of them that integrate and interpolate.
 """
 
 import argparse
@@ -53,6 +53,9 @@ GIVEN = {
     "CAPACITIES": "pp.ratings.Capacities(3000e3, nominal_height=0.013, bearings={'A': 1.5e6}, flywheel_inertia=2000.0, speed_drop=0.2)",
     "GIBS": "pp.ratings.Gibs(1.2, 0.3)",
     "STIFFNESS": "pp.elasticity.Stiffness(bearings={name: 1e10 for name in press.bearings if name != 'slide_guide'})",
+    "SPRINGS": "pp.elasticity.Stiffness(dict.fromkeys(press.bearings, 5e9), moments={'slide_guide': 1e8})",
+    "ELASTIC": "pp.elasticity.Elastic(SPRINGS, damping_ratio=0.05)",
+    "STEADY": "pp.drives.PrescribedSpeed(7.0)",
     "FRICTION": "{name: pp.loads.Friction(0.05, 0.06) for name in press.bearings if name != 'slide_guide'}",
     "BLANKING": "pp.loads.Blanking(1000e3, 0.006, 0.003)",
     "MOTOR": "pp.drives.Geared(pp.drives.InductionMotor(75e3, 980 * pp.RPM, frequency=50.0, poles=6), 14.0)",
@@ -127,6 +130,12 @@ QUICK = {
     "elasticity.dead_centre_shift": "pp.elasticity.dead_centre_shift(press, STIFFNESS, speed=[5.0, 6.0])",
     "elasticity.snap_through": "pp.elasticity.snap_through(1e5, 1e9, mass=500.0, break_time=1e-3, clearance=1e-4)",
     "elasticity.permissible_breakthrough": "pp.elasticity.permissible_breakthrough(1e4, 1e9, mass=500.0, break_time=1e-3, clearance=1e-4)",
+    "elasticity.natural_frequencies": "pp.elasticity.natural_frequencies(press, ELASTIC)",
+    "elasticity.campbell": "pp.elasticity.campbell(press, ELASTIC, speeds=np.linspace(5.0, 8.0, 16))",
+    "simulate on springs": "pp.simulate(press, 0.5, drive=STEADY, elastic=ELASTIC)",
+    "steady_state on springs": "pp.steady_state(press, 7.0, drive=STEADY, elastic=ELASTIC)",
+    "steady_state on springs, blanking": "pp.steady_state(press, 7.0, drive=STEADY, loads=[BLANKING], elastic=ELASTIC)",
+    "elasticity.over_speeds": "pp.elasticity.over_speeds(press, ELASTIC, speeds=np.linspace(6.0, 8.0, 5))",
     "derivatives.motion_derivatives": "pp.derivatives.motion_derivatives(press, motion, [{('F', 'rod'): (0.001, 0.0, 0.0)}])",
     "derivatives.acceleration_derivatives": "pp.derivatives.acceleration_derivatives(press, motion)",
     "derivatives.pivot_positions": "pp.derivatives.pivot_positions(press)",
@@ -179,6 +188,8 @@ KINDS = {
 COMMANDS = {
     "python": ["-c", "pass"],
     "import numpy, pinocchio": ["-c", "import numpy, pinocchio"],
+    "import numpy, pinocchio, scipy.integrate": ["-c", "import numpy, pinocchio, scipy.integrate"],
+    "import numpy, pinocchio, scipy.interpolate": ["-c", "import numpy, pinocchio, scipy.interpolate"],
     "pinpress --help": ["-m", "pinpress", "--help"],
     "pinpress check": ["-m", "pinpress", "check", "zxn2_3000b"],
     "pinpress analyse": ["-m", "pinpress", "analyse", "zxn2_3000b", "--speed", "70"],

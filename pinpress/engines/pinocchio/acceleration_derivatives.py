@@ -149,11 +149,11 @@ class ForwardDerivatives:
 
     def _gears_needed(self, jacobian: Array, held: int) -> NDArray[np.int64]:
         """Which gear pairs keep ratios that the points, holding so many equations, do not: as many as the rank asks for."""
-        from scipy.linalg import qr  # its import takes long
-
         needed = self.dynamics.rank - held
         if needed == len(self.gears):
             return np.arange(needed, dtype=np.int64)
+        from scipy.linalg import qr  # its import takes long
+
         units = self.dynamics.units
         free = np.linalg.svd(jacobian / units)[2][held:].T
         pivots = qr((self.gears / units @ free).T, mode="r", pivoting=True)[1]
