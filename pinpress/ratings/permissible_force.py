@@ -638,7 +638,9 @@ def _crossing(rated: RatedStroke, first: str, second: str, low: float, high: flo
     before, after = ahead(low), ahead(high)
     if before * after >= 0:  # the limits change exactly at a state
         return low if before == 0.0 else high
-    return sign_change(ahead, low, high, ROUNDING * max(abs(low), abs(high)))
+    rounding = ROUNDING * max(abs(low), abs(high))
+    found = sign_change(ahead, low, high, rounding)
+    return next((state for state in (low, high) if abs(found - state) <= 2 * rounding), found)  # as at the nominal height
 
 
 def _capped(rated: RatedStroke, angle: Array) -> dict[str, Array]:

@@ -180,6 +180,12 @@ def test_what_is_permissible_at_speed_is_just_kept(name):
             assert limit == excess(angle, exact * (1 + 1e-6))[1]
 
 
+def test_the_nominal_height_is_listed_once():
+    """Also where the crank's torque begins to govern there, which is found but for rounding."""
+    found = rate(shipped("zxn2_3000b"), 70 * pp.RPM, Capacities(3e6, nominal_height=0.013), points=91)
+    assert np.count_nonzero(np.isclose(found.height, 0.013, rtol=1e-9)) == 1
+
+
 def test_where_the_governing_limit_changes_two_permit_the_same():
     capacities = Capacities(3e6, nominal_height=0.013, bearings={"A": 1.2e6, "D": 4e6}, flywheel_inertia=6000, speed_drop=0.3)
     coarse, fine = (rate(shipped("zxn2_3000b"), 70 * pp.RPM, capacities, points=n) for n in (31, 301))
