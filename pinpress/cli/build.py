@@ -1,4 +1,4 @@
-"""`pinpress build`: a press from a pin table, as URDF and as a sketch."""
+"""`pinpress new` and `pinpress build`: a pin table to start from; a press from a pin table, as URDF and as a sketch."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from ..common import files, tables
 from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..kinematics.check import check, said_in_a_line
 from ..linkage.urdf.document import MOST_BYTES
+from ..pin_table.templates import TEMPLATES, template
 from .options import add_refused_option, drawn
 
 if TYPE_CHECKING:
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 
 def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    """Put `build` among the subcommands; parsed options have ``run``, see `run`."""
+    """Put `new` and `build` among the subcommands; parsed options have ``run``, see `run_new` and `run`."""
+    _add_new(commands)
     parser = commands.add_parser(
         "build",
         help="a press from a table of pins: a URDF and a sketch",
@@ -33,6 +35,36 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     add_refused_option(parser, "--set", "build takes values behind the table: pinpress build press.yaml r=150")
     option("--out", type=Path, metavar="FILE", help="the URDF; default: the table's name with .urdf. The sketch has its name with .svg")
     parser.set_defaults(run=run)
+
+
+def _add_new(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    parser = commands.add_parser(
+        "new",
+        help="a pin table to start from",
+        description="Write a pin table with comments, whose lengths are parameters, to be changed into your press.",
+    )
+    option = parser.add_argument
+    option("file", metavar="TABLE", type=Path, help="what to write, such as press.yaml; it must not be there yet")
+    option("--template", choices=TEMPLATES, default=TEMPLATES[0], help=f"kind of press (default: {TEMPLATES[0]})")
+    parser.set_defaults(run=run_new)
+
+
+def run_new(options: argparse.Namespace) -> int:
+    """Write a table to start from.
+
+    Returns:
+        The exit code, 0.
+
+    Raises:
+        PinpressError: the file is there already, or cannot be written.
+    """
+    if options.file.suffix not in (".yaml", ".yml"):
+        raise PinpressError(f"{options.file} does not end in .yaml: name it so, as pin tables are YAML")
+    if options.file.exists():
+        raise PinpressError(f"{options.file} is there already: give another name")
+    files.write(options.file, template(options.template))
+    print(f"wrote {options.file}; change it, then: pinpress build {options.file}")
+    return 0
 
 
 def run(options: argparse.Namespace) -> int:

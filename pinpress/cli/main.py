@@ -5,9 +5,9 @@ import io
 import sys
 
 from ..common.command_end import ended
-from . import accuracy, analyse, balance, build, check, new, ratings, record, report, simulate, view
+from . import accuracy, analyse, balance, build, check, ratings, record, report, servo, simulate, view
 
-COMMANDS = (new, build, view, report, analyse, simulate, balance, ratings, record, accuracy, check)  # as the help lists them
+COMMANDS = (build, view, report, analyse, simulate, balance, servo, ratings, record, accuracy, check)  # as the help lists them
 
 
 def main(arguments: list[str] | None = None) -> int:

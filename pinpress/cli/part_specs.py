@@ -28,6 +28,10 @@ from ..foundation.mounts import Frame, Mount, RubberPad, pad_mount
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce, SpringDamper
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
+from ..servo.drive import ServoDrive
+from ..servo.limits import BearingForce, CrankAcceleration, CrankSpeed, FeedWindow, Limit, RmsTorque, SlideAcceleration, SlideSpeed
+from ..servo.paths import Path as ServoPath
+from ..servo.paths import Pendulum, Pulse, Stop, Turn
 from ..simulation.elastic.contact import Clearance
 from .units import UNITS, read_quantity
 
@@ -115,6 +119,7 @@ LOADS: Mapping[str, Kind[Any]] = {
 
 SPRING = Kind(SpringDamper, "link1=frame,link2=slide,stiffness=200kN/m,free_length=0.4,point1=0/0/0.5")
 FRICTION = Kind(Friction, "coefficient=0.08,radius=60mm")
+HEIGHTS = "heights"  # key of heights with a slash between them; a table's are columns of its file
 ALL = "all"  # in place of a bearing's name: every bearing and guide that is not named otherwise
 
 FLYWHEEL = Kind(Flywheel, "inertia=2000")
@@ -123,6 +128,22 @@ BRAKE = Kind(Brake, "torque=4e4,closes=350deg")
 
 FRAME = Kind(Frame, "mass=15t,centre=0/0.1/-0.35,inertia=9000/8000/4000")
 MOUNT = Kind(Mount, "point=0.55/0.6/-1.3,stiffness=50MN/m/50MN/m/200MN/m,loss_factor=0.1")
+SERVO_DRIVE = Kind(ServoDrive, "inertia=1.5,ratio=60,gear_inertia=50,peak_torque=2100,rated_torque=800,top_speed=2000")
+PATHS: Mapping[str, Kind[Any]] = {
+    "turn": Kind(Turn, "backwards=yes"),
+    "stop": Kind(Stop, "bottom=0.15"),
+    "pendulum": Kind(Pendulum, "opening=60mm,dwell=0.2"),
+    "pulse": Kind(Pulse, "heights=20mm/10mm/0,back=2mm"),
+}
+LIMITS: Mapping[str, Kind[Any]] = {
+    "slide-speed": Kind(SlideSpeed, "speed=0.2,heights=60mm/0"),
+    "crank-speed": Kind(CrankSpeed, "speed=40"),
+    "slide-acceleration": Kind(SlideAcceleration, "acceleration=20"),
+    "crank-acceleration": Kind(CrankAcceleration, "acceleration=30"),
+    "bearing-force": Kind(BearingForce, "bearing=A,force=2MN"),
+    "rms": Kind(RmsTorque, "torque=600"),
+    "feed-window": Kind(FeedWindow, "height=150mm,time=0.8"),
+}
 PAD = Kind(RubberPad, "length=200mm,width=200mm,thickness=10mm,hardness=65,loss_factor=0.15,stiffening=1.3")
 
 
@@ -181,6 +202,18 @@ def motor(words: str | None, coordinate: DriverCoordinate) -> Drive | Prescribed
 def load(words: str) -> Load:
     """The load that words such as ``die:height=0.001,stiffness=1e9`` mean. Raises as `motor`."""
     made: Load = _named("--load", LOADS, words)
+    return made
+
+
+def servo_path(words: str) -> ServoPath:
+    """The path of a crank that words such as ``stop:bottom=0.15`` mean. Raises as `motor`."""
+    made: ServoPath = _named("--path", PATHS, words)
+    return made
+
+
+def limit(words: str) -> Limit:
+    """The limit of a servo motion that words such as ``slide-speed:speed=0.2,heights=60mm/0`` mean. Raises as `motor`."""
+    made: Limit = _named("--limit", LIMITS, words)
     return made
 
 
@@ -377,6 +410,18 @@ def _of_mounts() -> list[str]:
     ]
 
 
+def _of_servo() -> list[str]:
+    return [
+        "--drive, the motor and its gear; all at the motor's shaft, but gear_inertia:",
+        f"  {keys(SERVO_DRIVE)}",
+        f"  e.g. --drive {SERVO_DRIVE.example}",
+        "--path, where the crank goes in a cycle:",
+        *tables.table(([f"{name}:", keys(kind)] for name, kind in PATHS.items()), [20, 0]),
+        "--limit; heights are two of the slide above bottom dead centre, flank is down, up or both:",
+        *tables.table(([f"{name}:", keys(kind)] for name, kind in LIMITS.items()), [20, 0]),
+    ]
+
+
 def _kinds(kinds: Mapping[str, Kind[Any]]) -> list[str]:
     files = [f"{name} {', '.join(kind.table.columns)}" for name, kind in kinds.items() if kind.table]
     return [*tables.table(([f"{name}:", keys(kind)] for name, kind in kinds.items()), [16, 0]), f"  columns of files: {'; '.join(files)}"]
@@ -390,6 +435,7 @@ _EXPLAINED: Mapping[str, Callable[[], list[str]]] = {
     "clutch": _of_clutches,
     "elastic": _of_springs_of_bearings,
     "mount": _of_mounts,
+    "servo": _of_servo,
 }
 
 
@@ -430,7 +476,8 @@ def _made(option: str, kind: Kind[Any], words: str) -> Any:
         return f"{option}{words}".rstrip(": ")
 
     def wrong(problem: str) -> PinpressError:
-        speeds = f", speeds in {kind.driver.shown_speed[0]}" if any(_is_speed(key) for key in known) else ""
+        turning = any(_is_speed(field) for field in fields(kind.made))
+        speeds = f", speeds in {kind.driver.shown_speed[0]}" if turning else ""
         takes = f"it takes {keys(kind)}, SI units{speeds} or units of their own (12mm, 4000kN)"
         return PinpressError(f"{line(words)}: {problem}; {takes}; write e.g. {line(kind.example)}")
 
@@ -477,8 +524,12 @@ def _keys(kind: Kind[Any]) -> dict[str, _Key]:
 
 
 def _note(field: Field[Any], driver: DriverCoordinate = CRANK) -> str:
-    if _is_speed(field.name):
+    if _is_speed(field):
         return "=RPM" if driver.turns else "=MM/S"
+    if field.name == HEIGHTS:
+        return "=H/H"
+    if isinstance(field.default, bool):
+        return "=yes"
     if _is_at(field):
         return "=0.1s|180deg"
     known = declared(field)
@@ -496,15 +547,20 @@ def _reader(field: Field[Any], driver: DriverCoordinate = CRANK) -> Callable[[st
         return _whole
     if field.type in (str, "str"):
         return str
-    if _is_speed(field.name):
+    if _is_speed(field):
         return partial(_speed, driver=driver)
+    if field.name == HEIGHTS:
+        return _heights
+    if isinstance(field.default, bool):
+        return _truth
     known = declared(field)
     unit = "-" if known is None else driver.in_place_of(known.unit)
     return partial(_vector if known is not None and known.axes else read_quantity, unit=unit)
 
 
-def _is_speed(name: str) -> bool:
-    return name == "speed" or name.endswith("_speed")
+def _is_speed(field: Field[Any]) -> bool:
+    known = declared(field)
+    return (field.name == "speed" or field.name.endswith("_speed")) and (known is None or known.unit != "m/s")
 
 
 def _is_at(field: Field[Any]) -> bool:
@@ -521,6 +577,16 @@ def _whole(text: str) -> int:
         return int(text)
     except ValueError:
         raise ValueError("no whole number") from None
+
+
+def _heights(text: str) -> tuple[float, ...]:
+    return tuple(read_quantity(part, "m") for part in text.split("/"))
+
+
+def _truth(text: str) -> bool:
+    if text not in ("yes", "no"):
+        raise ValueError("neither yes nor no")
+    return text == "yes"
 
 
 def _at(text: str) -> SwitchPoint:

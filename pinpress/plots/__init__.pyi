@@ -13,4 +13,6 @@ from .reactions import polar as polar
 from .reactions import shaking as shaking
 from .reactions import slide as slide
 from .reactions import torque as torque
+from .servo_motions import servo as servo
+from .servo_motions import torque_over_speed as torque_over_speed
 from .style import save as save

@@ -1,3 +1,11 @@
+from .best_motion import ActiveLimit as ActiveLimit
+from .best_motion import MotionOptimum as MotionOptimum
+from .best_motion import best_motion as best_motion
+from .comparison import ComparedMotion as ComparedMotion
+from .comparison import MotionComparison as MotionComparison
+from .comparison import compare_motions as compare_motions
+from .controller import ControllerTable as ControllerTable
+from .controller import controller_table as controller_table
 from .drive import ServoDrive as ServoDrive
 from .laws import MotionLaw as MotionLaw
 from .laws import vdi_law as vdi_law
@@ -22,7 +30,10 @@ from .paths import Pulse as Pulse
 from .paths import Stop as Stop
 from .paths import Turn as Turn
 from .sizing import EnergyStore as EnergyStore
+from .sizing import MotorChoice as MotorChoice
+from .sizing import TriedMotor as TriedMotor
 from .sizing import capacitor as capacitor
+from .sizing import choose_motor as choose_motor
 from .stroke_laws import constant_crank_speed as constant_crank_speed
 from .stroke_laws import constant_slide_speed as constant_slide_speed
 from .stroke_laws import motion_by_law as motion_by_law

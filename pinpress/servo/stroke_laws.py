@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..common.arguments import expect, in_unit, positive, suitable_numbers, typed, whole_number
+from ..common.arguments import expect, positive, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.quantities import Array
 from ..dynamics.applied_loads import asked
@@ -25,6 +25,7 @@ from ..loads.link import Load
 from ..loads.process import ProcessLoad, datum
 from .drive import ServoDrive
 from .laws import VDI_LAWS, MotionLaw, vdi_law
+from .limits import Limit, SlideSpeed, checked, span
 from .motion import MOST_STATES, ServoMotion, evaluated
 from .paths import Path, PathLegs, Stop, Turn, legs_of
 
@@ -90,10 +91,19 @@ class _Cycle:
         """Whether the crank of a full turn turns positively."""
         return bool(self.legs.angles[-1] > self.legs.angles[0])
 
-    def motion(self, legs: Sequence[Sequence[_Part]], start: float | None = None) -> ServoMotion:
-        """The motion of parts, leg by leg; ``start``: crank angle at which it begins, by default the path's."""
+    def turning(self, parts: Sequence[_Part], start: float) -> ServoMotion:
+        """The motion of a full turn, or of several strokes that are alike, from the parts of a stroke that begin at a crank angle."""
+        return self.motion([_begun_later([*parts] * self.legs.strokes, self._ahead(start))])
+
+    def _ahead(self, start: float) -> float:
+        """Angle that the crank turns from an angle to where the path begins [rad]."""
+        ahead = float(self.legs.angles[0]) - start
+        return (ahead if self.forward else -ahead) % self.way
+
+    def motion(self, legs: Sequence[Sequence[_Part]]) -> ServoMotion:
+        """The motion of parts, leg by leg."""
         times, weights, states = [], [], []
-        angle, time = float(self.legs.angles[0]) if start is None else start, 0.0
+        angle, time = float(self.legs.angles[0]), 0.0
         ways = np.sign(np.diff(self.legs.angles))
         for way, parts in zip(ways, legs, strict=True):
             for part in parts:
@@ -145,6 +155,32 @@ def _by_law(law: MotionLaw, way: float, duration: float) -> _Part:
     return _Part(duration, at)
 
 
+def _begun_later(parts: list[_Part], angle: float) -> list[_Part]:
+    """The parts of a closed path from where the crank has turned by an angle on; those before it come last."""
+    for k, part in enumerate(parts):
+        turned = float(part.at(np.array([part.duration]))[0][0])
+        if angle < turned:
+            *early, late = _cut(part, angle)
+            return [late, *parts[k + 1 :], *parts[:k], *early]
+        angle -= turned
+    return parts
+
+
+def _cut(part: _Part, angle: float) -> list[_Part]:
+    """A part in two, cut where the crank has turned by an angle; the part itself where that is nothing."""
+    from scipy.optimize import brentq  # to save start-up time
+
+    if angle <= 0:
+        return [part]
+    time = brentq(lambda t: float(part.at(np.array([t]))[0][0]) - angle, 0.0, part.duration, xtol=1e-15)
+
+    def late(since: Array) -> tuple[Array, Array, Array]:
+        turned, speed, acceleration = part.at(time + since)
+        return turned - part.at(np.array([time]))[0], speed, acceleration
+
+    return [part._replace(duration=time), _Part(part.duration - time, late)]
+
+
 @typed
 def constant_crank_speed(
     press: Linkage, drive: ServoDrive, loads: Sequence[Load] = (), *, time: float, path: Path = TURN, points: int = POINTS
@@ -174,8 +210,7 @@ def two_speed(
     loads: Sequence[Load] = (),
     *,
     time: float,
-    slide_speed: float,
-    heights: tuple[float, float],
+    limit: SlideSpeed,
     path: Path = TURN,
     points: int = POINTS,
 ) -> ServoMotion:
@@ -189,8 +224,7 @@ def two_speed(
         drive: its drive.
         loads: as of `inverse_dynamics`.
         time: of a cycle [s].
-        slide_speed: largest speed of the slide in the window, on its way down [m/s].
-        heights: of the slide above bottom dead centre between which that holds, the upper one first [m].
+        limit: largest speed of the slide in a window of heights, on its way down.
         path: `Turn`; by default forwards.
         points: number of states.
 
@@ -200,7 +234,7 @@ def two_speed(
     """
     cycle = _cycle(press, drive, loads, time, path, points)
     _refuse_rests(cycle)
-    window = _window(cycle, slide_speed, heights)
+    window = _window(cycle, limit)
     slow, whole = window.slowest, cycle.stroke_time
     working = window.angle / slow
     _refuse_slack(cycle, window)
@@ -210,7 +244,7 @@ def two_speed(
         fast = (cycle.way - slow * (working + ramp)) / (whole - working - ramp)
         rest = whole - working - 2 * ramp
         parts = [_constant(slow, working), _ramp(slow, fast, ramp), *([_constant(fast, rest)] if rest > 0 else []), _ramp(fast, slow, ramp)]
-        return cycle.motion([parts * cycle.legs.strokes], window.start)
+        return cycle.turning(parts, window.start)
 
     return _best(motion, LEAST_RAMP * whole, 0.5 * (whole - working))
 
@@ -222,8 +256,7 @@ def constant_slide_speed(
     loads: Sequence[Load] = (),
     *,
     time: float,
-    slide_speed: float,
-    heights: tuple[float, float],
+    limit: SlideSpeed,
     path: Path = TURN,
     points: int = POINTS,
 ) -> ServoMotion:
@@ -238,8 +271,7 @@ def constant_slide_speed(
         drive: its drive.
         loads: as of `inverse_dynamics`.
         time: of a cycle [s].
-        slide_speed: speed of the slide in the window [m/s].
-        heights: of the slide above bottom dead centre between which that holds, the upper one first [m].
+        limit: speed of the slide in a window of heights, on its way down.
         path: `Turn`; by default forwards.
         points: number of states.
 
@@ -248,15 +280,15 @@ def constant_slide_speed(
     """
     cycle = _cycle(press, drive, loads, time, path, points)
     _refuse_rests(cycle)
-    window = _window(cycle, slide_speed, heights)
+    window = _window(cycle, limit)
     whole = cycle.stroke_time
     _refuse_slack(cycle, window)
-    working = float(window.height(0.0) - window.height(window.angle)) / slide_speed
+    working = float(window.height(0.0) - window.height(window.angle)) / limit.speed
     _refuse_short(cycle, working)
 
     def motion(ramp: float) -> ServoMotion:
         first, parts = _beside_window(cycle, window, ramp)
-        return cycle.motion([parts * cycle.legs.strokes], window.start + (first if cycle.forward else -first))
+        return cycle.turning(parts, window.start + (first if cycle.forward else -first))
 
     return _best(motion, LEAST_RAMP * whole, 0.5 * (whole - working))
 
@@ -317,8 +349,7 @@ def ready_motions(
     *,
     time: float,
     path: Path = TURN,
-    slide_speed: float | None = None,
-    heights: tuple[float, float] | None = None,
+    limits: Sequence[Limit] = (),
     points: int = POINTS,
 ) -> dict[str, ServoMotion]:
     """All motions that engineers know for a cycle, by their names: what a better one is to be compared with.
@@ -332,24 +363,21 @@ def ready_motions(
         loads: as of `inverse_dynamics`.
         time: of a cycle [s].
         path: by default `Turn()`.
-        slide_speed: largest speed of the slide in a window of heights, on its way down [m/s]; goes with ``heights``.
-        heights: the window, see `two_speed` [m].
+        limits: as of `best_motion`; of these the first `SlideSpeed` of the way down is kept where that is said above.
         points: number of states.
 
     Raises:
-        PinpressError: only one of slide_speed and heights is given; or as the functions that make one motion.
+        PinpressError: as the functions that make one motion.
     """
-    if (slide_speed is None) != (heights is None):
-        raise PinpressError("slide_speed and heights go together: give both, e.g. slide_speed=0.2, heights=(0.06, 0.0), or neither")
     cycle = _cycle(press, drive, loads, time, path, points)
     common: dict[str, Any] = {"time": cycle.time, "path": path, "points": cycle.points}
     if not cycle.legs.closed:
         return {law: motion_by_law(press, drive, law, cycle.loads, **common) for law in VDI_LAWS}
     found = {"constant crank speed": constant_crank_speed(press, drive, cycle.loads, **common)}
-    if slide_speed is not None and heights is not None and not _is_slack(cycle, _window(cycle, slide_speed, heights)):
-        limited: dict[str, Any] = {"slide_speed": slide_speed, "heights": heights, **common}
-        found["two speeds"] = two_speed(press, drive, cycle.loads, **limited)
-        found["constant slide speed"] = constant_slide_speed(press, drive, cycle.loads, **limited)
+    slide = next((each for each in checked(limits) if isinstance(each, SlideSpeed) and each.flank != "up"), None)
+    if slide is not None and not _is_slack(cycle, _window(cycle, slide)):
+        found["two speeds"] = two_speed(press, drive, cycle.loads, limit=slide, **common)
+        found["constant slide speed"] = constant_slide_speed(press, drive, cycle.loads, limit=slide, **common)
     return found
 
 
@@ -380,15 +408,17 @@ class _Window:
         return self.speed / float(self.ratio(np.linspace(0.0, self.angle, 4 * WINDOW)).max())
 
 
-def _window(cycle: _Cycle, slide_speed: float, heights: tuple[float, float]) -> _Window:
+def _window(cycle: _Cycle, limit: SlideSpeed) -> _Window:
     from scipy.interpolate import CubicHermiteSpline  # to save start-up time
 
-    speed = positive("slide_speed", slide_speed, "m/s")
-    ends = dead_centres(cycle.press)
-    wanted = f"two falling heights above bottom dead centre, within the stroke of {ends.stroke:.6g} m, e.g. (0.06, 0.0) [m]"
-    upper, lower = suitable_numbers(
-        "heights", in_unit("heights", heights, "m"), wanted, (2,), lambda h: (h[0] > h[1]) & (h[1] >= 0) & (h[0] <= ends.stroke)
-    ).tolist()
+    expect("limit", limit, SlideSpeed, "servo.SlideSpeed")
+    if limit.flank == "up":
+        raise PinpressError('limit is one of the way up: give SlideSpeed(speed, heights, flank="down")')
+    ends, speed = dead_centres(cycle.press), limit.speed
+    lower, upper = span(limit)
+    if not lower < ends.stroke:
+        raise PinpressError(f"limit holds from {lower:g} m up, above the stroke of {ends.stroke:.6g} m: give heights within it")
+    lower, upper = max(lower, 0.0), min(upper, ends.stroke)
     before, after = (angle_on_flank(cycle.press, ends, height, cycle.forward) for height in (upper, lower))
     angle = (after - before if cycle.forward else before - after) % cycle.way
     along = np.linspace(0.0, angle, WINDOW)
@@ -505,7 +535,7 @@ def _refuse_slack(cycle: _Cycle, window: _Window) -> None:
     if _is_slack(cycle, window):
         even = cycle.way / cycle.stroke_time * window.speed / window.slowest
         raise PinpressError(
-            f"slide_speed is {window.speed:g} m/s, but at constant crank speed the slide is no faster than {even:.4g} m/s in the window:"
+            f"limit is {window.speed:g} m/s, but at constant crank speed the slide is no faster than {even:.4g} m/s in the window:"
             " take constant_crank_speed, or give a lower speed or less time"
         )
 

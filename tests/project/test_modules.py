@@ -12,7 +12,6 @@ MOST = 16  # modules of one folder, apart from its __init__
 LEAST = 40  # lines of a module
 SHORT = {  # modules that have fewer, and why
     "__main__.py": "`python -m pinpress`",
-    "cli/new.py": "a command, as every other module there",
     "measures.py": "a list of names, in measures.pyi",
     "video.py": "a list of names, in video.pyi",
 }

@@ -76,6 +76,30 @@ def test_the_example_catalogue_is_read():
     assert powers == sorted(powers)
 
 
+def test_the_smallest_motor_that_suffices_is_chosen():
+    drawing, limit = pp.loads.DeepDrawing(1.5e6, 0.06), pp.servo.SlideSpeed(0.2, (0.06, 0.0))
+    asked = {"ratios": [50.0, 60.0], "time": 2.4, "limits": [limit], "gear_inertia": 50.0, "points": 180}
+    small, middle, large = pp.servo.read_motors(CATALOGUE)[2:5]
+    found = pp.servo.choose_motor(pp.load("zxn2_3000b"), [large, middle, small], [drawing], **asked)
+    assert found.motor is middle
+    assert found.use.ratio == 60.0
+    assert [(each.motor, each.ratio) for each in found.tried] == [(m.name, i) for m in (small, middle) for i in (50.0, 60.0)]
+    assert [each.remark for each in found.tried[:2]] == ["too warm", "too warm"]
+    assert found.use == pp.servo.motor_use(middle, found.best.motion)
+    assert found.use.suffices
+    assert "MotorChoice for zxn2_3000b: example 800, ratio 60, 60" in str(found)
+    none = pp.servo.choose_motor(pp.load("zxn2_3000b"), [small], [drawing], **asked)
+    assert none.motor is none.best is none.use is None
+    assert "none of the motors suffices" in str(none)
+    rested = pp.servo.choose_motor(pp.load("zxn2_3000b"), [small], [drawing], pause=6.0, **asked | {"ratios": [80.0]})
+    assert rested.tried[0].thermal < 1
+
+
+def test_limits_that_no_motion_keeps_are_refused_for_all_motors():
+    with pytest.raises(pp.PinpressError, match="no motion of crank_slide keeps the"):
+        pp.servo.choose_motor(pp.load("crank_slide"), [MOTOR], ratios=[10.0], time=0.1, limits=[pp.servo.CrankSpeed(10.0)], points=60)
+
+
 HEAD = "motor,inertia [kg m2],copper loss [W/(N m)2],speed [r/min],rated torque [N m],peak torque [N m]\n"
 
 

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from support.exploring import examples
 
 import pinpress as pp
-from pinpress.servo import Pendulum, Pulse, ServoDrive, Stop, Turn
+from pinpress.servo import Pendulum, Pulse, ServoDrive, SlideSpeed, Stop, Turn
 from pinpress.servo.laws import VDI_LAWS
 
-WINDOW = {"slide_speed": 0.2, "heights": (0.06, 0.0)}
+LIMIT = SlideSpeed(0.2, heights=(0.06, 0.0))
 DRAWING = pp.loads.DeepDrawing(1.5e6, 0.06)
 DRIVE = ServoDrive(inertia=800.0, copper=1e-5, regeneration=0.0)
 HEAVY = ServoDrive(inertia=1e9)
@@ -25,7 +25,7 @@ def press(name):
 
 @cache
 def drawn(points=720):
-    return pp.servo.ready_motions(press("zxn2_3000b"), DRIVE, [DRAWING], time=2.4, points=points, **WINDOW)
+    return pp.servo.ready_motions(press("zxn2_3000b"), DRIVE, [DRAWING], time=2.4, points=points, limits=[LIMIT])
 
 
 def slides(motion, low, high):
@@ -51,14 +51,7 @@ def test_zxn2_drawing_agrees_with_the_prototype():
     ],
 )
 def test_two_speeds_of_other_presses_agree_with_the_prototype(name, inertia, load, time, window, rms):
-    found = pp.servo.two_speed(
-        press(name),
-        ServoDrive(inertia=inertia),
-        [load],
-        time=time,
-        slide_speed=window[0],
-        heights=window[1],
-    )
+    found = pp.servo.two_speed(press(name), ServoDrive(inertia=inertia), [load], time=time, limit=SlideSpeed(*window))
     assert found.rms_torque == pytest.approx(rms, rel=3e-3)
 
 
@@ -78,7 +71,7 @@ def test_the_limit_of_the_slide_is_kept_and_reached(name):
 
 
 def test_the_slide_goes_at_constant_speed_in_a_window_that_ends_above_the_bottom():
-    motion = pp.servo.constant_slide_speed(press("zxn2_3000b"), DRIVE, time=2.4, slide_speed=0.1, heights=(0.06, 0.03))
+    motion = pp.servo.constant_slide_speed(press("zxn2_3000b"), DRIVE, time=2.4, limit=SlideSpeed(0.1, (0.03, 0.06)))
     assert slides(motion, 0.03 + 1e-6, 0.06 - 1e-6) == pytest.approx(0.1, rel=1e-8)
     jumps = np.abs(np.diff(motion.speed))
     assert jumps.max() < 0.05 * motion.speed.max()  # a ramp on both sides
@@ -99,9 +92,10 @@ def test_two_equal_legs_share_the_time_evenly():
 
 
 def test_turning_backwards_costs_a_symmetric_press_the_same():
-    window = {"slide_speed": 0.1, "heights": (0.01, 0.0)}
     there, back = (
-        pp.servo.two_speed(press("crank_slide"), ServoDrive(inertia=5.0), time=0.5, path=Turn(backwards=backwards), **window)
+        pp.servo.two_speed(
+            press("crank_slide"), ServoDrive(inertia=5.0), time=0.5, path=Turn(backwards=backwards), limit=SlideSpeed(0.1, (0.01, 0.0))
+        )
         for backwards in (False, True)
     )
     assert back.rms_torque == pytest.approx(there.rms_torque, rel=1e-9)
@@ -120,14 +114,14 @@ def test_a_pendulum_and_pulses_rest_where_their_paths_say():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda p: pp.servo.two_speed(p, DRIVE, time=2.4, path=Stop(), **WINDOW), "path has rests"),
-        (lambda p: pp.servo.two_speed(p, DRIVE, time=6.0, **WINDOW), r"at constant crank speed the slide is no faster than 0\.13"),
-        (lambda p: pp.servo.two_speed(p, DRIVE, time=0.5, **WINDOW), r"the window of heights alone takes 0\.9"),
-        (lambda p: pp.servo.constant_slide_speed(p, DRIVE, time=0.2, **WINDOW), r"the window of heights alone takes 0\.3 s"),
-        (lambda p: pp.servo.two_speed(p, DRIVE, time=2.4, slide_speed=0.2, heights=(0.4, 0.0)), r"within the stroke of 0\.301261 m"),
+        (lambda p: pp.servo.two_speed(p, DRIVE, time=2.4, path=Stop(), limit=LIMIT), "path has rests"),
+        (lambda p: pp.servo.two_speed(p, DRIVE, time=6.0, limit=LIMIT), r"at constant crank speed the slide is no faster than 0\.13"),
+        (lambda p: pp.servo.two_speed(p, DRIVE, time=0.5, limit=LIMIT), r"the window of heights alone takes 0\.9"),
+        (lambda p: pp.servo.constant_slide_speed(p, DRIVE, time=0.2, limit=LIMIT), r"the window of heights alone takes 0\.3 s"),
+        (lambda p: pp.servo.two_speed(p, DRIVE, time=2.4, limit=SlideSpeed(0.2, (0.5, 0.4))), r"above the stroke of 0\.301261 m"),
         (lambda p: pp.servo.motion_by_law(p, DRIVE, "cubic", time=2.4, path=Turn()), "the laws go from rest to rest"),
         (lambda p: pp.servo.motion_by_law(p, DRIVE, "cubic", time=2.4, path=Stop(bottom=3.0)), "the path rests for 3 s"),
-        (lambda p: pp.servo.ready_motions(p, DRIVE, time=2.4, slide_speed=0.2), "slide_speed and heights go together"),
+        (lambda p: pp.servo.two_speed(p, DRIVE, time=2.4, limit=SlideSpeed(0.2, flank="up")), "one of the way up"),
     ],
 )
 def test_what_does_not_go_together_is_refused(call, words):

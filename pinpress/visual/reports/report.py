@@ -60,7 +60,7 @@ def report(
             process force too; a `Run` of the press beside this motion; `BalancedPress` and `TradeOffCurve`; `SlideCompliance`,
             `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `ElasticRun`, `ElasticModes`, `CampbellDiagram` and
             `ElasticSpeedResponse`; `MountedPress`, `VibrationModes`, `FrameMotion`,
-            `SpeedResponse` and `Isolation`.
+            `SpeedResponse` and `Isolation`; `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`.
         flywheel: As for `record`; by default those of a run, of the motion or among the results.
 
     Raises:

@@ -18,9 +18,12 @@ from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from ...ratings.rating import PressRatings
+from ...servo.best_motion import MotionOptimum
+from ...servo.comparison import MotionComparison
+from ...servo.sizing import EnergyStore, MotorChoice
 from ...simulation.elastic.elastic_run import ElasticRun
 from ...simulation.run import Run
-from . import balancing, driving, elastic_motion, elasticity, foundation, ratings
+from . import balancing, driving, elastic_motion, elasticity, foundation, ratings, servo
 from .blocks import Section
 from .shown import Shown
 
@@ -42,6 +45,10 @@ MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     FrameMotion: foundation.vibration,
     SpeedResponse: foundation.over_speeds,
     Isolation: foundation.isolation,
+    MotionOptimum: servo.optimum,
+    MotionComparison: servo.comparison,
+    MotorChoice: servo.choice,
+    EnergyStore: servo.energy_store,
 }
 
 

@@ -144,7 +144,7 @@ def served() -> pp.servo.ServoMotion:
 
 
 def servo_window() -> dict[str, Any]:
-    return {"slide_speed": 0.1, "heights": (0.01, 0.0)}
+    return {"limit": pp.servo.SlideSpeed(0.1, (0.01, 0.0))}
 
 
 @cache
@@ -439,7 +439,7 @@ def calls() -> dict[str, Call]:
         ("servo.two_speed", pp.servo.two_speed, lambda: servo_cycle() | servo_window()),
         ("servo.constant_slide_speed", pp.servo.constant_slide_speed, lambda: servo_cycle() | servo_window()),
         ("servo.motion_by_law", pp.servo.motion_by_law, lambda: servo_cycle() | {"law": "cubic", "path": pp.servo.Stop(0.1)}),
-        ("servo.ready_motions", pp.servo.ready_motions, lambda: servo_cycle() | servo_window()),
+        ("servo.ready_motions", pp.servo.ready_motions, lambda: servo_cycle() | {"limits": [*servo_window().values()]}),
         ("servo.CatalogueMotor", pp.servo.CatalogueMotor, catalogue_numbers),
         (
             "servo.motor_use",

@@ -1,0 +1,195 @@
+"""`pinpress servo`: the best motion of a servo press, beside those that engineers know; and the smallest motor for it."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..common.errors import PinpressError
+from ..common.files import make_folder
+from ..common.results import Tabular
+from ..dynamics.inputs import Inputs, of_loads, of_press, stated
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..linkage.linkage import Linkage
+from ..loads.link import Load
+from ..servo.best_motion import POINTS, MotionOptimum, best_motion
+from ..servo.comparison import MotionComparison, compare_motions
+from ..servo.controller import controller_table
+from ..servo.limits import Limit
+from ..servo.motors import read_motors
+from ..servo.paths import Path as ServoPath
+from ..servo.sizing import MotorChoice, capacitor, choose_motor
+from ..servo.stroke_laws import ready_motions
+from . import part_specs
+from .options import add_force_options, add_out_option, add_press_options, load_press, loads, print_inputs, say_written
+from .units import quantity, read_quantity
+
+EPILOG = f"""\
+--time is that of a cycle in s, also as a fraction: 60/25 for 25 cycles a minute. At constant crank speed it would be a turn.
+
+{part_specs.explained("servo", "load", "spring")}
+Give --drive, or a catalogue of --motors with --ratios, of which the smallest motor that suffices is taken: a CSV file with the columns
+  motor, inertia [kg m2], copper loss [W/(N m)2], speed [r/min], rated torque [N m], peak torque [N m]
+and a row for each point of a motor's curves.
+
+e.g. pinpress servo zxn2_3000b --time 60/25 --load drawing:force=1500kN,start=60mm --limit slide-speed:speed=0.2,heights=60mm/0
+     --motors docs/servo_motors.csv --ratios 40,50,60,80 --gear-inertia 50 --out out --report
+"""
+
+
+def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Put `servo` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "servo",
+        help="the motion of a servo press that needs the smallest motor, proved, and which motor that is",
+        description="Find the motion of the crank with the least heat in the motor, time or energy within limits, and prove that none is\n"
+        "better. Prints it beside the motions that engineers know, with the limits that hold it back. With --out it also writes\n"
+        "servo.csv (the motion, SI units), angle.csv and height.csv (for a controller) and comparison.csv; with --report also\n"
+        "report.html, the press moving so.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    option("--time", type=cycle_time, metavar="S", help="most time of a cycle [s], see below; not needed with --minimise time")
+    option(
+        "--minimise",
+        choices=("heat", "time", "energy", "peak"),
+        default="heat",
+        help="what is to be least: the heat in the motor, the time, the energy drawn, the largest torque (default: %(default)s)",
+    )
+    option("--drive", metavar="KEYS", help="motor and gear, see below")
+    option("--motors", type=Path, metavar="CSV", help="catalogue of which the smallest motor that suffices is taken, see below")
+    option("--ratios", type=gear_ratios, metavar="I,I,...", help="gear ratios to try; of --drive the best is taken, in place of its own")
+    option("--gear-inertia", type=quantity("kg m2"), metavar="J", help="inertia of the gears at the crank, with --motors [kg m2]")
+    option("--pause", type=quantity("s"), metavar="S", help="pause after each cycle, with --motors: the motor cools [s]")
+    option("--path", metavar="KIND:KEYS", default="turn", help="where the crank goes in a cycle, see below (default: %(default)s)")
+    option("--limit", metavar="KIND:KEYS", action="append", default=[], help="limit, see below; may be given several times")
+    add_force_options(parser, friction=False, stiffness=False)
+    option("--step", type=quantity("s"), default=1e-3, metavar="S", help="step of angle.csv and height.csv (default: %(default)s s)")
+    option("--points", type=int, default=POINTS, metavar="N", help="number of steps of the path (default: %(default)s)")
+    add_press_options(parser)
+    add_out_option(parser, "the files")
+    option("--report", action="store_true", help="also write report.html: the press with its best motion, and charts that follow it")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the best motion beside others, and write the files.
+
+    Raises:
+        PinpressError: Options do not go together, no motion keeps the limits, no motor suffices, or writing fails.
+    """
+    _refuse_what_does_not_go_together(options)
+    press, acting = load_press(options), loads(options)
+    path, limits = part_specs.servo_path(options.path), [part_specs.limit(words) for words in options.limit]
+    choice = _choice(press, acting, path, limits, options) if options.motors is not None else None
+    if choice is not None and choice.best is None:
+        print(choice)
+        raise PinpressError("none of the motors suffices: give larger ones, other --ratios, more --time or a --pause")
+    best = _best(press, acting, path, limits, options) if choice is None or choice.best is None else choice.best
+    motions = ready_motions(press, best.drive, acting, time=best.motion.duration, path=path, limits=limits)
+    compared = compare_motions({f"least {options.minimise}": best.motion, **motions}, limits)
+    if options.out is not None:
+        make_folder(options.out)
+    parts: list[Tabular] = [*([] if choice is None else [choice]), best, compared, capacitor(best.motion)]
+    print("\n\n".join(map(str, parts)))
+    print_inputs(_inputs(press, acting, options))
+    if options.out is not None:
+        _write(press, acting, best, compared, parts, options)
+    return 0
+
+
+def cycle_time(text: str) -> float:
+    """Reads an option of `argparse`: a time in s, also as a fraction, 60/25."""
+    above, slash, below = text.partition("/")
+    try:
+        return read_quantity(above, "s") / read_quantity(below, "-") if slash else read_quantity(text, "s")
+    except (ValueError, ZeroDivisionError):
+        raise argparse.ArgumentTypeError(f"{text!r} is no time: give seconds, as 2.4, or 60/25 for 25 a minute") from None
+
+
+def gear_ratios(text: str) -> list[float]:
+    """Reads an option of `argparse`: numbers with commas between them."""
+    try:
+        return [read_quantity(part, "-") for part in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} are no ratios: give numbers with commas between them, 40,60,80") from None
+
+
+def _refuse_what_does_not_go_together(options: argparse.Namespace) -> None:
+    if (options.drive is None) == (options.motors is None):
+        raise PinpressError(f"give --drive or --motors, one of them; e.g. --drive {part_specs.SERVO_DRIVE.example}")
+    if options.time is None and (options.minimise != "time" or options.motors is not None):
+        raise PinpressError("--time is missing, that of a cycle: give e.g. --time 60/25 for 25 a minute")
+    if options.motors is not None and options.ratios is None:
+        raise PinpressError("--motors needs the gear ratios to try: give e.g. --ratios 40,60,80")
+    if options.motors is not None and options.minimise != "heat":
+        raise PinpressError("--motors chooses the motor by its heat: leave out --minimise, or give --drive")
+    if options.drive is not None:
+        for name in ("gear_inertia", "pause"):
+            if getattr(options, name) is not None:
+                raise PinpressError(
+                    f"--{name.replace('_', '-')} goes with --motors: leave it out" + " (--drive has the key)" * (name[0] == "g")
+                )
+    if options.report and options.out is None:
+        raise PinpressError("--report needs a folder to write into: give --out DIR too")
+
+
+def _choice(press: Linkage, acting: Sequence[Load], path: ServoPath, limits: Sequence[Limit], options: argparse.Namespace) -> MotorChoice:
+    return choose_motor(
+        press,
+        read_motors(options.motors),
+        acting,
+        ratios=options.ratios,
+        time=options.time,
+        path=path,
+        limits=limits,
+        pause=options.pause or 0.0,
+        gear_inertia=options.gear_inertia or 0.0,
+        points=options.points,
+    )
+
+
+def _best(press: Linkage, acting: Sequence[Load], path: ServoPath, limits: Sequence[Limit], options: argparse.Namespace) -> MotionOptimum:
+    return best_motion(
+        press,
+        part_specs.part("--drive", part_specs.SERVO_DRIVE, options.drive),
+        acting,
+        minimise=options.minimise,
+        time=options.time,
+        path=path,
+        limits=limits,
+        ratios=options.ratios,
+        points=options.points,
+    )
+
+
+def _inputs(press: Linkage, acting: Sequence[Load], options: argparse.Namespace) -> Inputs:
+    """What the motion was computed from, in words; path, drive and limits as they were given."""
+    given = [("drive", options.drive), ("motors", options.motors), ("path", options.path), *(("limit", words) for words in options.limit)]
+    time = [] if options.time is None else [("time", f"{options.time:.6g} s a cycle")]
+    return [*of_press(press), *time, *((name, str(words)) for name, words in given if words is not None), *of_loads(acting), stated()]
+
+
+def _write(
+    press: Linkage,
+    acting: Sequence[Load],
+    best: MotionOptimum,
+    compared: MotionComparison,
+    parts: Sequence[Tabular],
+    options: argparse.Namespace,
+) -> None:
+    """Write the files and say so."""
+    folder: Path = options.out
+    best.to_csv(folder / "servo.csv")
+    for of in ("angle", "height"):
+        controller_table(best.motion, of, step=options.step).to_csv(folder / f"{of}.csv")
+    compared.to_csv(folder / "comparison.csv")
+    written = ["servo.csv", "angle.csv", "height.csv", "comparison.csv"]
+    if options.report:
+        from ..visual.reports.report import report  # Plotly is optional, and slow to import
+
+        # with all bearings, of which the optimum has only those with a limit
+        reactions = inverse_dynamics(press, best.motion.motion, acting)
+        report(press, best.motion.motion, folder / "report.html", reactions=reactions, results=parts)
+        written.append("report.html")
+    say_written(folder, written)

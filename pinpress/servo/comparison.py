@@ -1,0 +1,188 @@
+"""Motions of a servo press beside one another: what each asks of the drive, and which limits it breaks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import typed
+from ..common.errors import PinpressError
+from ..common.frozen import FrozenMapping
+from ..common.quantities import RPM, Array
+from ..common.results import Record, Records, Tabular
+from .limits import (
+    BearingForce,
+    CrankAcceleration,
+    CrankSpeed,
+    FeedWindow,
+    Limit,
+    RmsTorque,
+    SlideAcceleration,
+    SlideSpeed,
+    checked,
+    in_words,
+    span,
+)
+from .motion import ServoMotion
+
+KEPT = 0.02  # share by which a limit may be exceeded and still count as kept: by so much a torque does between the nodes of a program
+UNITS = {
+    "rms_torque": "N m",
+    "peak_torque": "N m",
+    "top_speed": "rad/s",
+    "peak_power": "W",
+    "energy_drawn": "J",
+    "cycle": "s",
+    "more_than_least": "-",
+}
+
+
+@dataclass(frozen=True, repr=False)
+class ComparedMotion(Record, units=UNITS):
+    """A motion beside others.
+
+    Attributes:
+        name: name of the motion.
+        rms_torque: root mean square of the motor's torque at its own shaft [N m].
+        peak_torque: largest of the motor [N m].
+        top_speed: largest of the motor [rad/s].
+        peak_power: largest mechanical power [W].
+        energy_drawn: energy drawn from the mains in a cycle [J].
+        cycle: time of a cycle [s].
+        more_than_least: rms torque beyond the least of all motions that break no limit, as a share of that [-]; None where there is none.
+        breaks: limits that it breaks, with what it comes to; empty for none.
+    """
+
+    name: str
+    rms_torque: float
+    peak_torque: float
+    top_speed: float
+    peak_power: float
+    energy_drawn: float
+    cycle: float
+    more_than_least: float | None
+    breaks: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionComparison(Tabular):
+    """Motions of one press beside one another.
+
+    Attributes:
+        motions: the motions, by their names.
+        limits: limits that they ought to keep, beside those of each one's drive.
+        rows: what each asks of its drive, and which limits it breaks.
+    """
+
+    motions: Mapping[str, ServoMotion]
+    limits: tuple[Limit, ...]
+    rows: Records[ComparedMotion]
+
+    @property
+    def title(self) -> str:
+        """The press, the number of motions and the one with the least rms torque of those that keep the limits."""
+        press_name = next(iter(self.motions.values())).press_name
+        least = next((row for row in self.rows if row.more_than_least == 0 and not row.breaks), None)
+        said = "none keeps its limits" if least is None else f"least rms torque of the motor {least.rms_torque:.6g} N m by {least.name}"
+        return f"MotionComparison for {press_name}: {len(self.rows)} motions, {said}"
+
+    def columns(self) -> dict[str, tables.Column]:
+        """A row for each motion."""
+        return self.rows.columns()
+
+    def __str__(self) -> str:
+        rows = [["", "rms [N m]", "more [%]", "peak [N m]", "top [r/min]", "power [kW]", "drawn [kJ]"]]
+        for row in self.rows:
+            more = "" if row.more_than_least is None or row.breaks else f"{100 * row.more_than_least:.1f}"
+            scaled = (row.peak_torque, row.top_speed / RPM, 1e-3 * row.peak_power, 1e-3 * row.energy_drawn)
+            rows.append([row.name, f"{row.rms_torque:.5g}", more, *(f"{value:.4g}" for value in scaled)])
+        broken = [f"{row.name} breaks {row.breaks}" for row in self.rows if row.breaks]
+        return "\n".join([self.title, *tables.fitted(rows), *broken])
+
+
+@typed
+def compare_motions(motions: Mapping[str, ServoMotion], limits: Sequence[Limit] = ()) -> MotionComparison:
+    """Compare motions of one press: how much a better one saves.
+
+    Args:
+        motions: the motions, by their names; for instance that of `best_motion` and those of `ready_motions`.
+        limits: limits that they ought to keep, beside those of each one's drive. Those of bearing forces are not looked at.
+
+    Raises:
+        PinpressError: there is no motion, something is none, or they are of several presses.
+    """
+    if not motions or not all(isinstance(each, ServoMotion) for each in motions.values()):
+        raise PinpressError("there is nothing to compare: give motions under their names, {'least heat': best.motion, ...}")
+    if len({each.press_name for each in motions.values()}) > 1:
+        raise PinpressError("the motions are of several presses: compare those of one")
+    wanted = checked(limits)
+    broken = {name: _broken(each, wanted) for name, each in motions.items()}
+    keeping = [each.rms_motor_torque for name, each in motions.items() if not broken[name]]
+    least = min(keeping) if keeping else None
+
+    def row(name: str, motion: ServoMotion) -> ComparedMotion:
+        return ComparedMotion(
+            name=str(name),
+            rms_torque=motion.rms_motor_torque,
+            peak_torque=motion.peak_motor_torque,
+            top_speed=float(np.abs(motion.motor_speed).max()),
+            peak_power=motion.peak_power,
+            energy_drawn=motion.energy_drawn,
+            cycle=motion.duration,
+            more_than_least=motion.rms_motor_torque / least - 1 if least else None,
+            breaks="; ".join(broken[name]),
+        )
+
+    return MotionComparison(FrozenMapping(dict(motions)), wanted, Records(ComparedMotion, [row(*item) for item in motions.items()]))
+
+
+def _broken(motion: ServoMotion, limits: Sequence[Limit]) -> list[str]:
+    """The limits that a motion breaks, in words."""
+    drive, found = motion.drive, []
+    of_drive = (
+        ("peak torque", motion.peak_motor_torque, drive.peak_torque, "N m"),
+        ("top speed", float(np.abs(motion.motor_speed).max()), drive.top_speed, "rad/s"),
+        ("power", motion.peak_power, drive.power, "W"),
+    )
+    for name, value, most, unit in of_drive:
+        if most is not None and value > (1 + KEPT) * most:
+            found.append(f"{name} of {most:.6g} {unit}: {value:.4g}")
+    for limit in limits:
+        if isinstance(limit, FeedWindow):
+            above = float(motion.weight @ (motion.height >= limit.height))
+            if above < (1 - KEPT) * limit.time:
+                found.append(f"{in_words(limit)}: {above:.4g} s")
+            continue
+        value, most = _size(motion, limit)
+        if value > (1 + KEPT) * most:
+            found.append(f"{in_words(limit)}: {value:.4g}")
+    return found
+
+
+def _size(motion: ServoMotion, limit: Limit) -> tuple[float, float]:
+    """The largest value of what is limited, and the limit."""
+    if isinstance(limit, RmsTorque):
+        most = motion.drive.rated_torque if limit.torque is None else limit.torque
+        return motion.rms_motor_torque, np.inf if most is None else most
+    if isinstance(limit, CrankAcceleration):
+        return float(np.abs(motion.acceleration).max()), limit.acceleration
+    if isinstance(limit, SlideSpeed):
+        return _within(motion, limit, motion.motion.slide_velocity), limit.speed
+    if isinstance(limit, CrankSpeed):
+        return _within(motion, limit, motion.speed), limit.speed
+    if isinstance(limit, SlideAcceleration):
+        return _within(motion, limit, motion.motion.slide_acceleration), limit.acceleration
+    assert isinstance(limit, BearingForce)
+    return 0.0, limit.force
+
+
+def _within(motion: ServoMotion, limit: SlideSpeed | CrankSpeed | SlideAcceleration, values: Array) -> float:
+    """Largest size of a quantity within a limit's heights and flank."""
+    low, high = span(limit)
+    down = motion.motion.slide_velocity < 0
+    inside = (motion.height > low) & (motion.height < high)
+    inside &= True if limit.flank == "both" else down if limit.flank == "down" else ~down
+    return float(np.abs(values[inside]).max(initial=0.0))

@@ -1,0 +1,80 @@
+"""Tables by which the controller of a servo press follows a motion: the crank's angle, or the slide's height, in equal steps of time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..common.arguments import expect, positive, typed
+from ..common.errors import PinpressError, shown
+from ..common.quantities import Array
+from ..common.results import Tabular
+from .motion import MOST_STATES, ServoMotion
+
+SAME = 1e-9  # share of the cycle by which states of one instant may differ
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ControllerTable(Tabular):
+    """A motion in equal steps of time, from the beginning of a cycle to its end.
+
+    Attributes:
+        press_name: name of the press.
+        of: "angle" or "height".
+        time: (n,) [s].
+        values: (n,) crank angle [deg], counted on over the cycle, or height of the slide above bottom dead centre [mm].
+    """
+
+    press_name: str
+    of: Literal["angle", "height"]
+    time: Array
+    values: Array
+
+    @property
+    def title(self) -> str:
+        """The press, what the table is of, the number of rows and the cycle."""
+        return f"ControllerTable of {self.press_name}: {self.of} at {len(self.time)} times, {self.time[-1]:.6g} s"
+
+    def columns(self) -> dict[str, Array]:
+        """Time and angle, or time and height, in units of controllers: s, deg, mm. That of angles is a ``program`` of
+        `pinpress simulate --motor servo:program=FILE`."""
+        return {"time [s]": self.time, "angle [deg]" if self.of == "angle" else "height [mm]": self.values}
+
+
+@typed
+def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e-3) -> ControllerTable:
+    """A motion as a table for a controller.
+
+    Between the motion's states the angle is the cubic that has their angles and speeds, exact for constant acceleration; so is the height.
+
+    Args:
+        motion: the motion.
+        of: "angle" of the crank, or "height" of the slide.
+        step: time between two rows; the last step may be shorter [s].
+
+    Raises:
+        PinpressError: ``of`` is neither, or there are more than a million rows.
+    """
+    expect("motion", motion, ServoMotion, "servo.evaluate or best_motion")
+    if of not in ("angle", "height"):
+        raise PinpressError(f"of is {shown(of)}: give 'angle' or 'height'")
+    width = positive("step", step, "s")
+    count = math.ceil(motion.duration / width * (1 - SAME))
+    if not count < MOST_STATES:
+        raise PinpressError(f"step is {width:g} s, which makes {count} rows of {motion.duration:g} s: give a longer step")
+    from scipy.interpolate import CubicHermiteSpline  # to save start-up time
+
+    kept = np.append(np.diff(motion.time) > SAME * motion.duration, True)
+    if of == "angle":
+        values, rates, scale = motion.angle, motion.speed, 180 / math.pi
+    else:
+        values, rates, scale = motion.height, motion.motion.slide_velocity, 1e3
+    start = motion.time[kept][0]
+    time, end = width * np.arange(count + 1), float(motion.time[-1] - start)
+    if time[-1] > end * (1 + SAME):
+        time[-1] = end
+    found = CubicHermiteSpline(motion.time[kept] - start, values[kept], rates[kept])(np.minimum(time, end))
+    return ControllerTable(motion.press_name, of, time, scale * found)  # type: ignore[arg-type]  # one of the two, as was seen

@@ -1,0 +1,90 @@
+"""Motions beside one another, and as tables for a controller."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import pinpress as pp
+from pinpress.servo import CrankAcceleration, CrankSpeed, FeedWindow, RmsTorque, ServoDrive, SlideAcceleration, SlideSpeed, Stop
+
+DRIVE = ServoDrive(inertia=2.0, ratio=5.0, peak_torque=300.0)
+
+
+@cache
+def ready():
+    press = pp.load("crank_slide")
+    return {
+        "even": pp.servo.constant_crank_speed(press, DRIVE, time=1.0),
+        "smooth": pp.servo.motion_by_law(press, DRIVE, "3-4-5", time=1.0, path=Stop()),
+    }
+
+
+def test_a_row_has_what_the_motion_says():
+    found = pp.servo.compare_motions(ready())
+    for row in found.rows:
+        motion = ready()[row.name]
+        assert (row.rms_torque, row.peak_torque, row.cycle) == (motion.rms_motor_torque, motion.peak_motor_torque, motion.duration)
+        assert row.top_speed == pytest.approx(5 * np.abs(motion.speed).max())
+    assert list(found.motions) == ["even", "smooth"]
+
+
+def test_a_motion_that_breaks_a_limit_is_not_the_least():
+    law = pp.servo.vdi_law("3-4-5")
+    even, smooth = ready().values()
+    assert even.rms_torque < smooth.rms_torque
+    limits = [CrankSpeed(1.01 * 2 * np.pi * law.peak_speed), CrankAcceleration(1.01 * 2 * np.pi * law.peak_acceleration)]
+    assert not any(row.breaks for row in pp.servo.compare_motions({"smooth": smooth}, limits).rows if "torque" not in row.breaks)
+    found = pp.servo.compare_motions(ready(), [FeedWindow(0.5 * even.height.max(), 0.55)])
+    assert found.rows[0].breaks.startswith("feed window of 0.55 s above")
+    assert found.rows[0].more_than_least is None or found.rows[0].more_than_least < 0
+
+
+@pytest.mark.parametrize(
+    ("limit", "value"),
+    [
+        (SlideSpeed(0.001), lambda m: -m.motion.slide_velocity.min()),
+        (SlideSpeed(0.001, flank="up"), lambda m: m.motion.slide_velocity.max()),
+        (CrankSpeed(0.1), lambda m: np.abs(m.speed).max()),
+        (SlideAcceleration(1e-3), lambda m: np.abs(m.motion.slide_acceleration).max()),
+        (CrankAcceleration(0.1), lambda m: np.abs(m.acceleration).max()),
+        (RmsTorque(1e-3), lambda m: m.rms_motor_torque),
+    ],
+)
+def test_limits_that_are_broken_are_named_with_what_they_come_to(limit, value):
+    smooth = ready()["smooth"]
+    (row,) = pp.servo.compare_motions({"smooth": smooth}, [limit]).rows
+    assert f": {value(smooth):.4g}" in row.breaks
+
+
+def test_a_drive_that_is_too_weak_is_named():
+    (row,) = pp.servo.compare_motions({"smooth": ready()["smooth"]}).rows
+    assert row.breaks.startswith("peak torque of 300 N m: ")
+
+
+def test_what_is_no_motion_is_refused():
+    with pytest.raises(pp.PinpressError, match="nothing to compare"):
+        pp.servo.compare_motions({})
+    other = pp.servo.constant_crank_speed(pp.load("thin_wall"), DRIVE, time=1.0)
+    with pytest.raises(pp.PinpressError, match="of several presses"):
+        pp.servo.compare_motions({"one": ready()["even"], "other": other})
+
+
+def test_a_controller_gets_the_law_itself():
+    table = pp.servo.controller_table(ready()["smooth"], step=0.01)
+    law = pp.servo.vdi_law("3-4-5")
+    start = np.degrees(ready()["smooth"].angle[0])
+    assert table.time == pytest.approx(0.01 * np.arange(101), abs=1e-15)
+    assert table.values == pytest.approx(start + 360 * law.position(0.01 * np.arange(101)), abs=1e-5)
+    assert list(table.columns()) == ["time [s]", "angle [deg]"]
+
+
+def test_heights_are_those_of_the_press_and_the_last_step_is_shorter():
+    press, table = pp.load("crank_slide"), pp.servo.controller_table(ready()["even"], "height", step=0.03)
+    assert table.time[-2:] == pytest.approx([0.99, 1.0])
+    motion = pp.servo_cycle(press, ready()["even"].angle[0] + 2 * np.pi * table.time, speed=2 * np.pi, acceleration=0.0)
+    assert table.values == pytest.approx(1e3 * (motion.slide_position - pp.dead_centres(press).bottom_position), abs=1e-6)
+    with pytest.raises(pp.PinpressError, match="give 'angle' or 'height'"):
+        pp.servo.controller_table(ready()["even"], "depth")
+    with pytest.raises(pp.PinpressError, match="which makes 1000000000 rows"):
+        pp.servo.controller_table(ready()["even"], step=1e-9)
