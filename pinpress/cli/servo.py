@@ -127,9 +127,8 @@ def _refuse_what_does_not_go_together(options: argparse.Namespace) -> None:
     if options.drive is not None:
         for name in ("gear_inertia", "pause"):
             if getattr(options, name) is not None:
-                raise PinpressError(
-                    f"--{name.replace('_', '-')} goes with --motors: leave it out" + " (--drive has the key)" * (name[0] == "g")
-                )
+                has = ": --drive has it as a key" if name == "gear_inertia" else ": leave it out"
+                raise PinpressError(f"--{name.replace('_', '-')} goes with --motors{has}")
     if options.report and options.out is None:
         raise PinpressError("--report needs a folder to write into: give --out DIR too")
 

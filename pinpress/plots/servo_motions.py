@@ -50,15 +50,16 @@ def servo(motions: Mapping[str, ServoMotion], *, ax: Iterable[Axes] | None = Non
                 made = axes.plot(motion.time, values, **look)  # type: ignore[arg-type]  # a colour and a kind of line
             lines += made
         limits = (
-            (1, drive.top_speed and drive.top_speed / drive.ratio / RPM),
+            (1, None if drive.top_speed is None else drive.top_speed / drive.ratio / RPM),
             (2, drive.peak_torque),
-            (3, drive.power and 1e-3 * drive.power),
+            (3, None if drive.power is None else 1e-3 * drive.power),
         )
         for k, most in limits:
-            for sign in (1, -1) if most is not None else ():
-                low, high = drawn.axes[k].dataLim.intervaly
-                if sign * most >= low - 0.5 * (high - low) and (sign > 0 or low < -0.5 * most):
-                    drawn.axes[k].axhline(sign * most, color=GREY, linewidth=THIN, linestyle="--")
+            if most is None:
+                continue
+            low = float(drawn.axes[k].dataLim.intervaly[0])
+            for sign in (1, -1) if low < -0.5 * most else (1,):
+                drawn.axes[k].axhline(sign * most, color=GREY, linewidth=THIN, linestyle="--")
         plain(drawn.axes[-1].set_xlabel("time [s]"))
         if len(motions) > 1:
             drawn.legend(lines, [str(name) for name in motions], loc="outside upper center", ncols=min(len(motions), 4))

@@ -29,6 +29,8 @@ PLOTS = {
     "vibration": (1, lambda ax: plots.vibration({"press": made("FrameMotion")}, ax=ax)),
     "speed_response": (2, lambda ax: plots.speed_response({"press": made("SpeedResponse")}, "head", ax=ax)),
     "accuracy": (8, lambda ax: pp.accuracy.plot(made("WorkPrecision"), ax=ax)),
+    "servo": (4, lambda ax: plots.servo({"even": made("ServoMotion")}, ax=ax)),
+    "torque_over_speed": (1, lambda ax: plots.torque_over_speed({"even": made("ServoMotion")}, made("CatalogueMotor"), ax=ax)),
     "trade_offs": (1, lambda ax: plots.trade_offs({"press": made("TradeOffCurve")}, ax=ax)),
 }
 

@@ -64,6 +64,11 @@ def reactions():
     )
 
 
+@cache
+def motor_choice():
+    return pp.servo.choose_motor(press(), [MOTOR], [], ratios=[5.0], time=1.0, points=24)
+
+
 MOTOR = pp.servo.CatalogueMotor("short", 0.1, [0.0, 200.0], [100.0, 50.0], [500.0, 400.0])
 
 
@@ -301,6 +306,11 @@ def made():
             pp.servo.capacitor(served()),
             MOTOR,
             pp.servo.motor_use(MOTOR, served()),
+            pp.servo.compare_motions({"even": served()}),
+            *pp.servo.compare_motions({"even": served()}).rows,
+            pp.servo.controller_table(served(), step=0.05),
+            motor_choice(),
+            *motor_choice().tried,
         ),
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
         foundation.over_speeds(mounted(), [5.0, SPEED], points={"head": (0.0, 0.0, 1.0)}),

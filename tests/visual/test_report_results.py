@@ -453,3 +453,34 @@ def test_press_on_its_springs(tmp_path: Path) -> None:
     assert "Resonances over the speed" in found
     assert data_in(path)["magnified"] > 1
     assert "slide_guide, W: 2e+08 N/m" in dict(data_in(path)["report"]["inputs"][0]["rows"])["elastic parts"]
+
+
+def test_servo_motions(tmp_path: Path) -> None:
+    press, drawing, limit = texts.shipped("zxn2_3000b"), pp.loads.DeepDrawing(1.5e6, 0.06), pp.servo.SlideSpeed(0.2, (0.06, 0.0))
+    motors = pp.servo.read_motors(Path(__file__).parents[2] / "docs/servo_motors.csv")[3:4]
+    choice = pp.servo.choose_motor(press, motors, [drawing], ratios=[60.0], time=2.4, limits=[limit], gear_inertia=50.0, points=360)
+    best = choice.best
+    assert best is not None
+    motion = best.motion.motion
+    ready = pp.servo.ready_motions(press, best.drive, [drawing], time=2.4, limits=[limit], points=90)
+    compared = pp.servo.compare_motions({"least heat": best.motion, **ready}, [limit])
+    results = [choice, best, compared, pp.servo.capacitor(best.motion)]
+    reactions = pp.inverse_dynamics(press, motion, [drawing])
+    found = sections(pp.report(press, motion, tmp_path / "out.html", reactions=reactions, results=results))
+    servo = found["Servo drive"]
+    assert "No motion" not in servo["note"]
+    assert "no motion along this path that keeps the limits is better" in servo["note"]
+    speed = curves(chart(servo, "Crank speed over its angle"))["best"]
+    assert_allclose(speed[1].max(), best.motion.speed.max() / pp.RPM, rtol=1e-5)
+    assert [row[0] for row in chart(servo, "What limits where")["rows"]] == [each.limit for each in best.limits]
+    drawn = curves(chart(found["Motions beside one another"], "Slide speed on the way down"))
+    assert list(drawn) == [*compared.motions, "limit"]
+    assert_allclose(drawn["limit"], [[0.0, 60.0], [0.2, 0.2]])
+    plane = curves(chart(found["Choice of the motor"], "Torque over speed"))
+    assert plane["peak torque"][1].max() <= motors[0].peak_torque[0] * (1 + 1e-6)
+    assert chart(found["Choice of the motor"], "Motors tried, the smallest first")["rows"][0][1] == "suffices"
+    assert [figure["name"] for figure in found["Mains and capacitor"]["blocks"][0]["figures"]][-1] == "capacitor"
+    other = texts.shipped("crank_slide")
+    for result in results[:3]:
+        with pytest.raises(pp.PinpressError, match=r"zxn2_3000b, the page of crank_slide"):
+            pp.report(other, pp.cycle(other, SPEED, points=24), tmp_path / "out.html", results=[result])
