@@ -11,11 +11,11 @@ from ..dynamics.inputs import Inputs, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
-from ..servo.best_motion import POINTS, MotionOptimum, best_motion
 from ..servo.comparison import MotionComparison, compare_motions
 from ..servo.controller import controller_table
 from ..servo.limits import Limit
 from ..servo.motors import read_motors
+from ..servo.optimum import POINTS, MotionOptimum, best_motion
 from ..servo.paths import Path as ServoPath
 from ..servo.sizing import MotorChoice, capacitor, choose_motor
 from ..servo.stroke_laws import ready_motions

@@ -1,10 +1,7 @@
-from .best_motion import ActiveLimit as ActiveLimit
-from .best_motion import MotionOptimum as MotionOptimum
-from .best_motion import best_motion as best_motion
 from .comparison import ComparedMotion as ComparedMotion
 from .comparison import MotionComparison as MotionComparison
 from .comparison import compare_motions as compare_motions
-from .controller import ControllerTable as ControllerTable
+from .controller import MotionTable as MotionTable
 from .controller import controller_table as controller_table
 from .drive import ServoDrive as ServoDrive
 from .laws import MotionLaw as MotionLaw

@@ -18,7 +18,7 @@ SAME = 1e-9  # share of the cycle by which states of one instant may differ
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ControllerTable(Tabular):
+class MotionTable(Tabular):
     """A motion in equal steps of time, from the beginning of a cycle to its end.
 
     Attributes:
@@ -36,7 +36,7 @@ class ControllerTable(Tabular):
     @property
     def title(self) -> str:
         """The press, what the table is of, the number of rows and the cycle."""
-        return f"ControllerTable of {self.press_name}: {self.of} at {len(self.time)} times, {self.time[-1]:.6g} s"
+        return f"MotionTable of {self.press_name}: {self.of} at {len(self.time)} times, {self.time[-1]:.6g} s"
 
     def columns(self) -> dict[str, Array]:
         """Time and angle, or time and height, in units of controllers: s, deg, mm. That of angles is a ``program`` of
@@ -45,7 +45,7 @@ class ControllerTable(Tabular):
 
 
 @typed
-def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e-3) -> ControllerTable:
+def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e-3) -> MotionTable:
     """A motion as a table for a controller.
 
     Between the motion's states the angle is the cubic that has their angles and speeds, exact for constant acceleration; so is the height.
@@ -77,4 +77,4 @@ def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e
     if time[-1] > end * (1 + SAME):
         time[-1] = end
     found = CubicHermiteSpline(motion.time[kept] - start, values[kept], rates[kept])(np.minimum(time, end))
-    return ControllerTable(motion.press_name, of, time, scale * found)  # type: ignore[arg-type]  # one of the two, as was seen
+    return MotionTable(motion.press_name, of, time, scale * found)  # type: ignore[arg-type]  # one of the two, as was seen

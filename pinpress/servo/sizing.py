@@ -14,10 +14,10 @@ from ..common.quantities import RPM
 from ..common.results import Record, Records, Tabular
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
-from .best_motion import POINTS, MotionOptimum, best_motion
 from .limits import Limit
 from .motion import ServoMotion
 from .motors import CatalogueMotor, MotorUtilisation, motor_use
+from .optimum import POINTS, MotionOptimum, best_motion
 from .paths import Path
 
 MARGIN = 0.97  # share of a limited torque that a motion is asked to keep, because between its nodes it exceeds it by up to 2 %

@@ -61,7 +61,7 @@ MADE |= {
     "EnergyStore",
     "ComparedMotion",
     "MotionComparison",
-    "ControllerTable",
+    "MotionTable",
     "TriedMotor",
     "MotorChoice",
     "SweepTable",

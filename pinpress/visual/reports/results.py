@@ -18,8 +18,8 @@ from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from ...ratings.rating import PressRatings
-from ...servo.best_motion import MotionOptimum
 from ...servo.comparison import MotionComparison
+from ...servo.optimum import MotionOptimum
 from ...servo.sizing import EnergyStore, MotorChoice
 from ...simulation.elastic.elastic_run import ElasticRun
 from ...simulation.run import Run

@@ -9,11 +9,11 @@ import numpy as np
 from ...common import tables
 from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
-from ...servo.best_motion import MotionOptimum
 from ...servo.comparison import MotionComparison
 from ...servo.limits import SlideSpeed, span
 from ...servo.motion import ServoMotion
 from ...servo.motors import CatalogueMotor
+from ...servo.optimum import MotionOptimum
 from ...servo.sizing import EnergyStore, MotorChoice
 from .blocks import Block, Facts, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown
