@@ -28,10 +28,6 @@ from ..foundation.mounts import Frame, Mount, RubberPad, pad_mount
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce, SpringDamper
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
-from ..servo.drive import ServoDrive
-from ..servo.limits import BearingForce, CrankAcceleration, CrankSpeed, FeedWindow, Limit, RmsTorque, SlideAcceleration, SlideSpeed
-from ..servo.paths import Path as ServoPath
-from ..servo.paths import Pendulum, Pulse, Stop, Turn
 from ..simulation.elastic.contact import Clearance
 from .units import UNITS, read_quantity
 
@@ -128,22 +124,6 @@ BRAKE = Kind(Brake, "torque=4e4,closes=350deg")
 
 FRAME = Kind(Frame, "mass=15t,centre=0/0.1/-0.35,inertia=9000/8000/4000")
 MOUNT = Kind(Mount, "point=0.55/0.6/-1.3,stiffness=50MN/m/50MN/m/200MN/m,loss_factor=0.1")
-SERVO_DRIVE = Kind(ServoDrive, "inertia=1.5,ratio=60,gear_inertia=50,peak_torque=2100,rated_torque=800,top_speed=2000")
-PATHS: Mapping[str, Kind[Any]] = {
-    "turn": Kind(Turn, "backwards=yes"),
-    "stop": Kind(Stop, "bottom=0.15"),
-    "pendulum": Kind(Pendulum, "opening=60mm,dwell=0.2"),
-    "pulse": Kind(Pulse, "heights=20mm/10mm/0,back=2mm"),
-}
-LIMITS: Mapping[str, Kind[Any]] = {
-    "slide-speed": Kind(SlideSpeed, "speed=0.2,heights=60mm/0"),
-    "crank-speed": Kind(CrankSpeed, "speed=40"),
-    "slide-acceleration": Kind(SlideAcceleration, "acceleration=20"),
-    "crank-acceleration": Kind(CrankAcceleration, "acceleration=30"),
-    "bearing-force": Kind(BearingForce, "bearing=A,force=2MN"),
-    "rms": Kind(RmsTorque, "torque=600"),
-    "feed-window": Kind(FeedWindow, "height=150mm,time=0.8"),
-}
 PAD = Kind(RubberPad, "length=200mm,width=200mm,thickness=10mm,hardness=65,loss_factor=0.15,stiffening=1.3")
 
 
@@ -195,25 +175,13 @@ def motor(words: str | None, coordinate: DriverCoordinate) -> Drive | Prescribed
     if words is None:
         return None
     geared = any(word.startswith("ratio=") for word in words.partition(":")[2].split(","))
-    made: Drive | PrescribedSpeed = _named("--motor", MOTORS if coordinate.turns or geared else ON_SLIDING_DRIVERS, words)
+    made: Drive | PrescribedSpeed = named("--motor", MOTORS if coordinate.turns or geared else ON_SLIDING_DRIVERS, words)
     return made
 
 
 def load(words: str) -> Load:
     """The load that words such as ``die:height=0.001,stiffness=1e9`` mean. Raises as `motor`."""
-    made: Load = _named("--load", LOADS, words)
-    return made
-
-
-def servo_path(words: str) -> ServoPath:
-    """The path of a crank that words such as ``stop:bottom=0.15`` mean. Raises as `motor`."""
-    made: ServoPath = _named("--path", PATHS, words)
-    return made
-
-
-def limit(words: str) -> Limit:
-    """The limit of a servo motion that words such as ``slide-speed:speed=0.2,heights=60mm/0`` mean. Raises as `motor`."""
-    made: Limit = _named("--limit", LIMITS, words)
+    made: Load = named("--load", LOADS, words)
     return made
 
 
@@ -410,18 +378,6 @@ def _of_mounts() -> list[str]:
     ]
 
 
-def _of_servo() -> list[str]:
-    return [
-        "--drive, the motor and its gear; all at the motor's shaft, but gear_inertia:",
-        f"  {keys(SERVO_DRIVE)}",
-        f"  e.g. --drive {SERVO_DRIVE.example}",
-        "--path, where the crank goes in a cycle:",
-        *tables.table(([f"{name}:", keys(kind)] for name, kind in PATHS.items()), [20, 0]),
-        "--limit; heights are two of the slide above bottom dead centre, flank is down, up or both:",
-        *tables.table(([f"{name}:", keys(kind)] for name, kind in LIMITS.items()), [20, 0]),
-    ]
-
-
 def _kinds(kinds: Mapping[str, Kind[Any]]) -> list[str]:
     files = [f"{name} {', '.join(kind.table.columns)}" for name, kind in kinds.items() if kind.table]
     return [*tables.table(([f"{name}:", keys(kind)] for name, kind in kinds.items()), [16, 0]), f"  columns of files: {'; '.join(files)}"]
@@ -435,7 +391,6 @@ _EXPLAINED: Mapping[str, Callable[[], list[str]]] = {
     "clutch": _of_clutches,
     "elastic": _of_springs_of_bearings,
     "mount": _of_mounts,
-    "servo": _of_servo,
 }
 
 
@@ -459,7 +414,8 @@ class _Key:
         return f"[{self.name}{self.note}]" if self.optional else f"{self.name}{self.note}"
 
 
-def _named(option: str, kinds: Mapping[str, Kind[Any]], words: str) -> Any:
+def named(option: str, kinds: Mapping[str, Kind[Any]], words: str) -> Any:
+    """A part of the kind that the words name before a colon; arguments and errors as of `part`."""
     name, _, rest = words.partition(":")
     if name not in kinds:
         example = next(f"{option} {known}:{kind.example}" for known, kind in kinds.items() if kind.example)
@@ -476,8 +432,7 @@ def _made(option: str, kind: Kind[Any], words: str) -> Any:
         return f"{option}{words}".rstrip(": ")
 
     def wrong(problem: str) -> PinpressError:
-        turning = any(_is_speed(field) for field in fields(kind.made))
-        speeds = f", speeds in {kind.driver.shown_speed[0]}" if turning else ""
+        speeds = f", speeds in {kind.driver.shown_speed[0]}" if any(map(_is_speed, fields(kind.made))) else ""
         takes = f"it takes {keys(kind)}, SI units{speeds} or units of their own (12mm, 4000kN)"
         return PinpressError(f"{line(words)}: {problem}; {takes}; write e.g. {line(kind.example)}")
 
@@ -529,7 +484,7 @@ def _note(field: Field[Any], driver: DriverCoordinate = CRANK) -> str:
     if field.name == HEIGHTS:
         return "=H/H"
     if isinstance(field.default, bool):
-        return "=yes"
+        return "=yes|no"
     if _is_at(field):
         return "=0.1s|180deg"
     known = declared(field)

@@ -1,9 +1,11 @@
 """`pinpress servo`: the best motion of a servo press, beside those that engineers know; and the smallest motor for it."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.results import Tabular
@@ -13,20 +15,55 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from ..servo.comparison import MotionComparison, compare_motions
 from ..servo.controller import controller_table
-from ..servo.limits import Limit
+from ..servo.drive import ServoDrive
+from ..servo.limits import BearingForce, CrankAcceleration, CrankSpeed, FeedWindow, Limit, RmsTorque, SlideAcceleration, SlideSpeed
 from ..servo.motors import read_motors
 from ..servo.optimum import POINTS, MotionOptimum, best_motion
 from ..servo.paths import Path as ServoPath
+from ..servo.paths import Pendulum, Pulse, Stop, Turn
 from ..servo.sizing import MotorChoice, capacitor, choose_motor
 from ..servo.stroke_laws import ready_motions
 from . import part_specs
 from .options import add_force_options, add_out_option, add_press_options, load_press, loads, print_inputs, say_written
 from .units import quantity, read_quantity
 
+SERVO_DRIVE = part_specs.Kind(ServoDrive, "inertia=1.5,ratio=60,gear_inertia=50,peak_torque=2100,rated_torque=800,top_speed=2000")
+PATHS: Mapping[str, part_specs.Kind[Any]] = {
+    "turn": part_specs.Kind(Turn, "backwards=yes"),
+    "stop": part_specs.Kind(Stop, "bottom=0.15"),
+    "pendulum": part_specs.Kind(Pendulum, "opening=60mm,dwell=0.2"),
+    "pulse": part_specs.Kind(Pulse, "heights=20mm/10mm/0,back=2mm"),
+}
+LIMITS: Mapping[str, part_specs.Kind[Any]] = {
+    "slide-speed": part_specs.Kind(SlideSpeed, "speed=0.2,heights=60mm/0"),
+    "crank-speed": part_specs.Kind(CrankSpeed, "speed=40"),
+    "slide-acceleration": part_specs.Kind(SlideAcceleration, "acceleration=20"),
+    "crank-acceleration": part_specs.Kind(CrankAcceleration, "acceleration=30"),
+    "bearing-force": part_specs.Kind(BearingForce, "bearing=A,force=2MN"),
+    "rms": part_specs.Kind(RmsTorque, "torque=600"),
+    "feed-window": part_specs.Kind(FeedWindow, "height=150mm,time=0.8"),
+}
+
+
+def _explained() -> str:
+    lines = [
+        "--drive, the motor and its gear; all at the motor's shaft, but gear_inertia:",
+        f"  {part_specs.keys(SERVO_DRIVE)}",
+        f"  e.g. --drive {SERVO_DRIVE.example}",
+        "--path, where the crank goes in a cycle:",
+        *tables.table(([f"{name}:", part_specs.keys(kind)] for name, kind in PATHS.items()), [20, 0]),
+        "--limit; heights are two of the slide above bottom dead centre, flank is down, up or both:",
+        *tables.table(([f"{name}:", part_specs.keys(kind)] for name, kind in LIMITS.items()), [20, 0]),
+    ]
+    return "\n".join(lines)
+
+
 EPILOG = f"""\
 --time is that of a cycle in s, also as a fraction: 60/25 for 25 cycles a minute. At constant crank speed it would be a turn.
 
-{part_specs.explained("servo", "load", "spring")}
+{_explained()}
+
+{part_specs.explained("load", "spring")}
 Give --drive, or a catalogue of --motors with --ratios, of which the smallest motor that suffices is taken: a CSV file with the columns
   motor, inertia [kg m2], copper loss [W/(N m)2], speed [r/min], rated torque [N m], peak torque [N m]
 and a row for each point of a motor's curves.
@@ -80,7 +117,7 @@ def run(options: argparse.Namespace) -> int:
     """
     _refuse_what_does_not_go_together(options)
     press, acting = load_press(options), loads(options)
-    path, limits = part_specs.servo_path(options.path), [part_specs.limit(words) for words in options.limit]
+    path, limits = servo_path(options.path), [limit(words) for words in options.limit]
     choice = _choice(press, acting, path, limits, options) if options.motors is not None else None
     if choice is not None and choice.best is None:
         print(choice)
@@ -115,9 +152,21 @@ def gear_ratios(text: str) -> list[float]:
         raise argparse.ArgumentTypeError(f"{text!r} are no ratios: give numbers with commas between them, 40,60,80") from None
 
 
+def servo_path(words: str) -> ServoPath:
+    """The path of a crank that words such as ``stop:bottom=0.15`` mean. Raises as `part_specs.motor`."""
+    made: ServoPath = part_specs.named("--path", PATHS, words)
+    return made
+
+
+def limit(words: str) -> Limit:
+    """The limit of a servo motion that words such as ``slide-speed:speed=0.2,heights=60mm/0`` mean. Raises as `part_specs.motor`."""
+    made: Limit = part_specs.named("--limit", LIMITS, words)
+    return made
+
+
 def _refuse_what_does_not_go_together(options: argparse.Namespace) -> None:
     if (options.drive is None) == (options.motors is None):
-        raise PinpressError(f"give --drive or --motors, one of them; e.g. --drive {part_specs.SERVO_DRIVE.example}")
+        raise PinpressError(f"give --drive or --motors, one of them; e.g. --drive {SERVO_DRIVE.example}")
     if options.time is None and (options.minimise != "time" or options.motors is not None):
         raise PinpressError("--time is missing, that of a cycle: give e.g. --time 60/25 for 25 a minute")
     if options.motors is not None and options.ratios is None:
@@ -151,7 +200,7 @@ def _choice(press: Linkage, acting: Sequence[Load], path: ServoPath, limits: Seq
 def _best(press: Linkage, acting: Sequence[Load], path: ServoPath, limits: Sequence[Limit], options: argparse.Namespace) -> MotionOptimum:
     return best_motion(
         press,
-        part_specs.part("--drive", part_specs.SERVO_DRIVE, options.drive),
+        part_specs.part("--drive", SERVO_DRIVE, options.drive),
         acting,
         minimise=options.minimise,
         time=options.time,

@@ -11,7 +11,8 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.cli.main import main
-from pinpress.cli.part_specs import LIMITS, PATHS, SERVO_DRIVE, limit, part, servo_path
+from pinpress.cli.part_specs import part
+from pinpress.cli.servo import LIMITS, PATHS, SERVO_DRIVE, limit, servo_path
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ["zxn2_3000b", "--time", "60/25", "--load", "drawing:force=1500kN,start=60mm", "--points", 360]
