@@ -31,6 +31,7 @@ from ..simulation.elastic.press_on_springs import reference_angle
 from ..simulation.elastic.sprung_press import SprungPress
 from .springs import FRAME, SHAFT
 
+MOUNTS = "mounts"  # name of what a frame stands on
 POINTS = 360  # crank angles of a turn
 APART = 1e-9  # share of the damping between two modes below which each is damped by itself
 NAMED = 3  # parts and links that a mode is named by
@@ -219,7 +220,7 @@ def _strain_energy(sprung: SprungPress, elastic: Elastic, coordinates: Array, mo
     stored = lines.stiffness * extension.reshape(*size, -1) ** 2
     rods = {(name, _body(press, rod)): rod for rod in elastic.stiffness.rods for name in rod.between}
     for spring, (bearing, body) in enumerate(zip(lines.bearing, lines.first, strict=True)):
-        name = FRAME if bearing < 0 else press.bearings[bearing]
+        name = press.bearings[bearing] if bearing >= 0 else FRAME if sprung.base is None else MOUNTS
         given = lines.stiffness[spring] if bearing < 0 else positive(name, elastic.stiffness.bearings[name], "N/m")
         share, rod = lines.stiffness[spring] / given, rods.get((name, int(body)))
         found[name] = found.get(name, 0.0) + share * stored[:, :, spring]
@@ -243,6 +244,8 @@ def _kinetic_energy(sprung: SprungPress, moved: Array, flywheel: float) -> Froze
     found = {press.link_of(body + 1): energy[:, :, body] for body in range(press.model.nv)}
     if sprung.crown is not None:
         found["crown"] = energy[:, :, sprung.crown]
+    if sprung.base is not None:
+        found[FRAME] = energy[:, :, sprung.base]
     if flywheel:
         body = sprung.rotor if sprung.rotor is not None else press.joints.index(press.driver)
         found["flywheel"] = flywheel * moved[:, :, 3 * body + 2] ** 2

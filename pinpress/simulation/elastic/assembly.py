@@ -21,6 +21,7 @@ from ...engines.planar.engine import PlanarEngine
 from ...engines.planar.kinematics import basis_at
 from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
+from .acting.frame_on_mounts import on_mounts
 from .contact import Clearance, OpenPin
 from .description import Elastic, Rod
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
@@ -52,6 +53,8 @@ def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     stiff = _with_springs(drawn, bodies, elastic)
     bending = _with_flexible_links(drawn, stiff, elastic) if len(elastic.flexible_links) else stiff
     closed = _with_dampers(drawn, bending, elastic)
+    if elastic.mounted_frame is not None:
+        return on_mounts(closed, elastic.mounted_frame, elastic.mounts)
     return _with_clearances(drawn, closed, elastic) if elastic.clearances else closed
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from ...common.arguments import number
 from ...common.errors import PinpressError, shown
 from ...common.frozen import Frozen
+from ...loads.mounts import Frame, Mount
 from .contact import Clearance
 from .flexible_link import FlexibleLink
 
@@ -75,6 +76,8 @@ class Elastic(Frozen):
         crown_mass: mass of the crown on its columns, without the linkage [kg]; it is needed where ``stiffness.frame`` is given.
         clearances: name of a pin -> its clearance; such a press is simulated, it has no steady state.
         flexible_links: links that bend and stretch.
+        mounted_frame: mass of the frame that stands on mounts, as for `foundation`; None: the frame is fixed.
+        mounts: between floor and frame; only what they do in the plane of the press counts, with viscous damping.
     """
 
     stiffness: Stiffness
@@ -83,9 +86,12 @@ class Elastic(Frozen):
     crown_mass: float | None = None
     clearances: Mapping[str, Clearance] = field(default_factory=dict)
     flexible_links: Sequence[FlexibleLink] = ()
+    mounted_frame: Frame | None = None
+    mounts: Sequence[Mount] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        self._check_mounts()
         if not isinstance(self.stiffness, Stiffness):
             raise PinpressError(f"Elastic: stiffness is {shown(self.stiffness)}: give a Stiffness(bearings={{...}}, moments={{...}})")
         if not isinstance(self.flexible_links, Sequence):
@@ -97,3 +103,19 @@ class Elastic(Frozen):
             )
         if (self.stiffness.frame is None) != (self.crown_mass is None):
             raise PinpressError("Elastic: a crown on its columns needs both stiffness.frame [N/m] and crown_mass [kg]; give both, or none")
+
+    def _check_mounts(self) -> None:
+        if self.mounted_frame is None and isinstance(self.mounts, Sequence) and not len(self.mounts):
+            return
+        if not isinstance(self.mounted_frame, Frame):
+            raise PinpressError(
+                f"Elastic: mounted_frame is {shown(self.mounted_frame)}: give the foundation.Frame that stands on the mounts"
+            )
+        if not isinstance(self.mounts, Sequence) or not self.mounts or not all(isinstance(mount, Mount) for mount in self.mounts):
+            raise PinpressError(f"Elastic: mounts is {shown(self.mounts)}: give a list of foundation.Mount, at least one")
+        others = {"crown_mass": self.crown_mass, "clearances": self.clearances, "flexible_links": self.flexible_links}
+        for name, value in others.items():
+            if value is not None and (name == "crown_mass" or len(value)):  # type: ignore[arg-type]
+                raise PinpressError(
+                    f"Elastic: a frame on mounts is rigid, and so are links and pins on it: leave out {name}, or the mounts"
+                )

@@ -42,6 +42,9 @@ class ElasticRun(Run):
             axes of the plane [m], and its turn [rad].
         bearing_force: (n, 3) by the names of joints and loops: action of parent on child, or of link1 on link2, in the plane [N].
         shaking_force: (n, 3) sum of the forces of linkage, crown and process loads on the frame [N].
+        floor_force: (n, 3) force of the mounts on the floor [N]; None where the frame does not stand on mounts.
+        frame_motion: (n, 3) displacement of the frame's centre of mass on its mounts along the axes of the plane, from its place under the
+            static load [m], and its turn [rad]; None where it does not.
         decay_per_stroke: factor by which a disturbance of the links shrinks in a period; below 1 the stroke is stable. None of a run that
             is no steady state.
         elastic: what yields.
@@ -50,6 +53,8 @@ class ElasticRun(Run):
     displacement: Array
     bearing_force: NamedArrays[np.float64]
     shaking_force: Array
+    floor_force: Array | None
+    frame_motion: Array | None
     decay_per_stroke: float | None
     elastic: Elastic
     _on_springs: Array
@@ -107,7 +112,11 @@ class ElasticRun(Run):
         """The columns of a run, then the size of each bearing's force, and the force on the frame."""
         columns = super().columns()
         columns |= {f"force_{name} [N]": np.linalg.norm(force, axis=1) for name, force in self.bearing_force.items()}
-        return columns | {f"shaking_force_{axis} [N]": force for axis, force in zip("xyz", self.shaking_force.T, strict=True)}
+        columns |= {f"shaking_force_{axis} [N]": force for axis, force in zip("xyz", self.shaking_force.T, strict=True)}
+        if self.floor_force is not None and self.frame_motion is not None:
+            columns |= {f"floor_force_{axis} [N]": force for axis, force in zip("xyz", self.floor_force.T, strict=True)}
+            columns |= dict(zip(("frame_along [m]", "frame_up [m]", "frame_turn [rad]"), self.frame_motion.T, strict=True))
+        return columns
 
 
 @dataclass(frozen=True)
@@ -308,6 +317,8 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
         displacement=read_only(sprung.displacement(coordinates, motion)),
         bearing_force=NamedArrays(press.bearings, forces),
         shaking_force=read_only(_shaking_force(solution, at.whole_acceleration)),
+        floor_force=_floor_force(solution, at.whole_acceleration),
+        frame_motion=_frame_motion(solution, coordinates),
         decay_per_stroke=solution.decay if solution.periodic else None,
         elastic=elastic,
         _on_springs=_slide(solution, at),
@@ -340,10 +351,32 @@ def journal_places(sprung: SprungPress, pin: OpenPin, coordinates: Array) -> Com
 
 def _shaking_force(solution: ElasticSolution, accelerations: Array) -> Array:
     """Force (n, 3) on the frame: all weights and forces from outside less the inertia forces of all bodies [N]."""
-    driven = solution.equations.driven
-    model, found = driven.press.model, solution.equations.sprung.weight_less_inertia(accelerations)
-    outside = [coordinate.force for coordinate in driven.coordinates if isinstance(coordinate, WorkOfForce)]
-    return np.asarray(found + sum(outside, model.inertias[0].mass * model.gravity.linear))
+    model, sprung, found = solution.equations.driven.press.model, solution.equations.sprung, _force_of_all(solution, accelerations)
+    if isinstance(sprung, SprungPress) and sprung.base is not None:
+        found = found - sprung.weight_less_inertia(accelerations, sprung.base)
+    return np.asarray(found + model.inertias[0].mass * model.gravity.linear)
+
+
+def _floor_force(solution: ElasticSolution, accelerations: Array) -> Array | None:
+    """Force (n, 3) of the mounts on the floor [N]; None where the frame is fixed."""
+    sprung = solution.equations.sprung
+    if not isinstance(sprung, SprungPress) or sprung.base is None:
+        return None
+    return read_only(_force_of_all(solution, accelerations))
+
+
+def _force_of_all(solution: ElasticSolution, accelerations: Array) -> Array:
+    """Sum (n, 3) of weights and forces from outside less the inertia forces of all bodies that move [N]."""
+    outside = [each.force for each in solution.equations.driven.coordinates if isinstance(each, WorkOfForce)]
+    return np.asarray(sum(outside, solution.equations.sprung.weight_less_inertia(accelerations)))
+
+
+def _frame_motion(solution: ElasticSolution, coordinates: Array) -> Array | None:
+    """Displacement of the frame's centre of mass along the axes of the plane, and its turn (n, 3); None where the frame is fixed."""
+    sprung = solution.equations.sprung
+    if not isinstance(sprung, SprungPress) or sprung.base is None:
+        return None
+    return read_only(coordinates[:, 3 * sprung.base : 3 * sprung.base + 3].copy())
 
 
 def _slide(solution: ElasticSolution, at: SolutionStates) -> Array:

@@ -132,6 +132,12 @@ class ElasticEquations:
         """Coordinates on which nothing depends, but on their rates: those of the drive's states."""
         return range(0 if self.train is None else len(self.train.scale))
 
+    @property
+    def unsprung(self) -> Sequence[int]:
+        """Coordinates of a frame on its mounts: it begins where it stands under its weight, whatever shakes it."""
+        last = self.own + self.sprung.free - 1
+        return range(last - 3, last) if isinstance(self.sprung, SprungPress) and self.sprung.base is not None else ()
+
     @cached_property
     def mass(self) -> Array:
         """(size, size) mass matrix in the mode of the first segment; motions whose mode changes are solved segment by segment."""

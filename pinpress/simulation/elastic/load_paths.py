@@ -6,7 +6,7 @@ They are `Coordinate`s of the driven press, for links that yield: values, rates 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -18,7 +18,7 @@ from ...linkage.linkage import Linkage
 from ..driven_press import Coordinate, JointPosition, Length, WorkOfForce
 from .assembly import DrawnBodies
 from .press_on_springs import PathMotion
-from .sprung_press import SprungPress
+from .sprung_press import LineSprings, SprungPress
 
 NEAREST = 1e-300  # least length of a distance, which has no direction where it is zero [m]
 
@@ -92,7 +92,26 @@ class LengthPath:
         return PathMotion(self.sign * length, rate, sprung.to_free(gradient), sprung.to_free_twice(bend))
 
 
-LoadPath = PointPath | LengthPath
+@dataclass(frozen=True, eq=False)
+class FramePath:
+    """How far a point of a link has moved along a direction that turns with the frame.
+
+    Attributes:
+        line: the press with one spring along the path.
+        offset: the value in the drawn pose [m].
+    """
+
+    line: SprungPress
+    offset: float
+
+    def over(self, sprung: SprungPress, coordinates: Array, rates: Array) -> PathMotion:
+        """The path at all coordinates and rates (n, 3 (bodies + 1))."""
+        at = self.line.geometry(coordinates, rates)
+        bend = self.line._bend(at, np.ones((len(coordinates), 1)))
+        return PathMotion(at.extension[:, 0] + self.offset, at.opening[:, 0], self.line._gradient(at)[:, 0], bend)
+
+
+LoadPath = PointPath | LengthPath | FramePath
 
 
 def load_path(press: Linkage, coordinate: Coordinate) -> LoadPath:
@@ -124,9 +143,29 @@ def _height(plane: Plane, joint: int, point: Array) -> float:
 def refuse_on_flexible_links(sprung: SprungPress, paths: Sequence[LoadPath]) -> None:
     """Raise PinpressError where a load acts on a link that bends: nothing says which of its nodes it moves."""
     for path in paths:
-        bodies = (path.body,) if isinstance(path, PointPath) else path.bodies
+        bodies = () if isinstance(path, FramePath) else (path.body,) if isinstance(path, PointPath) else path.bodies
         for link in sprung.flexible:
             if link.body in bodies:
                 raise PinpressError(
                     f"a load acts on the flexible link {shown(link.name)}: it may bend between its pins alone; load another link"
                 )
+
+
+def from_frame(sprung: SprungPress, paths: Sequence[LoadPath], slide: bool) -> tuple[LoadPath, ...]:
+    """Paths that count from a frame on mounts in place of the ground; ``slide``: whether the first is the slide's position."""
+    base = sprung.base
+    assert base is not None
+    found: list[LoadPath] = []
+    for number, path in enumerate(paths):
+        if isinstance(path, PointPath) and slide and number == 0:
+            point = complex(sprung.centers[path.body]) + path.arm
+            row = (base, path.body, point - sprung.centers[base], path.arm, path.direction, 1.0, 0.0, 0.0, 0.0, -1, 1.0)
+            line = LineSprings._make(np.array([value]) for value in row)
+            found.append(FramePath(replace(sprung, lines=line, shapes=np.zeros((2, 1, 0), dtype=complex)), path.offset))
+        elif isinstance(path, LengthPath):
+            arms = [arm - (sprung.centers[base] if body < 0 else 0.0) for body, arm in zip(path.bodies, path.arms, strict=True)]
+            bodies = [base if body < 0 else body for body in path.bodies]
+            found.append(replace(path, bodies=(bodies[0], bodies[1]), arms=(complex(arms[0]), complex(arms[1]))))
+        else:
+            found.append(path)
+    return tuple(found)

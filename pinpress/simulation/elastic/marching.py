@@ -467,21 +467,21 @@ def resting(task: Task, start: float) -> Array:
 
 def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank: Array, tolerance: float) -> Array:
     """Coordinates (1, size) near ``y`` at which all forces balance the inertia forces of given accelerations (1, size); those of the drive
-    train, which has no springs, are found with them."""
-    own = equations.own
+    train, which has no springs, and of a frame on its mounts, which stands at its place, are found with them."""
+    still = [*range(equations.own), *equations.unsprung]
     for _ in range(MOST_STEPS):
         force, stiffness, _, _ = equations.forces(np.zeros(1), y, v, np.zeros(1, dtype=int))
         if (varying := equations.varying_inertia(np.zeros(1), y, v, a)) is not None:
             force, stiffness = force - varying.force, stiffness + varying.by_place
         matrix = stiffness[0]
-        matrix[:, :own] = equations.mass[:, :own]
+        matrix[:, still] = equations.mass[:, still]
         if equations.crank is None:
             matrix[:, -1] = equations.mass @ by_crank
         step = np.linalg.solve(matrix, force[0] - a[0] @ equations.mass)
         if equations.crank is None:
             a, step[-1] = a + step[-1] * by_crank, 0.0
-            a[0, :own] += step[:own]
-            step[:own] = 0.0
+        a[0, still] += step[still]
+        step[still] = 0.0
         y = y + step
         if np.abs(step).max() <= tolerance:
             return y

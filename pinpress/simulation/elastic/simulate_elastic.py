@@ -11,7 +11,7 @@ from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
 from ...kinematics.motion import Motion, motion_through_change_points
 from ...linkage.linkage import Linkage
-from ..driven_press import DrivenPress, GeneralizedForce
+from ..driven_press import DrivenPress, GeneralizedForce, JointPosition
 from ..failures import failure
 from ..run import state_count
 from ..solvers import SimulationProblem
@@ -23,7 +23,7 @@ from .assembly import sprung_press
 from .description import Elastic
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
-from .load_paths import LengthPath, load_path, refuse_on_flexible_links
+from .load_paths import LengthPath, from_frame, load_path, refuse_on_flexible_links
 from .marching import march, resting
 from .period import periodic
 from .sprung_press import SprungPress
@@ -143,7 +143,9 @@ def _task(driven: DrivenPress, elastic: Elastic, speed: float, angle: float, tol
     phases = LoadPhases(driven, 1 if speed > 0 else -1, _contacts(driven, sprung))
     turning = float(phases.turnings[0]) if len(phases.turnings) else angle
     from_turning = _task_from(turning, sprung, phases, speed)
-    deflection = largest_deflection(from_turning, turning)
+    fixed = sprung.fixed if isinstance(sprung, SprungPress) else None
+    compared = from_turning if fixed is None else _task_from(turning, fixed, phases, speed)
+    deflection = largest_deflection(compared, turning)
     _refuse_soft(driven.press, deflection)
     error = max(tolerance * deflection, ROUNDING * driven.press.size)
     task, start = (from_turning, turning) if steady else (_task_from(angle, sprung, phases, speed), angle)
@@ -157,6 +159,8 @@ def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: flo
         raise PinpressError(f"the crank of {press.name} does not turn fully: an elastic motion is that of a crank that does")
     paths = tuple(load_path(press, coordinate) for coordinate in driven.coordinates)
     refuse_on_flexible_links(sprung, paths)
+    if isinstance(sprung, SprungPress) and sprung.base is not None:
+        paths = from_frame(sprung, paths, isinstance(driven.coordinates[0], JointPosition))
     paths += tuple(LengthPath(pin.bodies, pin.arms, 0.0, -1.0) for pin in sprung.open_pins)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:

@@ -108,6 +108,8 @@ class SprungPress:
         open_pins: pins with clearance, which have no springs in ``lines``.
         closed: the same press without clearance; None where there is none.
         flexible: the flexible links.
+        base: the frame, where it stands on mounts; the ground is the last body then.
+        fixed: the same press on a fixed frame, where it stands on mounts.
     """
 
     press: Linkage
@@ -124,6 +126,8 @@ class SprungPress:
     open_pins: tuple[OpenPin, ...] = ()
     closed: SprungPress | None = None
     flexible: tuple[FlexibleBody, ...] = ()
+    base: int | None = None
+    fixed: SprungPress | None = None
 
     @property
     def _rigid(self) -> int:
@@ -201,9 +205,9 @@ class SprungPress:
     def crank(self, coordinates: Array, rates: Array) -> tuple[Array, Array]:
         """Angle and speed (n,) of the crank's joint."""
         driver, parent = self.plane.driver, self.plane.parents[self.plane.driver]
-        sense = float(self.plane.sense[driver])
+        sense, carrier = float(self.plane.sense[driver]), parent if parent >= 0 else self.base
         angle, speed = (
-            sense * (each[:, 3 * driver + 2] - (each[:, 3 * parent + 2] if parent >= 0 else 0.0)) for each in (coordinates, rates)
+            sense * (each[:, 3 * driver + 2] - (0.0 if carrier is None else each[:, 3 * carrier + 2])) for each in (coordinates, rates)
         )
         return angle, speed
 
@@ -212,10 +216,12 @@ class SprungPress:
         moved = coordinates - self.rigid_coordinates(motion)[0]
         return np.asarray(moved[:, : 3 * self.press.model.nv].reshape(len(moved), -1, 3))
 
-    def weight_less_inertia(self, accelerations: Array) -> Array:
-        """Sum (n, 3) of the weights less the inertia forces of all bodies, of free accelerations (n, f), in world axes [N]."""
+    def weight_less_inertia(self, accelerations: Array, body: int | None = None) -> Array:
+        """Sum (n, 3) of the weights less the inertia forces of all bodies, or of one, of free accelerations (n, f), in world axes [N]."""
         left = self.weight - (accelerations @ self.carry.T) * self.inertia
-        return to_world(self.plane, left[:, : self._rigid : 3].sum(axis=1) + 1j * left[:, 1 : self._rigid : 3].sum(axis=1))
+        some = slice(0, self._rigid, 3) if body is None else slice(3 * body, 3 * body + 1)
+        along, across = left[:, some], left[:, some.start + 1 : some.stop + 1 : some.step]
+        return to_world(self.plane, along.sum(axis=1) + 1j * across[:, : along.shape[1]].sum(axis=1))
 
     # ------------------------------------------------------------------------------------------------------------------- springs
 
