@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..common.arguments import typed, whole_number
+from ..common.arguments import expect, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.quantities import Array, ComplexArray
 from ..elasticity.vibration import ElasticModes
@@ -54,6 +54,7 @@ def record_modes(press: Linkage, modes: ElasticModes, path: str | os.PathLike[st
     Raises:
         PinpressError: the modes are of another press, Meshcat is not installed, or the file cannot be written.
     """
+    expect("modes", modes, ElasticModes, "natural_frequencies")
     if modes.press_name != press.name or modes.shapes.shape[2] != press.model.nv:
         raise PinpressError(f"the modes are of {modes.press_name}, and the press is {press.name}: give those of the same one")
     count = min(whole_number("lowest", lowest, 1, MOST), modes.natural_frequency.shape[1])

@@ -13,6 +13,7 @@ from pinpress.elasticity import Elastic, FlexibleLink, Rod, Stiffness, flexible_
 from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.load_paths import load_path
+from pinpress.visual.reports.elastic_motion import elastic_in_words
 
 JF75G, SIX_BAR = "jf75g_125_plain", "zxn2_3000b"
 STEEL, AREA, BENDING = 2.1e11, 0.033, 4e-5  # [Pa, m2, m4]
@@ -177,6 +178,7 @@ def test_free_crank():
     heavy: Any = pp.simulate(press, 0.05, speed=speed, flywheel=heavy_wheel, elastic=elastic, points=51)
     held: Any = pp.simulate(press, 0.05, drive=prescribed, elastic=elastic, points=51)
     assert light.stats.energy_error < 1e-10
+    assert ("flexible links", "main_rod, 2 shapes") in elastic_in_words(elastic)
     np.testing.assert_allclose(heavy.bearing_force["P4"], held.bearing_force["P4"], rtol=0, atol=1e-5 * held.peaks["P4"])
 
 

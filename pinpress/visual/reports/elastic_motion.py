@@ -125,6 +125,8 @@ def elastic_in_words(elastic: Elastic) -> Inputs:
     for name, each in elastic.clearances.items():
         law = each.law if each.law == "linear" else f"{each.law}, restitution {each.restitution:g}"
         words.append((f"clearance of {name}", f"{1e6 * each.radial:.6g} um radial, contact law {law!r}"))
+    if elastic.flexible_links:
+        words.append(("flexible links", ", ".join(f"{each.link}, {len(each.natural_frequency)} shapes" for each in elastic.flexible_links)))
     return [*stiffness_in_words(elastic.stiffness), *words]
 
 
