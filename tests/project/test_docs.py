@@ -25,7 +25,7 @@ import pinpress as pp
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-TABLES = ("accuracy", "balancing", "elasticity", "ratings", "synthesis")  # scripts in viz, of the pages of the same names
+TABLES = ("accuracy", "balancing", "elasticity", "ratings", "servo", "synthesis")  # scripts in viz, of the pages of the same names
 RUN = [
     "balancing",
     "commands",
@@ -35,14 +35,16 @@ RUN = [
     "live",
     "ratings",
     "recording",
+    "servo",
     "simulation",
     "sweep",
     "synthesis",
 ]
+
 RUN += ["live", "mistakes", "pin_table", "pinocchio", "units_and_signs"]
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
-PICTURED += ["commands", "comparison", "mistakes", "papers"]
+PICTURED += ["servo", "commands", "comparison", "mistakes", "papers"]
 PICTURED += ["live", "ratings", "recording", "simulation", "sweep", "synthesis", "tour", "units_and_signs"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 

@@ -225,7 +225,9 @@ def choice(found: MotorChoice, shown: Shown) -> Section:
         if found.motor is None or found.use is None
         else (f"{found.motor.name} with a gear of {found.use.ratio:g} is the smallest that suffices.")
     )
-    note = f"{said} Thermal: rms torque by the permanent torque at the mean speed. Who is too warm is so by every motion."
+    note = (
+        f"{said} Thermal: rms torque by the permanent torque at the mean speed. One that is too warm by the least heat is so by any motion."
+    )
     return Section("Choice of the motor", blocks, (), note)
 
 

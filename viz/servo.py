@@ -1,0 +1,132 @@
+"""The tables and the picture of docs/servo.md: best motions of servo presses beside those that engineers know, and gear ratios.
+
+python viz/servo.py
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import pinpress as pp
+from pinpress import servo
+from pinpress.loads import Blanking, DeepDrawing, ForceStroke
+
+KNUCKLE = Path(__file__).parents[1] / "docs" / "tour" / "knuckle.urdf"
+COINING = ForceStroke([0.002, 0.001, 0.0005, 0.0], forces=[0.0, 0.30e6, 0.70e6, 1.60e6])
+
+
+class Case(NamedTuple):
+    """A press with its work.
+
+    Attributes:
+        words: what it does.
+        press: name or path of the press.
+        inertia: of the drive at the crank [kg m2].
+        load: the process.
+        time: of a cycle [s].
+        path: where the crank goes.
+        limits: what the motion keeps.
+    """
+
+    words: str
+    press: str | Path
+    inertia: float
+    load: DeepDrawing | Blanking | ForceStroke
+    time: float
+    path: servo.Turn | servo.Stop | servo.Pendulum
+    limits: Sequence[servo.SlideSpeed]
+
+
+CASES: Mapping[str, Case] = {
+    "A": Case(
+        "zxn2_3000b draws 1.5 MN over 60 mm, 25/min, at most 0.2 m/s",
+        "zxn2_3000b",
+        800.0,
+        DeepDrawing(1.5e6, 0.06),
+        60 / 25,
+        servo.Turn(),
+        [servo.SlideSpeed(0.2, (0.06, 0.0))],
+    ),
+    "A, stop": Case("the same with a stop at top", "zxn2_3000b", 800.0, DeepDrawing(1.5e6, 0.06), 60 / 25, servo.Stop(), []),
+    "B": Case(
+        "jf75g_125 blanks 600 kN from 3 to 1 mm, 120/min, at most 0.08 m/s",
+        "jf75g_125",
+        2.0,
+        Blanking(0.6e6, 0.003, 0.001),
+        0.5,
+        servo.Turn(),
+        [servo.SlideSpeed(0.08, (0.003, 0.0))],
+    ),
+    "C": Case(
+        "thin_wall draws 20 kN over 150 mm, 72/min, at most 0.8 m/s",
+        "thin_wall",
+        2.0,
+        DeepDrawing(20e3, 0.15),
+        60 / 72,
+        servo.Turn(),
+        [servo.SlideSpeed(0.8, (0.15, 0.0))],
+    ),
+    "D": Case("the tour's knuckle press coins, 1 s, rests 0.15 s at bottom", KNUCKLE, 10.0, COINING, 1.0, servo.Stop(bottom=0.15), []),
+    "E": Case(
+        "the same press as a pendulum of 60 mm, 60/min, at most 0.05 m/s",
+        KNUCKLE,
+        10.0,
+        COINING,
+        2.0,
+        servo.Pendulum(opening=0.06),
+        [servo.SlideSpeed(0.05, (0.004, 0.0))],
+    ),
+}
+
+
+HERE = Path(__file__).parent
+
+
+def motions(case: Case) -> tuple[servo.MotionOptimum, dict[str, servo.ServoMotion]]:
+    """The best motion of a case, and those that engineers know."""
+    press, drive = pp.load(case.press), servo.ServoDrive(inertia=case.inertia, copper=1e-5, regeneration=0.0)
+    best = servo.best_motion(press, drive, [case.load], time=case.time, path=case.path, limits=case.limits)
+    return best, servo.ready_motions(press, drive, [case.load], time=case.time, path=case.path, limits=case.limits)
+
+
+def table() -> str:
+    """The tables of all cases; torques at the crank."""
+    lines = []
+    for case in CASES.values():
+        best, ready = motions(case)
+        lines += [
+            "",
+            f"{case.words}:",
+            "",
+            "| motion | rms [kN m] | beside the best | peak [kN m] | power [kW] | slide |",
+            "|---|---|---|---|---|---|",
+        ]
+        for row in servo.compare_motions({"least heat": best.motion, **ready}, case.limits).rows:
+            more = "" if row.more_than_least is None or row.breaks else f"{100 * row.more_than_least:+.1f} %"
+            speed = f"{float(row.breaks.rpartition(' ')[2]):.2g} m/s" if row.breaks else ""
+            numbers = f"{1e-3 * row.rms_torque:.4g} | {more} | {1e-3 * row.peak_torque:.3g} | {1e-3 * row.peak_power:.3g}"
+            lines.append(f"| {row.name} | {numbers} | {speed} |")
+    return "\n".join(lines[1:])
+
+
+def ratios() -> str:
+    """What gear ratios make of two rotors."""
+    case = CASES["A"]
+    press, lines = pp.load(case.press), ["| rotor | 40 | 60 | 100 |", "|---|---|---|---|"]
+    for inertia in (6.0, 2.0):
+        found = []
+        for ratio in (40.0, 60.0, 100.0):
+            drive = servo.ServoDrive(inertia=inertia, ratio=ratio, gear_inertia=50.0)
+            best = servo.best_motion(press, drive, [case.load], time=case.time, path=case.path, limits=case.limits)
+            found.append(f"{best.motion.rms_motor_torque:.0f} N m")
+        lines.append(f"| {inertia:g} kg m2 | {' | '.join(found)} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    from light import light  # type: ignore[import-not-found]  # beside this script
+
+    print(table(), ratios(), sep="\n\n")
+    best, ready = motions(CASES["A"])
+    print(servo.capacitor(best.motion))
+    print(light(pp.plots.save(pp.plots.servo({"least heat": best.motion, **ready}), HERE / "servo.png")))
