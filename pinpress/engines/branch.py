@@ -164,6 +164,19 @@ def _walk(
     raise AssemblyError("the drawn assembly moves too fast to be followed", 0.0, 0.0, 0, follower.coordinate)
 
 
+def leads_on(close: Close, branch: Branch, size: float, tolerance: float, gap: Gap) -> bool:
+    """Whether a branch with a lock, of a driver that turns, leads on through a change point there. Few steps at the lock tell, so that a
+    linkage that does lock need not be walked again. Arguments as of `walk`."""
+    follower = Follower(close, size, tolerance)
+    angles = branch.angles[::SUBDIVISION]
+    closure = close(angles, predict(branch, angles))
+    nodes = [Node.of(float(angle), closure, k) for k, angle in enumerate(angles)]
+    return any(
+        lock is not None and cross_change_point(follower, nodes[::way], lock.angle, lock.angle + way * 2 * np.pi, gap) is not None
+        for lock, way in zip(branch.locks, (-1, 1), strict=True)
+    )
+
+
 def walk_beside(close: Close, branch: Branch, size: float, tolerance: float) -> Branch | None:
     """The branch of a linkage whose lengths are nearly those of another one, found without a walk: all nodes of the other one's table are
     closed at once.

@@ -78,9 +78,10 @@ class Node:
     margins: Array
 
     @staticmethod
-    def of(angle: float, closure: Closure) -> Node:
+    def of(angle: float, closure: Closure, place: int = 0) -> Node:
+        """The node at a crank angle, from the column ``place`` of a closure."""
         assert closure.margins is not None
-        return Node(angle, closure.position[:, 0], closure.first[:, 0], closure.second[:, 0], closure.margins[:, 0])
+        return Node(angle, *(each[:, place] for each in (closure.position, closure.first, closure.second, closure.margins)))
 
 
 def follow(close: Close, start: Array, distance: float, size: float, tolerance: float) -> Array | SingularPosition:

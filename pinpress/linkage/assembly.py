@@ -12,9 +12,9 @@ import numpy as np
 
 from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..common.quantities import Array, DriverCoordinate
-from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, predict, walk, walk_beside
+from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, leads_on, predict, walk, walk_beside
 from ..engines.change_points import Gap
-from ..engines.engine import ACCEPTED, PIECE, Closure, Engine, joined
+from ..engines.engine import ACCEPTED, PIECE, Close, Closure, Engine, joined
 from ..engines.following import SMALLEST_MARGIN, SingularPosition, follow, follow_at_once, path_between
 from ..engines.forces import RANK
 from ..engines.pinocchio.engine import PinocchioEngine
@@ -80,26 +80,27 @@ def followed(
 ) -> Branch:
     """The assembly of a linkage with one driver, followed over the crank angle from a closed pose (nv,); see `engines.branch.walk`.
     A driver that slides goes as far as the limits of its joint."""
-    close_drivers = engine.closing_function()
-
-    def close_angle(angle: Array, guess: Array) -> Closure:
-        return close_drivers(angle[None], np.ones((1, len(angle))), guess)
-
+    close_angle, tolerance = _closing_function(engine), ACCEPTED * engine.tolerance
     returning = Returning(spatial_model.on_loop, np.array([axis.turns for axis in spatial_model.axes]))
-    tolerance = ACCEPTED * engine.tolerance
     return walk(close_angle, start, returning, spatial_model.size, tolerance, smallest_margin, gap, begin, _travel(spatial_model))
 
 
 def followed_beside(engine: Engine, spatial_model: SpatialModel, branch: Branch) -> Branch | None:
     """The assembly of a linkage with one driver, found from that of one with nearly the same lengths; see `engines.branch.walk_beside`."""
-    close_drivers, travel = engine.closing_function(), _travel(spatial_model)
+    travel = _travel(spatial_model)
     if travel is not None and (travel.lower, travel.upper) != (branch.angles[0], branch.angles[-1]):
         return None
+    return walk_beside(_closing_function(engine), branch, spatial_model.size, ACCEPTED * engine.tolerance)
+
+
+def _closing_function(engine: Engine) -> Close:
+    """The closing function of an engine, over the positions of the one driver."""
+    close_drivers = engine.closing_function()
 
     def close_angle(angle: Array, guess: Array) -> Closure:
         return close_drivers(angle[None], np.ones((1, len(angle))), guess)
 
-    return walk_beside(close_angle, branch, spatial_model.size, ACCEPTED * engine.tolerance)
+    return close_angle
 
 
 def _travel(spatial_model: SpatialModel) -> Travel | None:
@@ -116,6 +117,9 @@ def _travel(spatial_model: SpatialModel) -> Travel | None:
 def through_change_points(engine: Engine, spatial_model: SpatialModel, found: Branch) -> Branch:
     """A branch followed further, through change points; see `Linkage.branch_through_change_points`."""
     if found.period is not None or not any(found.locks):
+        return found
+    tolerance = ACCEPTED * engine.tolerance
+    if found.coordinate.turns and not leads_on(_closing_function(engine), found, spatial_model.size, tolerance, engine.gaps):
         return found
     middle = 0.5 * float(found.angles[0] + found.angles[-1])  # the drawn pose may be beside a change point
     start = predict(found, np.array([middle]))[:, 0]

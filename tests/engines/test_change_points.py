@@ -18,6 +18,7 @@ from support.generators import random_linkages
 
 import pinpress as pp
 from pinpress.kinematics.motion import motion_through_change_points
+from pinpress.linkage import assembly
 
 METHODS = ("reduced", "constraint")
 TEXT = (Path(__file__).parents[2] / "urdf" / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -193,3 +194,12 @@ def test_forces_at_a_change_point_are_refused(equal, side):
         pp.inverse_dynamics(equal, motion_through_change_points(equal, np.array([0.0, corner]), 8.0))
     result = pp.inverse_dynamics(equal, motion_through_change_points(equal, np.array([0.0, 0.99 * corner]), 8.0))
     assert np.isfinite(result.bearing_force["W"]).all()
+
+
+def test_a_linkage_that_locks_is_not_walked_again(monkeypatch):
+    """A four-bar whose crank cannot turn: at its locks few steps tell that no change point leads on."""
+    press = texts.load(random_linkages.four_bar(0.5, 0.45, 0.2, 0.4, 0.5, bounded=False).urdf("O"))
+    found = press.branch
+    assert all(found.locks)
+    monkeypatch.setattr(assembly, "followed", lambda *given, **more: pytest.fail("walked again"))
+    assert press.branch_through_change_points is found
