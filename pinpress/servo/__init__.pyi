@@ -13,6 +13,7 @@ from .limits import FeedWindow as FeedWindow
 from .limits import RmsTorque as RmsTorque
 from .limits import SlideAcceleration as SlideAcceleration
 from .limits import SlideSpeed as SlideSpeed
+from .limits import TorqueRate as TorqueRate
 from .motion import ServoMotion as ServoMotion
 from .motion import evaluate as evaluate
 from .motors import CatalogueMotor as CatalogueMotor
@@ -21,7 +22,9 @@ from .motors import motor_use as motor_use
 from .motors import read_motors as read_motors
 from .optimum import ActiveLimit as ActiveLimit
 from .optimum import MotionOptimum as MotionOptimum
+from .optimum import TradeOffPoint as TradeOffPoint
 from .optimum import best_motion as best_motion
+from .optimum import trade_off as trade_off
 from .paths import Pendulum as Pendulum
 from .paths import Pulse as Pulse
 from .paths import Stop as Stop

@@ -105,6 +105,19 @@ class BearingForce(Checked):
 
 
 @dataclass(frozen=True)
+class TorqueRate(Checked):
+    """The motor's torque changes at most so fast: how fast its current can be built up, or how much jerk gears and dies may have.
+
+    It is not convex: the motion found is the best near it.
+
+    Attributes:
+        rate: at the motor's own shaft [N m/s].
+    """
+
+    rate: float = field(metadata=parameter("N m/s", "positive"))
+
+
+@dataclass(frozen=True)
 class RmsTorque(Checked):
     """The root mean square of the motor's torque over the cycle is at most so large.
 
@@ -129,7 +142,7 @@ class FeedWindow(Checked):
 
 
 Window = SlideSpeed | CrankSpeed | SlideAcceleration
-Limit = SlideSpeed | CrankSpeed | SlideAcceleration | CrankAcceleration | BearingForce | RmsTorque | FeedWindow
+Limit = SlideSpeed | CrankSpeed | SlideAcceleration | CrankAcceleration | BearingForce | RmsTorque | TorqueRate | FeedWindow
 
 
 def checked(limits: object) -> tuple[Limit, ...]:
@@ -141,7 +154,7 @@ def checked(limits: object) -> tuple[Limit, ...]:
         if not isinstance(each, Limit):
             raise PinpressError(
                 f"limit {shown(each)} is none: give servo.SlideSpeed, CrankSpeed, SlideAcceleration, CrankAcceleration, BearingForce,"
-                " RmsTorque or FeedWindow"
+                " RmsTorque, TorqueRate or FeedWindow"
             )
     return found
 
@@ -180,6 +193,8 @@ def in_words(limit: Limit) -> str:
         return f"crank acceleration of {limit.acceleration:.6g} rad/s2"
     if isinstance(limit, BearingForce):
         return f"force of {limit.force:.6g} N in {limit.bearing}"
+    if isinstance(limit, TorqueRate):
+        return f"rate of torque of {limit.rate:.6g} N m/s"
     if isinstance(limit, RmsTorque):
         return "rms torque of the motor" if limit.torque is None else f"rms torque of the motor of {limit.torque:.6g} N m"
     return f"feed window of {limit.time:.6g} s above {1e3 * limit.height:.6g} mm"

@@ -19,23 +19,29 @@ Index = NDArray[np.intp]
 
 
 class Affine(NamedTuple):
-    """A quantity of each of m segments that is affine in b at the two ends of it: before b_i + after b_{i+1} + fixed.
+    """A quantity of each of m segments that is affine in b at the two ends of it: before b_i + after b_{i+1} + fixed, and last x b at one
+    more node where a quantity is one of two segments.
 
     Attributes:
         before: (m,).
         after: (m,).
         fixed: (m,).
         segments: (m,) indices of the segments.
+        last: (m,) or None.
+        last_nodes: (m,) indices of these nodes, or None.
     """
 
     before: Array
     after: Array
     fixed: Array
     segments: Index
+    last: Array | None = None
+    last_nodes: Index | None = None
 
     def at(self, b: Array) -> Array:
         """(m,) values, for b (N + 1,) at the nodes."""
-        return self.before * b[self.segments] + self.after * b[self.segments + 1] + self.fixed
+        value = self.before * b[self.segments] + self.after * b[self.segments + 1] + self.fixed
+        return value if self.last is None else value + self.last * b[self.last_nodes]
 
 
 def inner_affine(c: Coefficients, place: int, by_acceleration: Array, by_square: Array, fixed: Array, segments: Index) -> Affine:
@@ -77,6 +83,24 @@ class Bounded:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class RelaxedPower:
+    """A largest power in a form that is convex and that every motion within the power keeps.
+
+    The torque of a segment is at most the power times its relaxed time by its step. Where b is known to lie in a range, that time is at
+    most what the chord of 1 / speed over the range allows.
+
+    Attributes:
+        power: largest power [W].
+        least: (N + 1,) b at the nodes that every better motion has at least, 0 where that is not known [rad2/s2].
+        most: (N + 1,) b that it has at most, infinite where that is not known.
+    """
+
+    power: float
+    least: Array
+    most: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class MotionProblem:
     """What is to be found: the motion along a path with the least objective within limits.
 
@@ -89,6 +113,11 @@ class MotionProblem:
         rms: largest root mean square of the torque at the crank [N m], or None.
         below: (N,) whether a segment is outside the feed window, or None.
         feed_time: time of the feed window [s].
+        power: a largest power, relaxed, or None.
+        ceiling: largest objective that is looked at, or None.
+        time_name: the time in words.
+        rms_name: the root mean square in words.
+        feed_name: the feed window in words.
     """
 
     coefficients: Coefficients
@@ -99,6 +128,8 @@ class MotionProblem:
     rms: float | None = None
     below: NDArray[np.bool_] | None = None
     feed_time: float = 0.0
+    power: RelaxedPower | None = None
+    ceiling: float | None = None
     time_name: str = "cycle time"
     rms_name: str = "rms torque"
     feed_name: str = "feed window"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..common import tables
 from ..common.arguments import expect, in_unit, numbers, suitable_numbers, typed, whole_number
@@ -25,10 +26,10 @@ from .bounds import bearings_of, contradiction, limit_heights, motion_problem, r
 from .coefficients import Coefficients, coefficients, feels_speed, load_heights, path_grid
 from .drive import ServoDrive
 from .limits import Limit
+from .local_limits import LocalLimits, powers, torque_rates, within_local_limits
 from .motion import ServoMotion, evaluated
 from .motion_problem import Figures, MotionProblem, figures, segment_times
 from .paths import Path, Turn, legs_of
-from .power_limit import within_power
 from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
 
 POINTS, MOST_POINTS = 720, 20_000
@@ -41,6 +42,10 @@ INSIDE = 1e-7  # distance of the states at a segment's ends from its nodes, as a
 LOBATTO = np.array([0.0, 0.5 - 0.1 * 5**0.5, 0.5 + 0.1 * 5**0.5, 1.0]), np.array([1.0, 5.0, 5.0, 1.0]) / 12.0
 UNITS = {"heat": "N2 m2 s", "time": "s", "energy": "J", "peak": "N m"}
 FOLLOWED = 2 * np.pi * 250.0  # natural frequency with which the motor of `MotionOptimum.program` follows by default [rad/s]
+
+
+class NoMotionError(PinpressError):
+    """No motion keeps the limits, and it was not asked why."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -80,6 +85,8 @@ class MotionOptimum(Tabular):
         bound: no motion with these nodes that keeps the limits has a lower objective: the dual cost of the program.
         limits: limits that act, with their prices.
         missed: largest share by which the motion exceeds a limit in full inverse dynamics, between nodes too [-].
+        deviation: share by which the heat by full inverse dynamics, between nodes too, is larger than the program's; it falls with the square
+            of the number of points [-].
         notes: what is not proved, and what else is to be said, in words.
         angle: (N + 1,) crank angles of the nodes [rad].
         speed: (N + 1,) speeds of the crank there [rad/s].
@@ -98,6 +105,7 @@ class MotionOptimum(Tabular):
     bound: float
     limits: Records[ActiveLimit]
     missed: float
+    deviation: float
     notes: tuple[str, ...]
     angle: Array
     speed: Array
@@ -142,6 +150,7 @@ class MotionOptimum(Tabular):
             ["energy drawn", f"{1e-3 * motion.energy_drawn:.6g} kJ a cycle"],
             ["gear ratio", f"{drive.ratio:.6g}"],
             ["limits are kept to", f"{self.missed:.1e}"],
+            ["heat between nodes", f"{self.deviation:+.1e} of that of the program"],
         ]
         lines = [self.title, *(line.rstrip() for line in tables.table(rows, [28, 0]))]
         lines += ["limits that act, and what 1 % more of each saves:"] if self.limits else ["no limit acts"]
@@ -170,6 +179,93 @@ class MotionOptimum(Tabular):
         angles = np.concatenate([angle[:-1] - way, angle[:-1], angle + way])
         peak = 10.0 * self.motion.peak_motor_torque if self.drive.peak_torque is None else 2.0 * self.drive.peak_torque
         return ServoMotor(times, ratio * angles, stiff, damp, peak, self.drive.inertia, self.drive.rated_torque)
+
+
+@dataclass(frozen=True, repr=False)
+class TradeOffPoint(
+    Record,
+    units={
+        "time": "s",
+        "strokes_per_minute": "1/min",
+        "rms_motor_torque": "N m",
+        "peak_motor_torque": "N m",
+        "peak_power": "W",
+        "energy_drawn": "J",
+        "gap": "-",
+    },
+):
+    """The best motion at one time of a cycle. Where no motion keeps the limits, all but the time is None.
+
+    Attributes:
+        time: most time of a cycle [s].
+        strokes_per_minute: parts made in a minute at this time [1/min].
+        rms_motor_torque: root mean square of the motor's torque at its own shaft [N m].
+        peak_motor_torque: largest mean torque of the motor over a segment, at its own shaft [N m].
+        peak_power: largest mean torque times mean speed of a segment [W].
+        energy_drawn: energy drawn in a cycle [J].
+        gap: how much better another motion could be at most [-].
+    """
+
+    time: float
+    strokes_per_minute: float
+    rms_motor_torque: float | None
+    peak_motor_torque: float | None
+    peak_power: float | None
+    energy_drawn: float | None
+    gap: float | None
+
+
+@typed
+def trade_off(
+    press: Linkage,
+    drive: ServoDrive,
+    loads: Sequence[Load] = (),
+    *,
+    times: ArrayLike,
+    minimise: str | Mapping[str, float] = "heat",
+    path: Path | None = None,
+    limits: Sequence[Limit] = (),
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+    points: int = POINTS,
+) -> Records[TradeOffPoint]:
+    """What more strokes a minute cost: the best motion at each of several times, each proved.
+
+    Args:
+        press: the press, whose crank turns fully.
+        drive: the drive.
+        loads: as of `best_motion`.
+        times: (m,) times of a cycle, in any order [s].
+        minimise: as of `best_motion`.
+        path: as of `best_motion`.
+        limits: as of `best_motion`.
+        friction: as of `best_motion`.
+        points: as of `best_motion`.
+
+    Returns:
+        A point for each time. It has no full inverse dynamics between the nodes, which `best_motion` gives of one time.
+
+    Raises:
+        PinpressError: as `best_motion`; not where no motion keeps the limits at a time.
+    """
+    wanted = "a list of positive times [s], e.g. numpy.linspace(2, 4, 20)"
+    given = suitable_numbers(
+        "times", in_unit("times", times, "s"), wanted, (None,), lambda t: len(t) > 0 and np.all((t >= 1e-9) & (t <= 1e9))
+    )
+    asked = _asked(press, drive, loads, minimise, float(given.max()), path, limits, friction, points)
+    found = []
+    for time in given.tolist():
+        strokes = 60.0 * asked.coefficients.grid.legs.strokes / time
+        try:
+            problem, answer, _ = replace(asked, time=time, explained=False).solved(drive)
+        except NoMotionError:
+            found.append(TradeOffPoint(time, strokes, None, None, None, None, None))
+            continue
+        cost = figures(problem, answer.b)
+        rms = np.sqrt(cost.heat / _cycle(problem, cost)) / drive.ratio
+        peak = cost.peak / drive.ratio
+        power = float(powers(problem, answer.b).max())
+        found.append(TradeOffPoint(time, strokes, float(rms), peak, power, cost.energy, answer.gap))
+    return Records(TradeOffPoint, found)
 
 
 @typed
@@ -210,6 +306,39 @@ def best_motion(
             fit together; the program was not solved.
         UnknownNameError: a bearing that the press does not have.
     """
+    asked = _asked(press, drive, loads, minimise, time, path, limits, friction, points)
+    if ratios is not None and len(asked.wanted) > 1:
+        raise PinpressError("ratios are compared by one quantity: minimise heat, time or energy, or give one ratio")
+    drives = [drive] if ratios is None else [replace(drive, ratio=ratio) for ratio in _ratios(ratios)]
+    tried: dict[float, float] = {}
+    best: tuple[MotionProblem, Solution, tuple[str, ...]] | None = None
+    failed: PinpressError | None = None
+    for each in drives:
+        try:
+            answer = asked.solved(each)
+        except PinpressError as error:
+            tried[each.ratio], failed = np.inf, error
+            continue
+        tried[each.ratio] = answer[1].value / (each.ratio**2 if "heat" in asked.wanted else 1.0)
+        best = answer if tried[each.ratio] <= min(tried.values()) else best
+    if best is None:
+        assert failed is not None
+        raise failed
+    return asked.result(Turn() if path is None else path, *best, tried if ratios is not None else {})
+
+
+def _asked(
+    press: Linkage,
+    drive: ServoDrive,
+    loads: Sequence[Load],
+    minimise: str | Mapping[str, float],
+    time: float | None,
+    path: Path | None,
+    limits: Sequence[Limit],
+    friction: Mapping[str, Friction],
+    points: int,
+) -> _Task:
+    """What is asked for, checked, with the coefficients of the press; arguments and errors as of `best_motion`."""
     expect("drive", drive, ServoDrive, "servo.ServoDrive")
     press.refuse_sliding_driver("servo motions are those of a crank")
     legs = legs_of(Turn() if path is None else path, press)
@@ -223,27 +352,11 @@ def best_motion(
     grid = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(chosen)], count)
     speed = float(np.abs(grid.step).sum()) / (most - legs.dwell if most else 1.0)
     found = coefficients(press, grid, loads, friction, speed, bearings)
-    if ratios is not None and len(wanted) > 1:
-        raise PinpressError("ratios are compared by one quantity: minimise heat, time or energy, or give one ratio")
-    drives = [drive] if ratios is None else [replace(drive, ratio=ratio) for ratio in _ratios(ratios)]
-    task = _Task(press, loads, friction, found, chosen, wanted, most)
-    tried: dict[float, float] = {}
-    best: tuple[MotionProblem, Solution, tuple[str, ...]] | None = None
-    failed: PinpressError | None = None
-    for each in drives:
-        try:
-            answer = task.solved(each)
-        except PinpressError as error:
-            tried[each.ratio], failed = np.inf, error
-            if ratios is None:
-                raise
-            continue
-        tried[each.ratio] = answer[1].value / (each.ratio**2 if "heat" in wanted else 1.0)
-        best = answer if tried[each.ratio] <= min(tried.values()) else best
-    if best is None:
-        assert failed is not None
-        raise failed
-    return task.result(Turn() if path is None else path, *best, tried if ratios is not None else {})
+    return _Task(press, loads, friction, found, chosen, wanted, most)
+
+
+def _sound_times(times: Array) -> bool:
+    return bool(len(times) and np.all((times >= 1e-9) & (times <= 1e9)))
 
 
 def _objective(minimise: object) -> dict[str, float]:
@@ -296,7 +409,10 @@ def _refuse_open(
 
 @dataclass(frozen=True, eq=False)
 class _Task:
-    """What is asked for, with the coefficients of the press; attributes as the arguments of `best_motion`."""
+    """What is asked for, with the coefficients of the press; attributes as the arguments of `best_motion`.
+
+    ``explained``: whether an error says what contradicts what, which takes some more programs.
+    """
 
     press: Linkage
     loads: Sequence[Load]
@@ -305,6 +421,7 @@ class _Task:
     limits: tuple[Limit, ...]
     wanted: Mapping[str, float]
     time: float | None
+    explained: bool = True
 
     def solved(self, drive: ServoDrive) -> tuple[MotionProblem, Solution, tuple[str, ...]]:
         """The problem with this drive, its solution, and what is to be said of the proof."""
@@ -330,15 +447,16 @@ class _Task:
         """One program, where loads are given."""
         weights = dict(self.wanted)
         if len(weights) > 1:
-            least = _optimum(motion_problem(found, drive, self.limits, {"heat": 1.0}, self.time), self.press.name)
+            least = _optimum(motion_problem(found, drive, self.limits, {"heat": 1.0}, self.time), self.press.name, self.explained)
             cost = figures(motion_problem(found, drive, self.limits, {"heat": 1.0}, self.time), least.b)
             sizes = {"heat": cost.heat, "time": cost.time, "energy": max(cost.energy, 1e-9), "peak": cost.peak}
             weights = {name: weight / sizes[name] for name, weight in weights.items()}
         problem = motion_problem(found, drive, self.limits, weights, self.time)
-        answer = _optimum(problem, self.press.name)
+        answer = _optimum(problem, self.press.name, self.explained)
         notes: list[str] = []
-        if drive.power is not None:
-            answer, problem, notes = within_power(problem, answer, drive.power, lambda each: _optimum(each, self.press.name))
+        rates = [each.rate * drive.ratio for each in self.limits if isinstance(each, limits_.TorqueRate)]
+        local = LocalLimits(drive.power, min(rates, default=None))
+        answer, problem, notes = within_local_limits(problem, answer, local, lambda each: _optimum(each, self.press.name, False))
         return problem, answer, notes
 
     def _with_speeds(self, problem: MotionProblem, b: Array) -> Coefficients:
@@ -367,7 +485,7 @@ class _Task:
         pause = 0.0 if problem.time is None else problem.time - cost.time
         if pause > SLACK * (problem.time or 1.0):
             said.append(_pause_in_words(pause, problem.coefficients.grid.legs.closed))
-        missed = self._missed(problem, motion, reactions, cost)
+        missed = self._missed(problem, motion, reactions, cost, answer.b)
         if answer.gap > FAR and _loses_by_speed(problem):
             said.append(
                 "losses that grow with the speed are not convex where the crank could be slower at no cost: no motion is better by more"
@@ -385,6 +503,7 @@ class _Task:
             bound=answer.bound,
             limits=_active(problem, answer),
             missed=missed,
+            deviation=motion.heat / cost.heat - 1.0 if cost.heat else 0.0,
             notes=tuple(said),
             angle=grid.angle,
             speed=np.append(grid.way, grid.way[-1]) * np.sqrt(answer.b),
@@ -395,7 +514,7 @@ class _Task:
             _stiff=float(np.max(problem.coefficients.inertia)) + problem.inertia,
         )
 
-    def _missed(self, problem: MotionProblem, motion: ServoMotion, reactions: Reactions, cost: Figures) -> float:
+    def _missed(self, problem: MotionProblem, motion: ServoMotion, reactions: Reactions, cost: Figures, b: Array) -> float:
         """Largest share by which the full motion exceeds a limit."""
         drive, found = problem.drive, [0.0]
         if problem.time is not None:
@@ -414,6 +533,8 @@ class _Task:
         for each in self.limits:
             if isinstance(each, limits_.BearingForce):
                 found.append(float(np.linalg.norm(reactions.bearing_force[each.bearing], axis=1).max()) / each.force - 1.0)
+            elif isinstance(each, limits_.TorqueRate):
+                found.append(float(torque_rates(problem, b).max()) / drive.ratio / each.rate - 1.0)
             elif isinstance(each, limits_.CrankAcceleration):
                 found.append(float(np.abs(motion.acceleration).max()) / each.acceleration - 1.0)
             elif isinstance(each, limits_.Window):
@@ -446,7 +567,7 @@ def _pause_in_words(pause: float, closed: bool) -> str:
     return f"a pause of {pause:.4g} s is left at the end of the cycle, in which a brake holds: a slower motion would cost more"
 
 
-def _optimum(problem: MotionProblem, press_name: str) -> Solution:
+def _optimum(problem: MotionProblem, press_name: str, explained: bool) -> Solution:
     """The optimum of a convex problem; where it is proved badly, again with the sizes of the motion found."""
     answer, status = None, "no answer"
     sizes = first_sizes(problem)
@@ -455,7 +576,7 @@ def _optimum(problem: MotionProblem, press_name: str) -> Solution:
             new = solve(problem, sizes)
         except InfeasibleError:
             if answer is None:
-                raise contradiction(problem, press_name) from None
+                raise (contradiction(problem, press_name) if explained else NoMotionError("no motion keeps the limits")) from None
             break
         except UnsolvedError as error:
             status = str(error)
@@ -472,6 +593,11 @@ def _optimum(problem: MotionProblem, press_name: str) -> Solution:
             " inertia and time to sizes that a press has, or give other points="
         )
     return answer
+
+
+def _cycle(problem: MotionProblem, cost: Figures) -> float:
+    """Time of the cycle with a pause, where the path may have one [s]."""
+    return cost.time if problem.time is None or problem.coefficients.grid.legs.closed else max(cost.time, problem.time)
 
 
 def _loses_by_speed(problem: MotionProblem) -> bool:

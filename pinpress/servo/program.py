@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.quantities import Array
-from .motion_problem import Affine, Bounded, Index, MotionProblem, figures, objective, rest_below
+from .motion_problem import Affine, Bounded, Index, MotionProblem, RelaxedPower, figures, objective, rest_below
 
 TOLERANCE = 1e-9  # that the solver aims at
 EQUAL, AT_MOST, CONE = "equal", "at most", "cone"
@@ -210,10 +210,13 @@ class _Program:
     def affine(self, quantity: Affine, scale: Array | float, rows: Index) -> list[tuple[Index, Index, Array]]:
         """Entries of a quantity by ``scale``, without its fixed part, in these rows."""
         at, b = quantity.segments, self.sizes.b
-        return [
+        entries = [
             (rows, self.column[at], quantity.before * b[at] * scale),
             (rows, self.column[at + 1], quantity.after * b[at + 1] * scale),
         ]
+        if quantity.last is not None and quantity.last_nodes is not None:
+            entries.append((rows, self.column[quantity.last_nodes], quantity.last * b[quantity.last_nodes] * scale))
+        return entries
 
     def speeds(self, segments: Index, scale: Array | float, rows: Index) -> list[tuple[Index, Index, Array]]:
         """Entries of c_i + c_{i+1}."""
@@ -255,7 +258,14 @@ class _Program:
             self._energy()
         if self.with_peak:
             self._peak()
-        return self._cost()
+        if problem.power is not None:
+            self._power(problem.power)
+        cost = self._cost()
+        if problem.ceiling is not None:
+            room = problem.ceiling - self.fixed_cost()
+            some = np.flatnonzero(cost)
+            self.add(AT_MOST, self._row([(some, cost[some] / room)]), np.ones(1))
+        return cost
 
     def moving_time(self, chosen: Index | None = None) -> tuple[Index, Array]:
         """Columns and coefficients of the time of all, or of chosen, segments, in the unit of time."""
@@ -348,6 +358,32 @@ class _Program:
                 entries += self.speeds(k, 0.5 * drag * sign * grid.way / size, k)
             self.add(AT_MOST, entries, -sign * mean.fixed / size)
 
+    def _power(self, relaxed: RelaxedPower) -> None:
+        """Driving and braking torque over a segment are at most 2 power d, and d at most the mean of the chords of 1 / (2 speed)."""
+        mean, grid, k = self.problem.mean_torque(), self.problem.coefficients.grid, self.segments
+        size, drag = self.sizes.torque, self.problem.drive.crank_drag
+        for sign in (1.0, -1.0):
+            entries = [*self.affine(mean, sign / size, k), (k, self.d + k, -2.0 * relaxed.power / (self.s * size))]
+            if drag:
+                entries += self.speeds(k, 0.5 * drag * sign * grid.way / size, k)
+            self.add(AT_MOST, entries, -sign * mean.fixed / size)
+        least, most, b = relaxed.least, relaxed.most, self.sizes.b
+        known = (least > 0) & np.isfinite(most)
+        nodes = np.flatnonzero(known & (self.column >= 0))
+        if not len(nodes):
+            return
+        rows = np.arange(len(nodes))
+        self.add(AT_MOST, [(rows, self.column[nodes], np.ones(len(nodes)))], most[nodes] / b[nodes])
+        self.add(AT_MOST, [(rows, self.column[nodes], -np.ones(len(nodes)))], -least[nodes] / b[nodes])
+        both = np.flatnonzero(known[:-1] & known[1:])
+        low, high = np.sqrt(np.where(known, least, 1.0)), np.sqrt(np.where(known, most, 2.0))
+        slope = -1.0 / (low * high * (low + high))  # of the chord of 1 / sqrt(b)
+        level = 1.0 / low - slope * low**2
+        rows, s = np.arange(len(both)), self.s[both]
+        entries = [(rows, self.d + both, np.ones(len(both)))]
+        entries += [(rows, self.column[at], -0.25 * s * slope[at] * b[at]) for at in (both, both + 1)]
+        self.add(AT_MOST, entries, 0.25 * s * (level[both] + level[both + 1]))
+
     def _cost(self) -> Array:
         """Coefficients of the objective, whose unit is 1; fixed parts are `fixed_cost`."""
         cost, weights = np.zeros(self.width), self.problem.weights
@@ -374,8 +410,16 @@ class _Program:
         return weights.get("heat", 0.0) * self.heat()[1] * self.unit_heat + weights.get("energy", 0.0) * held
 
 
-def solve(problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] | None = None) -> Solution:
+def solve(
+    problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] | None = None, extreme: tuple[int, float] | None = None
+) -> Solution:
     """The optimum, or with ``let_out`` the least share by which limits of these names must be let out.
+
+    Args:
+        problem: the problem.
+        sizes: by which it is scaled.
+        let_out: whether a limit, by its name, may be let out.
+        extreme: a node, and 1 or -1: in place of the objective, b there times this is minimised.
 
     Raises:
         InfeasibleError: there is no motion within the limits.
@@ -385,7 +429,11 @@ def solve(problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] |
     from scipy import sparse  # to save start-up time
 
     program = _Program(problem, sizes, let_out)
-    cost = program.write()
+    cost, fixed = program.write(), program.fixed_cost()
+    if extreme is not None:
+        node, sign = extreme
+        cost, fixed = np.zeros(program.width), 0.0
+        cost[program.column[node]] = sign * sizes.b[node]
     scale = float(np.abs(cost).max())
     starts = np.concatenate([[0], np.cumsum([len(block.bound) for block in program.blocks])])
     rows, columns, values = (
@@ -411,10 +459,10 @@ def solve(problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] |
     b = np.where(program.column < 0, 0.0, np.maximum(x[program.column], 1e-12) * sizes.b)
     z = _in_dual_cones(program.blocks, z)
     off = cost / scale + matrix.T @ z
-    bound_ = scale * (float(-bound @ z) - float(np.abs(off) @ np.maximum(np.abs(x), 1.0))) + program.fixed_cost()
+    bound_ = scale * (float(-bound @ z) - float(np.abs(off) @ np.maximum(np.abs(x), 1.0))) + fixed
     prices, where, parts = _prices(program, scale, np.split(z, starts[1:-1]))
     share = float(x[program.out]) if let_out is not None else 0.0
-    value = share if let_out is not None else objective(problem, b)
+    value = share if let_out is not None else objective(problem, b) if extreme is None else extreme[1] * float(b[extreme[0]])
     return Solution(b, value, bound_, prices, where, share, parts)
 
 

@@ -56,6 +56,7 @@ MADE |= {
     "ServoMotion",
     "ActiveLimit",
     "MotionOptimum",
+    "TradeOffPoint",
     "MotionLaw",
     "MotorUtilisation",
     "EnergyStore",

@@ -136,6 +136,7 @@ def test_least_heat(name, inertia, loads, time, limits, path, rms, full):
     assert best.motion.rms_torque == pytest.approx(rms, rel=1.5e-3)
     assert -1e-8 < best.gap < 1e-7
     assert best.motion.heat == pytest.approx(best.value, rel=full)
+    assert best.deviation == pytest.approx(best.motion.heat / best.value - 1.0)
     assert best.missed < 1e-3
     assert best.motion.duration == pytest.approx(time, rel=1e-6)
 
@@ -173,15 +174,47 @@ def test_friction_settles():
     assert "each program is proved" in best.notes[0]
 
 
-@pytest.mark.parametrize(("power", "rms"), [(280e3, 31530), (240e3, 32340), (200e3, 33970)])
+@pytest.mark.parametrize(("power", "rms", "gap"), [(280e3, 31530, 5e-4), (240e3, 32340, 5e-4), (200e3, 33970, 1e-3)])
 @pytest.mark.one_in(3)
-def test_power_is_kept_and_said_not_to_be_proved(power, rms):
+def test_power_is_kept_and_its_bound_is_close(power, rms, gap):
+    """Motion (N = 720) and gap (N = 180) of a prototype: 8e-5, 1e-4 and 5e-4 after tightening, 1.3, 6.1 and 14.9 % before it."""
     press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=800, power=power)
-    best = servo.best_motion(press, drive, DRAWING, time=2.4, limits=[SLOW], points=360)
+    best = servo.best_motion(press, drive, DRAWING, time=2.4, limits=[SLOW], points=180)
     assert best.motion.rms_torque == pytest.approx(rms, rel=1e-3)
-    assert best.motion.peak_power < 1.05 * power
-    assert best.bound < best.value
-    assert "power is not convex" in best.notes[0]
+    assert best.motion.peak_power < 1.07 * power
+    assert -1e-8 < best.gap < gap
+    assert "is not convex" in best.notes[0]
+    assert "rounds of enclosing" in best.notes[0]
+
+
+def test_rate_of_torque():
+    """It is kept, costs heat, and is said to be proved only near the motion; no other start has less heat."""
+    press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=8, ratio=10)
+    free = servo.best_motion(press, drive, DRAWING, time=2.4, limits=[SLOW], points=180)
+    best = servo.best_motion(press, drive, DRAWING, time=2.4, limits=[SLOW, servo.TorqueRate(1e5)], points=180)
+
+    def rate(found):
+        torque = found.motion.motor_torque.reshape(-1, 4) @ [1 / 12, 5 / 12, 5 / 12, 1 / 12]
+        time = found.motion.time.reshape(-1, 4).mean(axis=1)
+        return np.abs(np.diff(torque) / np.diff(time)).max()
+
+    assert rate(free) > 1.3e5
+    assert rate(best) < 1.07e5
+    assert best.value > 1.01 * free.value
+    assert best.bound == pytest.approx(free.bound, rel=1e-6)
+    assert "is not convex" in best.notes[0]
+
+
+def test_trade_off():
+    """Each point is the best motion at its time; times that no motion keeps are said to be so."""
+    press, drive = knuckle(), servo.ServoDrive(inertia=10, peak_torque=2700)
+    found = servo.trade_off(press, drive, COINING, times=[0.5, 0.7, 1.0], path=servo.Stop(0.15), points=120)
+    assert found[0].rms_motor_torque is None
+    assert found[1].rms_motor_torque > found[2].rms_motor_torque
+    best = servo.best_motion(press, drive, COINING, time=0.7, path=servo.Stop(0.15), points=120)
+    assert found[1].rms_motor_torque == pytest.approx(np.sqrt(best.value / 0.7), rel=1e-6)
+    assert found[1].peak_power == pytest.approx(best.motion.peak_power, rel=0.1)
+    assert found[2].strokes_per_minute == pytest.approx(60.0)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- properties

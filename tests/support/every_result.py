@@ -301,6 +301,8 @@ def made():
             pp.servo.CrankAcceleration(500.0),
             pp.servo.BearingForce("W", 1e5),
             pp.servo.FeedWindow(0.1, 0.2),
+            pp.servo.TorqueRate(1e5),
+            pp.servo.trade_off(press(), SERVO, times=[1.0], path=pp.servo.Stop(), points=24)[0],
             served(),
             pp.servo.vdi_law("3-4-5"),
             pp.servo.capacitor(served()),

@@ -477,6 +477,22 @@ def calls() -> dict[str, Call]:
         ("servo.SlideAcceleration", pp.servo.SlideAcceleration, lambda: {"acceleration": 9.0, "heights": (0.05, 0.0), "flank": "both"}),
         ("servo.CrankAcceleration", pp.servo.CrankAcceleration, lambda: {"acceleration": 90.0}),
         ("servo.BearingForce", pp.servo.BearingForce, lambda: {"bearing": "O", "force": 1e5}),
+        ("servo.TorqueRate", pp.servo.TorqueRate, lambda: {"rate": 1e4}),
+        (
+            "servo.trade_off",
+            pp.servo.trade_off,
+            lambda: {
+                "press": press(),
+                "drive": pp.servo.ServoDrive(inertia=1.0),
+                "loads": [],
+                "times": [1.0, 2.0],
+                "minimise": "heat",
+                "path": pp.servo.Stop(),
+                "limits": [pp.servo.CrankSpeed(50.0)],
+                "friction": {},
+                "points": 24,
+            },
+        ),
         ("servo.RmsTorque", pp.servo.RmsTorque, lambda: {"torque": 100.0}),
         ("servo.FeedWindow", pp.servo.FeedWindow, lambda: {"height": 0.1, "time": 0.2}),
         (

@@ -1,0 +1,260 @@
+"""A largest power of the motor: torque x speed is no convex function of b. Found is a motion that keeps it, and a bound for all motions.
+
+So is a largest rate of the torque, which is a largest jerk.
+
+A motion within the limits comes from convex programs: 2 P / (v_i + v_{i+1}), the torque that the power allows at the speeds of a segment's
+ends, is convex in b, so that its tangent at the last motion is below it; each program's motion keeps the limit, and the next is no worse.
+The time between two segments, by which the rate allows a change of torque, is convex too.
+
+The bound for the power comes from programs that allow it over the relaxed time 2 h d of a segment, which is at least its time. Alone it is
+weak, because a program may let a segment take longer than its speeds say. So b at the nodes under load is enclosed: the least and the
+largest b of all motions that are no worse than the one found. Within these ranges 1 / v is below its chord, which limits d; and again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.errors import PinpressError
+from ..common.quantities import Array
+from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, segment_times
+from .program import InfeasibleError, Sizes, Solution, UnsolvedError, sizes_of, solve
+
+MOST_ROUNDS = 40
+SETTLED = 1e-9  # relative change of the value that ends the rounds
+KEPT = 1e-9  # share by which the power may be exceeded
+ENCLOSED = 8  # most rounds in which b is enclosed
+PROVED = 5e-4  # gap below which it is not enclosed more narrowly
+MOST_WORK = 5000  # nodes under load times segments above which speeds are not enclosed: each node takes two programs a round
+NARROW = 1.02  # ratio of the ends of a range of b from which on it is not narrowed
+NEAR = 0.97  # share of the power from which on a segment counts as loaded
+SLOWER = 0.8, 0.7, 0.6, 0.5, 0.3  # by which b is slowed down where tangents at it leave no motion
+RATE = "a rate of torque of {:.6g} N m/s"
+NAME = "power of the motor of {:.6g} W"
+
+
+class LocalLimits(NamedTuple):
+    """Limits that are not convex.
+
+    Attributes:
+        power: largest power [W], or None.
+        rate: largest rate of the torque at the crank [N m/s], or None.
+    """
+
+    power: float | None
+    rate: float | None
+
+
+def within_local_limits(
+    problem: MotionProblem, free: Solution, limits: LocalLimits, optimum: Callable[[MotionProblem], Solution]
+) -> tuple[Solution, MotionProblem, list[str]]:
+    """A motion that keeps limits that are not convex, with a bound for all motions that do.
+
+    Args:
+        problem: the problem without these limits.
+        free: its optimum.
+        limits: the limits.
+        optimum: solves a convex problem; raises PinpressError where it has no solution.
+
+    Returns:
+        the motion with the bound, the last convex problem, and what is to be said.
+
+    Raises:
+        PinpressError: no motion within the limits was found.
+    """
+    power, rate = limits
+    powerful = power is not None and powers(problem, free.b).max() > power * (1.0 + KEPT)
+    rough = rate is not None and torque_rates(problem, free.b).max() > rate * (1.0 + KEPT)
+    if not powerful and not rough:
+        return free, problem, []
+    words = [*([f"a power of {power:.6g} W"] if powerful else []), *([RATE.format(rate / problem.drive.ratio)] if rough and rate else [])]
+    answer, limited = _by_tangents(problem, free, limits, optimum, " and ".join(words))
+    if not powerful or power is None:
+        gap = (answer.value - free.bound) / abs(answer.value)
+        note = (
+            f"{words[-1]} is not convex: the motion keeps it, and is the best near it; of all motions, with or without it, none is"
+            f" better by more than {100 * gap:.2g} %"
+        )
+        return replace(answer, bound=free.bound), limited, [note]
+    bound, rounds, loaded = _bound(problem, free, answer, power)
+    gap = (answer.value - bound) / abs(answer.value)
+    how = f"by {rounds} rounds of enclosing the speeds of {loaded} nodes" if rounds else "by one relaxed program"
+    more = "; fewer points= have it proved more closely" if loaded and not rounds and gap > PROVED else ""
+    note = (
+        f"{' and '.join(words)} {'are' if rough else 'is'} not convex: the motion keeps {'them' if rough else 'it'}, and is the best near"
+        f" it; of all motions, none is better by more than {100 * gap:.2g} %, proved {how}{more}"
+    )
+    return replace(answer, bound=bound), limited, [note]
+
+
+def _by_tangents(
+    problem: MotionProblem, free: Solution, limits: LocalLimits, optimum: Callable[[MotionProblem], Solution], words: str
+) -> tuple[Solution, MotionProblem]:
+    """A motion within the limits, the best near it, and its last convex problem."""
+    power, rate = limits
+    b = free.b if power is None else _slower(problem, free.b, power)
+    answer, limited, value, slower = None, problem, np.inf, 0
+    for _ in range(MOST_ROUNDS):
+        rows = [] if power is None else _power_tangents(problem, b, power)
+        rows += [] if rate is None else _rate_tangents(problem, b, rate)
+        limited = replace(problem, bounds=(*problem.bounds, *rows))
+        try:
+            answer = optimum(limited)
+        except PinpressError as error:
+            slower += 1
+            if answer is None and slower <= len(SLOWER):
+                b = SLOWER[slower - 1] * b  # the tangents were drawn where the limits are far exceeded
+                continue
+            raise PinpressError(
+                f"no motion within {words} was found, which does not prove that there is none; without it the motor has a power of"
+                f" {powers(problem, free.b).max():.6g} W, and its torque changes by"
+                f" {torque_rates(problem, free.b).max() / problem.drive.ratio:.6g} N m/s: allow more of it, or more time"
+            ) from error
+        b = answer.b
+        if abs(value - answer.value) <= SETTLED * abs(answer.value):
+            break
+        value = answer.value
+    assert answer is not None
+    return answer, limited
+
+
+def powers(problem: MotionProblem, b: Array) -> Array:
+    """(N,) largest size of the mean torque of each segment times the mean speed [W]."""
+    speed = 0.5 * (np.sqrt(b[1:]) + np.sqrt(b[:-1]))
+    torque = problem.mean_torque().at(b) + problem.drive.crank_drag * problem.coefficients.grid.way * speed
+    return np.abs(torque) * speed
+
+
+def torque_rates(problem: MotionProblem, b: Array) -> Array:
+    """(N,) sizes of the changes of mean torque from each segment to the next by the time between their middles [N m/s]; 0 over rests."""
+    pairs = _Pairs(problem)
+    times = segment_times(problem.coefficients, b)
+    torque = problem.mean_torque().at(b)
+    change = np.abs(torque[pairs.second] - torque[pairs.first]) / (0.5 * (times[pairs.first] + times[pairs.second]))
+    return np.asarray(np.append(change, 0.0))
+
+
+class _Pairs:
+    """Segments that follow one another without a dwell between them."""
+
+    def __init__(self, problem: MotionProblem) -> None:
+        grid = problem.coefficients.grid
+        n = len(grid.step)
+        first = np.arange(n if grid.legs.closed else n - 1)
+        second = (first + 1) % n
+        dwells = grid.legs.dwells[grid.leg[first]] if not grid.legs.closed else np.zeros(n)
+        kept = (grid.leg[first] == grid.leg[second]) | (dwells == 0)
+        self.first, self.second = first[kept], second[kept]
+
+
+def _rate_tangents(problem: MotionProblem, b: Array, rate: float) -> list[Bounded]:
+    """Changes of torque below the tangent of rate x time between the middles of two segments, which is convex in b."""
+    pairs, mean, grid = _Pairs(problem), problem.mean_torque(), problem.coefficients.grid
+    speed, h = np.sqrt(b), np.abs(grid.step)
+    total = speed[1:] + speed[:-1]
+    times = 2.0 * h / total
+    with np.errstate(divide="ignore"):  # at a rest b is no variable
+        slopes = [np.where(each > 0, -h / (total**2 * each), 0.0) for each in (speed[:-1], speed[1:])]
+    first, second, found = pairs.first, pairs.second, []
+    half = 0.5 * rate
+    level = half * sum(times[k] - slopes[0][k] * b[k] - slopes[1][k] * b[k + 1] for k in (first, second))
+    for sign in (1.0, -1.0):
+        before = -sign * mean.before[first] - half * slopes[0][first]
+        middle = sign * (mean.before[second] - mean.after[first]) - half * (slopes[1][first] + slopes[0][second])
+        after = sign * mean.after[second] - half * slopes[1][second]
+        quantity = Affine(before, middle, sign * (mean.fixed[second] - mean.fixed[first]), first, after, second + 1)
+        found.append(Bounded(RATE.format(rate / problem.drive.ratio), level, rate / problem.drive.ratio, "N m/s", quantity))
+    return found
+
+
+def _slower(problem: MotionProblem, b: Array, power: float) -> Array:
+    """A motion about which the first tangents are drawn: as fast as the power allows at the torques of the free motion."""
+    over = np.maximum(powers(problem, b) / power, 1.0)
+    nodes = np.maximum(np.append(over, 1.0), np.append(1.0, over))
+    return np.where(problem.coefficients.grid.rest, 0.0, b / nodes)
+
+
+def _power_tangents(problem: MotionProblem, b: Array, power: float) -> list[Bounded]:
+    """Driving and braking torque below the tangent of what the power allows; the drag of the drive counts at the speed of b."""
+    speed = np.sqrt(b)
+    total = speed[1:] + speed[:-1]
+    allowed = 2.0 * power / total
+    with np.errstate(divide="ignore"):  # at a rest b is no variable
+        slopes = [np.where(each > 0, -power / (total**2 * each), 0.0) for each in (speed[:-1], speed[1:])]
+    level = allowed - slopes[0] * b[:-1] - slopes[1] * b[1:]
+    mean, found = problem.mean_torque(), []
+    drag = 0.5 * problem.drive.crank_drag * problem.coefficients.grid.way * total
+    for sign in (1.0, -1.0):
+        before, after = sign * mean.before - slopes[0], sign * mean.after - slopes[1]
+        quantity = Affine(before, after, sign * (mean.fixed + drag), mean.segments)
+        found.append(Bounded(NAME.format(power), level, power, "W", quantity))
+    return found
+
+
+# ------------------------------------------------------------------------------------------------------------- a bound for all motions
+
+
+def _bound(problem: MotionProblem, free: Solution, best: Solution, power: float) -> tuple[float, int, int]:
+    """A bound of the objective of all motions within the power, the rounds that it took, and the number of nodes under load."""
+    grid, sizes = problem.coefficients.grid, sizes_of(problem, best.b)
+    relaxed = RelaxedPower(power, np.zeros(len(grid.angle)), np.full(len(grid.angle), np.inf))
+    bound, found = free.bound, _solved(replace(problem, power=relaxed), sizes)
+    if found is None:
+        return bound, 0, 0
+    bound = max(bound, found.bound)
+    loaded = _loaded(problem, found.b, best.b, power)
+    if len(loaded) * len(grid.step) > MOST_WORK:
+        return bound, 0, len(loaded)
+    rounds, scale = 0, abs(best.value)
+    ceiling = best.value + 1e-7 * scale
+    while rounds < ENCLOSED and best.value - bound > PROVED * scale:
+        for node in loaded:  # each with the ranges that are known already
+            relaxed = _enclosed(replace(problem, power=relaxed, ceiling=ceiling), relaxed, sizes, int(node))
+        rounds += 1
+        found = _solved(replace(problem, power=relaxed), sizes)
+        if found is None:
+            break
+        before, bound = bound, max(bound, found.bound)
+        loaded = np.union1d(loaded, _loaded(problem, found.b, best.b, power))
+        if len(loaded) * len(grid.step) > MOST_WORK:
+            break
+        if rounds > 3 and bound - before < 0.05 * (best.value - before):
+            break
+    return min(bound, best.value), rounds, len(loaded)
+
+
+def _enclosed(problem: MotionProblem, relaxed: RelaxedPower, sizes: Sizes, node: int) -> RelaxedPower:
+    """The ranges of b with that at a node as narrow as two programs prove it."""
+    if relaxed.most[node] < NARROW * relaxed.least[node]:
+        return relaxed
+    low, high = _solved(problem, sizes, (node, 1.0)), _solved(problem, sizes, (node, -1.0))
+    if low is None or high is None or not low.bound < -high.bound:
+        return relaxed
+    least, most = relaxed.least.copy(), relaxed.most.copy()
+    same = [0, -1] if node == 0 and problem.coefficients.grid.legs.closed else [node]
+    least[same], most[same] = max(least[node], low.bound), min(most[node], -high.bound)
+    return RelaxedPower(relaxed.power, least, most)
+
+
+def _loaded(problem: MotionProblem, relaxed: Array, best: Array, power: float) -> NDArray[np.intp]:
+    """Nodes of segments that use the power in the motion found, or more than that in the relaxed one, and their neighbours."""
+    segments = (powers(problem, relaxed) > power * (1.0 + 1e-6)) | (powers(problem, best) > NEAR * power)
+    nodes = np.append(segments, False) | np.append(False, segments)
+    nodes[:-1] |= nodes[1:]  # one more on each side, where a relaxed time would be stretched next
+    nodes[1:] |= nodes[:-1].copy()
+    if problem.coefficients.grid.legs.closed:
+        nodes[0] |= nodes[-1]
+        nodes[-1] = False
+    return np.flatnonzero(nodes & ~problem.coefficients.grid.rest)
+
+
+def _solved(problem: MotionProblem, sizes: Sizes, extreme: tuple[int, float] | None = None) -> Solution | None:
+    try:
+        return solve(problem, sizes, extreme=extreme)
+    except (InfeasibleError, UnsolvedError):
+        return None
