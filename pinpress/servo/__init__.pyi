@@ -16,13 +16,13 @@ from .limits import SlideSpeed as SlideSpeed
 from .limits import TorqueRate as TorqueRate
 from .motion import ServoMotion as ServoMotion
 from .motion import evaluate as evaluate
+from .motion_optimum import ActiveLimit as ActiveLimit
+from .motion_optimum import MotionOptimum as MotionOptimum
+from .motion_optimum import TradeOffPoint as TradeOffPoint
 from .motors import CatalogueMotor as CatalogueMotor
 from .motors import MotorUtilisation as MotorUtilisation
 from .motors import motor_use as motor_use
 from .motors import read_motors as read_motors
-from .optimum import ActiveLimit as ActiveLimit
-from .optimum import MotionOptimum as MotionOptimum
-from .optimum import TradeOffPoint as TradeOffPoint
 from .optimum import best_motion as best_motion
 from .optimum import trade_off as trade_off
 from .paths import Pendulum as Pendulum

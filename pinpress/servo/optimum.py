@@ -9,13 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
 from ..common.arguments import expect, in_unit, numbers, suitable_numbers, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
-from ..common.results import Record, Records, Tabular
-from ..drives.motors import ServoMotor
+from ..common.results import Records
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..kinematics.motion import moved
 from ..kinematics.slide_path import dead_centres
@@ -28,6 +26,7 @@ from .drive import ServoDrive
 from .limits import Limit
 from .local_limits import LocalLimits, powers, torque_rates, within_local_limits
 from .motion import ServoMotion, evaluated
+from .motion_optimum import UNITS, ActiveLimit, MotionOptimum, TradeOffPoint
 from .motion_problem import Figures, MotionProblem, figures, segment_times
 from .paths import Path, Turn, legs_of
 from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
@@ -40,179 +39,10 @@ SLACK = 1e-5  # share of the cycle that counts as a pause
 PEAK_WITH_HEAT = 0.1  # weight of the heat beside the peak: alone the peak leaves open how fast the crank is elsewhere
 INSIDE = 1e-7  # distance of the states at a segment's ends from its nodes, as a share: loads may jump there
 LOBATTO = np.array([0.0, 0.5 - 0.1 * 5**0.5, 0.5 + 0.1 * 5**0.5, 1.0]), np.array([1.0, 5.0, 5.0, 1.0]) / 12.0
-UNITS = {"heat": "N2 m2 s", "time": "s", "energy": "J", "peak": "N m"}
-FOLLOWED = 2 * np.pi * 250.0  # natural frequency with which the motor of `MotionOptimum.program` follows by default [rad/s]
 
 
 class NoMotionError(PinpressError):
     """No motion keeps the limits, and it was not asked why."""
-
-
-@dataclass(frozen=True, repr=False)
-class ActiveLimit(Record, units={"begins_at": "rad", "ends_at": "rad"}):
-    """A limit that acts on a best motion, with its price.
-
-    Attributes:
-        limit: the limit in words.
-        price: by how much the objective falls for each unit by which the limit is let out.
-        price_unit: unit of the price.
-        gain: share of the objective that 1 % more of the limit saves, to first order, by 1 %.
-        begins_at: first crank angle of the path at which it acts [rad].
-        ends_at: last such crank angle [rad].
-    """
-
-    limit: str
-    price: float
-    price_unit: str
-    gain: float
-    begins_at: float
-    ends_at: float
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class MotionOptimum(Tabular):
-    """The best motion of a press along a path, and the proof that none is better.
-
-    The program's motion has a constant acceleration between its nodes. ``motion`` is the same motion by full inverse dynamics, with states
-    between the nodes.
-
-    Attributes:
-        press_name: name of the press.
-        minimise: what was minimised: "heat" [N2 m2 s], "time" [s], "energy" [J], or several with their weights [-].
-        path: where the crank goes.
-        drive: the drive; of several gear ratios with the best one.
-        value: the objective of the motion, computed from it and not from the solver.
-        bound: no motion with these nodes that keeps the limits has a lower objective: the dual cost of the program.
-        limits: limits that act, with their prices.
-        missed: largest share by which the motion exceeds a limit in full inverse dynamics, between nodes too [-].
-        deviation: share by which the heat by full inverse dynamics, between nodes too, is larger than the program's; it falls with the square
-            of the number of points [-].
-        notes: what is not proved, and what else is to be said, in words.
-        angle: (N + 1,) crank angles of the nodes [rad].
-        speed: (N + 1,) speeds of the crank there [rad/s].
-        time: (N + 1,) times at which a node is passed, or left after a rest [s].
-        motion: the motion and what it asks of the drive, by full inverse dynamics.
-        reactions: its reactions.
-        by_ratio: gear ratio -> objective, of all ratios that were tried, the heat by the torque at the motor's own shaft; infinite where no
-            motion keeps the limits.
-    """
-
-    press_name: str
-    minimise: Mapping[str, float]
-    path: Path
-    drive: ServoDrive
-    value: float
-    bound: float
-    limits: Records[ActiveLimit]
-    missed: float
-    deviation: float
-    notes: tuple[str, ...]
-    angle: Array
-    speed: Array
-    time: Array
-    motion: ServoMotion
-    reactions: Reactions
-    by_ratio: Mapping[float, float]
-    _stiff: float
-
-    @property
-    def gap(self) -> float:
-        """(value - bound) / value: how much better another motion could be at most [-]."""
-        return (self.value - self.bound) / max(abs(self.value), 1e-300)
-
-    @property
-    def title(self) -> str:
-        wanted = " and ".join(self.minimise)
-        return (
-            f"MotionOptimum of {self.press_name}: least {wanted}, {self.motion.duration:.6g} s a cycle, torque at the crank"
-            f" {self.motion.rms_torque:.6g} N m rms, proved to {max(self.gap, 0.0):.1e}"
-        )
-
-    def columns(self) -> dict[str, Array]:
-        """The columns of the motion."""
-        return self.motion.columns()
-
-    @property
-    def _pictured(self) -> tuple[str, ...]:
-        return self.motion._pictured
-
-    def __str__(self) -> str:
-        unit = UNITS[next(iter(self.minimise))] if len(self.minimise) == 1 else "-"
-        drive, motion = self.drive, self.motion
-        rows = [
-            ["objective", f"{self.value:.8g} {unit}"],
-            ["no motion is below", f"{self.bound:.8g} {unit}"],
-            ["gap", f"{self.gap:.1e}"],
-            ["cycle", f"{motion.duration:.6g} s, {60.0 / motion.duration:.6g} a minute"],
-            ["rms torque of the motor", f"{motion.rms_motor_torque:.6g} N m"],
-            ["peak torque of the motor", f"{motion.peak_motor_torque:.6g} N m"],
-            ["peak power", f"{1e-3 * motion.peak_power:.6g} kW"],
-            ["energy drawn", f"{1e-3 * motion.energy_drawn:.6g} kJ a cycle"],
-            ["gear ratio", f"{drive.ratio:.6g}"],
-            ["limits are kept to", f"{self.missed:.1e}"],
-            ["heat between nodes", f"{self.deviation:+.1e} of that of the program"],
-        ]
-        lines = [self.title, *(line.rstrip() for line in tables.table(rows, [28, 0]))]
-        lines += ["limits that act, and what 1 % more of each saves:"] if self.limits else ["no limit acts"]
-        lines += [f"  {each.limit}: {each.gain:.3g} %, {each.price:.6g} {each.price_unit}" for each in self.limits]
-        return "\n".join([*lines, *self.notes])
-
-    def program(self, *, stiffness: float | None = None, damping: float | None = None) -> ServoMotor:
-        """A servo motor that follows the motion, for `simulate`: a cycle before the first one, the first, and one after it.
-
-        Its shaft's angle is the crank's times the ratio: drive the press by ``Geared(best.program(), best.drive.ratio)``, from crank angle
-        ``best.angle[0]`` at the speed ``best.speed[0]``, with ``Flywheel(best.drive.gear_inertia)`` where gears have inertia. The drag of
-        the drive is not in it.
-
-        Args:
-            stiffness: of the control, at the motor's shaft [N m/rad]; by default such that it follows with 250 Hz.
-            damping: of the control [N m s/rad]; by default that of the aperiodic limit.
-        """
-        ratio = self.drive.ratio
-        stiff = self._stiff * FOLLOWED**2 / ratio**2 if stiffness is None else stiffness
-        damp = 2.0 * self._stiff * FOLLOWED / ratio**2 if damping is None else damping
-        time, angle = self.motion.time, self.motion.angle
-        kept = np.append(True, np.diff(time) > 1e-6 * self.motion.duration)
-        time, angle = time[kept], angle[kept]
-        way, period = angle[-1] - angle[0], time[-1] - time[0]
-        times = np.concatenate([time[:-1] - period, time[:-1], time + period])
-        angles = np.concatenate([angle[:-1] - way, angle[:-1], angle + way])
-        peak = 10.0 * self.motion.peak_motor_torque if self.drive.peak_torque is None else 2.0 * self.drive.peak_torque
-        return ServoMotor(times, ratio * angles, stiff, damp, peak, self.drive.inertia, self.drive.rated_torque)
-
-
-@dataclass(frozen=True, repr=False)
-class TradeOffPoint(
-    Record,
-    units={
-        "time": "s",
-        "strokes_per_minute": "1/min",
-        "rms_motor_torque": "N m",
-        "peak_motor_torque": "N m",
-        "peak_power": "W",
-        "energy_drawn": "J",
-        "gap": "-",
-    },
-):
-    """The best motion at one time of a cycle. Where no motion keeps the limits, all but the time is None.
-
-    Attributes:
-        time: most time of a cycle [s].
-        strokes_per_minute: parts made in a minute at this time [1/min].
-        rms_motor_torque: root mean square of the motor's torque at its own shaft [N m].
-        peak_motor_torque: largest mean torque of the motor over a segment, at its own shaft [N m].
-        peak_power: largest mean torque times mean speed of a segment [W].
-        energy_drawn: energy drawn in a cycle [J].
-        gap: how much better another motion could be at most [-].
-    """
-
-    time: float
-    strokes_per_minute: float
-    rms_motor_torque: float | None
-    peak_motor_torque: float | None
-    peak_power: float | None
-    energy_drawn: float | None
-    gap: float | None
 
 
 @typed
