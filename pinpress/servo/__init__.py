@@ -2,13 +2,13 @@
 
     drive = pp.servo.ServoDrive(inertia=0.08, ratio=100.0, peak_torque=2000.0, rated_torque=600.0)
     loads = [pp.loads.DeepDrawing(1.5e6, 0.06)]
-    time = np.linspace(0.0, 60 / 25, 721)
-    speed = np.full_like(time, 25 * pp.RPM)
-    constant = pp.servo.evaluate(press, drive, loads, time=time, angle=speed * time, speed=speed, acceleration=0.0)
-    constant.rms_torque, constant.peak_power
+    slow = pp.servo.SlideSpeed(0.2, heights=(0.06, 0.0))
+    best = pp.servo.best_motion(press, drive, loads, minimise="heat", time=60 / 25, path=pp.servo.Turn(), limits=[slow])
+    print(best)  # value, bound and gap; the limits that act with their prices
+    best.motion.rms_motor_torque, best.motion.peak_power
 
 A `ServoDrive` describes the motor and its gear, a path (`Turn`, `Stop`, `Pendulum`, `Pulse`) where the crank goes in a cycle, and a
-`ServoMotion` what a motion asks of the drive, by full inverse dynamics.
+`ServoMotion` what a motion asks of the drive, by full inverse dynamics. `evaluate` makes one of any motion.
 """
 
 import lazy_loader

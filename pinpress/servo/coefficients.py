@@ -12,6 +12,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,9 +61,26 @@ class PathGrid:
         return np.diff(self.angle)
 
     @property
+    def way_gone(self) -> Array:
+        """(N + 1,) way of the crank from the start of the path, there and back [rad]."""
+        return np.concatenate([[0.0], np.cumsum(np.abs(self.step))])
+
+    @property
     def way(self) -> Array:
         """(N,) sense in which the crank turns, 1 or -1."""
         return np.sign(self.step)
+
+
+class PathMotion(NamedTuple):
+    """A motion along a path, roughly.
+
+    Attributes:
+        way_gone: (m,) way of the crank from the start of the path [rad].
+        b: (m,) square of its speed there [rad2/s2].
+    """
+
+    way_gone: Array
+    b: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,7 +102,8 @@ class BearingCoefficients:
 class Coefficients:
     """The torque of a press without its drive, along a path of N segments, each with two inner places.
 
-    The inner places are those of Gauss's rule in time, where b rises from rests in proportion to the way, and is about even elsewhere.
+    The inner places are those of Gauss's rule in the time of a motion that is about the one looked for; without one, of a motion whose b
+    rises from rests in proportion to the way, and is even elsewhere.
 
     Attributes:
         grid: the nodes.
@@ -170,7 +189,13 @@ def feels_speed(loads: Sequence[Load], friction: Mapping[str, Friction]) -> list
 
 
 def coefficients(
-    press: Linkage, grid: PathGrid, loads: Sequence[Load], friction: Mapping[str, Friction], speed: float, bearings: Sequence[str] = ()
+    press: Linkage,
+    grid: PathGrid,
+    loads: Sequence[Load],
+    friction: Mapping[str, Friction],
+    speed: float,
+    bearings: Sequence[str] = (),
+    like: PathMotion | None = None,
 ) -> Coefficients:
     """What the torque takes of a motion along a path.
 
@@ -181,13 +206,14 @@ def coefficients(
         friction: friction of bearings.
         speed: of the crank, for what feels the speed in another way than by its square [rad/s].
         bearings: names of bearings whose forces are wanted.
+        like: a motion that is about the one looked for, or None.
 
     Raises:
         PinpressError: a force in time; and as `inverse_dynamics`.
     """
     if any(isinstance(load, TimeForce) for load in loads):
         raise PinpressError("a TimeForce acts at an instant, and when the slide is where is what is asked for: give a load by height")
-    inner = _inner_places(grid)
+    inner = _inner_places(grid, like)
     angle = np.empty(3 * len(grid.step) + 1)
     angle[::3] = grid.angle
     angle[1::3], angle[2::3] = grid.angle[:-1] + inner * grid.step
@@ -236,16 +262,16 @@ def coefficients(
     )
 
 
-def _inner_places(grid: PathGrid) -> Array:
-    """(2, N) inner places of the segments, as shares of their steps."""
-    first, second = GAUSS
-    if grid.legs.closed:
-        return np.repeat([[first], [second]], len(grid.step), axis=1)
-    share = np.stack([grid.share[:-1], np.where(grid.rest[1:], 1.0, grid.share[1:])])
-    speed = np.sqrt(np.minimum(share, 1.0 - share))  # rises like this from a rest
-    start, change = speed[0], speed[1] - speed[0]
-    even = np.abs(change) <= 1e-6 * speed.max(axis=0)
-    whole = np.where(even, 1.0, speed[1] ** 2 - speed[0] ** 2)
+def _inner_places(grid: PathGrid, like: PathMotion | None) -> Array:
+    """(2, N) inner places of the segments, as shares of their steps: those of Gauss's rule in the time of a motion like this one."""
+    if like is None:
+        b = np.ones(len(grid.angle)) if grid.legs.closed else np.minimum(grid.share, 1.0 - grid.share)  # b rises like this from a rest
+    else:
+        b = np.interp(grid.way_gone, like.way_gone, like.b)
+    speed = np.sqrt(np.where(grid.rest, 0.0, np.maximum(b, 0.0)))
+    start, change = speed[:-1], np.diff(speed)
+    even = np.abs(change) <= 1e-6 * np.maximum(start, speed[1:])
+    whole = np.where(even, 1.0, np.diff(speed**2))
     gone = (((start + change * part) ** 2 - start**2) / whole for part in GAUSS)
     return np.stack([np.where(even, part, way) for part, way in zip(GAUSS, gone, strict=True)])
 

@@ -21,7 +21,7 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import limits as limits_
 from .bounds import bearings_of, contradiction, limit_heights, motion_problem, refuse_heights
-from .coefficients import Coefficients, coefficients, feels_speed, load_heights, path_grid
+from .coefficients import Coefficients, PathMotion, coefficients, feels_speed, load_heights, path_grid
 from .drive import ServoDrive
 from .limits import Limit
 from .local_limits import LocalLimits, powers, torque_rates, within_local_limits
@@ -32,6 +32,7 @@ from .paths import Path, Turn, legs_of
 from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
 
 POINTS, MOST_POINTS = 720, 20_000
+ROUGHLY, LEAST_ROUGH = 4, 16  # a first motion has so many times fewer segments, but at least so many
 PROVED = 1e-7  # gap above which the program is scaled anew by the motion found
 FAR = 1e-3  # gap of a convex program that is no answer
 SETTLED, MOST_ROUNDS = 1e-8, 30  # relative change of the value that ends rounds of loads that feel the speed
@@ -181,8 +182,22 @@ def _asked(
     bearings = bearings_of(press, chosen)
     grid = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(chosen)], count)
     speed = float(np.abs(grid.step).sum()) / (most - legs.dwell if most else 1.0)
-    found = coefficients(press, grid, loads, friction, speed, bearings)
+    like = None
+    if count >= ROUGHLY * LEAST_ROUGH and ("time" not in wanted or any(isinstance(each, limits_.RmsTorque) for each in chosen)):
+        rough = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(chosen)], count // ROUGHLY)
+        of_press = coefficients(press, rough, loads, friction, speed, bearings)
+        like = _roughly(motion_problem(of_press, drive, chosen, wanted, most), press.name)
+    found = coefficients(press, grid, loads, friction, speed, bearings, like)
     return _Task(press, loads, friction, found, chosen, wanted, most)
+
+
+def _roughly(problem: MotionProblem, press_name: str) -> PathMotion | None:
+    """A motion with few nodes, by which the places are chosen at which the torque is looked at; None where there is none."""
+    weights = problem.weights if len(problem.weights) == 1 else {"heat": 1.0}
+    try:
+        return PathMotion(problem.coefficients.grid.way_gone, _optimum(replace(problem, weights=weights), press_name, False).b)
+    except PinpressError:
+        return None
 
 
 def _sound_times(times: Array) -> bool:

@@ -4,8 +4,8 @@ python tests/benchmarks/benchmark_servo.py
 
 Times are those of the process's CPU, one thread, the median of several runs; everything from the press to the proved motion is in them,
 with the check by full inverse dynamics. SLSQP (SciPy) gets the same nodes and coefficients, made before its clock starts, and exact
-gradients. toppra (`pip install toppra`) finds the least time of one press with a torque and a speed limit, which is what it can do of these:
-it knows no heat, energy, root mean square or window of time.
+gradients. toppra (`pip install toppra`) finds the least time of one press with a torque and a speed limit, which is what it can do of
+these: it knows no heat, energy, root mean square or window of time.
 """
 
 import os
@@ -48,7 +48,7 @@ def task(name: str) -> tuple[pp.Linkage, servo.ServoDrive, list[pp.loads.DeepDra
     press = pp.load(name)
     stroke, slide = pp.dead_centres(press).stroke, press.model.inertias[press.slide_guide.joint + 1].mass
     loads = [pp.loads.DeepDrawing(200.0 * slide, 0.2 * stroke)]
-    motion = pp.cycle(press, FULL, points=72)
+    motion = pp.cycle(press, FULL, points=60)
     torque = np.abs(pp.inverse_dynamics(press, motion, loads, bearings=()).driving_torque).max()
     return press, servo.ServoDrive(inertia=0.3 * torque / FULL**2), loads, 0.6 * np.abs(motion.slide_velocity).max()
 
@@ -76,12 +76,12 @@ def trade_off() -> None:
 
 
 def beside_slsqp() -> None:
-    print("least heat of zxn2_3000b, 72 segments, beside SLSQP")
+    print("least heat of zxn2_3000b, 60 segments, beside SLSQP")
     press, loads = pp.load("zxn2_3000b"), [pp.loads.DeepDrawing(1.5e6, 0.06)]
     drive, limits = servo.ServoDrive(inertia=800), [servo.SlideSpeed(0.2, (0.06, 0.0))]
 
     def best(k: int) -> servo.MotionOptimum:
-        return servo.best_motion(press, drive, loads, time=2.4 + 1e-4 * (k + 1), limits=limits, points=72)
+        return servo.best_motion(press, drive, loads, time=2.4 + 1e-4 * (k + 1), limits=limits, points=60)
 
     found = best(-1)
     hand = servo_by_hand.Press(press, 800.0, loads)

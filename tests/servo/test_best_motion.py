@@ -89,7 +89,7 @@ def test_bang_bang_of_a_linkage(name):
 
 
 def test_least_heat_by_another_solver():
-    press, n = texts.shipped("zxn2_3000b"), 72
+    press, n = texts.shipped("zxn2_3000b"), 60  # of so few, the inner places are those of Gauss's rule
     best = servo.best_motion(press, servo.ServoDrive(inertia=800), DRAWING, time=2.4, limits=[SLOW], points=n)
     hand = servo_by_hand.Press(press, 800.0, DRAWING)
     height, travel = hand.slide(best.angle[:-1])
@@ -117,25 +117,25 @@ def test_least_time_in_the_phase_plane():
 
 
 @pytest.mark.parametrize(
-    ("name", "inertia", "loads", "time", "limits", "path", "rms", "full"),
+    ("name", "inertia", "loads", "time", "limits", "path", "rms"),
     [
-        ("zxn2_3000b", 800, DRAWING, 2.4, [SLOW], servo.Turn(), 31330, 5e-5),
-        ("zxn2_3000b", 800, DRAWING, 2.4, [SLOW], servo.Stop(), 31463, 5e-5),
-        ("zxn2_3000b", 800, DRAWING, 2.4, [], servo.Stop(), 7539, 1e-4),
-        ("jf75g_125", 2, [pp.loads.Blanking(0.6e6, 0.003, 0.001)], 0.5, [servo.SlideSpeed(0.08, (0.003, 0.001))], servo.Turn(), 632, 5e-5),
-        ("thin_wall", 2, [pp.loads.DeepDrawing(20e3, 0.15)], 60 / 72, [servo.SlideSpeed(0.8, (0.15, 0.0))], servo.Turn(), 833, 1e-5),
-        ("knuckle", 10, COINING, 1.0, [], servo.Stop(bottom=0.15), 482, 5e-5),
-        ("knuckle", 10, COINING, 2.0, [servo.SlideSpeed(0.05, (0.004, 0.0))], servo.Pendulum(0.06), 524, 5e-4),
-        ("knuckle", 10, COINING, 1.0, [servo.SlideSpeed(0.05, (0.004, 0.0))], servo.Stop(), 656, 5e-5),
+        ("zxn2_3000b", 800, DRAWING, 2.4, [SLOW], servo.Turn(), 31330),
+        ("zxn2_3000b", 800, DRAWING, 2.4, [SLOW], servo.Stop(), 31463),
+        ("zxn2_3000b", 800, DRAWING, 2.4, [], servo.Stop(), 7539),
+        ("jf75g_125", 2, [pp.loads.Blanking(0.6e6, 0.003, 0.001)], 0.5, [servo.SlideSpeed(0.08, (0.003, 0.001))], servo.Turn(), 632),
+        ("thin_wall", 2, [pp.loads.DeepDrawing(20e3, 0.15)], 60 / 72, [servo.SlideSpeed(0.8, (0.15, 0.0))], servo.Turn(), 833),
+        ("knuckle", 10, COINING, 1.0, [], servo.Stop(bottom=0.15), 482),
+        ("knuckle", 10, COINING, 2.0, [servo.SlideSpeed(0.05, (0.004, 0.0))], servo.Pendulum(0.06), 524),
+        ("knuckle", 10, COINING, 1.0, [servo.SlideSpeed(0.05, (0.004, 0.0))], servo.Stop(), 656),
     ],
 )
-def test_least_heat(name, inertia, loads, time, limits, path, rms, full):
+def test_least_heat(name, inertia, loads, time, limits, path, rms):
     """Numbers of a prototype with another grid (N = 720); full inverse dynamics between the nodes confirms each."""
     press = knuckle() if name == "knuckle" else texts.shipped(name)
     best = servo.best_motion(press, servo.ServoDrive(inertia=inertia), loads, time=time, limits=limits, path=path)
     assert best.motion.rms_torque == pytest.approx(rms, rel=1.5e-3)
     assert -1e-8 < best.gap < 1e-7
-    assert best.motion.heat == pytest.approx(best.value, rel=full)
+    assert best.motion.heat == pytest.approx(best.value, rel=1e-5)
     assert best.deviation == pytest.approx(best.motion.heat / best.value - 1.0)
     assert best.missed < 1e-3
     assert best.motion.duration == pytest.approx(time, rel=1e-6)
@@ -212,7 +212,7 @@ def test_trade_off():
     assert found[0].rms_motor_torque is None
     assert found[1].rms_motor_torque > found[2].rms_motor_torque
     best = servo.best_motion(press, drive, COINING, time=0.7, path=servo.Stop(0.15), points=120)
-    assert found[1].rms_motor_torque == pytest.approx(np.sqrt(best.value / 0.7), rel=1e-6)
+    assert found[1].rms_motor_torque == pytest.approx(np.sqrt(best.value / 0.7), rel=2e-4)
     assert found[1].peak_power == pytest.approx(best.motion.peak_power, rel=0.1)
     assert found[2].strokes_per_minute == pytest.approx(60.0)
 
