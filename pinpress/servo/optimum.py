@@ -20,16 +20,16 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import limits as limits_
-from .bounds import bearings_of, contradiction, limit_heights, motion_problem, refuse_heights
-from .coefficients import Coefficients, PathMotion, coefficients, feels_speed, load_heights, path_grid
+from .conic.bounds import bearings_of, contradiction, limit_heights, motion_problem, refuse_heights
+from .conic.coefficients import Coefficients, PathMotion, coefficients, feels_speed, load_heights, path_grid
+from .conic.local_limits import LocalLimits, powers, torque_rates, within_local_limits
+from .conic.motion_problem import Figures, MotionProblem, figures, segment_times
+from .conic.program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
 from .drive import ServoDrive
 from .limits import Limit
-from .local_limits import LocalLimits, powers, torque_rates, within_local_limits
 from .motion import ServoMotion, evaluated
 from .motion_optimum import UNITS, ActiveLimit, MotionOptimum, TradeOffPoint
-from .motion_problem import Figures, MotionProblem, figures, segment_times
 from .paths import Path, Turn, legs_of
-from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
 
 POINTS, MOST_POINTS = 720, 20_000
 ROUGHLY, LEAST_ROUGH = 4, 16  # a first motion has so many times fewer segments, but at least so many

@@ -20,8 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import PinpressError
-from ..common.quantities import Array
+from ...common.errors import PinpressError
+from ...common.quantities import Array
 from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, segment_times
 from .program import InfeasibleError, Sizes, Solution, UnsolvedError, sizes_of, solve
 

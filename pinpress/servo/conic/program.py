@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.quantities import Array
+from ...common.quantities import Array
 from .motion_problem import Affine, Bounded, Index, MotionProblem, RelaxedPower, figures, objective, rest_below
 
 TOLERANCE = 1e-9  # that the solver aims at

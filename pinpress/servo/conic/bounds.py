@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import PinpressError, UnknownNameError
-from ..common.quantities import Array
-from ..linkage.linkage import Linkage
-from .coefficients import Coefficients
-from .drive import ServoDrive
-from .limits import (
+from ...common.errors import PinpressError, UnknownNameError
+from ...common.quantities import Array
+from ...linkage.linkage import Linkage
+from ..drive import ServoDrive
+from ..limits import (
     BearingForce,
     CrankAcceleration,
     CrankSpeed,
@@ -26,6 +25,7 @@ from .limits import (
     in_words,
     span,
 )
+from .coefficients import Coefficients
 from .motion_problem import Affine, Bounded, MotionProblem, inner_affine
 from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, solve
 

@@ -17,17 +17,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import PinpressError
-from ..common.numerics import bracketed_roots
-from ..common.quantities import Array
-from ..dynamics.applied_loads import process_force, process_work
-from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import Motion, moved
-from ..kinematics.slide_path import ROUNDING, dead_centres
-from ..linkage.linkage import Linkage
-from ..loads.link import Friction, Load, PointForce, SpringDamper
-from ..loads.process import ProcessLoad, TimeForce, datum
-from .paths import PathLegs
+from ...common.errors import PinpressError
+from ...common.numerics import bracketed_roots
+from ...common.quantities import Array
+from ...dynamics.applied_loads import process_force, process_work
+from ...dynamics.inverse_dynamics import inverse_dynamics
+from ...kinematics.motion import Motion, moved
+from ...kinematics.slide_path import ROUNDING, dead_centres
+from ...linkage.linkage import Linkage
+from ...loads.link import Friction, Load, PointForce, SpringDamper
+from ...loads.process import ProcessLoad, TimeForce, datum
+from ..paths import PathLegs
 
 LOOKED = 256  # steps of a leg between which places are looked for at which the slide passes a height
 GRADED = 0.9  # share of cosine grading of a leg between rests; the rest is even

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.quantities import Array
+from ...common.quantities import Array
+from ..drive import ServoDrive
 from .coefficients import Coefficients
-from .drive import ServoDrive
 
 Index = NDArray[np.intp]
 
