@@ -17,8 +17,9 @@ from ..servo.comparison import MotionComparison, compare_motions
 from ..servo.controller import controller_table
 from ..servo.drive import ServoDrive
 from ..servo.limits import BearingForce, CrankAcceleration, CrankSpeed, FeedWindow, Limit, RmsTorque, SlideAcceleration, SlideSpeed
+from ..servo.motion_optimum import MotionOptimum
 from ..servo.motors import read_motors
-from ..servo.optimum import POINTS, MotionOptimum, best_motion
+from ..servo.optimum import POINTS, best_motion
 from ..servo.paths import Path as ServoPath
 from ..servo.paths import Pendulum, Pulse, Stop, Turn
 from ..servo.sizing import MotorChoice, capacitor, choose_motor

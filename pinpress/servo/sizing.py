@@ -16,8 +16,9 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .limits import Limit
 from .motion import ServoMotion
+from .motion_optimum import MotionOptimum
 from .motors import CatalogueMotor, MotorUtilisation, motor_use
-from .optimum import POINTS, MotionOptimum, best_motion
+from .optimum import POINTS, best_motion
 from .paths import Path
 
 MARGIN = 0.97  # share of a limited torque that a motion is asked to keep, because between its nodes it exceeds it by up to 2 %

@@ -19,7 +19,7 @@ from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from ...ratings.rating import PressRatings
 from ...servo.comparison import MotionComparison
-from ...servo.optimum import MotionOptimum
+from ...servo.motion_optimum import MotionOptimum
 from ...servo.sizing import EnergyStore, MotorChoice
 from ...simulation.elastic.elastic_run import ElasticRun
 from ...simulation.run import Run

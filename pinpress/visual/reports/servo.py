@@ -12,8 +12,8 @@ from ...common.quantities import RPM, Array
 from ...servo.comparison import MotionComparison
 from ...servo.limits import SlideSpeed, span
 from ...servo.motion import ServoMotion
+from ...servo.motion_optimum import MotionOptimum
 from ...servo.motors import CatalogueMotor
-from ...servo.optimum import MotionOptimum
 from ...servo.sizing import EnergyStore, MotorChoice
 from .blocks import Block, Facts, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown
