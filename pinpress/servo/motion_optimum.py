@@ -17,7 +17,7 @@ from .motion import ServoMotion
 from .paths import Path
 
 UNITS = {"heat": "N2 m2 s", "time": "s", "energy": "J", "peak": "N m"}
-FOLLOWED = 2 * np.pi * 250.0  # natural frequency with which the motor of `MotionOptimum.program` follows by default [rad/s]
+FOLLOWED = 125.0  # natural frequency with which the motor of `MotionOptimum.program` follows by default, in cycles of the motion
 
 
 @dataclass(frozen=True, repr=False)
@@ -137,12 +137,14 @@ class MotionOptimum(Tabular):
         the drive is not in it.
 
         Args:
-            stiffness: of the control, at the motor's shaft [N m/rad]; by default such that it follows with 250 Hz.
+            stiffness: of the control, at the motor's shaft [N m/rad]; by default such that it follows with 125 times the
+                frequency of the cycles.
             damping: of the control [N m s/rad]; by default that of the aperiodic limit.
         """
         ratio = self.drive.ratio
-        stiff = self._stiff * FOLLOWED**2 / ratio**2 if stiffness is None else stiffness
-        damp = 2.0 * self._stiff * FOLLOWED / ratio**2 if damping is None else damping
+        own = 2.0 * np.pi * FOLLOWED / self.motion.duration
+        stiff = self._stiff * own**2 / ratio**2 if stiffness is None else stiffness
+        damp = 2.0 * self._stiff * own / ratio**2 if damping is None else damping
         time, angle = self.motion.time, self.motion.angle
         kept = np.append(True, np.diff(time) > 1e-6 * self.motion.duration)
         time, angle = time[kept], angle[kept]

@@ -357,7 +357,7 @@ def test_simulated(name, loads):
     press, drive = texts.shipped(name), servo.ServoDrive(inertia=0.02 if name == "jf75g_125" else 8.0, ratio=10.0)
     limits = [servo.SlideSpeed(0.06, (0.01, 0.0))] if name == "jf75g_125" else [SLOW]
     time = 0.5 if name == "jf75g_125" else 2.4
-    best = servo.best_motion(press, drive, loads, time=time, limits=limits, points=360)
+    best = servo.best_motion(press, drive, loads, time=time, limits=limits, points=240)
     motor = pp.drives.Geared(best.program(), 10.0)
     run = pp.simulate(press, time, angle=best.angle[0], speed=best.speed[0], drive=motor, loads=loads, points=1440)
     assert pp.measures.duty_cycle(run).motor_rms == pytest.approx(best.motion.rms_motor_torque, rel=1e-3)
