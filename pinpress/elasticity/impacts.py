@@ -24,6 +24,7 @@ from ..loads.link import Load
 from ..simulation.elastic.contact import OpenPin
 from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.elastic_run import ElasticRun, ElasticSegment, bearing_forces, journal_places, solution_states
+from ..simulation.elastic.sprung_press import SprungPress
 from ..simulation.simulate import simulate
 
 PLACES = 24  # on a panel, at which orbit, forces and wear are read
@@ -191,6 +192,8 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
     times, weights = _even(segment)
     at = segment.states(times)
     sprung = segment.solution.equations.sprung
+    if not isinstance(sprung, SprungPress):
+        raise PinpressError(f"{press.name} moves in space: wear is estimated for pins of planar presses alone")
     rates = at.whole[1] @ sprung.carry.T
     first, second = sprung.bodies_of(place)
     sliding = np.abs(rates[:, 3 * second + 2] - rates[:, 3 * first + 2]) * r
@@ -212,6 +215,7 @@ def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) ->
     share = np.linspace(0.0, 1.0, PLACES + 1)
     at = solution_states(segment.solution, np.repeat(np.arange(count), len(share)), np.tile(share, count), None, segment.gain)
     sprung = segment.solution.equations.sprung
+    assert isinstance(sprung, SprungPress)
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
     gap = journal_places(sprung, pin, coordinates)
     force = np.linalg.norm(bearing_forces(segment.solution, at.times, at.segments, coordinates, rates)[pin.bearing], axis=1)

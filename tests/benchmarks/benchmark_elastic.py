@@ -47,7 +47,7 @@ class Release:
         self.start = pp.dead_centres(press).bottom_angle - np.pi
         self.until = np.pi / self.speed
         driven = driven_press(press, pp.drives.PrescribedSpeed(self.speed), None, [], None, None)
-        paths = tuple(load_path(press, coordinate) for coordinate in driven.coordinates)
+        paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
         self.equations = ElasticEquations(sprung, driven, paths, HeldCrank(self.start, self.speed), segments=((),))
         self.phases = LoadPhases(driven, 1)
         motion = pp.servo_cycle(press, angle=[self.start], speed=self.speed)

@@ -63,7 +63,7 @@ def test_half_a_stroke():
     sprung = sprung_press(press, Elastic(stiffness, flexible_links=[link]))
     start, until = pp.dead_centres(press).bottom_angle - np.pi, np.pi / speed
     driven = driven_press(press, pp.drives.PrescribedSpeed(speed), None, [], None, None)
-    paths = tuple(load_path(press, coordinate) for coordinate in driven.coordinates)
+    paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
     equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, speed), segments=((),))
     whole = [each[0] for each in sprung.rigid_coordinates(pp.servo_cycle(press, angle=[start], speed=speed))]
     y, v = sprung.free_coordinates(whole[0][None])[0, :-1], sprung.free_rates(whole[1][None])[0, :-1]

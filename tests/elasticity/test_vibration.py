@@ -36,7 +36,7 @@ def test_all_modes_together_yield_as_castigliano_says(name, rods):
     modes = natural_frequencies(press, elastic, angle=ANGLES)
     sprung = sprung_press(press, elastic)
     driven = driven_press(press, pp.drives.PrescribedSpeed(1.0), None, [pp.loads.ConstantForce(1e5, 0.01)], None, None, {})
-    path = load_path(press, driven.coordinates[0])
+    path = load_path(sprung, driven.coordinates[0])
     place, _, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=ANGLES, speed=0.0))
     count = modes.natural_frequency.shape[1]
     full = np.zeros((len(ANGLES) * count, place.shape[1]))

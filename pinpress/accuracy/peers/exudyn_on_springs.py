@@ -16,6 +16,7 @@ from ...common.errors import PinpressError
 from ...common.quantities import Array
 from ...loads.process import Blanking
 from ...simulation.elastic.load_paths import PointPath
+from ...simulation.elastic.sprung_press import SprungPress
 from ...simulation.elastic.task import ElasticSolution
 from .exudyn_press import solve
 
@@ -69,6 +70,8 @@ class ExudynOnSprings:
     def __post_init__(self) -> None:
         sprung, path = self.solution.equations.sprung, self.solution.equations.paths[:1]
         press = sprung.press
+        if not isinstance(sprung, SprungPress):
+            raise PinpressError(f"{press.name} moves in space, and only planar presses on springs are compared in it")
         if press.couplings or sprung.crown is not None or sprung.rotor is not None or sprung.open_pins:
             raise PinpressError(f"{press.name} has gear pairs, a crown, a shaft or clearance, which are not compared in it")
         if press.model.parents[press.driver_indices[0] + 1] != 0:
@@ -106,7 +109,7 @@ class ExudynOnSprings:
     def built(self) -> Any:
         """The system of bodies, assembled, in its first state."""
         equations, panels = self.solution.equations, self.solution.panels
-        sprung = equations.sprung
+        sprung = self._sprung
         free, rates = equations.whole(panels.mesh.knots[:1], *np.split(panels.states[:1], 2, axis=1))
         places, speeds = sprung.all_coordinates(free)[0].reshape(-1, 3), (rates @ sprung.carry.T)[0].reshape(-1, 3)
         mbs = exudyn.SystemContainer().AddSystem()
@@ -127,8 +130,14 @@ class ExudynOnSprings:
         mbs.Assemble()
         return mbs
 
+    @property
+    def _sprung(self) -> SprungPress:
+        sprung = self.solution.equations.sprung
+        assert isinstance(sprung, SprungPress)
+        return sprung
+
     def _add_springs(self, mbs: Any, bodies: list[Any], nodes: list[Any]) -> None:
-        lines, turns = self.solution.equations.sprung.lines, self.solution.equations.sprung.turns
+        lines, turns = self._sprung.lines, self._sprung.turns
         for k in range(len(lines.first)):
             along = lines.direction[k]
             stiff, damp = ([value * abs(along.real), value * abs(along.imag), 0.0] for value in (lines.stiffness[k], lines.damping[k]))
@@ -146,7 +155,7 @@ class ExudynOnSprings:
         equations, through = self.solution.equations, False
         (interval,), path = self.blank.intervals(downwards=True), equations.paths[0]
         assert isinstance(path, PointPath)
-        drawn = equations.sprung.centers[path.body] + path.arm
+        drawn = self._sprung.centers[path.body] + path.arm
         slide = _marker(mbs, bodies[path.body], path.arm)
         zero = path.offset - equations.all_forces[0].datum
 

@@ -25,6 +25,8 @@ from .acting.frame_on_mounts import on_mounts
 from .contact import Clearance, OpenPin
 from .description import Elastic, Rod
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
+from .in_space.assembly import press_in_space
+from .in_space.bodies import PressInSpace
 from .press_on_springs import frequencies, reference_angle
 from .sprung_press import LineSprings, SprungPress, TurningSprings
 
@@ -32,20 +34,28 @@ LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts a
 MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
 
 
+def press_on_springs(press: Linkage, elastic: Elastic) -> SprungPress | PressInSpace:
+    """A press on its springs and dampers, planar or in space.
+
+    Raises:
+        UnknownNameError: the linkage has no such bearing or link.
+        PinpressError: see `sprung_press` and `press_in_space`.
+    """
+    if not isinstance(elastic, Elastic):
+        raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
+    return sprung_press(press, elastic) if "plane" in press.engines else press_in_space(press, elastic)
+
+
 def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:
     """A planar press on its springs and dampers.
 
     Raises:
         UnknownNameError: the linkage has no such bearing or link.
-        PinpressError: the press is not planar, has several drivers or no slide, a link has no mass, a bearing has no stiffness, a driver or
+        PinpressError: the press is not planar, has no slide, a link has no mass, a bearing has no stiffness, a driver or
             gear pair slides, a loop is welded, or a rod is not as described.
     """
-    if not isinstance(elastic, Elastic):
-        raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
     if "plane" not in press.engines:
-        raise PinpressError(
-            f"{press.name} does not move in a plane, or has several drivers: elastic motion is that of a planar press with one"
-        )
+        raise PinpressError(f"{press.name} does not move in a plane, or has several drivers: this is for planar presses with one driver")
     press.refuse_sliding_driver("elastic motion is that of a press with a crank")
     _ = press.slide_guide
     drawn = DrawnBodies(press)

@@ -331,9 +331,11 @@ def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, c
     sprung = solution.equations.sprung
     found, friction = sprung.bearing_forces(coordinates, rates), solution.equations.friction
     if friction is not None:
+        assert isinstance(sprung, SprungPress)
         for number, along in friction.along_guides(coordinates, rates).items():
             found[number] += to_world(sprung.plane, along)
     if sprung.open_pins:
+        assert isinstance(sprung, SprungPress)
         loads = solution.equations.load_forces(times, segments, coordinates, rates)[len(solution.equations.driven.forces) :]
         for pin, (force, _) in zip(sprung.open_pins, loads, strict=True):
             gap = journal_places(sprung, pin, coordinates)

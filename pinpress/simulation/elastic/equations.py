@@ -19,9 +19,8 @@ from ...loads.process import ForceInterval
 from ..driven_press import DrivenPress, GeneralizedForce
 from .acting.bearing_friction import BearingFriction
 from .acting.drive_train import DriveTrain, TrainEvent, TrainMode
-from .load_paths import LoadPath
 from .panels import Indices, VaryingInertia
-from .press_on_springs import PathMotion
+from .press_on_springs import LoadPath, PathMotion, PressOnSprings
 from .sprung_press import SprungPress
 
 SLOW = 1e-3  # [m/s] speed below which the slope of a law by the speed is found with steps for this speed
@@ -99,7 +98,7 @@ class ElasticEquations:
         lost: laws of contacts whose bodies are not apart yet, but part too fast to push each other, by the numbers of their forces.
     """
 
-    sprung: SprungPress
+    sprung: PressOnSprings
     driven: DrivenPress
     paths: tuple[LoadPath, ...]
     crank: HeldCrank | None
@@ -156,15 +155,29 @@ class ElasticEquations:
         return self.modes[segment] if self.modes else self.train.engaged
 
     def varying_inertia(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
-        if self.sprung.has_constant_mass:
+        found = self._varying_of_bodies(time, y, v, a)
+        if found is None:
             return None
-        (free, rates), own, n = self.whole(time, y, v), self.own, self.size - self.own
-        accelerations = np.pad(a[:, own:], ((0, 0), (0, self.sprung.free - n)))  # a held crank has none
-        carried = rates @ self.sprung.carry.T, accelerations @ self.sprung.carry.T
-        force, *derivatives, by_time = self.sprung.varying_inertia(self.sprung.all_coordinates(free), *carried)
+        (force, *derivatives, by_time), own, n = found, self.own, self.size - self.own
+        if self.crank is not None:
+            by_time = by_time + found.by_place[:, :, -1] * self.crank.speed
         behind = (0, 0), (own, 0)  # the drive train's coordinates have constant inertia
         by_place, by_rate, by_acceleration = (np.pad(each[:, :n, :n], (*behind, (own, 0))) for each in derivatives)
         return VaryingInertia(np.pad(force[:, :n], behind), by_place, by_rate, by_acceleration, np.pad(by_time[:, :n], behind))
+
+    def _varying_of_bodies(self, time: Array, y: Array, v: Array, a: Array) -> VaryingInertia | None:
+        """Inertia forces of the bodies' free coordinates that the mass matrix leaves out, those of a held crank too."""
+        if self.sprung.has_constant_mass:
+            return None
+        (free, rates), own = self.whole(time, y, v), self.own
+        accelerations = np.pad(a[:, own:], ((0, 0), (0, self.sprung.free - self.size + own)))  # a held crank has none
+        carried = rates @ self.sprung.carry.T, accelerations @ self.sprung.carry.T
+        return self.sprung.varying_inertia(self.sprung.all_coordinates(free), *carried)
+
+    def inertia_forces(self, time: Array, y: Array, v: Array, a: Array) -> Array:
+        """All inertia forces (n, size)."""
+        varying = self.varying_inertia(time, y, v, a)
+        return np.asarray(a @ self.mass if varying is None else a @ self.mass + varying.force)
 
     def whole(self, time: Array, y: Array, v: Array) -> tuple[Array, Array]:
         """Free coordinates and rates (n, f) of the bodies, that of the crank last, of the unknown ones (n, size)."""
@@ -366,7 +379,9 @@ class ElasticEquations:
         """What turns the crank, at n states."""
         if self.train is None:
             force, _, _ = self.whole_forces(time, y, v, segments)
+            varying = self._varying_of_bodies(time, y, v, a)
             torque = np.asarray(a @ self.whole_mass[-1, :-1] - force[:, -1])
+            torque = torque if varying is None else torque + varying.force[:, -1]
             assert self.crank is not None
             return Driving(torque, torque, np.full(len(time), self.crank.speed), np.zeros(len(time)))
         torque, motor, lost = np.zeros((3, len(time)))

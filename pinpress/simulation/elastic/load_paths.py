@@ -14,10 +14,11 @@ import pinocchio as pin
 from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
 from ...engines.planar.model import Plane, to_complex
-from ...linkage.linkage import Linkage
 from ..driven_press import Coordinate, JointPosition, Length, WorkOfForce
 from .assembly import DrawnBodies
-from .press_on_springs import PathMotion
+from .in_space.bodies import PressInSpace
+from .in_space.paths import path_in_space
+from .press_on_springs import LoadPath, PathMotion, PressOnSprings
 from .sprung_press import LineSprings, SprungPress
 
 NEAREST = 1e-300  # least length of a distance, which has no direction where it is zero [m]
@@ -111,11 +112,12 @@ class FramePath:
         return PathMotion(at.extension[:, 0] + self.offset, at.opening[:, 0], self.line._gradient(at)[:, 0], bend)
 
 
-LoadPath = PointPath | LengthPath | FramePath
-
-
-def load_path(press: Linkage, coordinate: Coordinate) -> LoadPath:
+def load_path(sprung: PressOnSprings, coordinate: Coordinate) -> LoadPath:
     """The path of a coordinate along which forces act."""
+    if isinstance(sprung, PressInSpace):
+        return path_in_space(sprung, coordinate)
+    assert isinstance(sprung, SprungPress)
+    press = sprung.press
     drawn = DrawnBodies(press)
     plane, centers = drawn.plane, drawn.centers
     if isinstance(coordinate, JointPosition):  # with one driver it is the slide's
@@ -140,10 +142,15 @@ def _height(plane: Plane, joint: int, point: Array) -> float:
     return float(plane.normal @ point) if joint < 0 else float(plane.heights[joint] + plane.frames[joint][2] @ point)
 
 
-def refuse_on_flexible_links(sprung: SprungPress, paths: Sequence[LoadPath]) -> None:
+def refuse_on_flexible_links(sprung: PressOnSprings, paths: Sequence[LoadPath]) -> None:
     """Raise PinpressError where a load acts on a link that bends: nothing says which of its nodes it moves."""
+    if not isinstance(sprung, SprungPress):
+        return
     for path in paths:
-        bodies = () if isinstance(path, FramePath) else (path.body,) if isinstance(path, PointPath) else path.bodies
+        if isinstance(path, FramePath):
+            continue
+        assert isinstance(path, PointPath | LengthPath)
+        bodies = (path.body,) if isinstance(path, PointPath) else path.bodies
         for link in sprung.flexible:
             if link.body in bodies:
                 raise PinpressError(

@@ -458,6 +458,7 @@ def resting(task: Task, start: float) -> Array:
         equations = replace(equations, modes=(train.due(mode, 0.0, v[0]),))
     if sprung.closed is None:
         return np.concatenate([_balanced(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
+    assert isinstance(sprung, SprungPress)
     y = _balanced(replace(equations, sprung=sprung.closed), y, v, a, by_crank, task.tolerance)
     aside = replace(sprung.closed, lines=_pressed_aside(sprung, replace(equations, sprung=sprung.closed), y, v))
     y = _balanced(replace(equations, sprung=aside), y, v, a, by_crank, task.tolerance)
@@ -471,12 +472,13 @@ def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_cran
     still = [*range(equations.own), *equations.unsprung]
     for _ in range(MOST_STEPS):
         force, stiffness, _, _ = equations.forces(np.zeros(1), y, v, np.zeros(1, dtype=int))
+        mass = equations.mass
         if (varying := equations.varying_inertia(np.zeros(1), y, v, a)) is not None:
-            force, stiffness = force - varying.force, stiffness + varying.by_place
+            force, stiffness, mass = force - varying.force, stiffness + varying.by_place, mass + varying.by_acceleration[0]
         matrix = stiffness[0]
         matrix[:, still] = equations.mass[:, still]
         if equations.crank is None:
-            matrix[:, -1] = equations.mass @ by_crank
+            matrix[:, -1] = mass @ by_crank
         step = np.linalg.solve(matrix, force[0] - a[0] @ equations.mass)
         if equations.crank is None:
             a, step[-1] = a + step[-1] * by_crank, 0.0
@@ -490,6 +492,7 @@ def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_cran
 
 def _pressed_aside(sprung: SprungPress, closed: ElasticEquations, y: Array, v: Array) -> LineSprings:
     """The springs of the closed press, slack where journals with clearance lie beside their bearings' centres, as the forces press them."""
+    assert isinstance(closed.sprung, SprungPress)
     lines = closed.sprung.lines
     free, _ = closed.whole(np.zeros(1), y, v)
     coordinates = closed.sprung.all_coordinates(free)

@@ -29,7 +29,7 @@ from ...common.quantities import Array
 Indices = NDArray[np.intp]
 
 
-STALLED = 100.0  # multiples of the tolerance within which Newton's method may end where it gains no more
+STALLED = 1000.0  # multiples of the tolerance within which Newton's method may end where it gains no more
 AT_A_TIME = 16  # panels whose equations are built and solved together: they stay in the cache
 
 

@@ -51,7 +51,7 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         if not near or not _alike(observed, plan):
             plan, guess = observed, _replanned(observed, found.panels)
         elif tolerance == task.tolerance:
-            return found
+            return _with_passage(task, found)
         else:
             tolerance = task.tolerance
             guess = found.panels.onto(_divided(found.panels.mesh, found.panels.errors(), tolerance))
@@ -68,7 +68,7 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         found = _refined(task, start, plan, followed.panels)
         observed = None if found is None else _observed(task, found, start)
         if found is not None and observed is not None and _alike(observed, plan):
-            return found
+            return _with_passage(task, found)
     shown = ", ".join(f"{1e3 * depth:.4f}" for depth in depths)
     raise failure("does not repeat", strokes=STROKES, depths=shown)
 
@@ -98,28 +98,36 @@ def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution, near: b
     if task.equations.crank is None:
         events[len(plan.segments)] = Event(CRANK_ANGLE, _period_ends(task, start)[1])
     equations = replace(task.equations, segments=plan.segments, modes=plan.modes, events=events)
-    free = [knot for knot, event in events.items() if not _known(event) or equations.crank is None]
-    free = [knot for knot in free if near or not isinstance(events[knot], TrainEvent)]
-    border = Border(True, task.gain, free, equations.integrals)
+    border = _border(task, equations, near)
     for _ in range(ROUNDS):
         found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS)
         if found is None:
             return None
         errors = found.errors()
         if errors.max() <= task.tolerance:
-            return ElasticSolution(equations, _with_passage(equations, found, border), True, found.steps * errors.size * STAGES)
+            return ElasticSolution(equations, found, True, found.steps * errors.size * STAGES)
         guess = found.onto(_divided(found.mesh, errors, task.tolerance))
     return None
 
 
-def _with_passage(equations: ElasticEquations, found: PanelSolution, border: Border) -> PanelSolution:
+def _border(task: Task, equations: ElasticEquations, near: bool = True) -> Border:
+    """How the period begins and ends, with the events whose times are unknown."""
+    events = equations.events or {}
+    free = [knot for knot, event in events.items() if not _known(event) or equations.crank is None]
+    free = [knot for knot in free if near or not isinstance(events[knot], TrainEvent)]
+    return Border(True, task.gain, free, equations.integrals)
+
+
+def _with_passage(task: Task, found: ElasticSolution) -> ElasticSolution:
     """The solution with a passage in which the lowest vibration is resolved: panels of a smooth motion may be longer than it is."""
-    mesh, sprung = found.mesh, equations.sprung
+    equations, panels = found.equations, found.panels
+    mesh, sprung = panels.mesh, equations.sprung
     lowest = float(frequencies(sprung, reference_angle(sprung.press))[0])
     parts = np.maximum(1, np.ceil(mesh.length * lowest / RESOLVED)).astype(int)
     if parts.max() == 1:
         return found
-    return replace(found, passage=newton_step(equations, found.onto(_parted(mesh, parts)), border, 1).passage)
+    border = _border(task, equations)
+    return replace(found, panels=replace(panels, passage=newton_step(equations, panels.onto(_parted(mesh, parts)), border, 1).passage))
 
 
 def _known(event: MotionEvent) -> bool:

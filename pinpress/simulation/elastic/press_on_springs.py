@@ -49,6 +49,13 @@ class PathMotion(NamedTuple):
     bend: Array
 
 
+class LoadPath(Protocol):
+    """A length of a press on springs along which a load acts. It knows its own kind of press."""
+
+    def over(self, sprung: Any, coordinates: Array, rates: Array) -> PathMotion:
+        """The path at all coordinates and rates (n, k)."""
+
+
 class PressOnSprings(Protocol):
     """A press on springs; k is the number of coordinates of all bodies, f that of the free ones."""
 
@@ -83,6 +90,10 @@ class PressOnSprings(Protocol):
 
     def rigid_coordinates(self, motion: Motion) -> tuple[Array, Array, Array]:
         """All coordinates, rates and accelerations (n, k) of the rigid press in a motion."""
+
+    @property
+    def mass(self) -> Array:
+        """(f, f) constant part of the mass matrix."""
 
     def mass_at(self, coordinates: Array) -> Array:
         """Mass matrices (n, f, f) of the free coordinates, or (f, f) where it is the same everywhere."""

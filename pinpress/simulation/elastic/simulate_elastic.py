@@ -19,18 +19,20 @@ from ..trajectory import Trajectory
 from .acting.bearing_friction import bearing_friction
 from .acting.drive_train import drive_train
 from .acting.phases import LoadPhases
-from .assembly import sprung_press
+from .assembly import press_on_springs
 from .description import Elastic
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
 from .load_paths import LengthPath, from_frame, load_path, refuse_on_flexible_links
 from .marching import march, resting
 from .period import periodic
+from .press_on_springs import PressOnSprings
 from .sprung_press import SprungPress
 from .task import ElasticSolution, Task, largest_deflection
 
 ROUNDING = 1e-15  # smallest error of a coordinate that floating point tells [lengths of the linkage]
 STABLE = 1.001  # largest factor by which a disturbance may grow in a period: without dampers it is 1, but for rounding
+ROUNDING_IN_SPACE = 1e-11  # likewise where bodies turn in space
 FARTHEST = 0.1  # largest turn of a link by its springs, and displacement as a share of the linkage's size, that counts as an elastic press
 NEWTON_STEPS = 6  # to the time of a crank angle
 
@@ -129,7 +131,7 @@ def _task(driven: DrivenPress, elastic: Elastic, speed: float, angle: float, tol
     """What is to be found for a crank at a constant speed, and the crank angle at which the solution begins: for a steady state one at
     which the rigid press turns."""
     _refuse_unsuitable(driven, elastic)
-    sprung = sprung_press(driven.press, elastic)
+    sprung = press_on_springs(driven.press, elastic)
     if steady and sprung.open_pins:
         raise PinpressError(
             "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"
@@ -147,17 +149,17 @@ def _task(driven: DrivenPress, elastic: Elastic, speed: float, angle: float, tol
     compared = from_turning if fixed is None else _task_from(turning, fixed, phases, speed)
     deflection = largest_deflection(compared, turning)
     _refuse_soft(driven.press, deflection)
-    error = max(tolerance * deflection, ROUNDING * driven.press.size)
+    error = max(tolerance * deflection, (ROUNDING if isinstance(sprung, SprungPress) else ROUNDING_IN_SPACE) * driven.press.size)
     task, start = (from_turning, turning) if steady else (_task_from(angle, sprung, phases, speed), angle)
     return task._replace(tolerance=error), start
 
 
-def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: float) -> Task:
+def _task_from(start: float, sprung: PressOnSprings, phases: LoadPhases, speed: float) -> Task:
     """The task from a crank angle on, without a tolerance."""
     press, driven = sprung.press, phases.driven
     if press.period_turns is None:
         raise PinpressError(f"the crank of {press.name} does not turn fully: an elastic motion is that of a crank that does")
-    paths = tuple(load_path(press, coordinate) for coordinate in driven.coordinates)
+    paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
     refuse_on_flexible_links(sprung, paths)
     if isinstance(sprung, SprungPress) and sprung.base is not None:
         paths = from_frame(sprung, paths, isinstance(driven.coordinates[0], JointPosition))
@@ -174,7 +176,7 @@ def _task_from(start: float, sprung: SprungPress, phases: LoadPhases, speed: flo
     return Task(equations, phases, rigid, period, speed, gain, 0.0)
 
 
-def _contacts(driven: DrivenPress, sprung: SprungPress) -> tuple[GeneralizedForce, ...]:
+def _contacts(driven: DrivenPress, sprung: PressOnSprings) -> tuple[GeneralizedForce, ...]:
     """The contacts of pins with clearance, on paths after those of the loads."""
     found = []
     for number, pin in enumerate(sprung.open_pins):
@@ -230,7 +232,7 @@ def _drive_states(period: Trajectory, times: Array) -> Array:
     return np.asarray(sum(parts))
 
 
-def _rigid_states(sprung: SprungPress, motion: Motion) -> tuple[Array, Array, Array]:
+def _rigid_states(sprung: PressOnSprings, motion: Motion) -> tuple[Array, Array, Array]:
     """Free coordinates, rates and accelerations (n, f) of the rigid press."""
     found = sprung.rigid_coordinates(motion)
     return sprung.free_coordinates(found[0]), sprung.free_rates(found[1]), sprung.free_rates(found[2])
@@ -257,5 +259,8 @@ def _refuse_unsuitable(driven: DrivenPress, elastic: Elastic) -> None:
         raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
     if elastic.stiffness.shaft is not None and driven.clutch is not None:
         raise PinpressError("a shaft that twists has no clutch at its end, whose driven side would have no inertia: leave out one of them")
+    for name, part in (("clutch", driven.clutch), ("brake", driven.brake), ("friction", driven.friction)):
+        if part is not None and "plane" not in driven.press.engines:
+            raise PinpressError(f"{driven.press.name} moves in space, where an elastic motion has no {name}: leave it out")
     if elastic.stiffness.shaft is not None and driven.prescribed is None and not driven.inertia > 0:
         raise PinpressError("a shaft that twists needs an inertia on its drive's side: give a flywheel, or a drive with inertia")

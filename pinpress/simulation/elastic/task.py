@@ -98,7 +98,7 @@ def largest_deflection(task: Task, start: float) -> float:
     force, _, _, _ = equations.forces(times, y, v, segments)
     bare = replace(equations, segments=tuple((None,) * len(segment) for segment in plan.segments))
     _, stiffness, _, _ = bare.forces(times, y, v, segments)
-    return float(np.abs(np.linalg.solve(stiffness, (force - a @ equations.mass)[..., None])).max())
+    return float(np.abs(np.linalg.solve(stiffness, (force - equations.inertia_forces(times, y, v, a))[..., None])).max())
 
 
 def even_mesh(knots: Array, counts: Indices) -> Mesh:

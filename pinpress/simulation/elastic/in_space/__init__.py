@@ -1,0 +1,1 @@
+"""Linkages in space on springs."""

@@ -1,0 +1,284 @@
+"""A linkage in space taken apart into bodies on springs: `press_in_space`.
+
+A pin holds its bodies together in three directions, and against turning across its axis; a guide in two directions, and against turning
+about three axes; a ball joint in three directions; a weld in all six. Links without mass that only make a joint of several pins through one
+point, such as the cross of a universal joint, are no bodies: their pins are one bearing, softer than each of them, as springs in series
+are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from ....common.arguments import number, positive
+from ....common.errors import PinpressError, UnknownNameError, shown
+from ....common.quantities import Array
+from ....linkage.linkage import Linkage
+from ..description import Elastic
+from ..press_on_springs import frequencies, reference_angle
+from .bodies import PressInSpace, SpringsInSpace
+from .turning import nominal_turns
+
+LIGHTEST = 1e-9  # share of the heaviest link's mass below which a link counts as one without mass
+THROUGH = 1e-9  # share of the linkage's size within which the axes of pins meet
+HELD = 1e-7  # lowest natural frequency as a share of the highest one, below which nothing holds the links
+
+_NEXT = ((0, 1), (1, 2), (2, 0))  # axes of one end and the other one whose cosines are the twists of a weld or guide
+
+
+class _Joint(NamedTuple):
+    """A bearing with springs of its own.
+
+    Attributes:
+        kind: "pin", "guide", "ball", "universal" or "weld".
+        members: numbers of the bearings that it consists of: one, or the pins of a cross.
+        first: Pinocchio's joint of body 1, 0 for the frame.
+        second: of body 2.
+        point1: (3,) in the frame of the first joint [m].
+        point2: (3,) in that of the second.
+        axes1: (3, 3) axes of end 1 in the frame of the first joint, as columns; the first is that of a pin or guide.
+        axes2: (3, 3) of end 2 in that of the second; of a universal joint the first is its pin on this side.
+    """
+
+    kind: str
+    members: tuple[int, ...]
+    first: int
+    second: int
+    point1: Array
+    point2: Array
+    axes1: Array
+    axes2: Array
+
+
+def press_in_space(press: Linkage, elastic: Elastic) -> PressInSpace:
+    """A linkage in space on its springs and dampers.
+
+    Raises:
+        UnknownNameError: the linkage has no such bearing.
+        PinpressError: it has several drivers, gear pairs or no slide, its driver is not carried by the frame, a link has no mass, a bearing
+            lacks a stiffness, a link is held by nothing, or ``elastic`` has parts that motions in space do not know.
+    """
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has several drivers: elastic motion is that of a press with one")
+    press.refuse_sliding_driver("elastic motion is that of a press with a crank")
+    _ = press.slide_guide
+    _refuse_unsuitable(press, elastic)
+    joints = _joints(press, _light(press))
+    stiff = _with_springs(_bodies(press, _light(press)), joints, elastic)
+    _refuse_loose(stiff)
+    return _with_dampers(stiff, elastic)
+
+
+def _refuse_unsuitable(press: Linkage, elastic: Elastic) -> None:
+    given = {
+        "rods": (bool(elastic.stiffness.rods), "give what a rod yields to the stiffness of its bearings"),
+        "shaft": (elastic.stiffness.shaft is not None, "leave it out"),
+        "frame": (elastic.stiffness.frame is not None, "leave it and crown_mass out"),
+        "flexible_links": (bool(elastic.flexible_links), "leave them out"),
+        "mounts": (elastic.mounted_frame is not None, "leave them out"),
+        "clearances": (bool(elastic.clearances), "leave them out"),
+    }
+    for name, (there, instead) in given.items():
+        if there:
+            raise PinpressError(f"{press.name} moves in space, and elastic motion in space knows no {name}: {instead}")
+    if press.couplings:
+        raise PinpressError(
+            f"{press.name} moves in space and has the gear pair {shown(press.couplings[0].name)}, which elastic motion has in a plane alone"
+        )
+    if press.model.parents[press.driver_indices[0] + 1]:
+        raise PinpressError(
+            f"driver {shown(press.driver)} of {press.name} is carried by a link that moves: elastic motion in space takes a"
+            " crank on the frame"
+        )
+
+
+# ---------------------------------------------------------------------------------------------------------------------------------- bodies
+
+
+def _light(press: Linkage) -> set[int]:
+    """Pinocchio's joints whose bodies have no mass."""
+    masses = np.array([press.model.inertias[j].mass for j in range(1, press.model.njoints)])
+    return {j for j, mass in enumerate(masses, 1) if not mass > LIGHTEST * masses.max()}
+
+
+def _bodies(press: Linkage, light: set[int]) -> PressInSpace:
+    """The bodies, with no springs yet."""
+    model, driver = press.model, press.driver_indices[0] + 1
+    joints = tuple(j for j in range(1, model.njoints) if j not in light)
+    if driver in light:
+        raise _massless(press, driver)
+    own_axes = np.array([_with_third(press.axes[j - 1].direction) if j == driver else np.eye(3) for j in joints])
+    shape = []
+    for joint, axes in zip(joints, own_axes, strict=True):
+        inertia = axes.T @ model.inertias[joint].inertia @ axes
+        if not np.linalg.eigvalsh(inertia)[0] > 0:
+            raise _massless(press, joint)
+        shape.append(0.5 * np.trace(inertia) * np.eye(3) - inertia)
+    empty, nothing = np.zeros((0, 3)), np.zeros(0)
+    none = np.zeros(0, dtype=np.intp)
+    return PressInSpace(
+        press=press,
+        joints=joints,
+        crank_body=joints.index(driver),
+        own_axes=own_axes,
+        lever=np.array([model.inertias[j].lever for j in joints]),
+        mass_of=np.array([model.inertias[j].mass for j in joints]),
+        shape=np.array(shape),
+        gravity=np.array(model.gravity.linear),
+        nominal=nominal_turns(press, (*joints, 0), np.concatenate([own_axes, np.eye(3)[None]])),
+        springs=SpringsInSpace(none, none, empty, nothing, empty, empty, nothing, nothing, nothing, none),
+        joined=(),
+        alike=(),
+    )
+
+
+def _massless(press: Linkage, joint: int) -> PinpressError:
+    return PinpressError(
+        f"link {shown(press.link_of(joint))} of {press.name} has no mass or no moment of inertia about some axis, so that nothing says how"
+        " it moves on its springs: give it those of the real part"
+    )
+
+
+def _with_third(axis: Array) -> Array:
+    """Axes as columns, the third one given."""
+    first, second = _across(axis)
+    return np.column_stack([first, second, axis])
+
+
+def _across(axis: Array) -> tuple[Array, Array]:
+    """Two axes across one, which complete it to a right-handed frame (axis last)."""
+    first = np.cross(np.eye(3)[int(np.abs(axis).argmin())], axis)
+    first /= np.linalg.norm(first)
+    return first, np.cross(axis, first)
+
+
+# -------------------------------------------------------------------------------------------------------------------------------- bearings
+
+
+def _joints(press: Linkage, light: set[int]) -> list[_Joint]:
+    """All bearings, in the order of their last members."""
+    found = [_tree_joint(press, light, j) for j in range(1, press.model.njoints) if j not in light]
+    for place, loop in enumerate(press.loops, press.model.nv):
+        for joint in (loop.joint1, loop.joint2):
+            if joint in light:
+                raise _massless(press, joint)
+        kind = {"spherical": "ball", "revolute": "pin", "fixed": "weld"}[loop.type]
+        found.append(_Joint(kind, (place,), loop.joint1, loop.joint2, loop.point1, loop.point2, loop.rotation1, loop.rotation2))
+    used = {member for each in found for member in each.members}
+    for joint in sorted(light):
+        if joint - 1 not in used:
+            raise _massless(press, joint)
+    return found
+
+
+def _tree_joint(press: Linkage, light: set[int], joint: int) -> _Joint:
+    """The bearing by which a body hangs in the tree, with the crosses between it and the body that carries it."""
+    model, chain = press.model, [joint]
+    while model.parents[chain[0]] in light:
+        chain.insert(0, int(model.parents[chain[0]]))
+    first, axes = int(model.parents[chain[0]]), [press.axes[j - 1] for j in chain]
+    place = model.jointPlacements[chain[0]]
+    for before, after in pairwise(chain):
+        step, along = model.jointPlacements[after].translation, press.axes[before - 1].direction
+        carried = [j for j in range(1, model.njoints) if model.parents[j] == before]
+        looped = any(before in (loop.joint1, loop.joint2) for loop in press.loops)
+        meets = np.linalg.norm(np.cross(step, along)) <= THROUGH * press.size
+        if not (meets and carried == [after] and not looped and press.axes[before - 1].turns and press.axes[after - 1].turns):
+            raise _massless(press, before)
+        place = place * model.jointPlacements[after]
+    if len(chain) > 3:
+        raise _massless(press, chain[0])
+    kind = ("pin" if axes[0].turns else "guide", "universal", "ball")[len(chain) - 1]
+    own = axes[-1].direction
+    one = model.jointPlacements[chain[0]].rotation @ axes[0].direction
+    if kind in ("pin", "guide"):
+        across = np.column_stack([own, *_across(own)])
+        axes1, axes2 = place.rotation @ across, across
+    else:
+        axes1, axes2 = np.column_stack([one, *_across(one)]), np.column_stack([own, *_across(own)])
+    return _Joint(kind, tuple(j - 1 for j in chain), first, joint, np.array(place.translation), np.zeros(3), axes1, axes2)
+
+
+# --------------------------------------------------------------------------------------------------------------------------------- springs
+
+
+def _with_springs(bare: PressInSpace, joints: Sequence[_Joint], elastic: Elastic) -> PressInSpace:
+    press, frame, stiffness = bare.press, bare.count, elastic.stiffness
+    every = [member for each in joints for member in each.members]
+    held = [member for each in joints if each.kind != "ball" for member in each.members]
+    straight = _by_bearing(press, "bearings", stiffness.bearings, "N/m", every)
+    twisting = _by_bearing(press, "moments", stiffness.moments, "N m/rad", held)
+    body_of = {0: frame, **{joint: body for body, joint in enumerate(bare.joints)}}
+    axes = np.concatenate([bare.own_axes, np.eye(3)[None]])
+    centres = np.concatenate([bare.lever, np.zeros((1, 3))])
+    rows: list[tuple[int, int, Array, float, Array, Array, float, float, float, int]] = []
+    joined, alike = [(frame, frame)] * len(press.bearings), list(range(len(press.bearings)))
+    for each in joints:
+        first, second, name = body_of[each.first], body_of[each.second], each.members[-1]
+        arm1, arm2 = axes[first].T @ (each.point1 - centres[first]), axes[second].T @ (each.point2 - centres[second])
+        axes1, axes2 = axes[first].T @ each.axes1, axes[second].T @ each.axes2
+        turning = float(first != frame)
+        k = 1 / sum(1 / straight[member] for member in each.members)
+        for direction in axes1.T[1:] if each.kind == "guide" else np.eye(3):
+            rows.append((first, second, direction, turning * (each.kind == "guide"), arm1, arm2, 1.0, k, 0.0, name))
+        if each.kind != "ball":
+            k = 1 / sum(1 / twisting[member] for member in each.members)
+            for one, other in {"pin": ((0, 1), (0, 2)), "universal": ((0, 0),)}.get(each.kind, _NEXT):
+                rows.append((first, second, axes1[:, one], turning, np.zeros(3), axes2[:, other], 0.0, k, 0.0, name))
+        for member in each.members:
+            joined[member], alike[member] = (first, second), name
+    types = (np.intp, np.intp, float, float, float, float, float, float, float, np.intp)
+    columns = (np.array(column, dtype=kind) for column, kind in zip(zip(*rows, strict=True), types, strict=True))
+    return replace(bare, springs=SpringsInSpace(*columns), joined=tuple(joined), alike=tuple(alike))
+
+
+def _by_bearing(press: Linkage, what: str, given: object, unit: str, needed: Sequence[int]) -> dict[int, float]:
+    """Values by the numbers of the bearings that need one."""
+    if not isinstance(given, Mapping):
+        raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
+    found = {}
+    for name, value in given.items():
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+        place = press.bearings.index(name)
+        if place not in needed:
+            raise PinpressError(f"{what} names {shown(name)}, which is a ball joint and holds no moment: leave it out")
+        found[place] = positive(f"stiffness of {shown(name)}", value, unit)
+    missing = [press.bearings[place] for place in needed if place not in found]
+    if missing:
+        turned = " and pins, guides, crosses and welds also against turning" if what == "moments" else ""
+        raise PinpressError(
+            f"Stiffness.{what} lacks {', '.join(map(shown, missing))} of {press.name}, which moves in space: there every bearing yields,"
+            f"{turned or ' in all directions it holds'}; give each a stiffness [{unit}]"
+        )
+    return found
+
+
+def _refuse_loose(sprung: PressInSpace) -> None:
+    """Raise PinpressError where a body can move without a spring that holds it."""
+    found = frequencies(sprung, reference_angle(sprung.press))
+    if not found[0] > HELD * found[-1]:
+        raise PinpressError(
+            f"a link of {sprung.press.name} can move or spin without a spring that holds it, as a rod between two ball joints spins about"
+            " its line: give one of its ends a universal joint"
+        )
+
+
+def _with_dampers(sprung: PressInSpace, elastic: Elastic) -> PressInSpace:
+    """Dampers in proportion to the springs, or as given."""
+    press, springs = sprung.press, sprung.springs
+    factor = 2 * elastic.damping_ratio / float(frequencies(sprung, reference_angle(press))[0]) if elastic.damping_ratio else 0.0
+    damping = factor * springs.stiffness
+    for name, value in elastic.dampers.items():
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+        given = number(f"damper of {shown(name)}", value, "N s/m")
+        if given < 0:
+            raise PinpressError(f"damper of {shown(name)} is {given:g}: give a number that is not negative [N s/m]")
+        damping[(springs.bearing == sprung.alike[press.bearings.index(name)]) & (springs.place > 0)] = given
+    return replace(sprung, springs=springs._replace(damping=damping))
