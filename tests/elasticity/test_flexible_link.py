@@ -10,8 +10,10 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.elasticity import Elastic, FlexibleLink, Rod, Stiffness, flexible_beam, natural_frequencies, read_flexible_link
+from pinpress.elasticity.straight_beam import _beam_stiffness
+from pinpress.engines.planar.model import to_complex
 from pinpress.simulation.driven_press import driven_press
-from pinpress.simulation.elastic.assembly import sprung_press
+from pinpress.simulation.elastic.assembly import DrawnBodies, pins_of, rigid_inertia, sprung_press
 from pinpress.simulation.elastic.load_paths import load_path
 from pinpress.visual.reports.elastic_motion import elastic_in_words
 
@@ -87,6 +89,18 @@ def test_beam_stretched_by_its_own_turning():
     assert abs(found.swirl[along, second]) == pytest.approx(abs((bent * stretched).mean()), rel=5e-3)
 
 
+def slide_compliance(press, elastic, angles):
+    """(n,) how far the slide yields under a static force of 1 N: each mode by its share over its squared frequency."""
+    modes, sprung = natural_frequencies(press, elastic, angle=angles), sprung_press(press, elastic)
+    driven = driven_press(press, pp.drives.PrescribedSpeed(1.0), None, [pp.loads.ConstantForce(1e5, 0.01)], None, None, {})
+    place, _, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=angles, speed=0.0))
+    count = modes.natural_frequency.shape[1]
+    full = np.zeros((len(angles) * count, place.shape[1]))
+    full[:, : 3 * press.model.nv] = modes.shapes.reshape(len(full), -1)
+    slide = load_path(sprung, driven.coordinates[0]).over(sprung, np.repeat(place, count, axis=0), full).rate.reshape(-1, count)
+    return (slide**2 / modes.natural_frequency**2).sum(axis=1)
+
+
 def test_a_beam_between_pins_yields_as_a_rod():
     """Under a static force on the slide: pins bend no beam."""
     press, angles = shipped(SIX_BAR), np.array([0.1, 2.2, 5.1])
@@ -97,16 +111,45 @@ def test_a_beam_between_pins_yields_as_a_rod():
     elastic = Elastic(stiffness_of(press), flexible_links=beams)
     rods = [Rod("coupler", ("B", "C"), STEEL * 0.03 / 1.243), Rod("rod", ("E", "F"), STEEL * 0.06 / 0.48)]
     expected = pp.elasticity.compliance(press, stiffness_of(press, rods=rods), angle=angles).compliance
-    modes, sprung = natural_frequencies(press, elastic, angle=angles), sprung_press(press, elastic)
-    driven = driven_press(press, pp.drives.PrescribedSpeed(1.0), None, [pp.loads.ConstantForce(1e5, 0.01)], None, None, {})
-    place, _, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=angles, speed=0.0))
-    count = modes.natural_frequency.shape[1]
-    full = np.zeros((len(angles) * count, place.shape[1]))
-    full[:, : 3 * press.model.nv] = modes.shapes.reshape(len(full), -1)
-    slide = load_path(sprung, driven.coordinates[0]).over(sprung, np.repeat(place, count, axis=0), full).rate.reshape(-1, count)
-    np.testing.assert_allclose((slide**2 / modes.natural_frequency**2).sum(axis=1), expected, rtol=1e-9)
+    np.testing.assert_allclose(slide_compliance(press, elastic, angles), expected, rtol=1e-9)
+    modes = natural_frequencies(press, elastic, angle=angles)
     for shares in (modes.strain_energy, modes.kinetic_energy):
         np.testing.assert_allclose(sum(shares.values()), 1.0, rtol=1e-12)
+
+
+def three_arms(press, axial, bending):
+    """The rocker of the six-bar as three beams from its centre of mass to its bearings, whose mass is nearly all at the centre."""
+    drawn = DrawnBodies(press)
+    body, pins = pins_of(drawn, "rocker")
+    own = rigid_inertia(drawn, body)
+    arms = {name: place - own.centre for name, place in pins.items()}
+    nodes = np.array([[0.0, 0.0], *([arm.real, arm.imag] for arm in arms.values())])
+    mass, stiffness = np.diag([own.mass, own.mass, own.inertia, *np.tile([1.0, 1.0, 1e-3], len(arms))]), np.zeros((12, 12))
+    for k, arm in enumerate(arms.values(), 1):
+        along, rows = arm / abs(arm), np.r_[0:3, 3 * k : 3 * k + 3]
+        turn = np.kron(np.eye(2), [[along.real, along.imag, 0], [-along.imag, along.real, 0], [0, 0, 1]])
+        stiffness[np.ix_(rows, rows)] += turn.T @ _beam_stiffness(axial, bending, abs(arm)) @ turn
+    degrees = [[node, along] for node in range(len(nodes)) for along in range(3)]
+    return FlexibleLink("rocker", {name: k for k, name in enumerate(arms, 1)}, mass, stiffness, nodes, degrees, modes=50), body, arms
+
+
+def test_a_link_of_three_pins_bends_under_load():
+    """Its arms are cantilevers: the slide yields by the work of F^2 l / E A + F^2 l^3 / 3 E I in each, beside what the springs yield."""
+    press, angles, axial, bending = shipped(SIX_BAR), np.array([0.4, 2.2, 5.1]), 1e10, 2e7
+    link, body, arms = three_arms(press, axial, bending)
+    motion = pp.servo_cycle(press, angle=angles, speed=0.0)
+    loads = [[pp.loads.PointForce("slide", tuple(force * press.slide_direction))] for force in (1e6, 0.0)]
+    pushed, idle = (pp.inverse_dynamics(press, motion, loads=each) for each in loads)
+    drawn, found = DrawnBodies(press), 0.0
+    turned = np.exp(1j * sprung_press(press, Elastic(stiffness_of(press))).rigid_coordinates(motion)[0][:, 3 * body + 2])
+    for name, arm in arms.items():
+        force = to_complex(drawn.plane, pushed.bearing_force[name] - idle.bearing_force[name]) / 1e6
+        own, length = force / (turned * arm / abs(arm)), abs(arm)
+        found = found + own.real**2 * length / axial + own.imag**2 * length**3 / (3 * bending)
+    springs = pp.elasticity.compliance(press, stiffness_of(press), angle=angles).compliance
+    assert (found > 0.05 * springs).all()
+    yields = slide_compliance(press, Elastic(stiffness_of(press), damping_ratio=0.0, flexible_links=[link]), angles)
+    np.testing.assert_allclose(yields, springs + found, rtol=1e-7)
 
 
 def test_derivatives():
