@@ -297,7 +297,7 @@ def _reactions(
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
-    read_only(wrenches.torque)
+    read_only((wrenches.torque, wrenches.vectors))
     return Reactions(
         motion=motion,
         engine=engine,
@@ -364,11 +364,9 @@ def _solved(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedC
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
     """Raise PinpressError where a number is not finite. A sum shows it, and takes less time than looking at every number."""
-    total, add = 0.0, np.add.reduce
-    if len(wrenches.force):
-        total += add(wrenches.force, axis=None) + add(wrenches.moment, axis=None)
-    if len(wrenches.force) < len(wrenches.friction):  # else the torques are among the moments
-        total += add(wrenches.torque, axis=None) + add(wrenches.coupling, axis=None)
+    total = np.add.reduce(wrenches.vectors, axis=None)
+    if wrenches.vectors.shape[1] < len(wrenches.friction):  # else the torques are among the moments
+        total += wrenches.torque.sum() + wrenches.coupling.sum()
     if math.isfinite(total):
         return
     arrays = {

@@ -83,16 +83,24 @@ class Wrenches:
         torque: (drivers, n) on the driver joints, positive along their axes [N m, of a driver that slides N].
         coupling: (couplings, n) torque on the follower of every coupling, positive along its axis [N m, or N where it slides].
         friction: (bearings, n) power lost in every bearing [W].
-        force: (wanted bearings, n, 3) [N].
-        moment: (wanted bearings, n, 3) about the origin of the child's joint frame, of a loop about its point [N m]. Along the axis in
-            which a joint is free it is the effort of drive, gear pairs and friction.
+        vectors: (2, wanted bearings, n, 3) forces [N], and moments about the origin of the child's joint frame, of a loop about its point
+            [N m]. Along the axis in which a joint is free the moment is the effort of drive, gear pairs and friction.
     """
 
     torque: Array
     coupling: Array
     friction: Array
-    force: Array
-    moment: Array
+    vectors: Array
+
+    @property
+    def force(self) -> Array:
+        """(wanted bearings, n, 3) [N]."""
+        return self.vectors[0]
+
+    @property
+    def moment(self) -> Array:
+        """(wanted bearings, n, 3) [N m]."""
+        return self.vectors[1]
 
     @staticmethod
     def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> Wrenches:
@@ -104,15 +112,12 @@ class Wrenches:
             torque=np.zeros((drivers, n)),
             coupling=np.zeros((couplings, n)),
             friction=np.zeros((bearings, n)),
-            force=np.zeros((3, wanted, n)).transpose(1, 2, 0),
-            moment=np.zeros((3, wanted, n)).transpose(1, 2, 0),
+            vectors=np.zeros((2, 3, wanted, n)).transpose(0, 2, 3, 1),
         )
 
     def part(self, points: slice) -> Wrenches:
         """Views of a part of the motion."""
-        return Wrenches(
-            self.torque[:, points], self.coupling[:, points], self.friction[:, points], self.force[:, points], self.moment[:, points]
-        )
+        return Wrenches(self.torque[:, points], self.coupling[:, points], self.friction[:, points], self.vectors[:, :, points])
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -97,17 +97,15 @@ def _at_constant_speed(bodies: Bodies, states: ClosedStates, conditions: Applied
     inertia, weight = known.parts or _parts_by_speed(known, states, conditions, speed)
     answers[:] = [known._replace(parts=(inertia, weight))]
     square = speed * speed
-    torque, coupling, force, moment = (
-        square * getattr(inertia, name) + getattr(weight, name) for name in ("torque", "coupling", "force", "moment")
-    )
-    return Wrenches(torque, coupling, np.zeros(weight.friction.shape), force, moment)
+    torque, coupling, vectors = (square * getattr(inertia, name) + getattr(weight, name) for name in ("torque", "coupling", "vectors"))
+    return Wrenches(torque, coupling, np.zeros(weight.friction.shape), vectors)
 
 
 def _parts_by_speed(asked: ForcesBySpeed, states: ClosedStates, conditions: AppliedConditions, speed: float) -> tuple[Wrenches, Wrenches]:
     """`ForcesBySpeed.parts`, from the wrenches at rest and at a speed at which weights hardly count."""
     at_rest, fast = (states._replace(v=states.v * by, a=states.a * (by * by)) for by in (0.0, FAST / speed))
     weight, inertia = (_computed(asked.bodies, moving, conditions, asked.wanted) for moving in (at_rest, fast))
-    for name in ("torque", "coupling", "force", "moment"):
+    for name in ("torque", "coupling", "vectors"):
         array = getattr(inertia, name)
         array -= getattr(weight, name)
         array /= FAST**2
