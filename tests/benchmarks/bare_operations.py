@@ -1,8 +1,8 @@
 """The operations on arrays of the planar engine, written in one line after the other: what is left of its time without everything else.
 
-From crank angles to the driving torque and all bearing forces of a press that is a chain of dyads, with one slide on the frame, no loads, no
-friction and no gears, at constant speed: with the engine's own constants and in its order, but nothing is checked, chosen or kept, and no
-motion and no reactions are made. Its time is the least that the engine's way of computing can take with NumPy.
+From crank angles to the driving torque and all bearing forces of a press that is a chain of dyads, with one slide on the frame, no loads,
+no friction and no gears, at constant speed: with the engine's own constants and in its order, but nothing is checked, chosen or kept, and
+no motion and no reactions are made. Its time is the least that the engine's way of computing can take with NumPy.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ class Chain:
     def __init__(self, press: pp.Linkage) -> None:
         self.branch, engine = press.branch, press.engine("plane")
         self.plane, self.bodies = plane, bodies = engine.plane, engine.bodies  # type: ignore[attr-defined]
-        assert all(block.kind == "dyad" for block in plane.blocks) and bodies.in_one_plane and len(plane.prismatic) == 1
+        assert {block.kind for block in plane.blocks} == {"dyad"}
+        assert bodies.in_one_plane
+        assert len(plane.prismatic) == 1
         self.inner = self.branch.angles[1:-1].copy()
         self.rotors = slice(1, 1 + len(plane.revolute))
         self.dyads = [(block.loops[0], block.pair, block.known[0], plane.driven[block.loops[0]]) for block in plane.blocks]

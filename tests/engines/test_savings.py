@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
+from benchmarks import bare_operations
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.exploring import examples
@@ -451,3 +452,20 @@ print(*sys.modules)
     later = {f"pinpress.{name}" for name in ("simulation", "recording", "reporting", "charts", "reduced", "writing", "drives")}
     assert before & later == set()
     assert {"pinpress.simulation.simulate", "pinpress.visual.recording"} <= after
+
+
+def test_the_operations_alone_give_the_same_numbers(six_bar):
+    points, speed = 50, 7.0
+    torque, force = bare_operations.inverse_dynamics(bare_operations.Chain(six_bar), points, speed)
+    expected = pp.inverse_dynamics(six_bar, pp.cycle(six_bar, speed, points=points))
+    np.testing.assert_allclose(torque, expected.driving_torque, rtol=0, atol=SAME * np.abs(torque).max())
+    for place, name in enumerate(six_bar.bearings):
+        np.testing.assert_allclose(force[:, place].T, expected.bearing_force[name], rtol=0, atol=SAME * np.abs(force).max())
+
+
+def test_components_of_all_states_are_next_to_each_other(six_bar, turn, engine):
+    found = pp.inverse_dynamics(six_bar, turn, engine=engine)
+    for vectors in (*found.bearing_force.values(), *found.bearing_moment.values()):
+        assert vectors.shape == (24, 3)
+        assert all(vectors[:, i].flags.c_contiguous for i in range(3))
+        assert not vectors.flags.writeable
