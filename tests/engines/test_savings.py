@@ -9,6 +9,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -469,3 +470,16 @@ def test_components_of_all_states_are_next_to_each_other(six_bar, turn, engine):
         assert vectors.shape == (24, 3)
         assert all(vectors[:, i].flags.c_contiguous for i in range(3))
         assert not vectors.flags.writeable
+
+
+def test_arms_that_do_not_turn_are_constants():
+    """The slide of the six-bar carries nothing that turns. On the slide of the toggle press hang links that do."""
+    assert not shipped("zxn2_3000b").engine().bodies.arms_turn
+    press = pp.build(Path(pp.__file__).parent / "pin_table" / "templates" / "toggle.yaml")
+    assert press.engine().bodies.arms_turn
+    turn = pp.cycle(press, 7.0, points=20)
+    plane, judge = (pp.inverse_dynamics(press, turn, engine=name) for name in ("plane", "pinocchio"))
+    for name in press.bearings:
+        np.testing.assert_allclose(
+            plane.bearing_moment[name], judge.bearing_moment[name], rtol=0, atol=1e-9 * np.abs(judge.driving_torque).max()
+        )

@@ -97,10 +97,12 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     on_guides = [j for j in reversed(range(count)) if not guides.isdisjoint(plane.carriers(j))]
     parents = [plane.parents[j] if plane.parents[j] >= 0 else j for j in on_guides]  # of a joint on the frame the arm is not needed
     guided = tuple((j, k) for j in plane.prismatic for k in plane.loops_of_joint[j])
+    joints, loops = [j for j, _ in guided], [k for _, k in guided]
+    at_end2 = np.array([float(plane.loops_of_joint[j][k] > 0) for j, k in guided])  # the end of the loop that the joint carries
     groups = [
         plane.centers[on_guides],
         plane.origins[on_guides] - plane.origins[parents],
-        plane.loop_points[[k for _, k in guided]] - plane.origins[[j for j, _ in guided]],
+        plane.loop_points[loops] + weighted(plane.gap_rows[loops], at_end2) - plane.origins[joints],
     ]
     arms = stacked(groups)
     heights = np.concatenate([plane.heights, plane.center_heights, plane.loop_heights])
