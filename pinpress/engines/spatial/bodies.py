@@ -315,7 +315,7 @@ def centers(bodies: Bodies, placed: Placements) -> Array:
 
 def energies(bodies: Bodies, states: ClosedStates) -> EnergyRates:
     """See `Engine`."""
-    placed = placements(bodies, states.position)
+    placed = placements(bodies, states.position) if states.solved is None else states.solved.equations.placed
     moved = velocities(bodies, motion_axes(bodies, placed), states.v)
     center, spin = centers(bodies, placed), turned_back(placed.rotation[1:], moved.spin[1:])
     velocity = moved.linear[1:] + cross(moved.spin[1:], center)
