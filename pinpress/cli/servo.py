@@ -1,9 +1,11 @@
 """`pinpress servo`: the best motion of a servo press, beside those that engineers know; and the smallest motor for it."""
 
+from __future__ import annotations
+
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..common import tables
 from ..common.errors import PinpressError
@@ -13,20 +15,20 @@ from ..dynamics.inputs import Inputs, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
-from ..servo.comparison import MotionComparison, compare_motions
-from ..servo.controller import controller_table
 from ..servo.drive import ServoDrive
 from ..servo.limits import BearingForce, CrankAcceleration, CrankSpeed, FeedWindow, Limit, RmsTorque, SlideAcceleration, SlideSpeed
-from ..servo.motion_optimum import MotionOptimum
-from ..servo.motors import read_motors
-from ..servo.optimum import POINTS, best_motion
 from ..servo.paths import Path as ServoPath
 from ..servo.paths import Pendulum, Pulse, Stop, Turn
-from ..servo.sizing import MotorChoice, capacitor, choose_motor
-from ..servo.stroke_laws import ready_motions
 from . import part_specs
 from .options import add_force_options, add_out_option, add_press_options, load_press, loads, print_inputs, say_written
 from .units import quantity, read_quantity
+
+if TYPE_CHECKING:
+    from ..servo.comparison import MotionComparison
+    from ..servo.motion_optimum import MotionOptimum
+    from ..servo.sizing import MotorChoice
+
+POINTS = 720  # steps of the path
 
 SERVO_DRIVE = part_specs.Kind(ServoDrive, "inertia=1.5,ratio=60,gear_inertia=50,peak_torque=2100,rated_torque=800,top_speed=2000")
 PATHS: Mapping[str, part_specs.Kind[Any]] = {
@@ -74,7 +76,7 @@ e.g. pinpress servo zxn2_3000b --time 60/25 --load drawing:force=1500kN,start=60
 """
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `servo` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "servo",
@@ -116,6 +118,10 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: Options do not go together, no motion keeps the limits, no motor suffices, or writing fails.
     """
+    from ..servo.comparison import compare_motions  # all these to save start-up time, that of all other commands
+    from ..servo.sizing import capacitor
+    from ..servo.stroke_laws import ready_motions
+
     _refuse_what_does_not_go_together(options)
     press, acting = load_press(options), loads(options)
     path, limits = servo_path(options.path), [limit(words) for words in options.limit]
@@ -184,6 +190,9 @@ def _refuse_what_does_not_go_together(options: argparse.Namespace) -> None:
 
 
 def _choice(press: Linkage, acting: Sequence[Load], path: ServoPath, limits: Sequence[Limit], options: argparse.Namespace) -> MotorChoice:
+    from ..servo.motors import read_motors  # to save start-up time
+    from ..servo.sizing import choose_motor  # to save start-up time
+
     return choose_motor(
         press,
         read_motors(options.motors),
@@ -199,6 +208,8 @@ def _choice(press: Linkage, acting: Sequence[Load], path: ServoPath, limits: Seq
 
 
 def _best(press: Linkage, acting: Sequence[Load], path: ServoPath, limits: Sequence[Limit], options: argparse.Namespace) -> MotionOptimum:
+    from ..servo.optimum import best_motion  # to save start-up time
+
     return best_motion(
         press,
         part_specs.part("--drive", SERVO_DRIVE, options.drive),
@@ -228,6 +239,8 @@ def _write(
     options: argparse.Namespace,
 ) -> None:
     """Write the files and say so."""
+    from ..servo.controller import controller_table  # to save start-up time
+
     folder: Path = options.out
     best.to_csv(folder / "servo.csv")
     for of in ("angle", "height"):
