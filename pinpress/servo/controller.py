@@ -59,7 +59,7 @@ def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e
         PinpressError: ``of`` is neither, or there are more than a million rows.
     """
     expect("motion", motion, ServoMotion, "servo.evaluate or best_motion")
-    if of not in ("angle", "height"):
+    if not isinstance(of, str) or of not in ("angle", "height"):
         raise PinpressError(f"of is {shown(of)}: give 'angle' or 'height'")
     width = positive("step", step, "s")
     count = math.ceil(motion.duration / width * (1 - SAME))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..common import tables
-from ..common.arguments import expect, number, numbers, positive, typed
+from ..common.arguments import LARGEST, expect, number, numbers, positive, typed
 from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM
 from ..common.results import Record, Records, Tabular
@@ -21,6 +21,7 @@ from .motors import CatalogueMotor, MotorUtilisation, motor_use
 from .optimum import POINTS, best_motion
 from .paths import Path
 
+LARGEST_RATIO = 1e6
 MARGIN = 0.97  # share of a limited torque that a motion is asked to keep, because between its nodes it exceeds it by up to 2 %
 
 
@@ -196,14 +197,17 @@ def choose_motor(
     if not given or not all(isinstance(each, CatalogueMotor) for each in given):
         raise PinpressError(f"motors is {shown(motors)}: give one or more motors, servo.read_motors(path)")
     chosen = numbers("ratios", ratios, (None,))
-    if not len(chosen) or not np.all(chosen > 0):
-        raise PinpressError(f"ratios is {shown(ratios)}: give one or more positive gear ratios")
+    if not len(chosen) or not np.all((chosen > 0) & (chosen <= LARGEST_RATIO)):
+        raise PinpressError(f"ratios is {shown(ratios)}: give one or more positive gear ratios, up to {LARGEST_RATIO:g}")
+    at_crank = number("gear_inertia", gear_inertia, "kg m2")
+    if not 0 <= at_crank <= LARGEST:
+        raise PinpressError(f"gear_inertia is {at_crank:g} kg m2: give 0 or more, up to {LARGEST:g}")
     idle = number("pause", pause, "s")
     tried: list[TriedMotor] = []
     for motor in sorted(given, key=lambda each: each.rated_power):
         found: list[tuple[MotorUtilisation, MotionOptimum]] = []
         for ratio in chosen.tolist():
-            row, sufficient = _tried(press, motor, ratio, gear_inertia, loads, time, path, limits, idle, points)
+            row, sufficient = _tried(press, motor, ratio, at_crank, loads, time, path, limits, idle, points)
             tried.append(row)
             found += sufficient
         if found:
