@@ -166,9 +166,8 @@ def _of_motor(reactions: Reactions, motor: Drive | PrescribedSpeed, flywheel: Fl
     """The steady state under a motor with its speeds and the motor's duty in words; None, and why there is none."""
     speed = float(reactions.motion.crank_speed[0])
     lines = ["", f"Steady state under the motor near {speed / RPM:g} r/min; all else here is at constant speed"]
-    acting = {"loads": reactions.loads, "friction": reactions.friction}
     try:
-        run = steady_state(reactions._press, speed, drive=motor, flywheel=flywheel, **acting)  # type: ignore[arg-type]
+        run = steady_state(reactions._press, speed, drive=motor, flywheel=flywheel, loads=reactions.loads, friction=reactions.friction)
     except SimulationError as error:
         return None, [*lines, f"  none: {error}"]
     return run, [*lines, *duty_summary(run)]

@@ -165,10 +165,12 @@ def _run(
         make_folder(options.out)  # before a run that may be long
     if options.steady:
         points = STEADY_POINTS * press.period_turns if options.points is None else options.points
-        return steady_state(press, speed, angle=angle, **parts | {"points": points})
+        run: Run = steady_state(press, speed, angle=angle, **parts | {"points": points})
+        return run
     how = {"method": options.method, "step": options.step}
     with progress(options.duration, BAR) as told:
-        return simulate(press, options.duration, speed=speed, angle=angle, clutch=clutch, brake=brake, progress=told, **parts, **how)
+        run = simulate(press, options.duration, speed=speed, angle=angle, clutch=clutch, brake=brake, progress=told, **parts, **how)
+    return run
 
 
 def _refuse_beside_steady(options: argparse.Namespace, speed: float) -> None:

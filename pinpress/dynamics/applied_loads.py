@@ -178,7 +178,7 @@ def process_work(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> A
     total = np.zeros(len(motion.crank_angle) - (not is_cycle(motion)))
     for load in asked(loads):
         if isinstance(load, TimeForce):
-            power = _closed(motion, -_in_time(load, motion) * motion.slide_velocity)
+            power = _closed(motion, -_in_time(load, motion) * _heights(press, motion, 0.0)[1])
             total += 0.5 * (power[1:] + power[:-1]) * np.diff(_closed_time(motion.time, motion))
         elif not isinstance(load, PointForce | SpringDamper):
             total += _work_in_height(load, press, motion)

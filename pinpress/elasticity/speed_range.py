@@ -237,11 +237,9 @@ def _stroke(press: Linkage, elastic: Elastic, speed: float, loads: Sequence[Load
     """The stroke at a speed; raises `SimulationError` that names the speed."""
     drive, points = PrescribedSpeed(speed), STATES * (press.period_turns or 1) + 1
     try:
-        run = steady_state(press, speed, drive=drive, loads=loads, points=points, elastic=elastic, tolerance=TOLERANCE)
+        return steady_state(press, speed, drive=drive, loads=loads, points=points, elastic=elastic, tolerance=TOLERANCE)
     except SimulationError as error:
         raise SimulationError(f"at {speed / RPM:.5g} r/min: {error.args[0]}", error.time, error.crank_angle, error.reason) from error
-    assert isinstance(run, ElasticRun)
-    return run
 
 
 def _rising_speeds(given: ArrayLike) -> Array:

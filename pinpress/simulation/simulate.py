@@ -21,7 +21,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,6 +41,7 @@ from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from .driven_press import DrivenPress, driven_press, press_with_drives, refuse_unlisted_loads
 from .elastic.description import Elastic
+from .elastic.elastic_run import ElasticRun
 from .elastic.simulate_elastic import elastic_simulation
 from .failures import failure, told_of
 from .hybrid_system import HOLDING
@@ -61,6 +62,50 @@ PUSHED, CREEPING = 1e-4, 1e-9  # displacement [rad] and speed [rad/s] by which a
 LOOKS = 240  # instants at which two runs are compared
 ASTRAY = 1e3  # largest sensitivity to the start of a run that counts as determined
 LOST = np.pi  # difference between a run that ends in an error and one that does not [rad]
+
+
+@overload
+def simulate(
+    press: Linkage,
+    duration: float,
+    *,
+    speed: ArrayLike = ...,
+    angle: ArrayLike = ...,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
+    flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
+    clutch: Clutch | None = ...,
+    brake: Brake | None = ...,
+    loads: Sequence[Load] = ...,
+    friction: Mapping[str, Friction] = ...,
+    method: str = ...,
+    points: int | None = ...,
+    elastic: Elastic,
+    tolerance: float | None = ...,
+    step: float | None = ...,
+    progress: Callable[[float], None] | None = ...,
+) -> ElasticRun: ...
+
+
+@overload
+def simulate(
+    press: Linkage,
+    duration: float,
+    *,
+    speed: ArrayLike = ...,
+    angle: ArrayLike = ...,
+    drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None = ...,
+    flywheel: Flywheel | Mapping[str, Flywheel] | None = ...,
+    clutch: Clutch | None = ...,
+    brake: Brake | None = ...,
+    loads: Sequence[Load] = ...,
+    friction: Mapping[str, Friction] = ...,
+    method: str = ...,
+    points: int | None = ...,
+    elastic: None = None,
+    tolerance: float | None = ...,
+    step: float | None = ...,
+    progress: Callable[[float], None] | None = ...,
+) -> Run: ...
 
 
 @typed

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import overload
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
 from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
 from .elastic.description import Elastic
+from .elastic.elastic_run import ElasticRun
 from .elastic.simulate_elastic import elastic_steady_state
 from .failures import failure, told_of
 from .law_trials import asked_drive
@@ -51,6 +53,38 @@ NARROWED = 3  # the range of speeds is narrowed so often, to a 32nd each time
 CLOSER = 4  # Newton steps to the end of a period
 PATIENCE = 20.0  # a period is given up after as much time as so many periods take at the first speed
 COMES_BACK = 1e-10  # relative difference accepted between the speeds at start and end of a period
+
+
+@overload
+def steady_state(
+    press: Linkage,
+    speed: float,
+    *,
+    angle: float = ...,
+    drive: Drive | PrescribedSpeed,
+    flywheel: Flywheel | None = ...,
+    loads: Sequence[Load] = ...,
+    friction: Mapping[str, Friction] = ...,
+    points: int | None = ...,
+    elastic: Elastic,
+    tolerance: float | None = ...,
+) -> ElasticRun: ...
+
+
+@overload
+def steady_state(
+    press: Linkage,
+    speed: float,
+    *,
+    angle: float = ...,
+    drive: Drive | PrescribedSpeed,
+    flywheel: Flywheel | None = ...,
+    loads: Sequence[Load] = ...,
+    friction: Mapping[str, Friction] = ...,
+    points: int | None = ...,
+    elastic: None = None,
+    tolerance: float | None = ...,
+) -> Run: ...
 
 
 @typed

@@ -1,5 +1,6 @@
 """Presses on springs whose crank turns freely: rigid limit, energy, marched strokes, a shaft as a torsion pendulum, forces in time."""
 
+import pickle
 from functools import cache
 from typing import Any
 
@@ -140,3 +141,19 @@ def test_refused_of_runs(change, message):
         given["elastic"] = springs(jf75g(), shaft=1e7)
     with pytest.raises(pp.PinpressError, match=message):
         pp.simulate(jf75g(), 0.1, **given)
+
+
+def test_inverse_dynamics_and_sweeps_of_elastic_runs():
+    """Reactions to such a run are those of the rigid press at the same crank angles; sweeps take its numbers, other processes the run."""
+    run, motion = steady(), pp.cycle(jf75g(), SPEED, points=120)
+    held: Any = pp.steady_state(jf75g(), SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=run.elastic, points=121)
+    rigid, reactions = (pp.inverse_dynamics(jf75g(), each, loads=[BLANK]) for each in (motion, held))
+    np.testing.assert_allclose(reactions.driving_torque[:-1], rigid.driving_torque, atol=1e-9 * np.abs(rigid.driving_torque).max())
+    assert pickle.loads(pickle.dumps(run)).peaks == run.peaks
+
+    def stroke(stiffness):
+        found = pp.steady_state(jf75g(), SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=springs(jf75g(), stiffness), points=121)
+        return {"deepest": found.deepest, "peak": found.peaks["O"]}
+
+    table = pp.sweeps.sweep(stroke, {"stiffness": [1e9, 2e9]})
+    assert table.columns()["deepest"][1] == held.deepest

@@ -37,6 +37,9 @@ HIGHEST = 3  # values about which the largest is looked for
 class ElasticRun(Run):
     """A run of a press on its springs; what it has more than a `Run`. All arrays are read-only.
 
+    `inverse_dynamics` of it gives the reactions of the rigid press at the same crank angles, under loads at the heights of its rigid slide;
+    the forces of the springs are ``bearing_force``.
+
     Attributes:
         displacement: (n, links, 3) of each moving link beside the rigid press at the same crank angle: of its centre of mass along the two
             axes of the plane [m], and its turn [rad].
