@@ -164,7 +164,6 @@ def test_derivatives_of_the_forces():
         ({"elastic": 2e9}, "give an Elastic"),
         ({"drive": pp.drives.ConstantTorque(10.0)}, "no steady state"),
         ({"drive": pp.drives.PrescribedSpeed(1.0)}, "prescribes 1"),
-        ({"friction": {"O": pp.loads.Friction(0.1, 0.05)}}, "no friction"),
     ],
 )
 def test_refused(change, message):

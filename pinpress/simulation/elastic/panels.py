@@ -16,7 +16,7 @@ costs no more than a motion from a known state, and break-through, whose time is
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import NamedTuple, Protocol
 
@@ -29,6 +29,8 @@ from ...common.quantities import Array
 Indices = NDArray[np.intp]
 
 
+DOUBT = 3.0  # by how much the next change of Newton's method may be larger than the changes so far tell
+SEEN = 0.02  # share of the largest error of a panel below which a change does not matter to how panels are divided
 STALLED = 1000.0  # multiples of the tolerance within which Newton's method may end where it gains no more
 AT_A_TIME = 16  # panels whose equations are built and solved together: they stay in the cache
 
@@ -158,6 +160,7 @@ class PanelSolution:
         change: largest change of a coordinate in the last Newton step [m or rad].
         steps: number of Newton steps.
         passage: (2 f, 2 f) derivative of the last state by the first one, with the events met at their own times.
+        curvature: largest change in a Newton step by the square of the change before, on the way to it; 0: not known [1/m].
     """
 
     mesh: Mesh
@@ -167,6 +170,7 @@ class PanelSolution:
     change: float
     steps: int
     passage: Array
+    curvature: float = 0.0
 
     def errors(self) -> Array:
         """(p,) largest local error of a coordinate on each panel, from the last coefficient of its acceleration [m or rad]."""
@@ -207,7 +211,7 @@ class PanelSolution:
         nudged = inside - 1e-12 * old.spans.max()  # the last point of a panel belongs to it, not to the next
         _, _, a = self.at(nudged)
         accelerations = a.reshape(len(new.start), len(self.rule.points), -1)
-        return PanelSolution(mesh, self.rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, self.passage)
+        return PanelSolution(mesh, self.rule, np.concatenate([y, v], axis=1), accelerations, np.inf, 0, self.passage, self.curvature)
 
 
 class Border(NamedTuple):
@@ -226,7 +230,9 @@ class Border(NamedTuple):
     kept: Sequence[int] = ()
 
 
-def solve(equations: EquationsOfMotion, guess: PanelSolution, border: Border, tolerance: float, most: int) -> PanelSolution | None:
+def solve(
+    equations: EquationsOfMotion, guess: PanelSolution, border: Border, tolerance: float, most: int, divided_above: float = np.inf
+) -> PanelSolution | None:
     """The motion near a guess by Newton's method; None where it does not converge.
 
     Args:
@@ -235,8 +241,10 @@ def solve(equations: EquationsOfMotion, guess: PanelSolution, border: Border, to
         border: how it begins and ends.
         tolerance: change of the coordinates at which it is found [m or rad].
         most: number of Newton steps.
+        divided_above: error of a panel above which panels are divided anyway: the motion is then found no better than it takes to see it
+            [m or rad]; without it all changes are made until they are small.
     """
-    found, change = guess, np.inf
+    found, change, curvature = guess, np.inf, guess.curvature
     for count in range(1, most + 1):
         before = change
         found = newton_step(equations, found, border, count)
@@ -244,7 +252,16 @@ def solve(equations: EquationsOfMotion, guess: PanelSolution, border: Border, to
         if not np.isfinite(change) or not (np.diff(found.mesh.knots) > 0).all():
             return None
         if change <= tolerance or (change <= STALLED * tolerance and change > 0.1 * before):  # rounding ends what Newton's method gains
-            return found
+            return replace(found, curvature=curvature)
+        if np.isfinite(before):
+            curvature = max(curvature, change / before**2)
+        # the next change: Newton's method squares what is left
+        ahead = DOUBT * curvature * change**2 if curvature and np.isfinite(divided_above) else np.inf
+        if ahead <= 0.1 * tolerance:
+            return replace(found, curvature=curvature)
+        error = float(found.errors().max()) if np.isfinite(ahead) else 0.0
+        if error > divided_above and ahead <= SEEN * error:
+            return replace(found, curvature=curvature)
         if count > 3 and change > 2.0 * before:
             return None
     return None

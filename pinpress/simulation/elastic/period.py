@@ -100,7 +100,7 @@ def _refined(task: Task, start: float, plan: Plan, guess: PanelSolution, near: b
     equations = replace(task.equations, segments=plan.segments, modes=plan.modes, events=events)
     border = _border(task, equations, near)
     for _ in range(ROUNDS):
-        found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS)
+        found = solve(equations, guess, border, SETTLED * task.tolerance, MOST_STEPS, task.tolerance)
         if found is None:
             return None
         errors = found.errors()
