@@ -11,32 +11,41 @@ from ..linkage.linkage import Linkage
 from ..simulation.elastic.assembly import DrawnBodies
 
 SEEN = 0.05  # share of the linkage's size that the largest displacement is drawn as, at most
+IN_SPACE = 6  # numbers of a link's displacement in space: three of its centre of mass, and the vector of its turn
 FACTORS = (1.0, 2.0, 5.0)  # times powers of ten: magnifications
 
 
 def magnification(press: Linkage, displacement: Array) -> float:
-    """A round factor by which the largest of displacements (k, links, 3) is drawn; see `ElasticRun.displacement`. It is 1 at least."""
-    largest = float(np.abs(displacement[..., :2]).max(initial=0.0))
+    """A round factor by which the largest of displacements (k, links, 3 or 6) is drawn; see `ElasticRun.displacement`. It is 1 at least."""
+    straight = 3 if displacement.shape[-1] == IN_SPACE else 2
+    largest = float(np.abs(displacement[..., :straight]).max(initial=0.0))
     wanted = SEEN * press.size / largest if largest > 0 else 1.0
     power = 10.0 ** np.floor(np.log10(max(wanted, 1.0)))
     return float(max(factor * power for factor in FACTORS if factor * power <= max(wanted, 1.0)))
 
 
 def displaced(press: Linkage, at: Poses, displacement: Array) -> Poses:
-    """Poses of the bodies of all joints with displacements (k, links, 3) of their centres of mass and their turns added."""
-    plane, rotation, position = DrawnBodies(press).plane, at.rotation.copy(), at.position.copy()
-    normal = np.cross(*(to_world(plane, np.array([axis]))[0] for axis in (1.0 + 0j, 1j)))
-    shift = to_world(plane, displacement[..., 0] + 1j * displacement[..., 1])
+    """Poses of the bodies of all joints with displacements (k, links, 3 or 6) of their centres of mass and their turns added."""
+    rotation, position = at.rotation.copy(), at.position.copy()
+    shift, turn = displacement[..., :3], displacement[..., 3:]
+    if displacement.shape[-1] != IN_SPACE:
+        plane = DrawnBodies(press).plane
+        normal = np.cross(*(to_world(plane, np.array([axis]))[0] for axis in (1.0 + 0j, 1j)))
+        shift, turn = to_world(plane, displacement[..., 0] + 1j * displacement[..., 1]), displacement[..., 2:3] * normal
     for body in range(press.model.nv):
         centre = at.points(body + 1, press.model.inertias[body + 1].lever)
-        turned = _about(normal, displacement[:, body, 2])
+        turned = _turned(turn[:, body])
         rotation[body + 1] = turned @ at.rotation[body + 1]
         arm = at.position[body + 1] - centre
         position[body + 1] = centre + shift[:, body] + (turned @ arm[:, :, None])[:, :, 0]
     return Poses(rotation, position)
 
 
-def _about(axis: Array, angle: Array) -> Array:
-    """Rotations (k, 3, 3) about an axis of length 1 by angles (k,) (Rodrigues)."""
-    across = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+def _turned(turn: Array) -> Array:
+    """Rotations (k, 3, 3) about the axes of vectors (k, 3) by their lengths (Rodrigues)."""
+    angle = np.linalg.norm(turn, axis=1)
+    axis = turn / np.where(angle > 0, angle, 1.0)[:, None]
+    across = np.zeros((len(turn), 3, 3))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        across[:, k, j], across[:, j, k] = axis[:, i], -axis[:, i]
     return np.asarray(np.eye(3) + np.sin(angle)[:, None, None] * across + (1 - np.cos(angle))[:, None, None] * (across @ across))

@@ -1,11 +1,14 @@
 """Linkages in space on springs: against the plane, the rigid limit, closed forms and other programs."""
 
 import tempfile
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
+from scipy.integrate import solve_ivp
 from support.texts import FILES, shipped
 
 import pinpress as pp
@@ -62,21 +65,119 @@ def test_a_planar_press_moves_in_space_as_in_its_plane(monkeypatch):
     )
 
 
+def forces_of(found):
+    return np.array([found.bearing_force[name][:36] for name in rssp().bearings])
+
+
+def test_start_without_vibration_in_space():
+    """Springs that carry the inertia forces of the rigid press carry its bearing forces, but for what goes with 1 / stiffness."""
+    rigid = pp.inverse_dynamics(rssp(), pp.servo_cycle(rssp(), angle=[0.7], speed=SPEED))
+    drive, left = pp.drives.PrescribedSpeed(SPEED), []
+    for stiffness in (1e9, 2e9):
+        run = pp.simulate(rssp(), 1e-4, angle=0.7, speed=SPEED, drive=drive, elastic=springs(rssp(), stiffness), points=2)
+        left.append(max(np.abs(run.bearing_force[name][0] - rigid.bearing_force[name][0]).max() for name in rssp().bearings))
+    assert np.log2(left[0] / left[1]) == pytest.approx(1.0, abs=0.05)
+    assert left[1] < 2e-3 * max(np.abs(rigid.bearing_force[name]).max() for name in rssp().bearings)
+
+
+@pytest.mark.exhaustive
 def test_rigid_limit_in_space():
     """What is left of the rigid press goes with 1 / stiffness."""
     rigid, runs = pp.inverse_dynamics(rssp(), pp.cycle(rssp(), SPEED, points=36)), [idle(k) for k in (1e9, 2e9)]
-    rough = [np.array([run.bearing_force[name][:-1] for name in rssp().bearings]) for run in runs]
-    exact = np.array([rigid.bearing_force[name] for name in rssp().bearings])
-    left = [np.abs(each - exact).max() for each in rough]
+    left = [np.abs(forces_of(run) - forces_of(rigid)).max() for run in runs]
     np.testing.assert_allclose(np.log2(np.divide(left[:-1], left[1:])), 1.0, atol=0.02)
     torque = [np.abs(run.drive_torque[:-1] - rigid.driving_torque).max() for run in runs]
     np.testing.assert_allclose(np.log2(np.divide(torque[:-1], torque[1:])), 1.0, atol=0.02)
 
 
+@pytest.mark.exhaustive
+def test_rigid_limit_in_space_by_extrapolation():
+    exact = forces_of(pp.inverse_dynamics(rssp(), pp.cycle(rssp(), SPEED, points=36)))
+    rough = [forces_of(idle(k)) for k in (2e9, 4e9, 8e9)]
+    first = [2 * rough[1] - rough[0], 2 * rough[2] - rough[1]]
+    assert np.abs((4 * first[1] - first[0]) / 3 - exact).max() < 1e-7 * np.abs(exact).max()
+
+
+@pytest.mark.exhaustive
 def test_energy_in_space():
     run = idle(1e9)
     assert run.stats.energy_error < 1e-9
     assert abs(run.drive_work[-1] - run.lost[-1]) < 1e-9 * run.stats.energy_error + 1e-9 * np.ptp(run.drive_work)
+
+
+def test_derivatives_in_space():
+    """Of springs, dampers and inertia forces, by central differences, where links are displaced and turned far more than they are."""
+    press = rssp()
+    sprung, random = press_in_space(press, springs(press, 1e9)), np.random.default_rng(3)
+    place, rates, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=[0.4, 2.0], speed=3.0))
+    y = sprung.free_coordinates(place) + 1e-2 * random.normal(size=(2, sprung.free))
+    v = sprung.free_rates(rates) + random.normal(size=y.shape)
+    a = random.normal(size=y.shape)
+
+    def forces(y, v, a):
+        whole = sprung.all_coordinates(y), v @ sprung.carry.T
+        inertia, own = sprung.varying_inertia(*whole, a @ sprung.carry.T), sprung.spring_forces(*whole)
+        return [own.force, inertia.force], [
+            (-own.stiffness, inertia.by_place),
+            (-own.damping, inertia.by_rate),
+            (0 * y, inertia.by_acceleration),
+        ]
+
+    _, found = forces(y, v, a)
+    for which, exact in enumerate(found):
+        for k in range(sprung.free):
+            step = np.zeros_like(y)
+            step[:, k] = 1e-6
+            shifted = [[each + sign * step * (number == which) for number, each in enumerate((y, v, a))] for sign in (1, -1)]
+            after, before = (forces(*each)[0] for each in shifted)
+            for one, other, slope in zip(after, before, exact, strict=True):
+                if slope.ndim == 3:
+                    np.testing.assert_allclose((one - other) / 2e-6, slope[:, :, k], rtol=0, atol=1e-6 * np.abs(slope).max())
+
+
+def test_rotor_on_its_bearing_whirls_as_its_closed_form_says():
+    """A spinning rotor whose bearing yields against tilting: A p'' - i C w p' + k p = 0, with gyroscopic moments, seen from the rotor."""
+    press, spin, tilting = shipped("jf75g_125_plain"), 400.0, 3e6
+    inertias = list(press.model.inertias)
+    across, polar = 0.3, 0.5
+    inertias[1] = pin.Inertia(50.0, np.zeros(3), np.diag([across, polar, across]))
+    rotor = press.with_inertias(inertias)
+    stiffness = pp.elasticity.Stiffness(dict.fromkeys(rotor.bearings, 2e9), moments=dict.fromkeys(rotor.joints, tilting))
+    sprung = press_in_space(rotor, pp.elasticity.Elastic(stiffness, damping_ratio=0.0))
+    own = sprung.springs.bearing == 0
+    sprung = replace(sprung, springs=sprung.springs._make(column[own] for column in sprung.springs))
+    place, rates, accelerations = sprung.rigid_coordinates(pp.servo_cycle(rotor, angle=[0.3], speed=spin))
+    place, rates = place.copy(), rates.copy()
+    inertia, springs_of = sprung.varying_inertia(place, rates, 0 * accelerations), sprung.spring_forces(place, rates)
+    tilts = slice(6 * sprung.crank_body + 3, 6 * sprung.crank_body + 5)
+    mass, gyroscopic = inertia.by_acceleration[0, tilts, tilts], inertia.by_rate[0, tilts, tilts]
+    stiff = springs_of.stiffness[0, tilts, tilts] + inertia.by_place[0, tilts, tilts]
+    first_order = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(mass, stiff), -np.linalg.solve(mass, gyroscopic)]])
+    found = np.sort(np.abs(np.linalg.eigvals(first_order).imag))[::2]
+    root = np.sqrt((polar * spin) ** 2 + 4 * across * tilting)
+    whirls = np.array([polar * spin + root, polar * spin - root]) / (2 * across)
+    np.testing.assert_allclose(found, np.sort(np.abs(whirls - spin)), rtol=1e-10)
+    straight = springs_of.stiffness[0, :3, :3]
+    np.testing.assert_allclose(np.sqrt(np.diagonal(straight) / 50.0), np.sqrt(2e9 / 50.0), rtol=1e-12)
+
+
+def test_motion_in_space_beside_dop853():
+    """A crank that runs freely with its flywheel while a force pulls the rod aside."""
+    press, elastic = rssp(), springs(rssp(), 2e6)
+    drive, flywheel, until = pp.drives.ConstantTorque(20.0), pp.drives.Flywheel(5.0), 0.02
+    loads = [pp.loads.PointForce("rod", (300.0, 500.0, 0.0), (0.0, 0.0, -0.2))]
+    run = pp.simulate(press, until, speed=SPEED, drive=drive, flywheel=flywheel, loads=loads, elastic=elastic, tolerance=1e-7)
+    solution = run.trajectory.segments[0].solution
+    equations, size = solution.equations, solution.equations.size
+
+    def rates(time, state):
+        y, v, time, still = state[None, :size], state[None, size:], np.array([time]), np.zeros((1, size))
+        inertia = equations.varying_inertia(time, y, v, still)
+        force = equations.forces(time, y, v, np.zeros(1, dtype=int))[0] - inertia.force
+        return np.concatenate([v[0], np.linalg.solve(equations.mass + inertia.by_acceleration[0], force[0])])
+
+    found = solve_ivp(rates, (0.0, until), solution.panels.states[0], "DOP853", rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(solution.panels.states[-1, :size], found.y[:size, -1], rtol=0, atol=1e-8)
 
 
 @pytest.mark.parametrize(

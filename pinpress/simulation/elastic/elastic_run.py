@@ -42,7 +42,8 @@ class ElasticRun(Run):
 
     Attributes:
         displacement: (n, links, 3) of each moving link beside the rigid press at the same crank angle: of its centre of mass along the two
-            axes of the plane [m], and its turn [rad].
+            axes of the plane [m], and its turn [rad]. Of a linkage in space (n, links, 6): of its centre of mass in world axes [m], and
+            the vector of its turn, along its axis and as long as its angle, in world axes [rad].
         bearing_force: (n, 3) by the names of joints and loops: action of parent on child, or of link1 on link2, in the plane [N].
         shaking_force: (n, 3) sum of the forces of linkage, crown and process loads on the frame [N].
         floor_force: (n, 3) force of the mounts on the floor [N]; None where the frame does not stand on mounts.
