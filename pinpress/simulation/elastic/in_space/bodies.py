@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,8 @@ from ..contact import OpenPin
 from ..panels import Indices, VaryingInertia
 from ..press_on_springs import SpringForces
 from .turning import NominalTurns, Turned, turned
+
+KEPT = 2  # sets of states whose matrices are kept
 
 
 class SpringsInSpace(NamedTuple):
@@ -115,7 +117,7 @@ class PressInSpace:
     alike: tuple[int, ...]
 
     open_pins: tuple[OpenPin, ...] = ()
-    _last_turned: list[Any] = field(default_factory=list, init=False)
+    _last_turned: list[tuple[Turned, Array, Array]] = field(default_factory=list, init=False)
 
     closed = None
 
@@ -164,15 +166,11 @@ class PressInSpace:
         """The bodies' matrices at all coordinates and rates (n, k), the frame's last."""
         w, w_rate = (each[:, :-1].reshape(len(each), self.count + 1, 6)[:, :, 3:] for each in (coordinates, rates))
         kept = self._last_turned  # springs, inertia and paths ask for the same states one after the other
-        if (
-            kept
-            and (not derivatives or kept[0].by_twice is not None)
-            and np.array_equal(kept[1], coordinates)
-            and np.array_equal(kept[2], rates)
-        ):
-            return kept[0]  # type: ignore[no-any-return]
+        for found, place, rate in kept:
+            if (found.by_twice is not None or not derivatives) and np.array_equal(place, coordinates) and np.array_equal(rate, rates):
+                return found
         found = turned(self.nominal, w, coordinates[:, -1], w_rate, rates[:, -1], derivatives)
-        kept[:] = [found, coordinates.copy(), rates.copy()]
+        kept[:] = [(found, coordinates.copy(), rates.copy()), *kept[: KEPT - 1]]
         return found
 
     def places(self, values: Array) -> Array:
