@@ -53,7 +53,7 @@ class Stiffness(Frozen):
             as in `Reactions`.
         rods: links and arms that stretch.
         shaft: torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid. An elastic motion counts
-            the start's angle and speed at the drive's end, where the flywheel sits.
+            the start's angle and speed at the drive's end, where the flywheel sits and a brake acts.
         frame: stiffness of the columns between the crown, which has all bearings on the frame, and the table [N/m]; None: rigid. The table
             stands on the floor, so that weight and inertia forces that press on the crown load the columns too.
     """

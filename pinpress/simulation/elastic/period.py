@@ -37,7 +37,8 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         SimulationError: it is not found: the press may not repeat its stroke.
     """
     plan = task.phases.planned(start)
-    guess, tolerance = _rigid_guess(task, plan), LOOSE * task.tolerance
+    told = bool(task.phases.borders or (task.equations.train is not None and task.equations.train.jumps))
+    guess, tolerance = _rigid_guess(task, plan), (LOOSE if told else 1.0) * task.tolerance
     if task.equations.train is not None and task.equations.train.jumps:
         rigid = ElasticSolution(replace(task.equations, segments=plan.segments, events=plan.events), guess, True, 0)
         plan = _observed(task, rigid, start) or plan
