@@ -127,3 +127,18 @@ def test_a_pendulum_and_pulses_rest_where_their_paths_say():
 def test_what_does_not_go_together_is_refused(call, words):
     with pytest.raises(pp.PinpressError, match=words):
         call(press("zxn2_3000b"))
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("name", pp.presses())
+def test_every_shipped_press_turns_whole_and_keeps_the_limit(name, backwards):
+    stroke = pp.dead_centres(press(name)).stroke
+    limit = SlideSpeed(2 * stroke, (0.3 * stroke, 0.1 * stroke))
+    found = pp.servo.ready_motions(press(name), ServoDrive(inertia=5.0), time=1.0, path=Turn(backwards=backwards), limits=[limit])
+    assert list(found) == ["constant crank speed", "two speeds", "constant slide speed"]
+    for kind, motion in found.items():
+        assert abs(motion.angle[-1] - motion.angle[0]) == pytest.approx(2 * np.pi, abs=1e-9)
+        assert motion.duration == pytest.approx(1.0, abs=1e-9)
+        if kind != "constant crank speed":
+            assert slides(motion, 0.101 * stroke, 0.299 * stroke).max() <= 2 * stroke * (1 + 1e-6)
