@@ -12,7 +12,6 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
-from itertools import chain
 from numbers import Real
 from typing import Any, NamedTuple, TypeGuard, TypeVar, get_origin
 
@@ -73,12 +72,18 @@ def typed(function: Function) -> Function:
     parameters = inspect.signature(function).parameters
     kinds = {name: kind for name, parameter in parameters.items() if (kind := _kind(_evaluated(parameter.annotation, function)))}
     accepted: dict[str, set[type]] = {name: set() for name in kinds}  # all checks look at the type of a value alone
-    names = list(parameters)
+    places = [(place, name) for place, name in enumerate(parameters) if name in kinds]
 
     @wraps(function)
     def with_checks(*given: Any, **named: Any) -> Any:
-        for name, value in chain(zip(names, given, strict=False), named.items()):
-            if name in accepted and type(value) not in accepted[name]:
+        for place, name in places:
+            if place < len(given):
+                value = given[place]
+            elif name in named:
+                value = named[name]
+            else:
+                continue
+            if type(value) not in accepted[name]:
                 _check(name, value, kinds[name])
                 accepted[name].add(type(value))
         return function(*given, **named)

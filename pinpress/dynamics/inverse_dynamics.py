@@ -297,7 +297,8 @@ def _reactions(
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
-    read_only((wrenches.torque, wrenches.vectors))
+    for array in (wrenches.torque, wrenches.vectors):  # before there are views of them
+        array.setflags(write=False)
     return Reactions(
         motion=motion,
         engine=engine,

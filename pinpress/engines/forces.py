@@ -95,12 +95,14 @@ class Wrenches:
     @property
     def force(self) -> Array:
         """(wanted bearings, n, 3) [N]."""
-        return self.vectors[0]
+        force: Array = self.vectors[0]
+        return force
 
     @property
     def moment(self) -> Array:
         """(wanted bearings, n, 3) [N m]."""
-        return self.vectors[1]
+        moment: Array = self.vectors[1]
+        return moment
 
     @staticmethod
     def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> Wrenches:
