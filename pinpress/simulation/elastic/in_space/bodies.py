@@ -12,7 +12,7 @@ axes that are square to each other unless the bearing twists. They pull with k y
     m r'',   R'' J   with J = tr(I) / 2 - I,
 
 so that the rows of Lagrange's equations are the products of these with the derivatives of X by the coordinates. Loops that hold each other
-when they are rigid, as those of Bennett's and Bricard's linkages, are determinate here: their springs share what they carry.
+when they are rigid, as those of a planar press do in space, are determinate here: their springs share what they carry.
 """
 
 from __future__ import annotations
