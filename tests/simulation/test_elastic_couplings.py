@@ -1,7 +1,7 @@
 """Presses on springs behind clutch and brake, and under drives with states or with torques that jump: closed forms of two inertias, the
 rigid press, energy, and what happens when."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -155,3 +155,21 @@ def test_drives_of_all_kinds_as_with_the_rigid_press(drive, torque):
         assert [angle for _, angle, _ in run.events] == pytest.approx(passed, abs=0.02)
     else:
         np.testing.assert_allclose(run.drive_torque, rigid.drive_torque, atol=torque)
+
+
+@pytest.mark.exhaustive
+def test_steady_state_whose_torque_jumps():
+    """The speed passes the jump twice in a stroke, as the rigid press's does; what the springs change falls with their stiffness."""
+
+    class Crossed(Jumping):
+        def torque(self, speed, angle=0.0, time=0.0, state=()):
+            return np.where(np.asarray(speed) < self.at, 150.0, 230.0) - 400 * (np.asarray(speed) - self.at)
+
+    given: Any = {"drive": Crossed(34.0), "flywheel": Flywheel(40.0), "loads": [pp.loads.Blanking(0.6e6, 0.006, 0.003)], "points": 121}
+    rigid, beside = pp.steady_state(jf75g(), SPEED, **given), []
+    for stiffness in (5e9, 2e10):
+        run: Any = pp.steady_state(jf75g(), SPEED, elastic=replace(springs(jf75g(), stiffness), damping_ratio=0.2), **given)
+        assert len(run.events) == 4
+        assert run.stats.energy_error < 1e-11
+        beside.append(np.abs(run.crank_speed - rigid.crank_speed).max())
+    assert beside[1] < 0.5 * beside[0]
