@@ -193,10 +193,10 @@ def is_number(value: object) -> bool:
     return found is not None and not found.ndim
 
 
-def positive(what: str, value: object, unit: str) -> float:
-    """A size as a number; raises PinpressError where it is not positive, or outside the range from `SMALLEST` to `LARGEST`."""
-    wanted = f"a positive number [{unit}], from {SMALLEST:g} to {LARGEST:g}"
-    return float(suitable_numbers(what, in_unit(what, value, unit), wanted, suits=lambda size: (size >= SMALLEST) & (size <= LARGEST)))
+def positive(what: str, value: object, unit: str, largest: float = LARGEST) -> float:
+    """A size as a number; raises PinpressError where it is not positive, or outside the range from `SMALLEST` to ``largest``."""
+    wanted = f"a positive number [{unit}], from {SMALLEST:g} to {largest:g}"
+    return float(suitable_numbers(what, in_unit(what, value, unit), wanted, suits=lambda size: (size >= SMALLEST) & (size <= largest)))
 
 
 def truth_value(name: str, value: object) -> bool:

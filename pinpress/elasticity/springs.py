@@ -21,6 +21,7 @@ from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.contact import Clearance as Clearance
 from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness
+from ..simulation.elastic.description import STIFFEST
 from ..simulation.elastic.description import Elastic as Elastic
 from ..simulation.elastic.description import Rod as Rod
 from ..simulation.elastic.description import Stiffness as Stiffness
@@ -71,9 +72,11 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
     found += [_rod_spring(press, rod) for rod in stiffness.rods]
     if stiffness.shaft is not None:
         driver = press.bearings.index(press.driver)
-        found.append(Spring(SHAFT, 1 / positive("stiffness of the shaft", stiffness.shaft, "N m/rad"), "shaft", ((driver, 1.0),)))
+        found.append(Spring(SHAFT, 1 / positive("stiffness of the shaft", stiffness.shaft, "N m/rad", STIFFEST), "shaft", ((driver, 1.0),)))
     if stiffness.frame is not None:
-        found.append(Spring(FRAME, 1 / positive("stiffness of the frame", stiffness.frame, "N/m"), "frame", tuple(_on_crown(press))))
+        found.append(
+            Spring(FRAME, 1 / positive("stiffness of the frame", stiffness.frame, "N/m", STIFFEST), "frame", tuple(_on_crown(press)))
+        )
     if not found:
         raise PinpressError(f"no part of {press.name} yields: give Stiffness the stiffness of at least one")
     names = [part.name for part in found]
@@ -149,7 +152,7 @@ def _without_travel(press: Linkage, motion: Motion, bearing: int, force: Array) 
 
 
 def _bearing_spring(press: Linkage, name: str, stiffness: float) -> Spring:
-    compliance = 1 / positive(f"stiffness of bearing {shown(name)}", stiffness, "N/m")
+    compliance = 1 / positive(f"stiffness of bearing {shown(name)}", stiffness, "N/m", STIFFEST)
     return Spring(name, compliance, "bearing", ((_bearing(press, name), 1.0),))
 
 
@@ -158,7 +161,7 @@ def _guide_spring(press: Linkage, name: str, stiffness: float) -> Spring:
     guide = _bearing(press, name)
     if guide >= len(press.joints) or press.axes[guide].turns:
         raise PinpressError(f"moments names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
-    compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", stiffness, "N m/rad")
+    compliance = 1 / positive(f"stiffness of guide {shown(name)} against turning", stiffness, "N m/rad", STIFFEST)
     return Spring(f"{name} turning", compliance, "moment", ((guide, 1.0),))
 
 
@@ -177,7 +180,7 @@ def _rod_spring(press: Linkage, rod: Rod) -> Spring:
         if k not in signs:
             names = ", ".join(press.bearings[i] for i in signs)
             raise PinpressError(f"rod of {shown(rod.link)}: bearing {shown(press.bearings[k])} is not on that link; there are: {names}")
-    compliance = 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m")
+    compliance = 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m", STIFFEST)
     loads = ((one, -0.5 * signs[one]), (another, 0.5 * signs[another])) if len(signs) == 2 else ((another, signs[another]),)
     return Spring(rod.name, compliance, "rod", loads, (one, another))
 

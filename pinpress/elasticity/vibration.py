@@ -26,7 +26,7 @@ from ..kinematics.motion import motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.assembly import sprung_press
-from ..simulation.elastic.description import Elastic, Rod
+from ..simulation.elastic.description import STIFFEST, Elastic, Rod
 from ..simulation.elastic.press_on_springs import reference_angle
 from ..simulation.elastic.sprung_press import SprungPress
 from .springs import FRAME, SHAFT
@@ -221,7 +221,7 @@ def _strain_energy(sprung: SprungPress, elastic: Elastic, coordinates: Array, mo
     rods = {(name, _body(press, rod)): rod for rod in elastic.stiffness.rods for name in rod.between}
     for spring, (bearing, body) in enumerate(zip(lines.bearing, lines.first, strict=True)):
         name = press.bearings[bearing] if bearing >= 0 else FRAME if sprung.base is None else MOUNTS
-        given = lines.stiffness[spring] if bearing < 0 else positive(name, elastic.stiffness.bearings[name], "N/m")
+        given = lines.stiffness[spring] if bearing < 0 else positive(name, elastic.stiffness.bearings[name], "N/m", STIFFEST)
         share, rod = lines.stiffness[spring] / given, rods.get((name, int(body)))
         found[name] = found.get(name, 0.0) + share * stored[:, :, spring]
         if rod is not None and share < 1.0:

@@ -23,7 +23,7 @@ from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
 from .acting.frame_on_mounts import on_mounts
 from .contact import Clearance, OpenPin
-from .description import Elastic, Rod
+from .description import STIFFEST, Elastic, Rod
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
 from .in_space.assembly import press_in_space
 from .in_space.bodies import PressInSpace
@@ -238,10 +238,10 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
                 add(first, one, second, two, across, False, radial[place], place, 1.0)
     if bare.crown is not None:
         along = complex(to_complex(drawn.plane, press.slide_direction))
-        add(frame, 0j, bare.crown, 0j, along, False, positive("stiffness of the frame", stiffness.frame, "N/m"), -1, 1.0)
+        add(frame, 0j, bare.crown, 0j, along, False, positive("stiffness of the frame", stiffness.frame, "N/m", STIFFEST), -1, 1.0)
     turns = [(body(drawn.plane.parents[j]), j, turning[j], 0.0, j) for j in guides]
     if bare.rotor is not None:
-        turns.append((bare.rotor, drawn.plane.driver, positive("stiffness of the shaft", stiffness.shaft, "N m/rad"), 0.0, -1))
+        turns.append((bare.rotor, drawn.plane.driver, positive("stiffness of the shaft", stiffness.shaft, "N m/rad", STIFFEST), 0.0, -1))
     return replace(
         bare,
         lines=_columns(LineSprings, rows),
@@ -269,7 +269,7 @@ def _by_bearing(press: Linkage, what: str, given: object, unit: str, needed: Seq
         place = press.bearings.index(name)
         if place not in needed:
             raise PinpressError(f"{what} names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
-        found[place] = positive(f"stiffness of {shown(name)}", value, unit)
+        found[place] = positive(f"stiffness of {shown(name)}", value, unit, STIFFEST)
     missing = [press.bearings[place] for place in needed if place not in found]
     if missing:
         raise PinpressError(
@@ -297,7 +297,9 @@ def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
                     f"rod {shown(rod.name)}: another rod yields at its pin {shown(press.bearings[pin_number])}; give one of them to the"
                     " stiffness of the pin"
                 )
-            found[pin_number] = _Softer(body, along, 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m") / len(alone))
+            found[pin_number] = _Softer(
+                body, along, 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m", STIFFEST) / len(alone)
+            )
     return found
 
 

@@ -18,6 +18,7 @@ from .contact import Clearance
 from .flexible_link import FlexibleLink
 
 MOST_DAMPING = 2.0  # largest damping ratio
+STIFFEST = 1e15  # [N/m, N m/rad], beyond other sizes, as what counts as rigid is given so; rounding of places is then a force of 0.1 N
 
 
 @dataclass(frozen=True)

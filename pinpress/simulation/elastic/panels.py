@@ -32,6 +32,7 @@ Indices = NDArray[np.intp]
 DOUBT = 3.0  # by how much the next change of Newton's method may be larger than the changes so far tell
 SEEN = 0.02  # share of the largest error of a panel below which a change does not matter to how panels are divided
 STALLED = 1000.0  # multiples of the tolerance within which Newton's method may end where it gains no more
+ROUNDED, TRIES = 1e4, 3  # likewise where it gained no more in so many steps: on stiff springs that is what places are known to
 AT_A_TIME = 16  # panels whose equations are built and solved together: they stay in the cache
 
 
@@ -244,14 +245,16 @@ def solve(
         divided_above: error of a panel above which panels are divided anyway: the motion is then found no better than it takes to see it
             [m or rad]; without it all changes are made until they are small.
     """
-    found, change, curvature = guess, np.inf, guess.curvature
+    found, change, curvature, stalls = guess, np.inf, guess.curvature, 0
     for count in range(1, most + 1):
         before = change
         found = newton_step(equations, found, border, count)
         change = found.change
         if not np.isfinite(change) or not (np.diff(found.mesh.knots) > 0).all():
             return None
-        if change <= tolerance or (change <= STALLED * tolerance and change > 0.1 * before):  # rounding ends what Newton's method gains
+        stalled = change > 0.1 * before  # rounding ends what Newton's method gains
+        stalls += stalled
+        if change <= tolerance or (stalled and change <= (STALLED if stalls < TRIES else ROUNDED) * tolerance):
             return replace(found, curvature=curvature)
         if np.isfinite(before):
             curvature = max(curvature, change / before**2)
