@@ -41,6 +41,7 @@ def test_break_through_of_a_slide_between_light_links():
         elastic=pp.elasticity.Elastic(stiffness, damping_ratio=ratio),
         points=20001,
     )
+    assert isinstance(run, pp.ElasticRun)
     ((broken, there, _),) = run.events
     spring, lowest = 1 / pp.elasticity.compliance(press, stiffness, angle=[there, 0.0]).compliance
     own = ratio * np.sqrt(spring / lowest)  # dampers go with the springs: the damping ratio is that of bottom dead centre
@@ -61,6 +62,7 @@ def test_bottom_dead_centre_over_the_speed():
     for stiffness in (4e10, 8e10):
         elastic = pp.elasticity.Elastic(springs(press, stiffness))
         run = pp.steady_state(press, SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic, points=37)
+        assert isinstance(run, pp.ElasticRun)
         found = pp.elasticity.dead_centre_shift(press, elastic.stiffness, speed=[SPEED])
         off.append((run.deepest - bottom) / (float(found.position[0]) - bottom) - 1)
     assert abs(off[1]) < 2e-3
