@@ -58,11 +58,17 @@ TAB = "\t"
 HEAD = "| file | written | what is said |\n| --- | --- | --- |"
 
 RIGHT_CALLS = """\
+from dataclasses import replace
+
 import pinpress as pp
 
 press = pp.load("zxn2_3000b")
 motion = pp.cycle(press, speed=70 * pp.RPM)
 reactions = pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4e6, start=0.008, end=0.003)])
+bearings = dict.fromkeys(press.bearings, 3e9)  # N/m
+springs = pp.elasticity.Elastic(pp.elasticity.Stiffness(bearings, moments={"slide_guide": 2e8}), damping_ratio=0.03)
+in_newtons_per_mm = replace(springs.stiffness, bearings=dict.fromkeys(press.bearings, 3e6))
+held, speed = pp.drives.PrescribedSpeed(70 * pp.RPM), 70 * pp.RPM
 """
 CALLS = (
     'pp.load("zxn2_3000")',
@@ -81,6 +87,16 @@ CALLS = (
     "pp.drives.InductionMotor(rated_power=75e3, rated_speed=1485)",
     "pp.simulate(press, duration=1.0, speed=7.0, drive=pp.drives.PrescribedSpeed(8.0))",
     "pp.steady_state(press, 7.0, drive=pp.drives.ConstantTorque(5e3))",
+    "pp.steady_state(press, speed, drive=held, elastic=3e9)",
+    "pp.steady_state(press, speed, drive=held, elastic=pp.elasticity.Elastic(pp.elasticity.Stiffness(bearings)))",
+    'pp.steady_state(press, speed, drive=held, elastic=replace(springs, stiffness=replace(springs.stiffness, bearings={"G": 3e9})))',
+    "pp.steady_state(press, speed, drive=held, elastic=replace(springs, stiffness=in_newtons_per_mm))",
+    "replace(springs, damping_ratio=2)",
+    "replace(springs, damping_ratio=3)",
+    "replace(springs, stiffness=replace(springs.stiffness, frame=4e9))",
+    "pp.elasticity.Clearance(radial=0.05)",
+    'pp.elasticity.Clearance(radial=5e-5, law="hertz", restitution=0.7)',
+    'pp.steady_state(press, speed, drive=held, elastic=replace(springs, clearances={"F": pp.elasticity.Clearance(5e-5)}))',
 )
 
 

@@ -252,14 +252,16 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
             return None
         option = f"--{alone.replace('_', '-')}"
         raise PinpressError(f"{option} is for a press on springs: give --stiffness of its bearings too, e.g. --stiffness {ALL}=2e9")
-    guides = [name for name, axis in zip(press.joints, press.axes, strict=False) if not axis.turns]
+    balls = {loop.name for loop in press.loops if loop.type == "spherical"}
+    guides = [name for name, axis in zip(press.joints, press.axes, strict=True) if not axis.turns]
+    turning_ones = guides if "plane" in press.engines else [name for name in press.bearings if name not in balls]
     across = part_specs.by_bearing("--stiffness", options.stiffness, "N/m", "stiffness", "2e9")
     turning = part_specs.by_bearing("--moment-stiffness", options.moment_stiffness, "N m/rad", "stiffness against turning", "2e8")
     also = part_specs.Yielding() if options.elastic is None else part_specs.part("--elastic", part_specs.ELASTIC, options.elastic)
     clearances = part_specs.clearances(options.clearance, press)
     stiffness = Stiffness(
         _of_all("--stiffness", across, press.bearings, "2e9"),
-        moments=_of_all("--moment-stiffness", turning, guides, "2e8"),
+        moments=_of_all("--moment-stiffness", turning, turning_ones, "2e8"),
         shaft=also.shaft,
         frame=also.frame,
     )

@@ -15,14 +15,32 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from extremes import extreme_change_points, extreme_loads, extreme_noise, extreme_redundancy, extreme_runs, extreme_sizes, extreme_stiff
+from extremes import (
+    extreme_change_points,
+    extreme_elastic,
+    extreme_loads,
+    extreme_noise,
+    extreme_redundancy,
+    extreme_runs,
+    extreme_sizes,
+    extreme_stiff,
+)
 from extremes.extreme_case import Case, Outcome, short
 
 from pinpress import PinpressWarning
 
 CASES: list[Case] = [
     case
-    for module in (extreme_change_points, extreme_sizes, extreme_loads, extreme_stiff, extreme_redundancy, extreme_runs, extreme_noise)
+    for module in (
+        extreme_change_points,
+        extreme_sizes,
+        extreme_loads,
+        extreme_stiff,
+        extreme_redundancy,
+        extreme_runs,
+        extreme_noise,
+        extreme_elastic,
+    )
     for case in module.CASES
 ]
 PAGE = Path(__file__).resolve().parents[2] / "viz" / "extremes.md"

@@ -86,7 +86,7 @@ def test_exudyn_rings_alike(how, bound):
     start, until = pp.dead_centres(press).bottom_angle - np.pi, np.pi / SPEED
     sprung = sprung_press(press, pp.elasticity.Elastic(springs(press, 2e9)))
     driven = driven_press(press, pp.drives.PrescribedSpeed(SPEED), None, [], None, None)
-    paths = tuple(load_path(press, coordinate) for coordinate in driven.coordinates)
+    paths = tuple(load_path(sprung, coordinate) for coordinate in driven.coordinates)
     equations = ElasticEquations(sprung, driven, paths, HeldCrank(start, SPEED), segments=((),))
     place, rates, _ = sprung.rigid_coordinates(pp.servo_cycle(press, angle=[start], speed=SPEED))
     state = np.concatenate([sprung.free_coordinates(place)[0, :-1], sprung.free_rates(rates)[0, :-1]])

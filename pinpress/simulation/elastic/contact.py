@@ -25,12 +25,13 @@ from typing import Any
 import numpy as np
 
 from ...common.arguments import number
-from ...common.errors import PinpressError, shown
+from ...common.errors import PinpressError, caution, shown
 from ...common.numerics import sign_change
 from ...common.parameters import parameter
 from ...loads.process import ForceInterval
 
 LAWS = ("linear", "hertz")
+WIDEST = 2e-3  # radial clearance above which it is hardly meant [m]
 ELASTIC = 1 - 1e-9  # restitution from which on a contact loses nothing
 ROUNDING = 1e-15
 
@@ -55,6 +56,8 @@ class Clearance:
         radial = number("Clearance: radial", self.radial, "m", positive=True)
         if not radial < 0.1:
             raise PinpressError(f"Clearance: radial is {radial:g} m: give the radial clearance in m, such as 5e-5")
+        if radial > WIDEST:
+            caution(f"Clearance: radial is {radial:g} m, {1e3 * radial:g} mm: give it in m, {1e-3 * radial:g} if mm are meant")
         if not isinstance(self.law, str) or self.law not in LAWS:
             raise PinpressError(f"Clearance: law is {shown(self.law)}: give one of {', '.join(map(repr, LAWS))}")
         given = {"restitution": self.restitution, "hertz_stiffness": self.hertz_stiffness}

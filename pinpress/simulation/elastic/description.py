@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ...common.arguments import number
-from ...common.errors import PinpressError, shown
+from ...common.errors import PinpressError, caution, shown
 from ...common.frozen import Frozen
 from ...loads.mounts import Frame, Mount
 from .contact import Clearance
@@ -101,6 +101,11 @@ class Elastic(Frozen):
         if not 0.0 <= ratio <= MOST_DAMPING:
             raise PinpressError(
                 f"Elastic: damping_ratio is {ratio:g}: give a number from 0 to {MOST_DAMPING:g}; steel structures have 0.01 to 0.05"
+            )
+        if ratio >= 1.0:
+            caution(
+                f"Elastic: damping_ratio is {ratio:g}, with which the lowest vibration does not swing: give {ratio / 100:g} if per cent are"
+                " meant; steel structures have 0.01 to 0.05"
             )
         if (self.stiffness.frame is None) != (self.crown_mass is None):
             raise PinpressError("Elastic: a crown on its columns needs both stiffness.frame [N/m] and crown_mass [kg]; give both, or none")

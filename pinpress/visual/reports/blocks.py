@@ -87,6 +87,7 @@ class LineChart:
         reach: Ends of what is shown along the chart; None: all.
         logarithmic: Axes with a logarithmic scale, "", "y" or "xy".
         stacked: Whether curves stand on each other as areas.
+        square: Whether both axes have one scale, as in a picture of a place.
         note: A remark under the chart; empty for none.
     """
 
@@ -98,6 +99,7 @@ class LineChart:
     reach: tuple[float, float] | None = None
     logarithmic: Literal["", "y", "xy"] = ""
     stacked: bool = False
+    square: bool = False
     note: str = ""
 
     def as_json(self) -> dict[str, Any]:
@@ -119,6 +121,7 @@ class LineChart:
             "reach": None if self.reach is None else list(self.reach),
             "logarithmic": self.logarithmic,
             "stacked": self.stacked,
+            "square": self.square,
             "note": "; ".join([*([self.note] if self.note else []), *words]),
             "curves": [self._curve(k, line, k in under, k in under.values()) for k, line in enumerate(self.lines)],
         }

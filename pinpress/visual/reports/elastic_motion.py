@@ -10,6 +10,7 @@ from ...common import tables
 from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...dynamics.inputs import Inputs
+from ...elasticity.impacts import ImpactsByTurn
 from ...elasticity.speed_range import CampbellDiagram, ElasticSpeedResponse
 from ...elasticity.vibration import ElasticModes
 from ...simulation.elastic.description import Elastic
@@ -23,6 +24,8 @@ MOST_EVENTS = 12  # events in the table
 MOST_MODES = 6  # modes with a curve or a band of their own, the lowest
 MOST_LINES = 12  # orders with a line of their own
 MOST_RESONANCES = 16  # resonances in the table
+MOST_PLACES = 4000  # places of an orbit
+ROUND = 181  # points of a circle
 LOW = 0.03  # share of the stroke above bottom dead centre that is shown about it at least
 TURN = 1e-6  # share of a turn by which a run of one turn may be longer
 MINUS = "\u2212"
@@ -201,6 +204,34 @@ def over_speeds(found: ElasticSpeedResponse, shown: Shown) -> Section:
     ]
     note = "The stroke that the press repeats at each speed, held constant."
     return Section("Strokes over the speed", blocks, elastic_in_words(found.elastic), note)
+
+
+def impacts(found: ImpactsByTurn, shown: Shown) -> Section:
+    """The section of a pin with clearance; raises `PinpressError` where it is of another press."""
+    _refuse_others("pin", found.press_name, shown)
+    scale, orbit = tables.scale("N", found.peak.tolist()), 1e6 * found.orbit[:: max(1, len(found.orbit) // MOST_PLACES)]
+    turn = np.linspace(0.0, 2 * np.pi, ROUND)
+    radius = 1e6 * found.radial
+    chances = [
+        Figure("largest force of a turn", with_prefix(found.mean_peak, "N"), f"mean of {len(found.peak)} turns"),
+        Figure("its spread", f"{100 * found.spread:.3g} %", "standard deviation by the mean"),
+        Figure("impacts a turn", f"{found.impacts.mean():.3g}", f"{100 * found.flight.mean():.3g} % of it in flight"),
+        Figure("deepest in the bearing", with_prefix(float(found.depth.max()), "m"), f"beyond the clearance of {radius:.4g} \u00b5m"),
+    ]
+    lines = [Line("bearing, by the clearance", radius * np.sin(turn), radius * np.cos(turn)), Line("journal", orbit[:, 1], orbit[:, 0])]
+    along = "across [\u00b5m]"
+    note = "Centre of the journal from that of the bearing; on the circle they touch."
+    picture = LineChart("Orbit of the journal", "\u00b5m", lines, across=along, follows="nothing", square=True, note=note)
+    heads = ["start", "turn", f"peak [{scale.unit}]", "depth [\u00b5m]", "impacts", "in flight [%]"]
+    rows = []
+    for k in tables.shortened(range(len(found.peak)), MOST_EVENTS):
+        if k is None:
+            rows.append([tables.GAP, *[""] * (len(heads) - 1)])
+            continue
+        cells = [f"{found.start[k] + 1}", f"{found.turn[k] + 1}", scale.shown(float(found.peak[k])), f"{1e6 * found.depth[k]:.3f}"]
+        rows.append([*cells, f"{found.impacts[k]}", f"{100 * found.flight[k]:.2f}"])
+    words = "Where impacts follow one another, small differences grow: peaks of single turns mean little, their distribution does."
+    return Section(f"Journal in {found.bearing}", [Figures(chances), picture, Table("Turn by turn", heads, rows, words=0)], note=words)
 
 
 def _refuse_others(what: str, press_name: str, shown: Shown) -> None:

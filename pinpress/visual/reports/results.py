@@ -10,6 +10,7 @@ from ...balancing.result import BalancedPress
 from ...common.errors import PinpressError, shown
 from ...common.results import Tabular
 from ...elasticity.breakthrough import SnapThroughResponse
+from ...elasticity.impacts import ImpactsByTurn
 from ...elasticity.slide_under_load import DeflectedSlide, ElasticDeadCentre
 from ...elasticity.speed_range import CampbellDiagram, ElasticSpeedResponse
 from ...elasticity.unit_load import SlideCompliance
@@ -40,6 +41,7 @@ MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     ElasticModes: elastic_motion.modes,
     CampbellDiagram: elastic_motion.campbell,
     ElasticSpeedResponse: elastic_motion.over_speeds,
+    ImpactsByTurn: elastic_motion.impacts,
     MountedPress: foundation.standing,
     VibrationModes: foundation.modes,
     FrameMotion: foundation.vibration,

@@ -103,12 +103,14 @@ function lineChart(parent, chart) {
     return { name: curve.name, colour, traces: mine, dash: curve.look === "dotted" || dashOf(i) };
   });
   const yaxis = { ...AXIS, rangemode: chart.follows === "height" || chart.stacked ? "tozero" : "normal" };
+  if (chart.square) Object.assign(yaxis, { scaleanchor: "x", scaleratio: 1 });
   if (chart.logarithmic) logarithmicAxis(yaxis, unpacked.map(({ y }) => y));
   const xaxis = xAxis(chart, unpacked[0].x);
   if (chart.logarithmic === "xy") logarithmicAxis(xaxis, unpacked.map(({ x }) => x));
-  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, hovermode: chart.follows === "height" ? "closest" : "x unified", xaxis, yaxis };
+  const layout = { ...LAYOUT, margin: { l: 58, r: 12, t: 8, b: 38 }, hovermode: chart.follows === "height" || chart.square ? "closest" : "x unified", xaxis, yaxis };
   const plot = document.createElement("div"), values = legend(box, plot, curves);
   plot.className = "plot";
+  if (chart.square) plot.style.height = "24rem";
   box.append(plot);
   if (chart.note) make("p", box, { className: "remark", textContent: chart.note });
   plotted(plot, traces, layout);
