@@ -33,7 +33,7 @@ def test_a_brake_stops_a_crank_and_holds_it():
     )
     assert run.events[-1][0] == pytest.approx(2.2, abs=5e-4)
     assert run.lost[-1] == pytest.approx(0.5 * 100 * 900, rel=5e-4)
-    assert np.abs(run.crank_speed[run.time > 2.21]).max() == 0.0
+    assert np.abs(run.crank_speed[run.time > 2.21]).max() < 1e-12
     assert run.stats.energy_error < 1e-12
 
 
@@ -51,7 +51,7 @@ def test_a_press_starts_and_stops():
     run: Any = pp.simulate(jf75g(), 0.2, **STROKE, elastic=springs(jf75g(), 4e9), points=101)
     assert run.stats.energy_error < 1e-12
     assert len(run.events) == 5  # the clutch closes, holds, opens, the brake closes, holds
-    assert not run.crank_speed[-20:].any()
+    assert np.abs(run.crank_speed[-20:]).max() < 1e-12
     assert [angle for _, angle, _ in run.events][2:4] == pytest.approx([3.5, 3.6], abs=1e-9)
     assert run.drive_work[-1] == pytest.approx(rigid.drive_work[-1], rel=3e-3)
     np.testing.assert_allclose(run.crank_angle, rigid.crank_angle, atol=5e-3)
