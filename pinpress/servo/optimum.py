@@ -124,8 +124,8 @@ def best_motion(
         loads: as of `inverse_dynamics`, but forces in time.
         minimise: "heat", "time", "energy" (drawn from the mains) or "peak" (torque, with a tenth of heat); or weights of several of them,
             each relative to its value in the motion with the least heat.
-        time: most time of a cycle, rests and pauses included [s]; of a `Pendulum` a cycle is two strokes. None only where the time is
-            minimised.
+        time: time of a cycle, rests and pauses included [s]; of a `Pendulum` a cycle is two strokes. A path with a rest may take less and
+            pause there, which is convex; a `Turn` takes exactly this time. None only where the time is minimised, else it is the most.
         path: where the crank goes; by default `Turn`.
         limits: limits beside those of the drive.
         friction: friction of bearings and guides, by their names.
@@ -271,9 +271,10 @@ class _Task:
     def solved(self, drive: ServoDrive) -> tuple[MotionProblem, Solution, tuple[str, ...]]:
         """The problem with this drive, its solution, and what is to be said of the proof."""
         feels = feels_speed(self.loads, self.friction)
-        found, value = self.coefficients, np.inf
+        found, value, last = self.coefficients, np.inf, None
         for rounds in range(1, MOST_ROUNDS + 1):
-            problem, answer, notes = self._once(found, drive)
+            problem, answer, notes = self._once(found, drive, last)
+            last = answer.b
             if not feels:
                 break
             change, value = abs(answer.value - value), answer.value
@@ -288,8 +289,8 @@ class _Task:
             )
         return problem, answer, tuple(notes)
 
-    def _once(self, found: Coefficients, drive: ServoDrive) -> tuple[MotionProblem, Solution, list[str]]:
-        """One program, where loads are given."""
+    def _once(self, found: Coefficients, drive: ServoDrive, last: Array | None) -> tuple[MotionProblem, Solution, list[str]]:
+        """One program, where loads are given; ``last``: b of the motion before, by whose speeds they were found."""
         weights = dict(self.wanted)
         if len(weights) > 1:
             least = _optimum(motion_problem(found, drive, self.limits, {"heat": 1.0}, self.time), self.press.name, self.explained)
@@ -300,8 +301,9 @@ class _Task:
         answer = _optimum(problem, self.press.name, self.explained)
         notes: list[str] = []
         rates = [each.rate * drive.ratio for each in self.limits if isinstance(each, limits_.TorqueRate)]
-        local = LocalLimits(drive.power, min(rates, default=None))
-        answer, problem, notes = within_local_limits(problem, answer, local, lambda each: _optimum(each, self.press.name, False))
+        never_rests = found.grid.legs.closed and "time" not in self.wanted
+        local = LocalLimits(drive.power, min(rates, default=None), self.time if never_rests else None)
+        answer, problem, notes = within_local_limits(problem, answer, local, lambda each: _optimum(each, self.press.name, False), last)
         return problem, answer, notes
 
     def _with_speeds(self, problem: MotionProblem, b: Array) -> Coefficients:
@@ -362,8 +364,8 @@ class _Task:
     def _missed(self, problem: MotionProblem, motion: ServoMotion, reactions: Reactions, cost: Figures, b: Array) -> float:
         """Largest share by which the full motion exceeds a limit."""
         drive, found = problem.drive, [0.0]
-        if problem.time is not None:
-            found.append(cost.time / problem.time - 1.0)
+        if self.time is not None:
+            found.append(abs(cost.time / self.time - 1.0) if problem.time is None else cost.time / self.time - 1.0)
         if drive.peak_torque is not None:
             found.append(motion.peak_motor_torque / drive.peak_torque - 1.0)
         if drive.top_speed is not None:

@@ -4,7 +4,8 @@ So is a largest rate of the torque, which is a largest jerk.
 
 A motion within the limits comes from convex programs: 2 P / (v_i + v_{i+1}), the torque that the power allows at the speeds of a segment's
 ends, is convex in b, so that its tangent at the last motion is below it; each program's motion keeps the limit, and the next is no worse.
-The time between two segments, by which the rate allows a change of torque, is convex too.
+The time between two segments, by which the rate allows a change of torque, is convex too, and so is the time of a cycle: that of a crank
+that never rests must not be shorter than asked for, though a faster one may store more energy and need less heat.
 
 The bound for the power comes from programs that allow it over the relaxed time 2 h d of a segment, which is at least its time. Alone it is
 weak, because a program may let a segment take longer than its speeds say. So b at the nodes under load is enclosed: the least and the
@@ -22,11 +23,13 @@ from numpy.typing import NDArray
 
 from ...common.errors import PinpressError
 from ...common.quantities import Array
-from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, segment_times
+from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, objective, segment_times
 from .program import InfeasibleError, Sizes, Solution, UnsolvedError, sizes_of, solve
 
-MOST_ROUNDS = 40
+MOST_ROUNDS, FEW_ROUNDS = 40, 3  # of tangents; a few where loads feel the speed, which have rounds of their own
 SETTLED = 1e-9  # relative change of the value that ends the rounds
+LATE, FAR_LATE = 1e-6, 0.02  # shares by which a cycle is longer than asked for that end the rounds, and that are no answer
+SHORT = 1e-6  # share by which a cycle may be shorter than asked for
 KEPT = 1e-9  # share by which the power may be exceeded
 ENCLOSED = 8  # most rounds in which b is enclosed
 PROVED = 5e-4  # gap below which it is not enclosed more narrowly
@@ -44,14 +47,20 @@ class LocalLimits(NamedTuple):
     Attributes:
         power: largest power [W], or None.
         rate: largest rate of the torque at the crank [N m/s], or None.
+        time: time that a cycle takes at least, where the crank never rests [s], or None.
     """
 
     power: float | None
     rate: float | None
+    time: float | None
 
 
 def within_local_limits(
-    problem: MotionProblem, free: Solution, limits: LocalLimits, optimum: Callable[[MotionProblem], Solution]
+    problem: MotionProblem,
+    free: Solution,
+    limits: LocalLimits,
+    optimum: Callable[[MotionProblem], Solution],
+    start: Array | None = None,
 ) -> tuple[Solution, MotionProblem, list[str]]:
     """A motion that keeps limits that are not convex, with a bound for all motions that do.
 
@@ -60,6 +69,7 @@ def within_local_limits(
         free: its optimum.
         limits: the limits.
         optimum: solves a convex problem; raises PinpressError where it has no solution.
+        start: (N + 1,) b of a motion about which the first tangents are drawn, or None.
 
     Returns:
         the motion with the bound, the last convex problem, and what is to be said.
@@ -67,18 +77,25 @@ def within_local_limits(
     Raises:
         PinpressError: no motion within the limits was found.
     """
-    power, rate = limits
+    power, rate, time = limits
     powerful = power is not None and powers(problem, free.b).max() > power * (1.0 + KEPT)
     rough = rate is not None and torque_rates(problem, free.b).max() > rate * (1.0 + KEPT)
-    if not powerful and not rough:
+    short = time is not None and segment_times(problem.coefficients, free.b).sum() < time * (1.0 - SHORT)
+    if not (powerful or rough or short):
         return free, problem, []
-    words = [*([f"a power of {power:.6g} W"] if powerful else []), *([RATE.format(rate / problem.drive.ratio)] if rough and rate else [])]
-    answer, limited = _by_tangents(problem, free, limits, optimum, " and ".join(words))
+    limits = limits if short else limits._replace(time=None)
+    words = [
+        *([f"a power of {power:.6g} W"] if powerful else []),
+        *([RATE.format(rate / problem.drive.ratio)] if rough and rate else []),
+        *([f"a cycle that takes {time:.6g} s and not less"] if short else []),
+    ]
+    them, are = ("them", "are") if len(words) > 1 else ("it", "is")
+    answer, limited = _by_tangents(problem, free, limits, optimum, " and ".join(words), start)
     if not powerful or power is None:
         gap = (answer.value - free.bound) / abs(answer.value)
         note = (
-            f"{words[-1]} is not convex: the motion keeps it, and is the best near it; of all motions, with or without it, none is"
-            f" better by more than {100 * gap:.2g} %"
+            f"{' and '.join(words)} {are} not convex: the motion keeps {them}, and is the best near it; of all motions, with or without"
+            f" {them}, none is better by more than {100 * gap:.2g} %"
         )
         return replace(answer, bound=free.bound), limited, [note]
     bound, rounds, loaded = _bound(problem, free, answer, power)
@@ -86,23 +103,30 @@ def within_local_limits(
     how = f"by {rounds} rounds of enclosing the speeds of {loaded} nodes" if rounds else "by one relaxed program"
     more = "; fewer points= have it proved more closely" if loaded and not rounds and gap > PROVED else ""
     note = (
-        f"{' and '.join(words)} {'are' if rough else 'is'} not convex: the motion keeps {'them' if rough else 'it'}, and is the best near"
-        f" it; of all motions, none is better by more than {100 * gap:.2g} %, proved {how}{more}"
+        f"{' and '.join(words)} {are} not convex: the motion keeps {them}, and is the best near it; of all motions, none is better by more"
+        f" than {100 * gap:.2g} %, proved {how}{more}"
     )
     return replace(answer, bound=bound), limited, [note]
 
 
 def _by_tangents(
-    problem: MotionProblem, free: Solution, limits: LocalLimits, optimum: Callable[[MotionProblem], Solution], words: str
+    problem: MotionProblem,
+    free: Solution,
+    limits: LocalLimits,
+    optimum: Callable[[MotionProblem], Solution],
+    words: str,
+    start: Array | None,
 ) -> tuple[Solution, MotionProblem]:
     """A motion within the limits, the best near it, and its last convex problem."""
-    power, rate = limits
-    b = free.b if power is None else _slower(problem, free.b, power)
-    answer, limited, value, slower = None, problem, np.inf, 0
-    for _ in range(MOST_ROUNDS):
+    power, rate, time = limits
+    b = free.b if time is None else _even(problem, time)
+    b = start if start is not None else b if power is None else _slower(problem, b, power)
+    answer, limited, value, slower, late = None, problem, np.inf, 0, 0.0
+    for _ in range(MOST_ROUNDS if start is None else FEW_ROUNDS):
         rows = [] if power is None else _power_tangents(problem, b, power)
         rows += [] if rate is None else _rate_tangents(problem, b, rate)
-        limited = replace(problem, bounds=(*problem.bounds, *rows))
+        rows += [] if time is None else [_time_tangent(problem, b, time)]
+        limited = replace(problem, bounds=(*problem.bounds, *rows), time=problem.time if time is None else None)
         try:
             answer = optimum(limited)
         except PinpressError as error:
@@ -115,12 +139,21 @@ def _by_tangents(
                 f" {powers(problem, free.b).max():.6g} W, and its torque changes by"
                 f" {torque_rates(problem, free.b).max() / problem.drive.ratio:.6g} N m/s: allow more of it, or more time"
             ) from error
-        b = answer.b
-        if abs(value - answer.value) <= SETTLED * abs(answer.value):
+        b, late = answer.b, 0.0
+        if time is not None:  # the tangents leave a motion slower than asked for; the next ones are drawn where it takes its time
+            taken = float(segment_times(problem.coefficients, b).sum())
+            late, b = taken / time - 1.0, b * (taken / time) ** 2
+        if abs(value - answer.value) <= SETTLED * abs(answer.value) and late <= LATE:
             break
         value = answer.value
     assert answer is not None
-    return answer, limited
+    if time is None:
+        return answer, limited
+    if late > FAR_LATE and start is None:
+        raise PinpressError(
+            f"no motion that takes {time:.6g} s and not less was found near others: give the path a rest, servo.Stop(), or limit the speed"
+        )
+    return replace(answer, b=b, value=objective(problem, b)), limited
 
 
 def powers(problem: MotionProblem, b: Array) -> Array:
@@ -170,6 +203,28 @@ def _rate_tangents(problem: MotionProblem, b: Array, rate: float) -> list[Bounde
         quantity = Affine(before, middle, sign * (mean.fixed[second] - mean.fixed[first]), first, after, second + 1)
         found.append(Bounded(RATE.format(rate / problem.drive.ratio), level, rate / problem.drive.ratio, "N m/s", quantity))
     return found
+
+
+def _even(problem: MotionProblem, time: float) -> Array:
+    """An even speed that takes this time, where limits of b allow it."""
+    grid = problem.coefficients.grid
+    b = np.full(len(grid.angle), (float(np.abs(grid.step).sum()) / time) ** 2)
+    for each in problem.bounds:
+        if each.quantity is None:
+            b[each.nodes] = np.minimum(b[each.nodes], each.most)
+    if grid.legs.closed:
+        b[[0, -1]] = b[[0, -1]].min()
+    return b
+
+
+def _time_tangent(problem: MotionProblem, b: Array, time: float) -> Bounded:
+    """The tangent of the time, which is convex in b and so nowhere below it, is at least this time."""
+    speed, h = np.sqrt(b), np.abs(problem.coefficients.grid.step)
+    total = speed[1:] + speed[:-1]
+    slopes = [-h / (total**2 * each) for each in (speed[:-1], speed[1:])]
+    level = 2.0 * h / total - slopes[0] * b[:-1] - slopes[1] * b[1:]
+    quantity = Affine(-slopes[0], -slopes[1], 2.0 * time / len(h) - level, np.arange(len(h)))
+    return Bounded(f"least cycle time of {time:.6g} s", np.full(len(h), time), time, "s", quantity, total=True)
 
 
 def _slower(problem: MotionProblem, b: Array, power: float) -> Array:

@@ -66,7 +66,8 @@ class Bounded:
         equal: whether the quantity equals the bound.
         both: whether the negative quantity is bounded too.
         drag: part of c_i + c_{i+1} that is added to the quantity, in the sense of the crank's way: the drag of the drive.
-        length: (m, 2) or None: of a vector of forces, quantities of its two further components; then its length is bounded.
+        total: whether the sum of the quantity over the segments is bounded, by the first bound.
+        length: of a vector of forces, quantities of its two further components; then its length is bounded.
     """
 
     name: str
@@ -79,6 +80,7 @@ class Bounded:
     equal: bool = False
     both: bool = False
     drag: float = 0.0
+    total: bool = False
     length: tuple[Affine, ...] = ()
 
 

@@ -322,6 +322,10 @@ class _Program:
             slope[:, 0] = 1.0
             self.add(CONE, parts, bound.ravel(), (each.name, slope.ravel(), np.repeat(at, 4), each.limit), 4)
             return
+        if each.total:
+            entries = self.affine(each.quantity, scale, np.zeros_like(at))
+            self.add(AT_MOST, entries, np.array([1.0 - float(scale @ each.quantity.fixed)]))
+            return
         for sign in (1.0, -1.0) if each.both else (1.0,):
             entries = self.affine(each.quantity, sign * scale, rows)
             if each.drag:

@@ -35,7 +35,7 @@ class Press:
         return motion.slide_position - pp.dead_centres(self.press).bottom_position, motion.slide_velocity
 
 
-def least_heat(press, angle, inner, time, most, start):
+def least_heat(press, angle, inner, time, most, start, exactly=False):
     """b (N,) at the nodes of a closed turn with the least heat, by SLSQP with exact gradients.
 
     Args:
@@ -45,6 +45,7 @@ def least_heat(press, angle, inner, time, most, start):
         time: of the turn.
         most: (N,) largest b, infinite where there is none.
         start: (N,) b to start from.
+        exactly: whether the turn takes this time, and not at most this time.
     """
     step = np.diff(angle)
     size = start.mean()
@@ -81,7 +82,7 @@ def least_heat(press, angle, inner, time, most, start):
         jac=True,
         method="SLSQP",
         bounds=[(1e-6, None if np.isinf(m) else m / size) for m in most],
-        constraints=[{"type": "ineq", "fun": spare, "jac": spare_slope}],
+        constraints=[{"type": "eq" if exactly else "ineq", "fun": spare, "jac": spare_slope}],
         options={"maxiter": 2000, "ftol": 1e-15},
     )
     return size * found.x, float(found.fun * scale)
