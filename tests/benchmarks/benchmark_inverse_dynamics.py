@@ -35,7 +35,7 @@ import pinocchio as pin
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 sys.path.insert(0, str(ROOT / "tests"))
-import bare_operations  # noqa: E402
+from benchmarks import bare_operations  # noqa: E402
 from support import texts  # noqa: E402
 from support.generators import spatial_linkages  # noqa: E402
 from support.oracles import cassie  # noqa: E402

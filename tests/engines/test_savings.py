@@ -32,6 +32,7 @@ from pinpress.engines.forces import FrictionLaw
 from pinpress.engines.pinocchio import inverse_dynamics as spatial_dynamics
 from pinpress.engines.planar import bodies, out_of_plane, statics
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
+from pinpress.engines.planar.engine import PlanarEngine
 
 LEAST = "lexicographic_least_squares"
 
@@ -474,11 +475,13 @@ def test_components_of_all_states_are_next_to_each_other(six_bar, turn, engine):
 
 def test_arms_that_do_not_turn_are_constants():
     """The slide of the six-bar carries nothing that turns. On the slide of the toggle press hang links that do."""
-    assert not shipped("zxn2_3000b").engine().bodies.arms_turn
     press = pp.build(Path(pp.__file__).parent / "pin_table" / "templates" / "toggle.yaml")
-    assert press.engine().bodies.arms_turn
-    turn = pp.cycle(press, 7.0, points=20)
-    plane, judge = (pp.inverse_dynamics(press, turn, engine=name) for name in ("plane", "pinocchio"))
+    for linkage, turn in ((shipped("zxn2_3000b"), False), (press, True)):
+        engine = linkage.engine()
+        assert isinstance(engine, PlanarEngine)
+        assert engine.bodies.arms_turn == turn
+    motion = pp.cycle(press, 7.0, points=20)
+    plane, judge = (pp.inverse_dynamics(press, motion, engine=name) for name in ("plane", "pinocchio"))
     for name in press.bearings:
         np.testing.assert_allclose(
             plane.bearing_moment[name], judge.bearing_moment[name], rtol=0, atol=1e-9 * np.abs(judge.driving_torque).max()
