@@ -302,3 +302,14 @@ def evaluated(borders: Array, coefficients: Array, angle: Array) -> Array:
     x *= h
     x += pairs[0]
     return x
+
+
+def slopes(borders: Array, coefficients: Array, angle: Array) -> Array:
+    """Derivatives (nv, n) of the polynomials of `evaluated`."""
+    interval = borders[1:-1].searchsorted(angle, side="right")
+    h = angle - borders.take(interval)
+    x: Array = 5.0 * coefficients[5].take(interval, axis=1)
+    for power in (4, 3, 2, 1):
+        x *= h
+        x += power * coefficients[power].take(interval, axis=1)
+    return x

@@ -25,7 +25,7 @@ from ..common.frozen import read_only
 from ..common.numerics import NODES, gauss_rule, polynomial_root
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import MOST_TURNS, Branch, periods_until_back
-from ..engines.following import evaluated
+from ..engines.following import slopes
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
@@ -169,13 +169,13 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
 
 def _expected(branch: Branch, borders: Array) -> Array:
     """Borders of panels that will resolve the inertia, from these by halving: by its like, the sum of the squares of all joints' rates."""
-    rule, order = gauss_rule(), np.arange(1.0, 6.0)[:, None, None]
-    rates = np.concatenate([branch.coefficients[1:] * order, np.zeros_like(branch.coefficients[:1])])
+    rule = gauss_rule()
     starts, ends, done = borders[:-1], borders[1:], [borders[-1:]]
     while len(starts):
         angles = _at_nodes(starts, ends)
         local = angles if branch.period is None else branch.angles[0] + np.mod(angles - branch.angles[0], branch.period)
-        squares = (evaluated(branch.angles, rates, local.ravel()) ** 2).sum(axis=0).reshape(angles.shape)
+        rates = slopes(branch.angles, branch.coefficients, local.ravel())
+        squares = np.einsum("jn,jn->n", rates, rates).reshape(angles.shape)
         middle = np.abs(squares @ rule.legendre[MIDDLE : MIDDLE + 2].T).max(axis=1)
         good = (middle <= math.sqrt(RESOLVED) * squares.max(axis=1)) | (0.5 * (ends - starts) < NARROWEST)
         done.append(starts[good])
