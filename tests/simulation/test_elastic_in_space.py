@@ -100,10 +100,13 @@ def test_rigid_limit_in_space():
 
 @pytest.mark.exhaustive
 def test_rigid_limit_in_space_by_extrapolation():
+    """Most states agree much better than the worst ones, at which a panel begins: there vibrations too fast to be followed leave traces."""
     exact = forces_of(pp.inverse_dynamics(rssp(), pp.cycle(rssp(), SPEED, points=36)))
     rough = [forces_of(idle(k)) for k in (2e9, 4e9, 8e9)]
     first = [2 * rough[1] - rough[0], 2 * rough[2] - rough[1]]
-    assert np.abs((4 * first[1] - first[0]) / 3 - exact).max() < 1e-7 * np.abs(exact).max()
+    left = np.abs((4 * first[1] - first[0]) / 3 - exact).max(axis=(0, 2)) / np.abs(exact).max()
+    assert left.max() < 3e-7
+    assert np.median(left) < 1e-8
 
 
 @pytest.mark.exhaustive
