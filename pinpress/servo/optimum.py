@@ -125,7 +125,8 @@ def best_motion(
         minimise: "heat", "time", "energy" (drawn from the mains) or "peak" (torque, with a tenth of heat); or weights of several of them,
             each relative to its value in the motion with the least heat.
         time: time of a cycle, rests and pauses included [s]; of a `Pendulum` a cycle is two strokes. A path with a rest may take less and
-            pause there, which is convex; a `Turn` takes exactly this time. None only where the time is minimised, else it is the most.
+            pause there, which is convex; a `Turn` takes exactly this time, or the notes say that
+            no such motion was found. None only where the time is minimised, else it is the most.
         path: where the crank goes; by default `Turn`.
         limits: limits beside those of the drive.
         friction: friction of bearings and guides, by their names.

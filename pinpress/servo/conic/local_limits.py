@@ -75,7 +75,7 @@ def within_local_limits(
         the motion with the bound, the last convex problem, and what is to be said.
 
     Raises:
-        PinpressError: no motion within the limits was found.
+        PinpressError: no motion within the power or the rate was found.
     """
     power, rate, time = limits
     powerful = power is not None and powers(problem, free.b).max() > power * (1.0 + KEPT)
@@ -90,12 +90,18 @@ def within_local_limits(
         *([f"a cycle that takes {time:.6g} s and not less"] if short else []),
     ]
     them, are = ("them", "are") if len(words) > 1 else ("it", "is")
-    answer, limited = _by_tangents(problem, free, limits, optimum, " and ".join(words), start)
+    try:
+        answer, limited, settled = _by_tangents(problem, free, limits, optimum, " and ".join(words), start)
+    except PinpressError:
+        if not short:
+            raise
+        # none was found that takes its time: the faster one stays, and is said to be faster
+        return within_local_limits(problem, free, limits._replace(time=None), optimum, start)
     if not powerful or power is None:
         gap = (answer.value - free.bound) / abs(answer.value)
         note = (
             f"{' and '.join(words)} {are} not convex: the motion keeps {them}, and is the best near it; of all motions, with or without"
-            f" {them}, none is better by more than {100 * gap:.2g} %"
+            f" {them}, none is better by more than {100 * gap:.2g} %{settled}"
         )
         return replace(answer, bound=free.bound), limited, [note]
     bound, rounds, loaded = _bound(problem, free, answer, power)
@@ -104,7 +110,7 @@ def within_local_limits(
     more = "; fewer points= have it proved more closely" if loaded and not rounds and gap > PROVED else ""
     note = (
         f"{' and '.join(words)} {are} not convex: the motion keeps {them}, and is the best near it; of all motions, none is better by more"
-        f" than {100 * gap:.2g} %, proved {how}{more}"
+        f" than {100 * gap:.2g} %, proved {how}{more}{settled}"
     )
     return replace(answer, bound=bound), limited, [note]
 
@@ -116,12 +122,13 @@ def _by_tangents(
     optimum: Callable[[MotionProblem], Solution],
     words: str,
     start: Array | None,
-) -> tuple[Solution, MotionProblem]:
-    """A motion within the limits, the best near it, and its last convex problem."""
+) -> tuple[Solution, MotionProblem, str]:
+    """A motion within the limits, the best near it, its last convex problem, and in words that the rounds did not settle."""
     power, rate, time = limits
     b = free.b if time is None else _even(problem, time)
     b = start if start is not None else b if power is None else _slower(problem, b, power)
     answer, limited, value, slower, late = None, problem, np.inf, 0, 0.0
+    settled = "" if start is not None else f"; {MOST_ROUNDS} rounds of tangents did not settle, and one near it may be better"
     for _ in range(MOST_ROUNDS if start is None else FEW_ROUNDS):
         rows = [] if power is None else _power_tangents(problem, b, power)
         rows += [] if rate is None else _rate_tangents(problem, b, rate)
@@ -144,16 +151,15 @@ def _by_tangents(
             taken = float(segment_times(problem.coefficients, b).sum())
             late, b = taken / time - 1.0, b * (taken / time) ** 2
         if abs(value - answer.value) <= SETTLED * abs(answer.value) and late <= LATE:
+            settled = ""
             break
         value = answer.value
     assert answer is not None
     if time is None:
-        return answer, limited
+        return answer, limited, settled
     if late > FAR_LATE and start is None:
-        raise PinpressError(
-            f"no motion that takes {time:.6g} s and not less was found near others: give the path a rest, servo.Stop(), or limit the speed"
-        )
-    return replace(answer, b=b, value=objective(problem, b)), limited
+        raise PinpressError(f"no motion that takes {time:.6g} s and not less was found near others")
+    return replace(answer, b=b, value=objective(problem, b)), limited, settled
 
 
 def powers(problem: MotionProblem, b: Array) -> Array:
