@@ -455,6 +455,36 @@ def test_press_on_its_springs(tmp_path: Path) -> None:
     assert "slide_guide, W: 2e+08 N/m" in dict(data_in(path)["report"]["inputs"][0]["rows"])["elastic parts"]
 
 
+def test_journal_in_its_bearing(press: Any, loaded: Any, tmp_path: Path) -> None:
+    """The orbit is drawn to one scale beside the circle of the clearance, with a row a turn."""
+    orbit = np.array([[1.0e-4, 0.0], [0.0, -1.1e-4], [3e-5, 2e-5]])
+    found = pp.elasticity.ImpactsByTurn(
+        press_name=press.name,
+        bearing="F",
+        radial=1e-4,
+        start=np.array([0, 0]),
+        turn=np.array([0, 1]),
+        peak=np.array([6e4, 8e4]),
+        depth=np.array([1e-5, 8e-6]),
+        impacts=np.array([3, 4]),
+        flight=np.array([0.1, 0.2]),
+        orbit=orbit,
+    )
+    path = pp.report(press, loaded.motion, tmp_path / "journal.html", reactions=loaded, results=[found])
+    section = sections(path)["Journal in F"]
+    picture = chart(section, "Orbit of the journal")
+    assert picture["square"]
+    drawn = {curve["name"]: np.stack([numbers(curve["x"]), numbers(curve["y"])]) for curve in picture["curves"]}
+    assert_allclose(drawn["journal"], 1e6 * orbit.T, rtol=1e-6)
+    assert_allclose(np.hypot(*drawn["bearing, by the clearance"]), 100.0, rtol=1e-6)
+    assert figures(section)["largest force of a turn"].startswith("70")
+    table = next(block for block in section["blocks"] if block.get("title") == "Turn by turn")
+    assert [row[0:2] for row in table["rows"]] == [["1", "1"], ["1", "2"]]
+    other = replace(found, press_name="another")
+    with pytest.raises(pp.PinpressError, match="the pin is of another"):
+        pp.report(press, loaded.motion, tmp_path / "journal.html", reactions=loaded, results=[other])
+
+
 def test_servo_motions(tmp_path: Path) -> None:
     press, drawing, limit = texts.shipped("zxn2_3000b"), pp.loads.DeepDrawing(1.5e6, 0.06), pp.servo.SlideSpeed(0.2, (0.06, 0.0))
     motors = pp.servo.read_motors(Path(__file__).parents[2] / "docs/servo_motors.csv")[3:4]
