@@ -25,10 +25,12 @@ from ..drives.transmission import Flywheel
 from ..kinematics.motion import motion_through_change_points
 from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
-from ..simulation.elastic.assembly import sprung_press
+from ..simulation.elastic.assembly import press_on_springs
 from ..simulation.elastic.description import STIFFEST, Elastic, Rod
+from ..simulation.elastic.in_space.bodies import PressInSpace
 from ..simulation.elastic.press_on_springs import reference_angle
 from ..simulation.elastic.sprung_press import SprungPress
+from .modes_in_space import kinetic_energy_in_space, shapes_in_space, strain_energy_in_space
 from .springs import FRAME, SHAFT
 
 MOUNTS = "mounts"  # name of what a frame stands on
@@ -52,7 +54,7 @@ class ElasticModes(Tabular):
         natural_frequency: (n, m) undamped natural frequencies [rad/s].
         damping_ratio: (n, m) damping divided by critical damping, 1 or more for a mode that creeps back [-].
         shapes: (n, m, links, 3) undamped shapes: displacement of each moving link's centre of mass along the two axes of the plane [m], and
-            its turn [rad], scaled to a modal mass of 1 kg.
+            its turn [rad], scaled to a modal mass of 1 kg; of a linkage in space (n, m, links, 6) in world axes, as in `ElasticRun`.
         strain_energy: name of a part that yields -> (n, m) its share of the strain energy [-].
         kinetic_energy: name of a link, "crown" or "shaft" -> (n, m) its share of the kinetic energy [-].
     """
@@ -121,36 +123,45 @@ def natural_frequencies(
     """Find natural frequencies, damping ratios and shapes of a press on its springs over the crank angle.
 
     Args:
-        press: a planar press with one driver that turns.
+        press: a press with one driver that turns.
         elastic: what yields, as for `simulate`.
         angle: (n,) crank angles [rad]; by default 360 a turn over one period, its end left out.
         flywheel: on the driver's shaft of a crank that turns freely; None: the crank is held, or turns at a constant speed.
 
     Raises:
         UnknownNameError: the linkage has no such bearing or link.
-        PinpressError: the press is not planar, a part has no stiffness or a link no mass, a pin has clearance, or the crank does not turn
+        PinpressError: a part has no stiffness or a link no mass, a pin has clearance, or the crank does not turn
             fully and no angle is given.
         AssemblyError: the linkage does not reach an angle.
     """
     if isinstance(elastic, Elastic) and elastic.clearances:
         raise PinpressError("a pin with clearance has no natural frequency, as it opens and closes: leave the clearances out")
-    sprung, angles = sprung_press(press, elastic), _angles(press, angle)
+    sprung, angles = press_on_springs(press, elastic), _angles(press, angle)
     coordinates, _, _ = sprung.rigid_coordinates(motion_through_change_points(press, angles, 0.0))
     still = np.zeros_like(coordinates)
     forces = sprung.spring_forces(coordinates, still)
     assert forces.stiffness is not None
     assert forces.damping is not None
-    mass, kept = sprung.mass.copy(), sprung.free - (flywheel is None)
-    if flywheel is not None:
-        mass[-1, -1] += flywheel_inertia(flywheel)
-    inverse = np.linalg.inv(np.linalg.cholesky(mass[:kept, :kept]))
-    squared, vectors = np.linalg.eigh(inverse @ forces.stiffness[:, :kept, :kept] @ inverse.T)
-    shapes = inverse.T @ vectors
+    mass, kept = sprung.mass_at(coordinates).copy(), sprung.free - (flywheel is None)
+    wheel = 0.0 if flywheel is None else flywheel_inertia(flywheel)
+    mass[..., -1, -1] += wheel
+    inverse = np.linalg.inv(np.linalg.cholesky(mass[..., :kept, :kept]))
+    transposed = np.swapaxes(inverse, -1, -2)
+    squared, vectors = np.linalg.eigh(inverse @ forces.stiffness[:, :kept, :kept] @ transposed)
+    shapes = transposed @ vectors
     first = 0 if flywheel is None else 1  # the press that turns as a whole has no frequency
     frequency, shapes = np.sqrt(np.maximum(squared[:, first:], 0.0)), shapes[:, :, first:]
     free = np.zeros((len(angles), sprung.free, shapes.shape[2]))
     free[:, :kept] = shapes
     moved = np.swapaxes(sprung.carry @ free, 1, 2)
+    if isinstance(sprung, PressInSpace):
+        displaced, bending = shapes_in_space(sprung, coordinates, moved), moved[:, :, :0]
+        strain, kinetic = strain_energy_in_space(sprung, coordinates, moved), kinetic_energy_in_space(sprung, coordinates, moved, wheel)
+        energies = _shares(strain), _shares(kinetic)
+    else:
+        displaced = moved[:, :, : 3 * press.model.nv].reshape(*moved.shape[:2], -1, 3)
+        bending = moved[:, :, moved.shape[2] - sprung.shapes.shape[2] :]
+        energies = _strain_energy(sprung, elastic, coordinates, moved), _kinetic_energy(sprung, moved, wheel)
     return ElasticModes(
         press_name=press.name,
         elastic=elastic,
@@ -158,11 +169,11 @@ def natural_frequencies(
         crank_angle=read_only(angles),
         natural_frequency=read_only(frequency),
         damping_ratio=read_only(_damping_ratios(frequency, shapes, forces.damping[:, :kept, :kept])),
-        shapes=read_only(moved[:, :, : 3 * press.model.nv].reshape(*moved.shape[:2], -1, 3).copy()),
-        strain_energy=_strain_energy(sprung, elastic, coordinates, moved),
-        kinetic_energy=_kinetic_energy(sprung, moved, 0.0 if flywheel is None else flywheel_inertia(flywheel)),
+        shapes=read_only(displaced.copy()),
+        strain_energy=energies[0],
+        kinetic_energy=energies[1],
         _bottom=reference_angle(press),
-        _bending=read_only(moved[:, :, moved.shape[2] - sprung.shapes.shape[2] :].copy()),
+        _bending=read_only(bending.copy()),
     )
 
 

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from support.texts import FILES, shipped
 
 import pinpress as pp
+from pinpress.elasticity import vibration
 from pinpress.pin_table.templates import template
 from pinpress.simulation.elastic import simulate_elastic
 from pinpress.simulation.elastic.in_space.assembly import press_in_space
@@ -144,6 +145,25 @@ def test_derivatives_in_space():
             for one, other, slope in zip(after, before, exact, strict=True):
                 if slope.ndim == 3:
                     np.testing.assert_allclose((one - other) / 2e-6, slope[:, :, k], rtol=0, atol=1e-6 * np.abs(slope).max())
+
+
+def test_vibrations_of_a_planar_press_are_among_those_in_space(monkeypatch):
+    press, wheel = shipped("jf75g_125_plain"), pp.drives.Flywheel(30.0)
+    given = {"angle": [0.3, 2.0], "flywheel": wheel}
+    plane = pp.elasticity.natural_frequencies(press, springs(press, 2e9, ["slide_guide"]), **given)
+    monkeypatch.setattr(vibration, "press_on_springs", press_in_space)
+    space = pp.elasticity.natural_frequencies(press, springs(press, 2e9, press.joints), **given)
+    for state in range(2):
+        beside = np.abs(space.natural_frequency[state] / plane.natural_frequency[state][:, None] - 1)
+        assert beside.min(axis=1).max() < 1e-10
+        mode = int(beside[0].argmin())
+        for part in plane.strain_energy:
+            assert space.strain_energy[part][state, mode] == pytest.approx(plane.strain_energy[part][state, 0], rel=1e-6)
+        for link in plane.kinetic_energy:
+            assert space.kinetic_energy[link][state, mode] == pytest.approx(plane.kinetic_energy[link][state, 0], rel=1e-6)
+        one, other = space.shapes[state, mode][:, [0, 2, 4]], plane.shapes[state, 0]
+        np.testing.assert_allclose(np.abs(one), np.abs(other), rtol=0, atol=1e-9 * np.abs(other).max())
+    assert sum(space.strain_energy.values())[0] == pytest.approx(1.0, abs=1e-12)
 
 
 def test_rotor_on_its_bearing_whirls_as_its_closed_form_says():

@@ -316,6 +316,11 @@ class PressInSpace:
         damping = transposed @ (springs.damping[:, None] * gradient)
         return SpringForces(force, self.to_free_twice(stiffness), self.to_free_twice(damping))
 
+    def gradients(self, coordinates: Array) -> Array:
+        """Gradients (n, S, k) of the extensions of all springs."""
+        at = self._springs(coordinates, np.zeros_like(coordinates), derivatives=True)
+        return self._placed(self._parts(at.turned.by, self._pushed(at.along, at.gap)), at.along)
+
     @cached_property
     def free_weight(self) -> Array:
         """(f,) gravity on the free coordinates."""
