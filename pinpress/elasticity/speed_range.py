@@ -111,7 +111,7 @@ def campbell(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, orders: int
     """Find where the orders of the strokes meet natural frequencies of a press on its springs (Campbell diagram).
 
     Args:
-        press: a planar press with one driver that turns fully.
+        press: a press with one driver that turns fully.
         elastic: what yields, as for `simulate`.
         speeds: (s,) speeds of the crank, positive and rising [rad/s].
         orders: number of orders, 1 to 10 000.
@@ -201,7 +201,7 @@ def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: S
     Peaks are right to about 1e-5 of themselves.
 
     Args:
-        press: a planar press with one driver that turns fully.
+        press: a press with one driver that turns fully.
         elastic: what yields, as for `simulate`.
         speeds: (s,) speeds of the crank, positive and rising [rad/s].
         loads: as in `simulate`; nothing in them may depend on time.

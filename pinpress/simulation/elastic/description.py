@@ -49,9 +49,9 @@ class Stiffness(Frozen):
     """Stiffnesses of the parts of a press. All parts without one are rigid, and so are gear pairs.
 
     Attributes:
-        bearings: name of a bearing -> radial stiffness; of a guide, stiffness across its axis [N/m].
-        moments: name of a guide -> stiffness against turning [N m/rad]. Its moment is about the origin of the sliding link's joint frame,
-            as in `Reactions`.
+        bearings: name of a bearing -> radial stiffness, in space also along its axis; of a guide, stiffness across its axis [N/m].
+        moments: name of a guide, in space also of a pin or weld -> stiffness against turning [N m/rad]. The moment of a guide is about the
+            origin of the sliding link's joint frame, as in `Reactions`.
         rods: links and arms that stretch.
         shaft: torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid. An elastic motion counts
             the start's angle and speed at the drive's end, where the flywheel sits and a brake acts.
