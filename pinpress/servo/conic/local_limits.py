@@ -23,13 +23,13 @@ from numpy.typing import NDArray
 
 from ...common.errors import PinpressError
 from ...common.quantities import Array
-from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, objective, segment_times
+from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, segment_times
 from .program import InfeasibleError, Sizes, Solution, UnsolvedError, sizes_of, solve
 
 MOST_ROUNDS, FEW_ROUNDS = 40, 3  # of tangents; a few where loads feel the speed, which have rounds of their own
-SETTLED = 1e-9  # relative change of the value that ends the rounds
-LATE, FAR_LATE = 1e-6, 0.02  # shares by which a cycle is longer than asked for that end the rounds, and that are no answer
-SHORT = 1e-6  # share by which a cycle may be shorter than asked for
+SETTLED = 1e-8  # relative change of the value that ends the rounds
+LATE, FAR_LATE = 1e-5, 1e-3  # shares by which a cycle is longer than asked for that end the rounds, and that are no answer
+SHORT = 1e-3  # share by which a cycle may be shorter than asked for
 KEPT = 1e-9  # share by which the power may be exceeded
 ENCLOSED = 8  # most rounds in which b is enclosed
 PROVED = 5e-4  # gap below which it is not enclosed more narrowly
@@ -155,11 +155,9 @@ def _by_tangents(
             break
         value = answer.value
     assert answer is not None
-    if time is None:
-        return answer, limited, settled
-    if late > FAR_LATE and start is None:
+    if time is not None and late > FAR_LATE and start is None:
         raise PinpressError(f"no motion that takes {time:.6g} s and not less was found near others")
-    return replace(answer, b=b, value=objective(problem, b)), limited, settled
+    return answer, limited, settled
 
 
 def powers(problem: MotionProblem, b: Array) -> Array:
