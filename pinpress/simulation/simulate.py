@@ -165,6 +165,8 @@ def simulate(
     began = clock.perf_counter()
     if not isinstance(press, Linkage):
         raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
+    if elastic is not None and (_method(press, method) != "reduced" or step is not None) and len(press.drivers) == 1:
+        raise PinpressError("an elastic motion has a method and steps of its own: leave out method and step")
     method = _method(press, method)
     until = number("duration", duration, "s", positive=True)
     error = checked_tolerance(tolerance, elastic)

@@ -15,6 +15,7 @@ import pinpress as pp
 from pinpress.common.errors import UnknownScenarioError
 from pinpress.loads.caller_laws import LawError
 from pinpress.pin_table.placement import UnreachableError
+from pinpress.servo.optimum import NoMotionError
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -29,6 +30,7 @@ ARGUMENTS = {
     LawError: ("Fan: torque at speed 3 rad/s is nan", 0.25, 1.5),
     pp.UnknownNameError: ("bearing", "Q", ["A", "B"]),
     UnknownScenarioError: (7, 3),
+    NoMotionError: ("no motion keeps the limits",),
 }
 
 

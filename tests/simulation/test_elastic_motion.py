@@ -181,3 +181,10 @@ def test_decay_where_the_stroke_is_smooth():
     lowest = pp.elasticity.natural_frequencies(press, elastic, angle=np.linspace(0, 2 * np.pi, 180, endpoint=False)).natural_frequency[:, 0]
     assert isinstance(run, pp.ElasticRun)
     assert run.decay_per_stroke == pytest.approx(np.exp(-0.02 * np.mean(lowest**2) / 545.47 * 0.6), rel=0.05)
+
+
+@pytest.mark.parametrize("given", [{"method": "constraint"}, {"step": 1e-3}])
+def test_methods_and_steps_of_rigid_motions_are_refused(given):
+    press = shipped(JF75G[0])
+    with pytest.raises(pp.PinpressError, match="method and steps of its own"):
+        pp.simulate(press, 0.1, drive=pp.drives.PrescribedSpeed(31.4), elastic=pp.elasticity.Elastic(springs(press)), **given)

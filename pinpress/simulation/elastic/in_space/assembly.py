@@ -19,7 +19,7 @@ from ....common.arguments import number, positive
 from ....common.errors import PinpressError, UnknownNameError, shown
 from ....common.quantities import Array
 from ....linkage.linkage import Linkage
-from ..description import Elastic
+from ..description import STIFFEST, Elastic
 from ..press_on_springs import frequencies, reference_angle
 from .bodies import PressInSpace, SpringsInSpace
 from .turning import nominal_turns
@@ -248,7 +248,7 @@ def _by_bearing(press: Linkage, what: str, given: object, unit: str, needed: Seq
         place = press.bearings.index(name)
         if place not in needed:
             raise PinpressError(f"{what} names {shown(name)}, which is a ball joint and holds no moment: leave it out")
-        found[place] = positive(f"stiffness of {shown(name)}", value, unit)
+        found[place] = positive(f"stiffness of {shown(name)}", value, unit, STIFFEST)
     missing = [press.bearings[place] for place in needed if place not in found]
     if missing:
         turned = " and pins, guides, crosses and welds also against turning" if what == "moments" else ""
