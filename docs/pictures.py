@@ -81,6 +81,35 @@ def run() -> Figure:
     return figure
 
 
+def elastic_stroke() -> Figure:
+    """docs/elastic_motion.md: the stroke that JF75G-125 repeats on its springs while it blanks, near bottom dead centre."""
+    press, speed = pp.load("jf75g_125_plain"), 300 * pp.RPM
+    stiffness = pp.elasticity.Stiffness({"O": 3e9, "P2": 4e9, "P4": 4e9, "slide_guide": 2e9}, moments={"slide_guide": 2e8}, frame=3e9)
+    stroke = pp.steady_state(
+        press,
+        speed,
+        drive=pp.drives.PrescribedSpeed(speed),
+        loads=[pp.loads.Blanking(force=600e3, start=0.004, end=0.002)],
+        elastic=pp.elasticity.Elastic(stiffness, damping_ratio=0.03, crown_mass=4000),
+        points=1441,
+    )
+    from_bottom = np.degrees(stroke.crank_angle - pp.dead_centres(press).bottom_angle + np.pi) % 360 - 180
+    order = np.argsort(from_bottom)
+    near = order[np.abs(from_bottom[order]) < 60]
+    bottom = pp.dead_centres(press).bottom_position
+    figure = _figure((6.3, 3.6))
+    height, force = figure.subplots(2, 1, sharex=True)
+    height.plot(from_bottom[near], 1e3 * (stroke.rigid_slide_position[near] - bottom), color=RED, label="rigid")
+    height.plot(from_bottom[near], 1e3 * (stroke.slide_position[near] - bottom), color=BLUE, label="on springs")
+    height.set_ylim(-1, 5)
+    height.set_ylabel("slide [mm]")
+    height.legend(frameon=False)
+    force.plot(from_bottom[near], 1e-3 * stroke.bearing_force["P4"][near, 2], color=BLUE)
+    force.set_ylabel("P4, upwards [kN]")
+    force.set_xlabel("crank angle from rigid bottom dead centre [deg]")
+    return figure
+
+
 def operating_map() -> Figure:
     """docs/sweep.md: the largest torque over speed and force."""
     drawing = pp.loads.DeepDrawing(force=1.0, start=0.020)
@@ -241,8 +270,8 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
-    slide, polar, run, operating_map, synthesis, two_assemblies, change_point, programs, sketch, lengths_too_short, notebook, report_page,
-    live,
+    slide, polar, run, elastic_stroke, operating_map, synthesis, two_assemblies, change_point, programs, sketch, lengths_too_short,
+    notebook, report_page, live,
 )  # fmt: skip
 
 

@@ -29,6 +29,7 @@ TABLES = ("accuracy", "balancing", "elasticity", "ratings", "servo", "synthesis"
 RUN = [
     "balancing",
     "commands",
+    "elastic_motion",
     "elasticity",
     "foundation",
     "motion_and_forces",
@@ -42,9 +43,10 @@ RUN = [
 ]
 
 RUN += ["live", "mistakes", "pin_table", "pinocchio", "units_and_signs"]
+LONG = {"elastic_motion", "ratings", "simulation", "sweep"}  # these take as long as all others
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
-PICTURED += ["servo", "commands", "comparison", "mistakes", "papers"]
+PICTURED += ["elastic_motion", "servo", "commands", "comparison", "mistakes", "papers"]
 PICTURED += ["live", "ratings", "recording", "simulation", "sweep", "synthesis", "tour", "units_and_signs"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
@@ -53,7 +55,7 @@ def text(page: str) -> str:
     return (DOCS / f"{page}.md").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("page", rest_exhaustive(RUN, *set(RUN) - {"ratings", "simulation", "sweep"}))  # these take as long as all others
+@pytest.mark.parametrize("page", rest_exhaustive(RUN, *set(RUN) - LONG))
 def test_code_of_a_page_runs_and_prints_what_is_shown(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))  # modules that a page writes
