@@ -20,12 +20,13 @@ from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import RPM, Array
 from ..common.results import Record, Records, Tabular
 from ..drives.transmission import Flywheel, PrescribedSpeed
+from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.elastic_run import ElasticRun
-from ..simulation.steady_state import steady_state
+from ..simulation.steady_state import steady_state_near
 from .vibration import ElasticModes, natural_frequencies
 
 MOST_ORDERS = 10_000  # most orders of a diagram, against lists without end
@@ -211,7 +212,9 @@ def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: S
         SimulationError: the press does not repeat its stroke at one of the speeds, which is named.
     """
     speed = _rising_speeds(speeds)
-    runs = [_stroke(press, elastic, float(each), loads) for each in speed]
+    runs: list[ElasticRun] = []
+    for each in speed[::-1].tolist():  # the faster, the fewer vibrations in a stroke: panels are only divided on the way
+        runs.insert(0, _stroke(press, elastic, each, loads, runs[0] if runs else None))
     mean = [np.diff(run.time) @ (run.shaking_force[1:] + run.shaking_force[:-1]) / (2 * run.time[-1]) for run in runs]
     frame = [float(np.linalg.norm(run.shaking_force - about, axis=1).max()) for run, about in zip(runs, mean, strict=True)]
 
@@ -233,13 +236,15 @@ def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: S
     )
 
 
-def _stroke(press: Linkage, elastic: Elastic, speed: float, loads: Sequence[Load]) -> ElasticRun:
-    """The stroke at a speed; raises `SimulationError` that names the speed."""
+def _stroke(press: Linkage, elastic: Elastic, speed: float, loads: Sequence[Load], near: ElasticRun | None) -> ElasticRun:
+    """The stroke at a speed, from that at another one; raises `SimulationError` that names the speed."""
     drive, points = PrescribedSpeed(speed), STATES * (press.period_turns or 1) + 1
     try:
-        return steady_state(press, speed, drive=drive, loads=loads, points=points, elastic=elastic, tolerance=TOLERANCE)
+        run = steady_state_near(near, press, speed, 0.0, drive, None, loads, NONE_GIVEN, points, elastic, TOLERANCE)
     except SimulationError as error:
         raise SimulationError(f"at {speed / RPM:.5g} r/min: {error.args[0]}", error.time, error.crank_angle, error.reason) from error
+    assert isinstance(run, ElasticRun)
+    return run
 
 
 def _rising_speeds(given: ArrayLike) -> Array:

@@ -121,6 +121,23 @@ def steady_state(
         SimulationError: there is no steady state near this speed: the drive is too weak for the load, or gives more than the load takes at
             any speed, as a constant torque does.
     """
+    return steady_state_near(None, press, speed, angle, drive, flywheel, loads, friction, points, elastic, tolerance)
+
+
+def steady_state_near(
+    neighbour: ElasticRun | None,
+    press: Linkage,
+    speed: float,
+    angle: float,
+    drive: Drive | PrescribedSpeed,
+    flywheel: Flywheel | None,
+    loads: Sequence[Load],
+    friction: Mapping[str, Friction],
+    points: int | None,
+    elastic: Elastic | None,
+    tolerance: float | None,
+) -> Run:
+    """The `steady_state`, by that of the same press, springs and loads at another constant speed, where there is one that leads to it."""
     began = clock.perf_counter()
     state_count(points, 0.0)
     if not isinstance(press, Linkage) or len(press.drivers) > 1:
@@ -138,7 +155,7 @@ def steady_state(
     if elastic is not None:
         rigid_period = partial(_rigid_period, driven, near, TOLERANCE)
         with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
-            return elastic_steady_state(driven, elastic, near, start, points, tolerance, began, rigid_period)
+            return elastic_steady_state(driven, elastic, near, start, points, tolerance, began, rigid_period, neighbour)
     with np.errstate(all="ignore"):  # what is not finite is refused where it arises
         period = _rigid_period(driven, near, tolerance, start)
         speeds = period.at(np.zeros(1), complete=False).speed[:, 0]

@@ -186,7 +186,10 @@ class ElasticSegment:
         return sprung.crank(sprung.all_coordinates(free), rates @ sprung.carry.T)
 
     def at(self, times: Array, complete: bool = True) -> Sample:
-        at = self.states(times)
+        return self.sample(self.states(times))
+
+    def sample(self, at: SolutionStates) -> Sample:
+        """What a trajectory gives at states."""
         angle, speed = self.crank(*at.whole)
         _, acceleration = self.crank(at.whole[0], at.whole_acceleration)
         driving = self.solution.equations.driving(at.times, at.y, at.v, at.a, at.segments)
@@ -294,7 +297,8 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
     press, solution = problem.driven.press, segment.solution
     sprung, trajectory = solution.equations.sprung, Trajectory([segment])
     times = np.linspace(0.0, segment.end, points)
-    at, sample = segment.states(times), segment.at(times)
+    at = segment.states(times)
+    sample = segment.sample(at)
     motion = motion_through_change_points(press, sample.position[0], sample.speed[0], sample.acceleration[0], times)
     confirm_torques(problem.driven.drive, times, sample.position[0], sample.drive_speed, sample.drive_torque)
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
@@ -446,21 +450,23 @@ def _largest(values: Callable[[Indices, Array], Array], panels: int) -> list[tup
     """
     places = np.linspace(0.0, 1.0, FINE + 1)
     coarse = values(np.repeat(np.arange(panels), FINE + 1), np.tile(places, panels))
+    candidates = np.argsort(coarse, axis=1)[:, -HIGHEST:]  # a peak at a border is on one of two panels
+    panel, place = candidates // (FINE + 1), places[candidates % (FINE + 1)]
+    low, high = np.maximum(place - 1 / FINE, 0.0), np.minimum(place + 1 / FINE, 1.0)
+    shares = low[..., None] + (high - low)[..., None] * places
+    fine = values(np.repeat(panel, FINE + 1), shares.ravel()).reshape(len(coarse), *shares.shape)
     found = []
-    for row, function in enumerate(coarse):
-        candidates = np.argsort(function)[-HIGHEST:]  # a peak at a border is on one of two panels
-        panel, place = candidates // (FINE + 1), places[candidates % (FINE + 1)]
-        low, high = np.maximum(place - 1 / FINE, 0.0), np.minimum(place + 1 / FINE, 1.0)
-        shares = low[:, None] + (high - low)[:, None] * places
-        fine = values(np.repeat(panel, FINE + 1), shares.ravel())[row].reshape(HIGHEST, -1)
-        where, best = np.unravel_index(int(fine.argmax()), fine.shape)
-        value, beside = float(fine[where, best]), 0.0
+    for row in range(len(coarse)):
+        own = fine[row, row]
+        where, best = np.unravel_index(int(own.argmax()), own.shape)
+        value, beside = float(own[where, best]), 0.0
         if 0 < best < FINE:
-            before, after = fine[where, best - 1], fine[where, best + 1]
+            before, after = own[where, best - 1], own[where, best + 1]
             bend = 2 * value - before - after
             beside = 0.5 * (after - before) / bend if bend > 0 else 0.0
             value += 0.25 * beside * float(after - before)
-        found.append((value, int(panel[where]), float(shares[where, best] + beside * (shares[where, 1] - shares[where, 0]))))
+        step = shares[row, where, 1] - shares[row, where, 0]
+        found.append((value, int(panel[row, where]), float(shares[row, where, best] + beside * step)))
     return found
 
 

@@ -267,6 +267,20 @@ class ElasticEquations:
                 damping[some] -= by_rate[:, None, None] * outer
         return force, stiffness, damping
 
+    def _force_on_crank(self, time: Array, y: Array, v: Array, segments: Indices) -> Array:
+        """Force (n,) of `whole_forces` on the crank alone, without derivatives."""
+        if self.friction is not None:
+            return np.asarray(self.whole_forces(time, y, v, segments)[0][:, -1])
+        free, rates = self.whole(time, y, v)
+        coordinates, all_rates = self.sprung.all_coordinates(free), rates @ self.sprung.carry.T
+        force = self.sprung.spring_forces(coordinates, all_rates, derivatives=False).force[:, -1]
+        for number, law in enumerate(self.all_forces):
+            some = np.flatnonzero(np.array([segment[number] is not None for segment in self.segments])[segments])
+            if len(some):
+                path = self.paths[law.row].over(self.sprung, coordinates[some], all_rates[some])
+                force[some] += self._law_values(law, number, segments[some], time[some], path)[0] * path.gradient[:, -1]
+        return force
+
     def load_forces(self, time: Array, segments: Indices, coordinates: Array, rates: Array) -> list[tuple[Array, Array]]:
         """Of each load its force along its path (n,) [N], and the rate of the path (n,) [m/s]."""
         found = []
@@ -378,9 +392,8 @@ class ElasticEquations:
     def driving(self, time: Array, y: Array, v: Array, a: Array, segments: Indices) -> Driving:
         """What turns the crank, at n states."""
         if self.train is None:
-            force, _, _ = self.whole_forces(time, y, v, segments)
             varying = self._varying_of_bodies(time, y, v, a)
-            torque = np.asarray(a @ self.whole_mass[-1, :-1] - force[:, -1])
+            torque = np.asarray(a @ self.whole_mass[-1, :-1] - self._force_on_crank(time, y, v, segments))
             torque = torque if varying is None else torque + varying.force[:, -1]
             assert self.crank is not None
             return Driving(torque, torque, np.full(len(time), self.crank.speed), np.zeros(len(time)))

@@ -194,13 +194,11 @@ class PanelSolution:
         first = self.states[panel]
         stages = len(self.rule.points)
         values = legendre.legvander(2 * share - 1, stages)
-        a = np.einsum("ns,nsf->nf", values[:, :stages] @ self.rule.series, self.accelerations[panel])
-        weights = values @ _integral(stages) @ self.rule.series
-        rates = first[:, None, size:] + self.mesh.length[:, None, None][panel] * np.einsum(
-            "st,ntf->nsf", self.rule.integrate, self.accelerations[panel]
-        )
-        v = first[:, size:] + length * np.einsum("ns,nsf->nf", weights, self.accelerations[panel])
-        y = first[:, :size] + length * np.einsum("ns,nsf->nf", weights, rates)
+        once = values @ (_integral(stages) @ self.rule.series)
+        weights = np.stack([once @ self.rule.integrate, once, values[:, :stages] @ self.rule.series], axis=1)
+        twice, once, a = np.matmul(weights, self.accelerations[panel]).swapaxes(0, 1)
+        v = first[:, size:] + length * once
+        y = first[:, :size] + length * (share[:, None] * first[:, size:] + length * twice)
         return y, v, a
 
     def onto(self, mesh: Mesh) -> PanelSolution:

@@ -19,7 +19,6 @@ from .acting.phases import Plan
 from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent
 from .marching import cut_to, march, telling_steps
 from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
-from .press_on_springs import frequencies, reference_angle
 from .task import ASIDE, FIRST, LEAST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
 
 RESOLVED = 3.0  # angle of the lowest vibration on a panel up to which its decay is exact [rad]
@@ -74,6 +73,23 @@ def periodic(task: Task, start: float) -> ElasticSolution:
     raise failure("does not repeat", strokes=STROKES, depths=shown)
 
 
+def periodic_near(task: Task, start: float, near: ElasticSolution) -> ElasticSolution | None:
+    """The motion of `periodic` of a crank at a constant speed, by that at another speed.
+
+    Where both differ little, one Newton step on its panels does. None where the motion is not found, or has other events.
+    """
+    of, before = near.equations, near.panels
+    assert of.crank is not None
+    slower = abs(of.crank.speed / task.speed)
+    mesh, size = replace(before.mesh, knots=slower * before.mesh.knots), before.states.shape[1] // 2
+    states = np.concatenate([before.states[:, :size], before.states[:, size:] / slower], axis=1)
+    guess = replace(before, mesh=mesh, states=states, accelerations=before.accelerations / slower**2, change=np.inf, steps=0)
+    plan = Plan(of.segments, of.events or {}, mesh.knots * abs(task.speed), of.modes)
+    found = _refined(task, start, plan, guess)
+    observed = None if found is None else _observed(task, found, start)
+    return None if found is None or observed is None or not _alike(observed, plan) else _with_passage(task, found)
+
+
 def _rigid_guess(task: Task, plan: Plan) -> PanelSolution:
     """The rigid motion on the panels of a plan."""
     rule, share = radau(STAGES), np.diff(plan.knots) / plan.knots[-1]
@@ -122,9 +138,8 @@ def _border(task: Task, equations: ElasticEquations, near: bool = True) -> Borde
 def _with_passage(task: Task, found: ElasticSolution) -> ElasticSolution:
     """The solution with a passage in which the lowest vibration is resolved: panels of a smooth motion may be longer than it is."""
     equations, panels = found.equations, found.panels
-    mesh, sprung = panels.mesh, equations.sprung
-    lowest = float(frequencies(sprung, reference_angle(sprung.press))[0])
-    parts = np.maximum(1, np.ceil(mesh.length * lowest / RESOLVED)).astype(int)
+    mesh = panels.mesh
+    parts = np.maximum(1, np.ceil(mesh.length * equations.sprung.lowest_frequency / RESOLVED)).astype(int)
     if parts.max() == 1:
         return found
     border = _border(task, equations)

@@ -72,6 +72,10 @@ class PressOnSprings(Protocol):
         """(k, f) rates of the free coordinates to all rates."""
 
     @property
+    def lowest_frequency(self) -> float:
+        """Lowest natural frequency at bottom dead centre, with the crank held and without dampers [rad/s]."""
+
+    @property
     def open_pins(self) -> tuple[OpenPin, ...]:
         """Pins with clearance."""
 

@@ -25,7 +25,7 @@ from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
 from .load_paths import LengthPath, from_frame, load_path, refuse_on_flexible_links
 from .marching import march, resting
-from .period import periodic
+from .period import periodic, periodic_near
 from .press_on_springs import PressOnSprings
 from .sprung_press import SprungPress
 from .task import ElasticSolution, Task, largest_deflection
@@ -50,6 +50,7 @@ def elastic_steady_state(
     tolerance: float,
     began: float,
     rigid_period: RigidPeriod,
+    near: ElasticRun | None = None,
 ) -> ElasticRun:
     """One period of a press on its springs; see `steady_state`.
 
@@ -62,19 +63,30 @@ def elastic_steady_state(
         tolerance: error of a coordinate, as a share of the largest displacement.
         began: time of the clock at which the call began [s].
         rigid_period: where there is a drive, what is near the motion sought.
+        near: the steady state of the same press, springs and loads at another constant speed, from which this one is found if it can be.
     """
     if driven.prescribed is not None and driven.prescribed.speed != speed:
         raise PinpressError(f"speed is {speed:g}, but the drive prescribes {driven.prescribed.speed:g} rad/s: give the same")
-    task, start = _task(driven, elastic, speed, angle, tolerance, steady=True)
+    before = None if near is None else _solution(near)
+    if before is not None:
+        driven = replace(driven, forces=before.equations.driven.forces)  # segments are compared by the intervals of these
+    task, start = _task(driven, elastic, speed, angle, tolerance, steady=True, sprung=None if before is None else before.equations.sprung)
     if driven.prescribed is None:
         task = _free(task, rigid_period(start), task.tolerance / tolerance)
-    solution = periodic(task, start)
+    found = None if before is None else periodic_near(task, start, before)
+    solution = periodic(task, start) if found is None or found.decay > STABLE else found
     if solution.decay > STABLE:
         raise failure("unstable stroke", decay=solution.decay)
     segment = _from_angle(solution, task, start, angle)
     first = segment.states(np.zeros(1))
     problem = SimulationProblem(driven, "elastic", np.array([angle]), segment.crank(*first.whole)[1], segment.end, tolerance)
     return elastic_run(problem, segment, elastic, state_count(points, abs(task.speed) * task.period / (2 * np.pi)), began)
+
+
+def _solution(run: ElasticRun) -> ElasticSolution:
+    (segment,) = run.trajectory.segments
+    assert isinstance(segment, ElasticSegment)
+    return segment.solution
 
 
 def _from_angle(solution: ElasticSolution, task: Task, start: float, angle: float) -> ElasticSegment:
@@ -127,11 +139,19 @@ def _speed_ahead(driven: DrivenPress) -> float:
     return flywheel.speed
 
 
-def _task(driven: DrivenPress, elastic: Elastic, speed: float, angle: float, tolerance: float, steady: bool) -> tuple[Task, float]:
+def _task(
+    driven: DrivenPress,
+    elastic: Elastic,
+    speed: float,
+    angle: float,
+    tolerance: float,
+    steady: bool,
+    sprung: PressOnSprings | None = None,
+) -> tuple[Task, float]:
     """What is to be found for a crank at a constant speed, and the crank angle at which the solution begins: for a steady state one at
-    which the rigid press turns."""
+    which the rigid press turns; ``sprung``: the press on its springs where it is known."""
     _refuse_unsuitable(driven, elastic)
-    sprung = press_on_springs(driven.press, elastic)
+    sprung = sprung or press_on_springs(driven.press, elastic)
     if steady and sprung.open_pins:
         raise PinpressError(
             "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"

@@ -33,7 +33,7 @@ from ...linkage.linkage import Linkage
 from .contact import OpenPin
 from .flexible_link import FlexibleBody
 from .panels import VaryingInertia
-from .press_on_springs import SpringForces
+from .press_on_springs import SpringForces, frequencies, reference_angle
 
 Indices = NDArray[np.intp]
 
@@ -155,6 +155,11 @@ class SprungPress:
     def free_weight(self) -> Array:
         """(f,) gravity on the free coordinates."""
         return np.asarray(self.carry.T @ self.weight)
+
+    @cached_property
+    def lowest_frequency(self) -> float:
+        """Lowest natural frequency at bottom dead centre, with the crank held and without dampers [rad/s]."""
+        return float(frequencies(self, reference_angle(self.press))[0])
 
     def all_coordinates(self, free: Array) -> Array:
         """All coordinates (n, k) of free ones (n, f)."""

@@ -28,7 +28,7 @@ from ....kinematics.motion import Motion, poses
 from ....linkage.linkage import Linkage
 from ..contact import OpenPin
 from ..panels import Indices, VaryingInertia
-from ..press_on_springs import SpringForces
+from ..press_on_springs import SpringForces, frequencies, reference_angle
 from .turning import NominalTurns, Turned, turned
 
 KEPT = 2  # sets of states whose matrices are kept
@@ -144,6 +144,11 @@ class PressInSpace:
     @property
     def free(self) -> int:
         return len(self._kept)
+
+    @cached_property
+    def lowest_frequency(self) -> float:
+        """Lowest natural frequency at bottom dead centre, with the crank held and without dampers [rad/s]."""
+        return float(frequencies(self, reference_angle(self.press))[0])
 
     def all_coordinates(self, free: Array) -> Array:
         return np.asarray(free @ self.carry.T)
