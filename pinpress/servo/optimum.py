@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common.arguments import expect, in_unit, numbers, suitable_numbers, typed, whole_number
-from ..common.errors import PinpressError, shown
+from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
 from ..common.results import Records
@@ -20,7 +20,7 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import limits as limits_
-from .conic.bounds import bearings_of, contradiction, limit_heights, motion_problem, refuse_heights
+from .conic.bounds import bearings_of, contradiction, limit_heights, motion_problem, refuse_heights, refuse_short, speed_times
 from .conic.coefficients import Coefficients, PathMotion, coefficients, feels_speed, load_heights, path_grid
 from .conic.local_limits import LocalLimits, powers, torque_rates, within_local_limits
 from .conic.motion_problem import Figures, MotionProblem, figures, segment_times
@@ -36,6 +36,8 @@ ROUGHLY, LEAST_ROUGH = 4, 16  # a first motion has so many times fewer segments,
 PROVED = 1e-7  # gap above which the program is scaled anew by the motion found
 FAR = 1e-3  # gap of a convex program that is no answer
 SETTLED, MOST_ROUNDS = 1e-8, 30  # relative change of the value that ends rounds of loads that feel the speed
+NEGATIVE = 1e-6  # gap below 0 that is no rounding
+ABSURD = 1e3  # torque, in that of a motion at an even speed, that no press is meant to have
 SLACK = 1e-5  # share of the cycle that counts as a pause
 PEAK_WITH_HEAT = 0.1  # weight of the heat beside the peak: alone the peak leaves open how fast the crank is elsewhere
 INSIDE = 1e-7  # distance of the states at a segment's ends from its nodes, as a share: loads may jump there
@@ -293,6 +295,10 @@ class _Task:
     def _once(self, found: Coefficients, drive: ServoDrive, last: Array | None) -> tuple[MotionProblem, Solution, list[str]]:
         """One program, where loads are given; ``last``: b of the motion before, by whose speeds they were found."""
         weights = dict(self.wanted)
+        try:
+            refuse_short(motion_problem(found, drive, self.limits, weights, self.time), self.limits, self.press.name)
+        except PinpressError as error:
+            raise (error if self.explained else NoMotionError(str(error))) from None
         if len(weights) > 1:
             least = _optimum(motion_problem(found, drive, self.limits, {"heat": 1.0}, self.time), self.press.name, self.explained)
             cost = figures(motion_problem(found, drive, self.limits, {"heat": 1.0}, self.time), least.b)
@@ -329,6 +335,7 @@ class _Task:
         """The motion by full inverse dynamics, with its limits."""
         motion, reactions, time = _in_full(self.press, self.loads, self.friction, problem, answer.b)
         cost = figures(problem, answer.b)
+        self._caution_absurd(problem, answer, cost)
         said = list(notes)
         pause = 0.0 if problem.time is None else problem.time - cost.time
         if pause > SLACK * (problem.time or 1.0):
@@ -361,6 +368,23 @@ class _Task:
             by_ratio=FrozenMapping(dict(tried)),
             _stiff=float(np.max(problem.coefficients.inertia)) + problem.inertia,
         )
+
+    def _caution_absurd(self, problem: MotionProblem, answer: Solution, cost: Figures) -> None:
+        """Say where numbers show that hardly any motion keeps the limits: a bound above the value, or a torque beyond all measure."""
+        c, moving = problem.coefficients, cost.time - problem.resting
+        length = float(np.abs(c.grid.step).sum())
+        square = (length / moving) ** 2
+        even = c.inner_torque + 0.5 * c.inner_slope * square
+        usual = np.sqrt(np.mean(even**2) + ((float(np.mean(c.inertia)) + problem.inertia) * square / length) ** 2)
+        rms = np.sqrt(cost.heat / cost.time)
+        absurd = rms > ABSURD * usual
+        if not (absurd or answer.gap < -NEGATIVE):
+            return
+        what = f"a torque of {rms:.3g} N m rms at the crank, {rms / usual:.2g} times as much as at an even speed"
+        what = what if absurd else f"a bound above its value (gap {answer.gap:.1e}), so that it is not proved"
+        found = speed_times(problem, self.limits)
+        why = f": its limits of speed alone take {found.least:.6g} s, {found.words}" if found.by_limit else ""
+        caution(f"the best motion of {self.press.name}, {cost.time:.6g} s a cycle, has {what}{why}; give more time, or wider limits")
 
     def _missed(self, problem: MotionProblem, motion: ServoMotion, reactions: Reactions, cost: Figures, b: Array) -> float:
         """Largest share by which the full motion exceeds a limit."""

@@ -156,6 +156,15 @@ def test_least_heat(name, inertia, loads, time, limits, path, rms):
     assert best.motion.duration == pytest.approx(time, rel=1e-6)
 
 
+@pytest.mark.parametrize("back", [0.0, 0.005])
+def test_pulses_are_proved(back):
+    """The slide rests at bottom dead centre, where its limit of speed allows nearly any: rows of 1e9 cost six digits of the dual."""
+    path = servo.Pulse((0.04, 0.02, 0.0), back=back)
+    best = best_of_a(time=4.8, limits=[SLOW], path=path, points=720)
+    assert -1e-8 < best.gap < 1e-7
+    assert best.motion.heat == pytest.approx(best.value, rel=1e-4)
+
+
 def test_least_time_of_a_pendulum():
     drive, limits = servo.ServoDrive(inertia=10, peak_torque=2700), [servo.SlideSpeed(0.05, (0.004, 0.0))]
     swing = servo.best_motion(knuckle(), drive, COINING, minimise="time", path=servo.Pendulum(0.06), limits=limits)
@@ -418,7 +427,19 @@ def test_in_words():
             {"time": 0.25, "path": servo.Stop(), "drive": servo.ServoDrive(inertia=800, peak_torque=1.4e5)},
             "a cycle time of 0.* s or a torque of the motor of",
         ),
-        ({"limits": [servo.SlideSpeed(0.01, (0.06, 0.0))]}, "cycle time of 6.* s or a slide speed of 0.0"),
+        (
+            {"limits": [servo.SlideSpeed(0.01, (0.06, 0.0))]},
+            r"cycle time of 2.4 s and the slide speed of 0.01 m/s from 60 to 0 mm \(6 s\) together: .* take 6 s: give a longer",
+        ),
+        ({"time": 1.2, "limits": [servo.SlideSpeed(0.05, (0.06, 0.0))]}, "these speeds take 1.2 s: give a longer time"),
+        (
+            {"time": 1.0, "limits": [servo.SlideSpeed(0.05, (0.06, 0.0))], "drive": servo.ServoDrive(inertia=800, peak_torque=1.4e6)},
+            r"these speeds take 1.2 s: .*; with all limits a cycle time of 1.2\d+ s would do",
+        ),
+        (
+            {"limits": [servo.SlideSpeed(0.05, (0.06, 0.0)), servo.CrankSpeed(8.0)], "time": 1.5},
+            r"60 to 0 mm \(1.183 s\) and crank speed of 8 rad/s \(0.6435 s\) together: .*these speeds take 1.827 s",
+        ),
         ({"limits": [servo.SlideSpeed(0.2, (0.5, 0.0))]}, "500 mm are beyond the stroke"),
         ({"path": servo.Pendulum(0.05), "limits": [servo.SlideSpeed(0.2, (0.2, 0.1))]}, "the path has no part there on the way down"),
         ({"path": servo.Pendulum(0.5)}, "Pendulum: opening is 0.5 m, not below top dead centre"),
@@ -448,6 +469,17 @@ def test_refused(options, words):
     drive, loads = options.pop("drive"), options.pop("loads")
     with pytest.raises(pp.PinpressError, match=words):
         servo.best_motion(texts.shipped("zxn2_3000b"), drive, loads, **options)
+
+
+def test_hardly_possible_motions_have_a_caution():
+    """In hardly more time than a window takes; just this time is enough where limits hold everywhere and none is wider elsewhere."""
+    narrow = [servo.SlideSpeed(0.05, (0.06, 0.0))]
+    with pytest.warns(
+        pp.PinpressWarning, match=r"times as much as at an even speed: its limits of speed alone take 1.2 s, slide speed of 0.05"
+    ):
+        best_of_a(time=1.2001, limits=narrow, points=120)
+    even = best_of_a(time=2.4, limits=[servo.CrankSpeed(FULL / 2.4)], points=60)
+    assert even.motion.duration == pytest.approx(2.4)
 
 
 def test_what_would_do_does():

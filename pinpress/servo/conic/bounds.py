@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,13 +26,14 @@ from ..limits import (
     in_words,
     span,
 )
-from .coefficients import Coefficients
-from .motion_problem import Affine, Bounded, MotionProblem, inner_affine
+from .coefficients import Coefficients, segment_means
+from .motion_problem import Affine, Bounded, MotionProblem, inner_affine, rest_below
 from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, solve
 
 EDGE = 1e-9  # heights closer than this count as one [m]
 FLAT = 1e-9  # share of the largest travel by crank angle below which the slide turns back
 INVOLVED = 1e-4  # a limit with a smaller part in a contradiction, whose parts sum to one, is not named
+AS_LONG = 1e-6  # share by which a cycle is to be longer than the limits of speed take
 MUCH = 1e3  # limits that would have to be this many times as large are no remedy
 
 
@@ -114,7 +116,7 @@ def _of_drive(c: Coefficients, drive: ServoDrive) -> list[Bounded]:
     if drive.top_speed is not None:
         nodes = np.flatnonzero(~c.grid.rest)
         most = np.full(len(nodes), (drive.top_speed / drive.ratio) ** 2)
-        found.append(Bounded(f"speed of the motor of {drive.top_speed:.6g} rad/s", most, drive.top_speed, "rad/s", nodes=nodes, power=2.0))
+        found.append(Bounded(_speed_name(drive.top_speed), most, drive.top_speed, "rad/s", nodes=nodes, power=2.0))
     return found
 
 
@@ -186,6 +188,84 @@ def _bearing_force(c: Coefficients, limit: BearingForce, place: int) -> Bounded:
     return Bounded(in_words(limit), most, limit.force, "N", first, length=(second, third))
 
 
+# ------------------------------------------------------------------------------------------------------------- what speeds alone take
+
+
+class SpeedTimes(NamedTuple):
+    """The least time that limits of speed leave, however strong the drive is.
+
+    Attributes:
+        by_limit: name of a limit -> time that its part of the path takes [s]; where several limits hold, the slowest counts.
+        least: least time of a cycle, with the rests and the feed window [s].
+        reachable: whether a motion may take just this time: limits hold wherever the crank goes, and it never rests.
+    """
+
+    by_limit: Mapping[str, float]
+    least: float
+    reachable: bool
+
+    @property
+    def words(self) -> str:
+        """The limits with their times, e.g. "slide speed of 0.05 m/s from 60 to 0 mm (1.2 s)"."""
+        return _listed([f"{name} ({time:.4g} s)" for name, time in self.by_limit.items()])
+
+
+def speed_times(problem: MotionProblem, limits: Sequence[Limit]) -> SpeedTimes:
+    """What the limits of speed take along a path, by quadrature."""
+    c, n = problem.coefficients, len(problem.coefficients.grid.step)
+    travel = np.abs(np.stack([c.travel[:-1], *c.inner_travel, c.travel[1:]], axis=1))  # (N, 4)
+    slowness: dict[str, Array] = {}  # times by crank angle [s/rad]
+    if problem.drive.top_speed is not None:
+        slowness[_speed_name(problem.drive.top_speed)] = np.full((n, 4), problem.drive.ratio / problem.drive.top_speed)
+    for each in limits:
+        if isinstance(each, SlideSpeed | CrankSpeed):
+            of_limit = travel / each.speed if isinstance(each, SlideSpeed) else np.full((n, 4), 1.0 / each.speed)
+            slowness[in_words(each)] = np.where(_segments(c, each)[:, None], of_limit, 0.0)
+    if not slowness:
+        return SpeedTimes({}, problem.resting, False)
+    every = np.stack(list(slowness.values()))
+    times = np.maximum(segment_means(every.max(axis=0), c.inner), 0.0) * np.abs(c.grid.step)
+    slowest = every.sum(axis=2).argmax(axis=0)
+    by_limit = {name: float(times[slowest == k].sum()) for k, name in enumerate(slowness)}
+    moving = float(times.sum())
+    least = moving + problem.resting
+    if problem.below is not None:
+        least = max(least, float(times[problem.below].sum()) + rest_below(problem) + problem.feed_time)
+    named = {name: time for name, time in by_limit.items() if time > 1e-6 * moving}
+    return SpeedTimes(named, least, bool(c.grid.legs.closed and every.max(axis=0).min() > 0))
+
+
+def refuse_short(problem: MotionProblem, limits: Sequence[Limit], press_name: str) -> None:
+    """Raise PinpressError where the cycle is too short for the limits of speed, however strong the drive is.
+
+    A program without a limit of the torque does not find that out: its speeds outside of the windows rise beyond all numbers.
+    """
+    if problem.time is None:
+        return
+    found = speed_times(problem, limits)
+    if problem.time > found.least * (1.0 + AS_LONG if not found.reachable else 1.0 - AS_LONG) or not found.by_limit:
+        return
+    beside = [
+        *([f"rests of {problem.resting:.4g} s"] if problem.resting else []),
+        *([problem.feed_name] if problem.below is not None else []),
+    ]
+    with_ = f", with {' and '.join(beside)}" if beside else ""
+    remedy = _remedy(problem, problem.time_name) if any(each.quantity is not None for each in problem.bounds) else ""
+    more = f"; with all limits {remedy} would do" if remedy else ""
+    raise PinpressError(
+        f"no motion of {press_name} keeps the {problem.time_name} and the {found.words} together: however strong the drive is, these speeds"
+        f" take {found.least:.4g} s{with_}: give a longer time than that, or higher speeds{more}"
+    )
+
+
+def _speed_name(speed: float) -> str:
+    return f"speed of the motor of {speed:.6g} rad/s"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
 # ---------------------------------------------------------------------------------------------------------------------- contradictions
 
 
@@ -199,7 +279,7 @@ def contradiction(problem: MotionProblem, press_name: str) -> PinpressError:
         )
     involved = [name for name, part in together.parts.items() if part > INVOLVED] or list(together.parts)
     remedies = [words for name in involved if (words := _remedy(problem, name))]
-    names = " and ".join([", ".join(involved[:-1]), involved[-1]] if len(involved) > 1 else involved)
+    names = _listed(involved)
     remedy = f"{' or '.join(remedies)} would do; " if remedies else ""
     return PinpressError(
         f"no motion of {press_name} keeps the {names} together: {remedy}let out all {len(involved)} by {100 * together.relaxed:.3g} %"

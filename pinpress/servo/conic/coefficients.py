@@ -282,12 +282,16 @@ def _inside(values: Array) -> Array:
 
 
 def _mean(values: Array, inner: Array) -> Array:
-    """(N,) means over the segments of the cubics through values at their nodes and inner places."""
+    """(N,) means over the segments of values at nodes and inner places."""
+    return segment_means(np.stack([values[:-1:3], values[1::3], values[2::3], values[3::3]], axis=1), inner)
+
+
+def segment_means(values: Array, inner: Array) -> Array:
+    """(N,) means over the segments of the cubics through values (N, 4) at their beginnings, inner places and ends."""
     places = np.stack([np.zeros_like(inner[0]), *inner, np.ones_like(inner[0])], axis=1)
     powers = places[:, None, :] ** np.arange(4)[:, None]  # (N, 4, 4)
     weights = np.linalg.solve(powers, np.broadcast_to(1.0 / np.arange(1.0, 5.0)[:, None], (len(places), 4, 1)))[:, :, 0]
-    four = np.stack([values[:-1:3], values[1::3], values[2::3], values[3::3]], axis=1)
-    return np.asarray((four * weights).sum(axis=1))
+    return np.asarray((values * weights).sum(axis=1))
 
 
 def _feels_travel(load: Load) -> bool:

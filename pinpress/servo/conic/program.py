@@ -308,10 +308,13 @@ class _Program:
         if each.quantity is None:
             chosen = each.nodes
             rows, size = np.arange(len(chosen)), self.sizes.b[chosen]
-            bound = each.most / size
+            bound, step = each.most / size, np.ones(len(chosen))
+            # the slide hardly moves near its dead centres: rows of a bound of 1e9 cost the solver six digits of its dual
+            wide = bound > 1.0
+            step[wide], bound[wide] = 1.0 / bound[wide], 1.0
             limit = (each.name, each.power * bound, chosen, each.limit)
             kind = EQUAL if each.equal else AT_MOST
-            self.add(kind, [(rows, self.column[chosen], np.ones(len(chosen)))], bound, None if each.equal else limit)
+            self.add(kind, [(rows, self.column[chosen], step)], bound, None if each.equal else limit)
             return
         at = each.quantity.segments
         rows, scale = np.arange(len(at)), 1.0 / each.most
