@@ -20,6 +20,7 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..linkage.loading import load, presses
 from ..loads.link import Friction, Load
+from ..loads.mounts import Frame, Mount
 from ..simulation.elastic.description import Elastic, Stiffness
 from . import part_specs
 from .part_specs import ALL
@@ -210,6 +211,33 @@ def add_spring_options(parser: argparse.ArgumentParser) -> None:
     option("--moment-stiffness", metavar="NAME=Nm/rad", action="append", default=[], help=help)
     option("--elastic", metavar="KEYS", help="damping, shaft and frame of a press on springs, see below")
     option("--clearance", metavar="NAME:KEYS", action="append", default=[], help="clearance of a pin of a press on springs, see below")
+    add_mount_options(parser, "a press on springs shakes it")
+    why = "loss of rubber belongs to vibration of one frequency; give --mount with stiffness= and damping=, of the pad at that which counts"
+    add_refused_option(parser, "--pad", why)
+
+
+def add_mount_options(parser: argparse.ArgumentParser, what: str) -> None:
+    """Options of `frame_on_mounts`; ``what``: happens with the frame, for the help."""
+    option = parser.add_argument
+    option("--frame", metavar="KEYS", help=f"the frame on its mounts, see below: {what}")
+    option("--mount", metavar="KEYS", action="append", default=[], help="a mount below it, see below; may be given several times")
+
+
+def frame_on_mounts(options: argparse.Namespace, pad: str | None = None) -> tuple[Frame, list[Mount]] | None:
+    """The frame and its mounts, of `add_mount_options`; None where none are given.
+
+    Args:
+        options: those of `add_mount_options`.
+        pad: what the rubber pad of each mount is; None for none.
+
+    Raises:
+        PinpressError: one is given without the other; as `part_specs`.
+    """
+    if (options.frame is None) != (not options.mount):
+        raise PinpressError("--frame and --mount go together, for the press on its mounts: give --frame and every --mount, or none")
+    if options.frame is None:
+        return None
+    return part_specs.part("--frame", part_specs.FRAME, options.frame), part_specs.mounts(options.mount, pad)
 
 
 class Forces(TypedDict):
@@ -247,7 +275,8 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
         PinpressError: as `part_specs`; also where a bearing or guide has no stiffness.
     """
     if not options.stiffness:
-        alone = next((name for name in ("moment_stiffness", "elastic", "clearance") if getattr(options, name)), None)
+        beside = ("moment_stiffness", "elastic", "clearance", "frame", "mount")
+        alone = next((name for name in beside if getattr(options, name)), None)
         if alone is None:
             return None
         option = f"--{alone.replace('_', '-')}"
@@ -265,10 +294,11 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
         shaft=also.shaft,
         frame=also.frame,
     )
+    frame, mounts = frame_on_mounts(options) or (None, [])
     try:
-        return Elastic(stiffness, also.damping_ratio, crown_mass=also.crown_mass, clearances=clearances)
+        return Elastic(stiffness, also.damping_ratio, {}, also.crown_mass, clearances, mounted_frame=frame, mounts=mounts)
     except PinpressError as error:
-        raise PinpressError(f"--elastic {options.elastic}: {error}") from None
+        raise PinpressError(f"{error}" if options.elastic is None else f"--elastic {options.elastic}: {error}") from None
 
 
 def _of_all(option: str, given: dict[str, float], names: Sequence[str], example: str) -> dict[str, float]:

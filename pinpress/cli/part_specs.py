@@ -123,7 +123,7 @@ CLUTCH = Kind(Clutch, "torque=6e4,rise=0.1,closes=0.2s")
 BRAKE = Kind(Brake, "torque=4e4,closes=350deg")
 
 FRAME = Kind(Frame, "mass=15t,centre=0/0.1/-0.35,inertia=9000/8000/4000")
-MOUNT = Kind(Mount, "point=0.55/0.6/-1.3,stiffness=50MN/m/50MN/m/200MN/m,loss_factor=0.1")
+MOUNT = Kind(Mount, "point=0.55/0.6/-1.3,stiffness=50MN/m/50MN/m/200MN/m,damping=2e5/2e5/4e5")
 PAD = Kind(RubberPad, "length=200mm,width=200mm,thickness=10mm,hardness=65,loss_factor=0.15,stiffening=1.3")
 
 
@@ -372,9 +372,6 @@ def _of_mounts() -> list[str]:
         f"  {keys(FRAME)}",
         f"  {keys(MOUNT)}",
         f"  e.g. --frame {FRAME.example} --mount {MOUNT.example}",
-        "--pad, the rubber pad at each --mount, which then is point= alone; hardness in Shore A, 20 to 80, or shear_modulus:",
-        f"  {keys(PAD)}",
-        f"  e.g. --pad {PAD.example} --mount {PLACE.example}",
     ]
 
 

@@ -14,6 +14,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import PointForce, SpringDamper
+from ..loads.mounts import Frame, Mount
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
 from ..simulation.steady_state import steady_state
@@ -25,9 +26,11 @@ from .options import (
     Forces,
     add_flywheel_option,
     add_force_options,
+    add_mount_options,
     add_press_options,
     add_trace_option,
     forces,
+    frame_on_mounts,
     load_other,
     load_press,
     named_point,
@@ -43,7 +46,11 @@ springs or with --pad of rubber (loads of the mounts, modes, vibration and force
 regions: {balance.REGION}
 criteria: {balance.CRITERION}; see pinpress balance --help
 
-{part_specs.explained("load", "spring", "friction", "motor", "mount")}
+{part_specs.explained("load", "spring", "friction", "motor", "mount")}\
+--pad, the rubber pad at each --mount, which then is point= alone; hardness in Shore A, 20 to 80, or shear_modulus:
+  {part_specs.keys(part_specs.PAD)}
+  e.g. --pad {part_specs.PAD.example} --mount {part_specs.PLACE.example}
+
 {SIGNS}e.g. pinpress report zxn2_3000b --speed 70 --load blanking:force=1000kN,start=6mm,end=2mm --out report.html
      --nominal-force 3000kN --nominal-height 13mm --motor induction:rated_power=75kW,rated_speed=1485,inertia=1.2,ratio=20.7
      --flywheel 6000
@@ -69,9 +76,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--motor", metavar="KIND:KEYS", help="motor, see below: the page shows the steady state under it, with loads and flywheel, too")
     add_flywheel_option(parser, "with --motor, and with --speed-drop as an energy of the ratings")
     balance.add_balance_options(parser, required=False)
-    help = "the frame, see below: the page shows it on its mounts, with its modes, and its vibration at this speed"
-    option("--frame", metavar="KEYS", help=help)
-    option("--mount", metavar="KEYS", action="append", default=[], help="a mount below it, see below; may be given several times")
+    add_mount_options(parser, "the page shows its modes, and its vibration at this speed")
     option("--pad", metavar="KEYS", help="the rubber pad at each mount, see below")
     point = named_point("the frame", "crown:0,0,0.9")
     help = "show the vibration of this point of the frame, in m in world axes, too; may be given several times"
@@ -136,10 +141,8 @@ def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
         raise PinpressError("--flywheel shows at a motor or in the ratings: give --motor, or --nominal-force and --speed-drop")
     if bool(options.region) != bool(options.minimise) or (options.limit and not options.region):
         raise PinpressError("--region, --minimise and --limit go together, to balance the press: give --region and --minimise, or none")
-    if (options.frame is None) != (not options.mount):
-        raise PinpressError("--frame and --mount go together, for the press on its mounts: give --frame and every --mount, or none")
     beside = [name for name in ("pad", "frame_point", "speed_range") if getattr(options, name)]
-    if options.frame is None and beside:
+    if frame_on_mounts(options, options.pad) is None and beside:
         raise PinpressError(f"--{beside[0].replace('_', '-')} is for the press on its mounts: give --frame and every --mount too")
     if options.region and options.friction:
         raise PinpressError("--region: balancing needs forces linear in the masses, and with friction they are not: leave out either")
@@ -171,11 +174,12 @@ def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argp
         yield slide_deflection(press, reactions.motion, stiffness, loads=loads)
     if options.region:
         yield balance.balanced_by(press, [OperatingCondition(reactions.motion, loads)], options)
-    if options.frame is not None:
-        yield from _on_mounts(press, reactions, options)
+    on_mounts = frame_on_mounts(options, options.pad)
+    if on_mounts is not None:
+        yield from _on_mounts(press, reactions, *on_mounts, options)
 
 
-def _on_mounts(press: Linkage, reactions: Reactions, options: argparse.Namespace) -> Iterator[Tabular]:
+def _on_mounts(press: Linkage, reactions: Reactions, frame: Frame, mounts: list[Mount], options: argparse.Namespace) -> Iterator[Tabular]:
     """What the frame on its mounts does."""
     from ..foundation.mounted_press import modes, mounted  # seldom needed
     from ..foundation.response import steady_response
@@ -185,8 +189,7 @@ def _on_mounts(press: Linkage, reactions: Reactions, options: argparse.Namespace
     names = [name for name, _ in options.frame_point]
     if twice := {name for name in names if names.count(name) > 1}:
         raise PinpressError(f"--frame-point: {min(twice)} is given twice")
-    frame = part_specs.part("--frame", part_specs.FRAME, options.frame)
-    system = mounted(press, frame, part_specs.mounts(options.mount, options.pad))
+    system = mounted(press, frame, mounts)
     points = {"centre of the frame": frame.centre, **dict(options.frame_point)}
     yield system
     yield modes(system)

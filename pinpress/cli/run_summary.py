@@ -172,6 +172,10 @@ def _on_springs(press: Linkage, run: ElasticRun, reactions: Reactions) -> list[s
         tables.entry("reverse force", scale.shown(run.reverse_force), scale.unit, "with which the linkage pulls the slide up"),
         tables.entry("on the frame", scale.shown(frame), scale.unit, "largest at the states, weight included"),
     ]
+    if run.floor_force is not None and run.frame_motion is not None:
+        floor, moved = (float(np.linalg.norm(each, axis=1).max()) for each in (run.floor_force, run.frame_motion[:, :2]))
+        lines.append(tables.entry("on the floor", scale.shown(floor), scale.unit, "largest at the states, weight included"))
+        lines.append(tables.entry("frame", f"{1e3 * moved:.4f}", "mm", "largest displacement of its centre of mass at the states"))
     if run.decay_per_stroke is not None:
         lines.append(tables.entry("decay", f"{100 * run.decay_per_stroke:.3g}", "%", "of a vibration is left after a stroke"))
     heads = ["", f"on its springs [{scale.unit}]", f"rigid [{scale.unit}]"]

@@ -51,7 +51,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "motor's torque, the strokes and the peak force of every bearing, with --stiffness of the press on its springs; with --out also\n"
         "writes simulation.csv (every quantity at every instant), strokes.csv (one line a stroke, SI units) and recording.html (the press\n"
         "turning with its forces, a page to open by double click).",
-        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor', 'clutch', 'elastic')}\n{SIGNS}",
+        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor', 'clutch', 'elastic', 'mount')}\n{SIGNS}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 import pinpress as pp
@@ -39,6 +40,33 @@ def test_every_word_reaches_the_simulation(capsys: pytest.CaptureFixture[str], m
     assert "force_P [N]" in header
 
 
+FRAME = ["--frame", "mass=2t,centre=0/0/0.3,inertia=400/500/300"]
+MOUNT = ["--mount", "point=0.4/0/-0.8,stiffness=4MN/m/4MN/m/9MN/m,damping=4e4/4e4/8e4"]
+OTHER_MOUNT = ["--mount", MOUNT[1].replace("0.4", "-0.4")]
+
+
+def test_the_frame_on_its_mounts(capsys: pytest.CaptureFixture[str]) -> None:
+    """The summary has what the run in Python has of floor and frame, and the inputs name both."""
+    assert main([*RUN, *SPRINGS, *FRAME, *MOUNT, *OTHER_MOUNT, "--points", "12"]) == 0
+    bearings = {"O": 5e7, "P": 6e7, "slide_guide": 5e7, "W": 5e7}
+    mounts = [pp.foundation.Mount((x, 0.0, -0.8), (4e6, 4e6, 9e6), (4e4, 4e4, 8e4)) for x in (0.4, -0.4)]
+    frame = pp.foundation.Frame(2000.0, (0.0, 0.0, 0.3), (400.0, 500.0, 300.0))
+    stiffness = pp.elasticity.Stiffness(bearings, moments={"slide_guide": 1e6})
+    elastic = pp.elasticity.Elastic(stiffness, mounted_frame=frame, mounts=mounts)
+    speed, press = 60 * pp.RPM, pp.load("crank_slide")
+    run = pp.simulate(press, 0.02, speed=speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic, points=12)
+    assert run.floor_force is not None
+    assert run.frame_motion is not None
+    floor, moved = (np.linalg.norm(each, axis=1).max() for each in (run.floor_force, run.frame_motion[:, :2]))
+    out = capsys.readouterr().out
+    rows = {line[:20].strip(): line.split() for line in out.splitlines() if line.startswith("  ")}
+    assert rows["on the floor"][3:5] == f"{floor:,.1f}".replace(",", " ").split()
+    assert rows["frame"][0] == "frame"
+    assert f"{1e3 * moved:.4f}" in out
+    assert "Frame(mass=2000 kg" in out
+    assert "2 at (0.4, 0, -0.8), (-0.4, 0, -0.8) m: 4 / 4 / 9 kN/mm along x, y, z, damping 40 / 40 / 80 kN s/m" in out
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
@@ -58,6 +86,13 @@ def test_every_word_reaches_the_simulation(capsys: pytest.CaptureFixture[str], m
         ([*SPRINGS, "--clearance", "P:radial=0.1mm", "--clearance", "P:radial=0.2mm"], "the clearance of P is given twice"),
         ([*SPRINGS, "--clearance", "P:radial=100"], "give the radial clearance in m"),
         ([*SPRINGS, "--clearance", "P:radial=0.1mm,law=hertz"], "restitution belongs to the law 'hertz': give it"),
+        ([*FRAME, *MOUNT], "--frame is for a press on springs"),
+        ([*SPRINGS, *FRAME], "--frame and --mount go together"),
+        ([*SPRINGS, *MOUNT], "--frame and --mount go together"),
+        ([*SPRINGS, *FRAME, "--mount", "point=0/0/0"], "--mount point=0/0/0: "),
+        ([*SPRINGS, *FRAME, *MOUNT, "--pad", "length=0.2"], "--pad: loss of rubber belongs to vibration of one frequency"),
+        ([*SPRINGS, *FRAME, *MOUNT, "--elastic", "frame=1e9,crown_mass=1t"], "leave out crown_mass, or the mounts"),
+        ([*SPRINGS, *FRAME, *MOUNT, "--clearance", "P:radial=0.1mm"], "pinpress: Elastic: a frame on mounts is rigid"),
         ([*SPRINGS, "--method", "constraint"], "--method does not go with --stiffness"),
     ],
 )

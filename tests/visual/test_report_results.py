@@ -297,7 +297,7 @@ def test_the_command_with_mounts(press: Any, tmp_path: Path) -> None:
 def test_examples_of_frame_and_mounts() -> None:
     frame = part_specs.part("--frame", part_specs.FRAME, part_specs.FRAME.example)
     assert frame == pp.foundation.Frame(15e3, (0.0, 0.1, -0.35), (9e3, 8e3, 4e3))
-    spring = pp.foundation.Mount((0.55, 0.6, -1.3), (5e7, 5e7, 2e8), loss_factor=0.1)
+    spring = pp.foundation.Mount((0.55, 0.6, -1.3), (5e7, 5e7, 2e8), (2e5, 2e5, 4e5))
     assert part_specs.mounts([part_specs.MOUNT.example], None) == [spring]
     pad = pp.foundation.RubberPad(0.2, 0.2, 0.01, hardness=65, loss_factor=0.15, stiffening=1.3)
     assert part_specs.mounts([part_specs.PLACE.example], part_specs.PAD.example) == [pp.foundation.pad_mount((0.55, 0.6, -1.3), pad)]

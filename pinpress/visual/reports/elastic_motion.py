@@ -9,7 +9,7 @@ import numpy as np
 from ...common import tables
 from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
-from ...dynamics.inputs import Inputs
+from ...dynamics.inputs import Inputs, described
 from ...elasticity.impacts import ImpactsByTurn
 from ...elasticity.speed_range import CampbellDiagram, ElasticSpeedResponse
 from ...elasticity.vibration import ElasticModes
@@ -17,6 +17,7 @@ from ...simulation.elastic.description import Elastic
 from ...simulation.elastic.elastic_run import ElasticRun
 from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .elasticity import stiffness_in_words
+from .foundation import mounts_in_words
 from .shown import Shown
 
 MOST_BEARINGS = 6  # bearings with a chart of their own, those of the largest forces
@@ -71,6 +72,10 @@ def _figures(run: ElasticRun, bottom: float) -> list[Figure]:
         Figure("force on the frame", with_prefix(float(np.linalg.norm(run.shaking_force, axis=1).max()), "N"), "largest"),
         Figure("lost in dampers", with_prefix(lost, "J"), f"of {with_prefix(drive, 'J')} of the drive; loads {with_prefix(loads, 'J')}"),
     ]
+    if run.floor_force is not None and run.frame_motion is not None:
+        found.append(Figure("force on the floor", with_prefix(float(np.linalg.norm(run.floor_force, axis=1).max()), "N"), "largest"))
+        moved = float(np.linalg.norm(run.frame_motion[:, :2], axis=1).max())
+        found.append(Figure("frame on its mounts", with_prefix(moved, "m"), "largest displacement of its centre of mass"))
     if run.decay_per_stroke is not None:
         found.append(Figure("decay of vibrations", f"{run.decay_per_stroke:.3g}", "what is left of one after a stroke"))
     return found
@@ -130,6 +135,8 @@ def elastic_in_words(elastic: Elastic) -> Inputs:
         words.append((f"clearance of {name}", f"{1e6 * each.radial:.6g} um radial, contact law {law!r}"))
     if elastic.flexible_links:
         words.append(("flexible links", ", ".join(f"{each.link}, {len(each.natural_frequency)} shapes" for each in elastic.flexible_links)))
+    if elastic.mounted_frame is not None:
+        words += [("frame", described(elastic.mounted_frame)), ("mounts", mounts_in_words(elastic.mounts))]
     return [*stiffness_in_words(elastic.stiffness), *words]
 
 

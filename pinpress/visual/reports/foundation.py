@@ -48,10 +48,10 @@ def _inputs(system: MountedPress) -> Inputs:
     """The parts of the frame and the springs that they stand on, in words."""
     parts = [("frame", system.frame)] if system.crown is None else [("bed", system.frame), ("crown", system.crown)]
     springs = [(name, some) for name, some in (("mounts", system.mounts), ("uprights", system.uprights)) if some]
-    return [*((name, described(part)) for name, part in parts), *((name, _in_words(some)) for name, some in springs)]
+    return [*((name, described(part)) for name, part in parts), *((name, mounts_in_words(some)) for name, some in springs)]
 
 
-def _in_words(mounts: Sequence[Mount]) -> str:
+def mounts_in_words(mounts: Sequence[Mount]) -> str:
     """Springs with their places; those that differ in nothing else stand together."""
     places: dict[Mount, list[str]] = {}
     for mount in mounts:
