@@ -14,20 +14,20 @@ from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
 from ..common.results import Records
-from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
 from ..kinematics.motion import moved
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import limits as limits_
+from .between_nodes import Excess, FullMotion, excess_of, full_motion, largest_excess, limits_at_states
 from .conic.bounds import bearings_of, contradiction, limit_heights, motion_problem, refuse_heights, refuse_short, speed_times
 from .conic.coefficients import Coefficients, PathMotion, coefficients, feels_speed, load_heights, path_grid
-from .conic.local_limits import LocalLimits, powers, torque_rates, within_local_limits
-from .conic.motion_problem import Figures, MotionProblem, figures, segment_times
+from .conic.local_limits import LocalLimits, powers, within_local_limits
+from .conic.motion_problem import Figures, MotionProblem, figures
 from .conic.program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
 from .drive import ServoDrive
 from .limits import Limit
-from .motion import ServoMotion, evaluated
 from .motion_optimum import UNITS, ActiveLimit, MotionOptimum, TradeOffPoint
 from .paths import Path, Turn, legs_of
 
@@ -40,8 +40,8 @@ NEGATIVE = 1e-6  # gap below 0 that is no rounding
 ABSURD = 1e3  # torque, in that of a motion at an even speed, that no press is meant to have
 SLACK = 1e-5  # share of the cycle that counts as a pause
 PEAK_WITH_HEAT = 0.1  # weight of the heat beside the peak: alone the peak leaves open how fast the crank is elsewhere
-INSIDE = 1e-7  # distance of the states at a segment's ends from its nodes, as a share: loads may jump there
-LOBATTO = np.array([0.0, 0.5 - 0.1 * 5**0.5, 0.5 + 0.1 * 5**0.5, 1.0]), np.array([1.0, 5.0, 5.0, 1.0]) / 12.0
+EXCEEDED = 5e-4  # share by which torque or power may be exceeded between nodes
+MOST_AMENDED, AMENDED = 5, 1e-4  # most rounds that amend it, and relative change of the value that ends them
 
 
 class NoMotionError(PinpressError):
@@ -307,11 +307,59 @@ class _Task:
         problem = motion_problem(found, drive, self.limits, weights, self.time)
         answer = _optimum(problem, self.press.name, self.explained)
         notes: list[str] = []
-        rates = [each.rate * drive.ratio for each in self.limits if isinstance(each, limits_.TorqueRate)]
-        never_rests = found.grid.legs.closed and "time" not in self.wanted
-        local = LocalLimits(drive.power, min(rates, default=None), self.time if never_rests else None)
-        answer, problem, notes = within_local_limits(problem, answer, local, lambda each: _optimum(each, self.press.name, False), last)
+        answer, problem, notes = self._within_local_limits(problem, answer, last)
         return problem, answer, notes
+
+    def _within_local_limits(
+        self, problem: MotionProblem, answer: Solution, last: Array | None, proved: bool = True
+    ) -> tuple[Solution, MotionProblem, list[str]]:
+        rates = [each.rate * problem.drive.ratio for each in self.limits if isinstance(each, limits_.TorqueRate)]
+        never_rests = problem.coefficients.grid.legs.closed and "time" not in self.wanted
+        local = LocalLimits(problem.drive.power, min(rates, default=None), self.time if never_rests else None, proved)
+        return within_local_limits(problem, answer, local, lambda each: _optimum(each, self.press.name, False), last)
+
+    def _kept_between_nodes(self, problem: MotionProblem, answer: Solution) -> tuple[MotionProblem, Solution, FullMotion, list[str]]:
+        """The motion with torque and power limited between nodes too, where they are exceeded there; the bound stays as it is."""
+        full = full_motion(self.press, self.loads, self.friction, problem, answer.b)
+        first = excess_of(problem, full)
+        if first.share <= EXCEEDED:
+            return problem, answer, full, []
+        last = best = problem, answer, full
+        chosen, least = first, first.share
+        for _ in range(MOST_AMENDED):
+            try:
+                narrow, new = self._limited_at_states(*last, chosen)
+            except PinpressError:
+                break
+            last = narrow, new, full_motion(self.press, self.loads, self.friction, narrow, new.b)
+            now = excess_of(narrow, last[2])
+            chosen = now.with_those_of(chosen)
+            # tangents at the motion that exceeded the power are far off; the next ones are better
+            gained = best[1].value - new.value if least <= EXCEEDED else np.inf
+            if now.share < max(least, EXCEEDED) and gained > 0:
+                best, least = last, now.share
+            if now.share <= EXCEEDED and not (chosen.power.any() and gained > AMENDED * abs(new.value)):
+                break
+        if best[2] is full:
+            return *best, []
+        found = replace(best[1], bound=answer.bound)
+        note = (
+            f"torque or power was up to {100 * first.share:.2g} % above its limit between nodes, and is limited there too; no motion that"
+            f" keeps it in the mean from node to node is better than this one by more than {100 * found.gap:.2g} %"
+        )
+        return best[0], found, best[2], [note]
+
+    def _limited_at_states(
+        self, problem: MotionProblem, answer: Solution, full: FullMotion, chosen: Excess
+    ) -> tuple[MotionProblem, Solution]:
+        """The best motion that keeps limits of torque and power at states within these segments too, by tangents at the last motion."""
+        feels = feels_speed(self.loads, self.friction)
+        found = self._with_speeds(problem, answer.b) if feels else problem.coefficients
+        whole = motion_problem(found, problem.drive, self.limits, dict(problem.weights), self.time)
+        narrow = replace(whole, bounds=(*whole.bounds, *limits_at_states(whole, full, answer.b, chosen)))
+        new = _optimum(narrow, self.press.name, False)
+        new, narrow, _ = self._within_local_limits(narrow, new, answer.b, False)
+        return narrow, new
 
     def _with_speeds(self, problem: MotionProblem, b: Array) -> Coefficients:
         """The coefficients with the torque that loads and friction take at the speeds of a motion."""
@@ -333,15 +381,17 @@ class _Task:
         self, path: Path, problem: MotionProblem, answer: Solution, notes: tuple[str, ...], tried: Mapping[float, float]
     ) -> MotionOptimum:
         """The motion by full inverse dynamics, with its limits."""
-        motion, reactions, time = _in_full(self.press, self.loads, self.friction, problem, answer.b)
+        raw_gap = answer.gap
+        problem, answer, full, tightened = self._kept_between_nodes(problem, answer)
+        motion, reactions, time = full.motion, full.reactions, full.time
         cost = figures(problem, answer.b)
         self._caution_absurd(problem, answer, cost)
-        said = list(notes)
+        said = [*notes, *tightened]
         pause = 0.0 if problem.time is None else problem.time - cost.time
         if pause > SLACK * (problem.time or 1.0):
             said.append(_pause_in_words(pause, problem.coefficients.grid.legs.closed))
-        missed = self._missed(problem, motion, reactions, cost, answer.b)
-        if answer.gap > FAR and _loses_by_speed(problem):
+        missed = largest_excess(problem, self.limits, self.time, full, answer.b)
+        if raw_gap > FAR and _loses_by_speed(problem):
             said.append(
                 "losses that grow with the speed are not convex where the crank could be slower at no cost: no motion is better by more"
                 f" than {100 * answer.gap:.2g} %"
@@ -385,45 +435,6 @@ class _Task:
         found = speed_times(problem, self.limits)
         why = f": its limits of speed alone take {found.least:.6g} s, {found.words}" if found.by_limit else ""
         caution(f"the best motion of {self.press.name}, {cost.time:.6g} s a cycle, has {what}{why}; give more time, or wider limits")
-
-    def _missed(self, problem: MotionProblem, motion: ServoMotion, reactions: Reactions, cost: Figures, b: Array) -> float:
-        """Largest share by which the full motion exceeds a limit."""
-        drive, found = problem.drive, [0.0]
-        if self.time is not None:
-            found.append(abs(cost.time / self.time - 1.0) if problem.time is None else cost.time / self.time - 1.0)
-        if drive.peak_torque is not None:
-            found.append(motion.peak_motor_torque / drive.peak_torque - 1.0)
-        if drive.top_speed is not None:
-            found.append(float(np.abs(motion.motor_speed).max()) / drive.top_speed - 1.0)
-        if drive.power is not None:
-            found.append(motion.peak_power / drive.power - 1.0)
-        if problem.rms is not None:
-            found.append(np.sqrt(motion.heat / max(problem.time or 0.0, motion.duration)) / problem.rms - 1.0)
-        if problem.below is not None:
-            found.append((cost.below + problem.feed_time) / motion.duration - 1.0)
-        down = motion.motion.slide_velocity < 0
-        for each in self.limits:
-            if isinstance(each, limits_.BearingForce):
-                found.append(float(np.linalg.norm(reactions.bearing_force[each.bearing], axis=1).max()) / each.force - 1.0)
-            elif isinstance(each, limits_.TorqueRate):
-                found.append(float(torque_rates(problem, b).max()) / drive.ratio / each.rate - 1.0)
-            elif isinstance(each, limits_.CrankAcceleration):
-                found.append(float(np.abs(motion.acceleration).max()) / each.acceleration - 1.0)
-            elif isinstance(each, limits_.Window):
-                low, high = limits_.span(each)
-                inside = (motion.height > low) & (motion.height < high)
-                inside &= True if each.flank == "both" else down if each.flank == "down" else ~down
-                values, most = _limited(each, motion)
-                found.append(float(np.abs(values[inside]).max(initial=0.0)) / most - 1.0)
-        return max(found)
-
-
-def _limited(limit: limits_.Window, motion: ServoMotion) -> tuple[Array, float]:
-    if isinstance(limit, limits_.SlideSpeed):
-        return motion.motion.slide_velocity, limit.speed
-    if isinstance(limit, limits_.CrankSpeed):
-        return motion.speed, limit.speed
-    return motion.motion.slide_acceleration, limit.acceleration
 
 
 def _fixed_point(feels: Sequence[str], rounds: int) -> str:
@@ -475,41 +486,6 @@ def _cycle(problem: MotionProblem, cost: Figures) -> float:
 def _loses_by_speed(problem: MotionProblem) -> bool:
     """Whether losses of the drive grow with its speed. Its program may then make them smaller than they are, and the gap is no rounding."""
     return bool(problem.drive.viscous or (problem.drive.iron and "energy" in problem.weights))
-
-
-def _in_full(
-    press: Linkage, loads: Sequence[Load], friction: Mapping[str, Friction], problem: MotionProblem, b: Array
-) -> tuple[ServoMotion, Reactions, Array]:
-    """The motion in states within all segments and at rests, with its reactions; and the times of the nodes."""
-    c, grid = problem.coefficients, problem.coefficients.grid
-    durations = segment_times(c, b)
-    nodes, rule = LOBATTO
-    share = np.clip(nodes, INSIDE, 1.0 - INSIDE)
-    speed, acceleration = grid.way * np.sqrt(b[:-1]), 0.5 * np.diff(b) / grid.step
-    rests = np.zeros(len(durations))
-    last = np.flatnonzero(np.append(np.diff(grid.leg) > 0, True))
-    rests[last] = grid.legs.dwells
-    if problem.time is not None and not grid.legs.closed:
-        rests[-1] += max(0.0, problem.time - durations.sum() - rests.sum())
-    start = np.concatenate([[0.0], np.cumsum(durations + rests)])
-    since = durations[:, None] * share
-    time = start[:-1, None] + since
-    angle = grid.angle[:-1, None] + speed[:, None] * since + 0.5 * acceleration[:, None] * since**2
-    rate = speed[:, None] + acceleration[:, None] * since
-    weight = durations[:, None] * rule
-    parts = [time.ravel(), weight.ravel(), angle.ravel(), rate.ravel(), np.repeat(acceleration, len(nodes))]
-    for k in np.flatnonzero(rests)[::-1]:
-        at, ends = (k + 1) * len(nodes), np.array([start[k] + durations[k], start[k + 1]])
-        # a pause that the path does not ask for is one of the brake
-        held = 0.5 * grid.legs.dwells[grid.leg[k]]
-        rest = (ends, np.full(2, held), np.full(2, grid.angle[k + 1]), np.zeros(2), np.zeros(2))
-        parts = [np.concatenate([part[:at], more, part[at:]]) for part, more in zip(parts, rest, strict=True)]
-    time_, weight_, angle_, rate_, acceleration_ = parts
-    time_ = np.maximum.accumulate(time_)
-    time_[-1] = start[-1]
-    time_[0] = 0.0
-    evaluated_ = evaluated(press, problem.drive, loads, time_, weight_, angle_, rate_, acceleration_, friction, bearings=None)
-    return *evaluated_, start
 
 
 def _active(problem: MotionProblem, answer: Solution) -> Records[ActiveLimit]:

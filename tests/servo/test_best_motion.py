@@ -14,6 +14,7 @@ from support.oracles import servo_by_hand
 
 import pinpress as pp
 from pinpress import servo
+from pinpress.pin_table.templates import template
 
 FULL = 2 * np.pi
 HEAVY = 1e9  # inertia beside which that of a linkage is nothing [kg m2]
@@ -81,8 +82,9 @@ def test_bang_bang_of_a_linkage(name):
     weight = 0.5 * np.pi * np.sin(np.pi * (np.arange(4000) + 0.5) / 4000) / 4000 * FULL
     mass = servo_by_hand.Press(press, inertia).at(top + FULL * s)[0]
     time = np.sum(weight * np.sqrt(mass / (2.0 * torque * FULL * np.minimum(s, 1 - s))))
-    assert quick.value == pytest.approx(time, rel=2e-5)
-    assert quick.gap < 1e-7
+    assert quick.bound == pytest.approx(time, rel=2e-5)  # of motions that keep the torque in the mean from node to node
+    assert time < quick.value < 1.006 * time
+    assert quick.missed < 1e-3
 
 
 # --------------------------------------------------------------------------------------------------------------------- other solvers
@@ -169,8 +171,9 @@ def test_least_time_of_a_pendulum():
     drive, limits = servo.ServoDrive(inertia=10, peak_torque=2700), [servo.SlideSpeed(0.05, (0.004, 0.0))]
     swing = servo.best_motion(knuckle(), drive, COINING, minimise="time", path=servo.Pendulum(0.06), limits=limits)
     turn = servo.best_motion(knuckle(), drive, COINING, minimise="time", path=servo.Stop(), limits=limits)
-    assert 120.0 / swing.value == pytest.approx(153.7, rel=1e-3)
-    assert 60.0 / turn.value == pytest.approx(120.5, rel=1e-3)
+    assert 120.0 / swing.bound == pytest.approx(153.7, rel=1e-3)  # the prototype kept the torque in the mean from node to node
+    assert 60.0 / turn.bound == pytest.approx(120.5, rel=1e-3)
+    assert 0.99 < swing.bound / swing.value < 1.0
 
 
 @pytest.mark.parametrize(("ratio", "rms"), [(40.0, 1012.0), (60.0, 932.0), (100.0, 1115.0)])
@@ -204,9 +207,9 @@ def test_power_is_kept_and_its_bound_is_close(power, rms, gap):
     """Motion (N = 720) and gap (N = 180) of a prototype: 8e-5, 1e-4 and 5e-4 after tightening, 1.3, 6.1 and 14.9 % before it."""
     press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=800, power=power)
     best = servo.best_motion(press, drive, DRAWING, time=2.4, limits=[SLOW], points=180)
-    assert best.motion.rms_torque == pytest.approx(rms, rel=1e-3)
-    assert best.motion.peak_power < 1.07 * power
-    assert -1e-8 < best.gap < gap
+    assert best.motion.rms_torque == pytest.approx(rms, rel=3e-3)
+    assert best.motion.peak_power < 1.001 * power
+    assert -1e-8 < best.gap < gap + 5e-3  # the prototype kept the power in the mean from node to node
     assert "is not convex" in best.notes[0]
     assert "rounds of enclosing" in best.notes[0]
 
@@ -274,7 +277,7 @@ def proved(task, points):
     angle = best.angle[0] + FULL * constant / time
     usual = servo.evaluate(press, drive, loads, time=constant, angle=angle, speed=FULL / time, acceleration=0.0)
     assert best.gap > -1e-8
-    assert best.gap < 1e-7 or "not less is not convex" in best.notes[0]
+    assert best.gap < 1e-7 or any("not less is not convex" in note or "above its limit between nodes" in note for note in best.notes)
     assert best.motion.duration == pytest.approx(time, rel=1.1e-3)
     assert best.value <= usual.heat * (1.0 + 1e-3)
     assert best.motion.heat == pytest.approx(best.value, rel=1e-2)
@@ -336,6 +339,29 @@ def test_a_limit_is_kept_and_acts(limit, of):
     assert of(best) == pytest.approx(1.0, abs=0.02)
     assert best.value > free.value * (1 + 1e-6)
     assert len(best.limits) > 1
+
+
+@pytest.mark.parametrize(("name", "inertia"), [("zxn2_3000b", 800), ("jf75g_125", 2), ("thin_wall", 2), ("link-drive", 20)])
+def test_limits_of_the_drive_hold_between_nodes(name, inertia, tmp_path):
+    """In the mean from node to node they hold anyhow; at an instant they were exceeded by 2 to 20 %, with least time or least heat."""
+    path = tmp_path / f"{name}.yaml"
+    path.write_bytes(template(name) if name == "link-drive" else b"")
+    press = pp.build(path) if name == "link-drive" else texts.shipped(name)
+    weight = np.abs(pp.inverse_dynamics(press, pp.cycle(press, 1e-3, points=72), bearings=()).driving_torque).max()
+
+    def best(points=240, **options):
+        drive = servo.ServoDrive(inertia=inertia, peak_torque=options.pop("peak", None), power=options.pop("power", None))
+        return servo.best_motion(press, drive, path=servo.Stop(), points=points, **options)
+
+    quick = best(peak=1.5 * weight, minimise="time")
+    time = 1.1 * quick.value
+    free = best(time=time)
+    assert free.gap < 1e-7  # nothing is exceeded, and nothing is limited
+    for found in (quick, best(peak=1.5 * weight, time=time), best(power=0.9 * free.motion.peak_power, time=time)):
+        assert found.missed < 1e-3
+        assert any("is limited there too" in note for note in found.notes)
+        assert -1e-8 < found.gap < 0.02
+        assert found.motion.peak_motor_torque < 1.5 * weight * 1.001 or found.drive.peak_torque is None
 
 
 def test_constant_slide_speed():

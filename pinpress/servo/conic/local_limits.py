@@ -48,11 +48,13 @@ class LocalLimits(NamedTuple):
         power: largest power [W], or None.
         rate: largest rate of the torque at the crank [N m/s], or None.
         time: time that a cycle takes at least, where the crank never rests [s], or None.
+        proved: whether a bound for all motions within the power is looked for.
     """
 
     power: float | None
     rate: float | None
     time: float | None
+    proved: bool = True
 
 
 def within_local_limits(
@@ -77,7 +79,7 @@ def within_local_limits(
     Raises:
         PinpressError: no motion within the power or the rate was found.
     """
-    power, rate, time = limits
+    power, rate, time, proved = limits
     powerful = power is not None and powers(problem, free.b).max() > power * (1.0 + KEPT)
     rough = rate is not None and torque_rates(problem, free.b).max() > rate * (1.0 + KEPT)
     short = time is not None and segment_times(problem.coefficients, free.b).sum() < time * (1.0 - SHORT)
@@ -97,7 +99,7 @@ def within_local_limits(
             raise
         # none was found that takes its time: the faster one stays, and is said to be faster
         return within_local_limits(problem, free, limits._replace(time=None), optimum, start)
-    if not powerful or power is None:
+    if not powerful or power is None or not proved:
         gap = (answer.value - free.bound) / abs(answer.value)
         note = (
             f"{' and '.join(words)} {are} not convex: the motion keeps {them}, and is the best near it; of all motions, with or without"
@@ -124,7 +126,7 @@ def _by_tangents(
     start: Array | None,
 ) -> tuple[Solution, MotionProblem, str]:
     """A motion within the limits, the best near it, its last convex problem, and in words that the rounds did not settle."""
-    power, rate, time = limits
+    power, rate, time = limits.power, limits.rate, limits.time
     b = free.b if time is None else _even(problem, time)
     b = start if start is not None else b if power is None else _slower(problem, b, power)
     answer, limited, value, slower, late = None, problem, np.inf, 0, 0.0
@@ -154,7 +156,8 @@ def _by_tangents(
             settled = ""
             break
         value = answer.value
-    assert answer is not None
+    if answer is None:
+        raise PinpressError(f"no motion within {words} was found near the last one, which does not prove that there is none")
     if time is not None and late > FAR_LATE and start is None:
         raise PinpressError(f"no motion that takes {time:.6g} s and not less was found near others")
     return answer, limited, settled

@@ -1,0 +1,214 @@
+"""A best motion between the nodes of its program, by full inverse dynamics: by how much it exceeds its limits there.
+
+The program limits the mean torque of a segment, which is exact by the kinetic energies at its ends. Its acceleration is constant within the
+segment, but inertia and loads are not, so that the torque at an instant may be above its mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.quantities import Array
+from ..dynamics.inverse_dynamics import Reactions
+from ..linkage.linkage import Linkage
+from ..loads.link import Friction, Load
+from . import limits as limits_
+from .conic.local_limits import torque_rates
+from .conic.motion_problem import Affine, Bounded, MotionProblem, figures, segment_times
+from .limits import Limit
+from .motion import ServoMotion, evaluated
+
+INSIDE = 1e-7  # distance of the states at a segment's ends from its nodes, as a share: loads may jump there
+LOBATTO = np.array([0.0, 0.5 - 0.1 * 5**0.5, 0.5 + 0.1 * 5**0.5, 1.0]), np.array([1.0, 5.0, 5.0, 1.0]) / 12.0
+NEAR = 0.95  # share of a limit from which on it is looked at between nodes
+SLOW = 1e-3  # share of the top speed below which the power is no limit
+
+
+class FullMotion(NamedTuple):
+    """A motion by full inverse dynamics.
+
+    Attributes:
+        motion: in states within all segments and at rests.
+        reactions: its reactions.
+        time: (N + 1,) times at which the nodes are passed, or left after a rest [s].
+        segment: segment of each state; -1 at rests.
+    """
+
+    motion: ServoMotion
+    reactions: Reactions
+    time: Array
+    segment: NDArray[np.intp]
+
+
+class Excess(NamedTuple):
+    """By how much the torque and the power of a motion are above the drive's limits at an instant.
+
+    Attributes:
+        share: the largest excess, as a share of its limit.
+        torque: (N,) whether the torque of a segment comes near its limit.
+        power: (N,) whether its power does.
+    """
+
+    share: float
+    torque: NDArray[np.bool_]
+    power: NDArray[np.bool_]
+
+    def with_those_of(self, other: Excess) -> Excess:
+        """The segments of both."""
+        return Excess(self.share, self.torque | other.torque, self.power | other.power)
+
+
+def excess_of(problem: MotionProblem, full: FullMotion) -> Excess:
+    """By how much a motion exceeds the limits of torque and power of its drive."""
+    drive, moving = problem.drive, full.segment >= 0
+    shares, near = [0.0], []
+    for values, most in ((full.motion.motor_torque, drive.peak_torque), (full.motion.power, drive.power)):
+        used = np.abs(values[moving]).reshape(-1, len(LOBATTO[0])).max(axis=1) / (np.inf if most is None else most)
+        shares.append(float(used.max()) - 1.0)
+        near.append(used > NEAR)
+    return Excess(max(shares), *near)
+
+
+def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen: Excess) -> list[Bounded]:
+    """Limits of the torque and the power at the states within segments, as tangents at a motion.
+
+    The torque at a place of a segment is linear in b at its ends; the power over the speed, which is convex in b, is above its tangent.
+
+    Args:
+        problem: the problem.
+        full: the motion.
+        b: (N + 1,) as of `full_motion`.
+        chosen: segments that are limited.
+    """
+    c, grid, drive, motion = problem.coefficients, problem.coefficients.grid, problem.drive, full.motion
+    found = []
+    for name, segments in (("torque of the motor", chosen.torque), ("power", chosen.power)):
+        states = np.flatnonzero((full.segment >= 0) & segments[full.segment])
+        if name == "power":
+            states = states[np.abs(motion.speed[states]) > SLOW * np.abs(motion.speed).max()]
+        if not len(states):
+            continue
+        at = full.segment[states]
+        step, share = grid.step[at], (motion.angle[states] - grid.angle[at]) / grid.step[at]
+        first, last = c.inner[:, at]
+        slope = c.inner_slope[0, at] + (share - first) / (last - first) * (c.inner_slope[1, at] - c.inner_slope[0, at])
+        inertia = c.inner_inertia[0, at] + 0.5 * (share - first) * step * (slope + c.inner_slope[0, at]) + problem.inertia
+        before = 0.5 * (1.0 - share) * slope - 0.5 * inertia / step
+        after = 0.5 * share * slope + 0.5 * inertia / step
+        fixed = c.inner_torque[0, at] + (share - first) / (last - first) * (c.inner_torque[1, at] - c.inner_torque[0, at])
+        # what coefficients between their places leave over grows with b too, but near rests
+        left = motion.torque[states] - before * b[at] - after * b[at + 1] - fixed
+        square = motion.speed[states] ** 2
+        fast = square > SLOW * square.max()
+        by_square = np.where(fast, left, 0.0) / np.where(fast, square, 1.0)
+        before, after = before + (1.0 - share) * by_square, after + share * by_square
+        fixed = fixed + np.where(fast, 0.0, left)
+        if name == "power":
+            assert drive.power is not None
+            speed = np.abs(motion.speed[states])
+            fall, level = 0.5 * drive.power / speed**3, 1.5 * drive.power / speed
+            for sign in (1.0, -1.0):
+                torque = Affine(sign * before + fall * (1.0 - share), sign * after + fall * share, sign * fixed, at)
+                found.append(Bounded(f"power of the motor of {drive.power:.6g} W", level, drive.power, "W", torque))
+        else:
+            assert drive.peak_torque is not None
+            most = np.full(len(at), drive.peak_torque * drive.ratio)
+            words = f"torque of the motor of {drive.peak_torque:.6g} N m"
+            found.append(Bounded(words, most, drive.peak_torque, "N m", Affine(before, after, fixed, at), both=True))
+    return found
+
+
+def full_motion(press: Linkage, loads: Sequence[Load], friction: Mapping[str, Friction], problem: MotionProblem, b: Array) -> FullMotion:
+    """The motion in states within all segments and at rests.
+
+    Args:
+        press: the press.
+        loads: the loads.
+        friction: friction of bearings.
+        problem: the problem.
+        b: (N + 1,) squares of the crank's speed at the nodes [rad2/s2].
+    """
+    c, grid = problem.coefficients, problem.coefficients.grid
+    durations = segment_times(c, b)
+    nodes, rule = LOBATTO
+    share = np.clip(nodes, INSIDE, 1.0 - INSIDE)
+    speed, acceleration = grid.way * np.sqrt(b[:-1]), 0.5 * np.diff(b) / grid.step
+    rests = np.zeros(len(durations))
+    last = np.flatnonzero(np.append(np.diff(grid.leg) > 0, True))
+    rests[last] = grid.legs.dwells
+    if problem.time is not None and not grid.legs.closed:
+        rests[-1] += max(0.0, problem.time - durations.sum() - rests.sum())
+    start = np.concatenate([[0.0], np.cumsum(durations + rests)])
+    since = durations[:, None] * share
+    time = start[:-1, None] + since
+    angle = grid.angle[:-1, None] + speed[:, None] * since + 0.5 * acceleration[:, None] * since**2
+    rate = speed[:, None] + acceleration[:, None] * since
+    weight = durations[:, None] * rule
+    parts = [time.ravel(), weight.ravel(), angle.ravel(), rate.ravel(), np.repeat(acceleration, len(nodes))]
+    segment = np.repeat(np.arange(len(durations)), len(nodes))
+    for k in np.flatnonzero(rests)[::-1]:
+        at, ends = (k + 1) * len(nodes), np.array([start[k] + durations[k], start[k + 1]])
+        # a pause that the path does not ask for is one of the brake
+        held = 0.5 * grid.legs.dwells[grid.leg[k]]
+        rest = (ends, np.full(2, held), np.full(2, grid.angle[k + 1]), np.zeros(2), np.zeros(2))
+        parts = [np.concatenate([part[:at], more, part[at:]]) for part, more in zip(parts, rest, strict=True)]
+        segment = np.insert(segment, at, (-1, -1))
+    time_, weight_, angle_, rate_, acceleration_ = parts
+    time_ = np.maximum.accumulate(time_)
+    time_[-1] = start[-1]
+    time_[0] = 0.0
+    evaluated_ = evaluated(press, problem.drive, loads, time_, weight_, angle_, rate_, acceleration_, friction, bearings=None)
+    return FullMotion(*evaluated_, start, segment)
+
+
+def largest_excess(problem: MotionProblem, limits: Sequence[Limit], time: float | None, full: FullMotion, b: Array) -> float:
+    """Largest share by which the full motion exceeds a limit.
+
+    Args:
+        problem: the problem.
+        limits: the limits beside those of the drive.
+        time: the time of a cycle that was asked for, or None [s].
+        full: the motion.
+        b: (N + 1,) as of `full_motion`.
+    """
+    motion, reactions, cost = full.motion, full.reactions, figures(problem, b)
+    drive, found = problem.drive, [0.0]
+    if time is not None:
+        found.append(abs(cost.time / time - 1.0) if problem.time is None else cost.time / time - 1.0)
+    if drive.peak_torque is not None:
+        found.append(motion.peak_motor_torque / drive.peak_torque - 1.0)
+    if drive.top_speed is not None:
+        found.append(float(np.abs(motion.motor_speed).max()) / drive.top_speed - 1.0)
+    if drive.power is not None:
+        found.append(motion.peak_power / drive.power - 1.0)
+    if problem.rms is not None:
+        found.append(np.sqrt(motion.heat / max(problem.time or 0.0, motion.duration)) / problem.rms - 1.0)
+    if problem.below is not None:
+        found.append((cost.below + problem.feed_time) / motion.duration - 1.0)
+    down = motion.motion.slide_velocity < 0
+    for each in limits:
+        if isinstance(each, limits_.BearingForce):
+            found.append(float(np.linalg.norm(reactions.bearing_force[each.bearing], axis=1).max()) / each.force - 1.0)
+        elif isinstance(each, limits_.TorqueRate):
+            found.append(float(torque_rates(problem, b).max()) / drive.ratio / each.rate - 1.0)
+        elif isinstance(each, limits_.CrankAcceleration):
+            found.append(float(np.abs(motion.acceleration).max()) / each.acceleration - 1.0)
+        elif isinstance(each, limits_.Window):
+            low, high = limits_.span(each)
+            inside = (motion.height > low) & (motion.height < high)
+            inside &= True if each.flank == "both" else down if each.flank == "down" else ~down
+            values, most = _limited(each, motion)
+            found.append(float(np.abs(values[inside]).max(initial=0.0)) / most - 1.0)
+    return max(found)
+
+
+def _limited(limit: limits_.Window, motion: ServoMotion) -> tuple[Array, float]:
+    if isinstance(limit, limits_.SlideSpeed):
+        return motion.motion.slide_velocity, limit.speed
+    if isinstance(limit, limits_.CrankSpeed):
+        return motion.speed, limit.speed
+    return motion.motion.slide_acceleration, limit.acceleration
