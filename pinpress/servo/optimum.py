@@ -21,7 +21,16 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import limits as limits_
 from .between_nodes import Excess, FullMotion, excess_of, full_motion, largest_excess, limits_at_states
-from .conic.bounds import bearings_of, contradiction, limit_heights, motion_problem, refuse_heights, refuse_short, speed_times
+from .conic.bounds import (
+    bearings_of,
+    caution_flank,
+    contradiction,
+    limit_heights,
+    motion_problem,
+    refuse_heights,
+    refuse_short,
+    speed_times,
+)
 from .conic.coefficients import Coefficients, PathMotion, coefficients, feels_speed, load_heights, path_grid
 from .conic.local_limits import LocalLimits, powers, within_local_limits
 from .conic.motion_problem import Figures, MotionProblem, figures
@@ -182,6 +191,7 @@ def _asked(
     count = whole_number("points", points, 8, MOST_POINTS)
     _refuse_open(drive, wanted, most, chosen, legs.dwell, legs.closed)
     refuse_heights(press, chosen, dead_centres(press).stroke)
+    caution_flank(press, chosen, loads)
     bearings = bearings_of(press, chosen)
     grid = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(chosen)], count)
     speed = float(np.abs(grid.step).sum()) / (most - legs.dwell if most else 1.0)

@@ -508,6 +508,14 @@ def test_hardly_possible_motions_have_a_caution():
     assert even.motion.duration == pytest.approx(2.4)
 
 
+def test_the_wrong_flank_has_a_caution():
+    """A load on the way down, and a speed that is limited on the way up alone; not where a speed is limited on the way down too."""
+    up = servo.SlideSpeed(0.2, (0.06, 0.0), flank="up")
+    with pytest.warns(pp.PinpressWarning, match='on the way up, and DeepDrawing acts there on the way down only, .* flank="down" is meant'):
+        best_of_a(limits=[up], points=60)
+    best_of_a(limits=[up, SLOW], points=60)
+
+
 def test_what_would_do_does():
     """The remedies that an error names are enough, and a little less is not."""
     drive = servo.ServoDrive(inertia=10, peak_torque=2700)

@@ -9,9 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...common.errors import PinpressError, UnknownNameError
+from ...common.errors import PinpressError, UnknownNameError, caution
 from ...common.quantities import Array
+from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
+from ...loads.link import Load
+from ...loads.process import ProcessLoad, datum
 from ..drive import ServoDrive
 from ..limits import (
     BearingForce,
@@ -59,6 +62,29 @@ def refuse_heights(press: Linkage, limits: Sequence[Limit], stroke: float) -> No
             raise PinpressError(
                 f"{in_words(each)}: {1e3 * max(heights):.6g} mm are beyond the stroke of {press.name}: give heights above bottom dead"
                 f" centre, from 0 to {stroke:.9g} m"
+            )
+
+
+def caution_flank(press: Linkage, limits: Sequence[Limit], loads: Sequence[Load]) -> None:
+    """Say where a speed is limited on the way up at heights at which the process acts on the way down alone, and no speed is limited."""
+    speeds = [each for each in limits if isinstance(each, SlideSpeed | CrankSpeed)]
+    upwards = [each for each in speeds if isinstance(each, SlideSpeed) and each.flank == "up" and each.heights is not None]
+    if not upwards or any(each.flank != "up" for each in speeds):
+        return
+    acting: dict[bool, list[tuple[float, float, str]]] = {}
+    for down in (True, False):
+        pairs = [(load, part) for load in loads if isinstance(load, ProcessLoad) for part in load.intervals(down)]
+        shift = dead_centres(press).bottom_position
+        spans = [(part.lower + datum(load, press) - shift, part.upper + datum(load, press) - shift, load) for load, part in pairs]
+        acting[down] = [(low, high, type(load).__name__) for low, high, load in spans]
+    for each in upwards:
+        low, high = span(each)
+        on = {down: [name for bottom, top, name in found if bottom < high - EDGE and top > low + EDGE] for down, found in acting.items()}
+        if on[True] and not on[False]:
+            names = " and ".join(dict.fromkeys(on[True]))
+            caution(
+                f"{in_words(each)} holds on the way up, and {names} acts there on the way down only, where no speed is limited:"
+                ' flank="down" is meant, unless the return is to be slow'
             )
 
 
