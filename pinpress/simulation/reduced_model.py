@@ -162,19 +162,21 @@ def build_reduced_model(press: Linkage, coordinates: Sequence[Coordinate], panel
     weight = sum(inertia.mass for inertia in list(press.model.inertias)[1:]) * float(np.linalg.norm(press.model.gravity.linear))
     missed, borders = None, np.linspace(low, high, count + 1)
     if panels is None:
-        missed, borders = _Sizes(len(coordinates), PARTS * weight * press.size).missed, _expected(branch, borders)
+        missed, borders = _Sizes(len(coordinates), PARTS * weight * press.size).missed, _expected(press, branch, borders)
     sampled = resolved_panels(lambda angles: sample_rows(press, angles, coordinates), missed, borders)
     return ReducedModel(sampled.borders, _centred(sampled.coefficients), period, sampled.points, branch.coordinate)
 
 
-def _expected(branch: Branch, borders: Array) -> Array:
-    """Borders of panels that will resolve the inertia, from these by halving: by its like, the sum of the squares of all joints' rates."""
+def _expected(press: Linkage, branch: Branch, borders: Array) -> Array:
+    """Borders of panels that will resolve the inertia, from these by halving: by its like, the sum of the squares of all joints' rates, in
+    sizes of the linkage where they slide, so that units of length do not matter."""
+    lengths = np.array([1.0 if axis.turns else press.size for axis in press.axes])
     rule = gauss_rule()
     starts, ends, done = borders[:-1], borders[1:], [borders[-1:]]
     while len(starts):
         angles = _at_nodes(starts, ends)
         local = angles if branch.period is None else branch.angles[0] + np.mod(angles - branch.angles[0], branch.period)
-        rates = slopes(branch.angles, branch.coefficients, local.ravel())
+        rates = slopes(branch.angles, branch.coefficients, local.ravel()) / lengths[:, None]
         squares = np.einsum("jn,jn->n", rates, rates).reshape(angles.shape)
         middle = np.abs(squares @ rule.legendre[MIDDLE : MIDDLE + 2].T).max(axis=1)
         good = (middle <= math.sqrt(RESOLVED) * squares.max(axis=1)) | (0.5 * (ends - starts) < NARROWEST)

@@ -19,7 +19,7 @@ import pinpress as pp
 from pinpress.accuracy import contests, measurements, simulation, work_precision
 from pinpress.accuracy.contests import Contestant, Errors
 from pinpress.accuracy.contests import measured as measured_of
-from pinpress.accuracy.measurements import CLUTCH, DIE, FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SPEED_LAW, TABLE
+from pinpress.accuracy.measurements import CLUTCH, DIE, FREE_RUN, GROUPS, INVERSE_DYNAMICS, PROXIMAL, SPEED_LAW, SPRINGS, TABLE
 from pinpress.accuracy.peers.six_bar_press import INTEGRATORS, SixBarEquation
 from pinpress.accuracy.scenes import build_scene
 from pinpress.accuracy.simulation import simulation_contest
@@ -370,7 +370,7 @@ def test_command(alone, capsys, tmp_path):
     assert f"wrote {out / 'accuracy.csv'}, {out / 'accuracy.html'} and {out / 'accuracy.png'}" in said
     assert (out / "accuracy.png").stat().st_size > 50_000
     with open(out / "accuracy.csv", newline="", encoding="utf-8") as file:
-        assert {row["group"] for row in csv.DictReader(file)} == set(GROUPS) - {CLUTCH, DIE, SPEED_LAW}
+        assert {row["group"] for row in csv.DictReader(file)} == set(GROUPS) - {CLUTCH, DIE, SPEED_LAW, SPRINGS}
 
 
 def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):
