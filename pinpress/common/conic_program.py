@@ -18,6 +18,9 @@ from .quantities import Array
 EQUAL, AT_MOST, CONE = "equal", "at most", "cone"
 TOLERANCE = 1e-12  # tolerance that the solver aims at, for programs scaled to numbers about one
 PROVED = 1e-8  # largest residual of the optimality conditions that is accepted
+# Solvers of the steps' linear equations, and whether rows are scaled once more, one after the other until the optimum is proved: programs
+# are scaled by the sizes of their quantities already, but rounding decides where everything can be balanced, so that no force is left.
+SOLVERS = (("faer", False), ("qdldl", True))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -78,6 +81,19 @@ def minimise(cost: Array, rows: Sequence[Rows]) -> Optimum:
         InfeasibleError: the solver proved that there is no solution.
         PinpressError: the solver found neither a solution nor that proof, or a solution that violates the optimality conditions.
     """
+    for solver, equilibrated in SOLVERS:
+        x, prices, status = _answer(cost, rows, solver, equilibrated)
+        optimum = _proved(cost, rows, x, prices)
+        if optimum.residual <= PROVED:
+            return optimum
+    raise PinpressError(
+        f"the optimum was not found ({status}): its conditions are missed by {optimum.residual:.1e} of the values before balancing, more"
+        " than rounding; give counterweights a largest mass, and limits that are neither very large nor very small"
+    )
+
+
+def _answer(cost: Array, rows: Sequence[Rows], solver: str, equilibrated: bool) -> tuple[Array, list[Array], str]:
+    """What Clarabel returns: variables, dual variables of every `Rows`, and its status; raises InfeasibleError."""
     import clarabel  # to save start-up time
     from scipy import sparse  # to save start-up time
 
@@ -85,33 +101,26 @@ def minimise(cost: Array, rows: Sequence[Rows]) -> Optimum:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
-    settings.equilibrate_enable = False  # programs are already scaled, by the sizes of their quantities
+    settings.direct_solve_method = solver
+    settings.equilibrate_enable = equilibrated
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
     # Many programs are so flat near their optimum that steps are only as good as the linear equations are solved.
-    settings.direct_solve_method = "faer"
     settings.iterative_refinement_max_iter = 50
     settings.iterative_refinement_reltol = settings.iterative_refinement_abstol = 1e-16
     settings.iterative_refinement_stop_ratio = 1.1
     variables = len(cost)
-    solver = clarabel.DefaultSolver(
+    solution = clarabel.DefaultSolver(
         sparse.csc_matrix((variables, variables)),
         cost,
         sparse.csc_matrix(np.concatenate([part.coefficients for part in rows])),
         np.concatenate([part.bound for part in rows]),
         [cones[part.kind](len(part.bound)) for part in rows],
         settings,
-    )
-    solution = solver.solve()
+    ).solve()
     if solution.status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
         raise InfeasibleError
     prices = np.split(np.array(solution.z), np.cumsum([len(part.bound) for part in rows])[:-1])
-    optimum = _proved(cost, rows, np.array(solution.x), prices)
-    if not optimum.residual <= PROVED:
-        raise PinpressError(
-            f"the optimum was not found ({solution.status}): its conditions are missed by {optimum.residual:.1e} of the values before"
-            " balancing, more than rounding; give counterweights a largest mass, and limits that are neither very large nor very small"
-        )
-    return optimum
+    return np.array(solution.x), prices, str(solution.status)
 
 
 def _proved(cost: Array, rows: Sequence[Rows], x: Array, prices: Sequence[Array]) -> Optimum:
