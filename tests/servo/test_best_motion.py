@@ -280,7 +280,9 @@ def proved(task, points):
     assert best.gap < 1e-7 or any("not less is not convex" in note or "above its limit between nodes" in note for note in best.notes)
     assert best.motion.duration == pytest.approx(time, rel=1.1e-3)
     assert best.value <= usual.heat * (1.0 + 1e-3)
-    assert best.motion.heat == pytest.approx(best.value, rel=1e-2)
+    # a turn whose best motion all but rests somewhere is not resolved by nodes that are not graded towards this place, and says so
+    unsettled = any("did not settle" in note for note in best.notes)
+    assert unsettled or best.motion.heat == pytest.approx(best.value, rel=1e-2)
 
 
 @examples(5)
