@@ -62,6 +62,7 @@ def test_strokes_over_the_speed_are_steady_states():
 def test_strokes_are_found_from_those_beside_them(monkeypatch, loads):
     """Only the first stroke is found from the rigid motion; where the others are too, the numbers are the same."""
     from pinpress.simulation.elastic import simulate_elastic
+    from pinpress.simulation.elastic.period import periodic
 
     press, speeds, alone = shipped("jf75g_125_plain"), np.array([288.0, 300.0]) * pp.RPM, []
 
@@ -69,7 +70,6 @@ def test_strokes_are_found_from_those_beside_them(monkeypatch, loads):
         alone.append(arguments)
         return periodic(*arguments)
 
-    periodic = simulate_elastic.periodic
     monkeypatch.setattr(simulate_elastic, "periodic", counted)
     found = over_speeds(press, elastic(press), speeds=speeds, loads=loads)
     assert len(alone) == 1
