@@ -408,6 +408,9 @@ class _Task:
             )
         if missed > 1e-3:
             said.append(f"between nodes limits are exceeded by up to {100 * missed:.2g} %: give more points=")
+        deviation = motion.heat / cost.heat - 1.0 if cost.heat else 0.0
+        if abs(deviation) > 1e-3:
+            said.append(f"the heat between nodes is off that of the program by {100 * deviation:+.2g} %: give more points=")
         grid = problem.coefficients.grid
         return MotionOptimum(
             press_name=self.press.name,
@@ -418,7 +421,7 @@ class _Task:
             bound=answer.bound,
             limits=_active(problem, answer),
             missed=missed,
-            deviation=motion.heat / cost.heat - 1.0 if cost.heat else 0.0,
+            deviation=deviation,
             notes=tuple(said),
             angle=grid.angle,
             speed=np.append(grid.way, grid.way[-1]) * np.sqrt(answer.b),

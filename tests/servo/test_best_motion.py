@@ -278,11 +278,12 @@ def proved(task, points):
     usual = servo.evaluate(press, drive, loads, time=constant, angle=angle, speed=FULL / time, acceleration=0.0)
     assert best.gap > -1e-8
     assert best.gap < 1e-7 or any("not less is not convex" in note or "above its limit between nodes" in note for note in best.notes)
-    assert best.motion.duration == pytest.approx(time, rel=1.1e-3)
+    faster = any("faster than the time given" in note for note in best.notes)  # the turn that would take the time was not found
+    assert best.motion.duration < time if faster else best.motion.duration == pytest.approx(time, rel=1.1e-3)
     assert best.value <= usual.heat * (1.0 + 1e-3)
     # a turn whose best motion all but rests somewhere is not resolved by nodes that are not graded towards this place, and says so
-    unsettled = any("did not settle" in note for note in best.notes)
-    assert unsettled or best.motion.heat == pytest.approx(best.value, rel=1e-2)
+    assert any("heat between nodes" in note for note in best.notes) == (abs(best.deviation) > 1e-3)
+    assert abs(best.deviation) < 1e-3 or any("not less is not convex" in note for note in best.notes)
 
 
 @examples(5)
