@@ -79,7 +79,7 @@ def test_the_smallest_motor_of_a_catalogue(capsys: pytest.CaptureFixture[str]) -
     catalogue = ["--motors", ROOT / "docs/servo_motors.csv", "--ratios", "60,80", "--gear-inertia", 50]
     out = printed(capsys, *TASK, *SLIDE, *catalogue)
     assert out.startswith("MotorChoice for zxn2_3000b: example 800, ratio 60, ")
-    assert "none of the motors suffices" in refused(capsys, *TASK, *SLIDE, *catalogue[:2], "--ratios", 5)
+    assert "none of the motors suffices" in refused(capsys, *TASK, *SLIDE, *catalogue[:2], "--ratios", 200)
 
 
 def test_every_kind_of_path_and_limit_makes_its_part() -> None:
