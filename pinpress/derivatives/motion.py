@@ -323,7 +323,10 @@ def _refuse_contradiction(left: ComplexArray, by: Shift) -> None:
     """Raise PinpressError where no joint rates keep the loops closed (they open by ``left``): redundant equations contradict each other."""
     worst = np.abs(left).max(axis=1)
     if worst.max() > CONTRADICTED * np.abs(by.closure).max():
-        raise PinpressError("bearings that hold each other do not stay closed in this direction: move the pivots of all of them alike")
+        raise PinpressError(
+            "bearings that hold each other do not stay closed in this direction: move the pivots of all of them alike; what single ones of"
+            " a slide on several points do is found by tolerances.parallelism"
+        )
 
 
 # ------------------------------------------------------------------------------------------------------------------ displacements of pivots

@@ -299,7 +299,8 @@ def _reactions(
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
     for array in (wrenches.torque, wrenches.vectors):  # before there are views of them
         array.setflags(write=False)
-    return Reactions(
+    reactions: Reactions = object.__new__(Reactions)  # all arrays are read-only already: looking for them takes as long as a dyad
+    vars(reactions).update(
         motion=motion,
         engine=engine,
         loads=given[0],
@@ -314,11 +315,12 @@ def _reactions(
         _press=press,
         _conditions=conditions,
     )
+    return reactions
 
 
 def _refuse_change_points(press: Linkage, motion: Motion) -> None:
     """Raise SingularityError where a state of a run is at a change point: towards it the forces of rigid links grow without bounds."""
-    if len(press.drivers) > 1:
+    if len(press.drivers) > 1 or motion._is_chain_of(press):
         return
     branch = press.branch
     # A crank that turns fully meets none. Else a motion that stays clear of the locks meets none, and then none need be looked for, which
@@ -365,6 +367,8 @@ def _solved(press: Linkage, engine: Engine, motion: Motion, conditions: AppliedC
 
 def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
     """Raise PinpressError where a number is not finite. A sum shows it, and takes less time than looking at every number."""
+    if wrenches.finite:
+        return
     total = np.add.reduce(wrenches.vectors, axis=None)
     if wrenches.vectors.shape[1] < len(wrenches.friction):  # else the torques are among the moments
         total += wrenches.torque.sum() + wrenches.coupling.sum()
@@ -430,7 +434,7 @@ def _on_frame_at(press: Linkage, motion: Motion, bearing: int) -> Iterator[tuple
     """
     if bearing < len(press.joints):
         place, axis = press.model.jointPlacements[bearing + 1], press.axes[bearing]
-        travel = 0.0 if axis.turns else motion.joint_position[:, bearing, None] * (place.rotation @ axis.direction)
+        travel = 0.0 if axis.turns else motion._travel(bearing)[:, None] * (place.rotation @ axis.direction)
         yield -1.0, place.translation + travel
         return
     loop = press.loops[bearing - len(press.joints)]

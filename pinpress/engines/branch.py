@@ -222,17 +222,32 @@ def predict(branch: Branch, angle: Array, ends: tuple[float, float] | None = Non
         SingularityError: the linkage locks before it reaches one of the angles.
         PinpressError: the branch has no period, and was not followed as far as one of the angles.
     """
-    turns, local = None, angle
-    low, high = ends or (np.minimum.reduce(angle), np.maximum.reduce(angle))
-    if low < branch.angles[0] or high > branch.angles[-1]:
-        if branch.period is None:
-            raise out_of_branch(branch, upwards=bool(high > branch.angles[-1]))
-        turns = np.floor((angle - branch.angles[0]) / branch.period)
-        local = angle - turns * branch.period
+    local, turns = _within_period(branch, angle, ends)
     x = evaluated(branch.angles, branch.coefficients, local)
     if turns is not None:
         x += branch.gain_per_period[:, None] * turns
     return x
+
+
+def nodes_before(branch: Branch, angle: Array) -> Array:
+    """Joint coordinates (nv, n) at the nodes of the branch before crank angles (n,): they tell how many turns a joint has made. Raises as
+    `predict`."""
+    local, turns = _within_period(branch, angle, None)
+    x: Array = branch.coefficients[0].take(branch.angles[1:-1].searchsorted(local, side="right"), axis=1)
+    if turns is not None:
+        x += branch.gain_per_period[:, None] * turns
+    return x
+
+
+def _within_period(branch: Branch, angle: Array, ends: tuple[float, float] | None) -> tuple[Array, Array | None]:
+    """Crank angles (n,) within the table, and the periods (n,) taken off; None where there are none."""
+    low, high = ends or (np.minimum.reduce(angle), np.maximum.reduce(angle))
+    if branch.angles[0] <= low and high <= branch.angles[-1]:
+        return angle, None
+    if branch.period is None:
+        raise out_of_branch(branch, upwards=bool(high > branch.angles[-1]))
+    turns = np.floor((angle - branch.angles[0]) / branch.period)
+    return angle - turns * branch.period, turns
 
 
 def periods_until_back(gain: Array) -> int | None:

@@ -99,7 +99,7 @@ CloseDrivers = Callable[[Array, Array, Array], Closure]
 with its margins. It never raises: the caller judges gap and margins."""
 
 
-class ClosedStates(NamedTuple):
+class ClosedStates:
     """Positions, rates and accelerations of a linkage whose loops are closed.
 
     Attributes:
@@ -115,15 +115,25 @@ class ClosedStates(NamedTuple):
     position: Array
     v: Array
     a: Array
-    basis: ComplexArray | None = None
-    jacobian: Jacobian | None = None
-    solved: Any = None
+    basis: ComplexArray | None
+    jacobian: Jacobian | None
+    solved: Any
+
+    def __init__(
+        self, position: Array, v: Array, a: Array, basis: ComplexArray | None = None, jacobian: Jacobian | None = None, solved: Any = None
+    ) -> None:
+        self.position, self.v, self.a = position, v, a
+        self.basis, self.jacobian, self.solved = basis, jacobian, solved
 
     def part(self, points: slice) -> ClosedStates:
         """The states of a part of the motion, without their Jacobian."""
         return ClosedStates(
             self.position[:, points], self.v[:, points], self.a[:, points], None if self.basis is None else self.basis[:, points]
         )
+
+    def with_rates(self, v: Array, a: Array) -> ClosedStates:
+        """The same positions with other rates."""
+        return ClosedStates(self.position, v, a, self.basis, self.jacobian, self.solved)
 
 
 class JointRates(NamedTuple):

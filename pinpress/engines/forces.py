@@ -85,12 +85,14 @@ class Wrenches:
         friction: (bearings, n) power lost in every bearing [W].
         vectors: (2, wanted bearings, n, 3) forces [N], and moments about the origin of the child's joint frame, of a loop about its point
             [N m]. Along the axis in which a joint is free the moment is the effort of drive, gear pairs and friction.
+        finite: whether the engine has seen that all numbers are finite.
     """
 
     torque: Array
     coupling: Array
     friction: Array
     vectors: Array
+    finite: bool = False
 
     @property
     def force(self) -> Array:

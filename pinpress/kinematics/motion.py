@@ -7,7 +7,7 @@ import os
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from threading import Lock
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 import pinocchio as pin
@@ -24,13 +24,16 @@ from ..engines.engine import ClosedStates, Closure, Engine
 from ..engines.joints import Axis, Slot, configuration
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.model import SpatialModel
+from ..engines.planar.chain import Chain, ChainClosure, ChainStates, chain_of
 from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.engine import SpatialEngine
-from ..linkage.assembly import closed, followed_from, refuse_far
+from ..linkage.assembly import MANY_PERIODS, closed, followed_from, refuse_far
 from ..linkage.linkage import Linkage, SlideGuide
 from ..linkage.memo import per_linkage
 
 ENGINES = (PlanarEngine, SpatialEngine, PinocchioEngine)
+LATER = {"joint_position": "position", "v": "v", "a": "a", "closure_error": "gap"}  # by the names of `ChainStates`
+TOO_FAST = 1e300  # rates of joints from which on their sums may be too large for floating point
 POINTS = 360  # states of a turn by default
 GRIDS_KEPT = 4  # grids of crank angles whose closures stay with a linkage
 MOST_KEPT = 2**15  # joint coordinates of such a grid: some 10 megabytes with all that belongs to them, 15 in space
@@ -38,10 +41,13 @@ MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quan
 
 
 class _KeptFromClosing:
-    """What an engine kept when it closed the states of a motion, and the linkage that it closed. Copies and pickles start without it."""
+    """What an engine kept when it closed the states of a motion, and the linkage that it closed. Copies and pickles start without it.
 
-    def __init__(self, press: Linkage | None = None, *kept: Any) -> None:
-        self.press, self.kept = press, kept
+    ``states``: of a chain of dyads, of which joint coordinates and rates are computed when they are first read.
+    """
+
+    def __init__(self, press: Linkage | None = None, *kept: Any, states: ChainStates | None = None) -> None:
+        self.press, self.kept, self.states = press, kept, states
 
     def __reduce__(self) -> tuple[type[_KeptFromClosing], tuple[()]]:
         return _KeptFromClosing, ()
@@ -101,8 +107,28 @@ class Motion(Tabular):
     def states(self, press: Linkage) -> ClosedStates:
         """The states as an engine takes them, with what it kept when it closed them for this very linkage."""
         closed_as = self._closed_as
-        kept = closed_as.kept if closed_as is not None and closed_as.press is press else ()
-        return ClosedStates(self.joint_position.T, self.v.T, self.a.T, *kept)
+        if closed_as is None or closed_as.press is not press:
+            return ClosedStates(self.joint_position.T, self.v.T, self.a.T)
+        return closed_as.states or ClosedStates(self.joint_position.T, self.v.T, self.a.T, *closed_as.kept)
+
+    def _is_chain_of(self, press: Linkage) -> bool:
+        """Whether the states are those of a chain of dyads of this very linkage, clear of dead centres of its dyads."""
+        return self._closed_as is not None and self._closed_as.states is not None and self._closed_as.press is press
+
+    if not TYPE_CHECKING:  # so that names without a meaning are found
+
+        def __getattr__(self, name: str) -> Any:
+            """What a chain of dyads has not computed yet."""
+            closed_as = vars(self).get("_closed_as")
+            if name not in LATER or closed_as is None or closed_as.states is None:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+            value = vars(self)[name] = getattr(closed_as.states, LATER[name]).T
+            return value
+
+    def __getstate__(self) -> dict[str, Any]:
+        for name in LATER:
+            getattr(self, name)
+        return vars(self)
 
     @property
     def time(self) -> Array:
@@ -117,7 +143,13 @@ class Motion(Tabular):
     @cached_property
     def slide_position(self) -> Array:
         guide, offset, sign = self._slide()
-        return read_only(sign * self.joint_position[:, guide] + offset)
+        return read_only(sign * self._travel(guide) + offset)
+
+    def _travel(self, joint: int) -> Array:
+        """(n,) coordinate of a prismatic joint, for which those of the other joints need not be computed [m]."""
+        if "joint_position" in vars(self) or self._closed_as is None or self._closed_as.states is None:
+            return self.joint_position[:, joint]
+        return self._closed_as.states.closure.way(joint)
 
     @property
     def shown_position(self) -> Array:
@@ -227,7 +259,8 @@ def _over_period(press: Linkage, speed: float | None, points: int | None, engine
         raise PinpressError(f"cycle needs the speed of the driver [{unit}]: give one number for a period, cycle(press, {such})")
     known = _known(press)
     angles, speeds, accelerations, times = _period(press, known, speed, points)
-    motion = _along_branch(press, known, known.branch, angles, speeds, accelerations, times, chosen or known.engine)
+    turning = known.branch.period is not None
+    motion = _along_branch(press, known, known.branch, angles, speeds, accelerations, times, chosen or known.engine, one_period=turning)
     return motion, known.slide_rates
 
 
@@ -397,6 +430,8 @@ class _Known(NamedTuple):
         closures: the last closures.
         slide_rates: how fast the slide is.
         turns: `Linkage.turns_until_back` where the branch has a period, else None.
+        chain: the chain of dyads that the linkage is; None where it is none.
+        fastest: largest influence coefficients of first and second order.
     """
 
     fixed: _SameInAllMotions
@@ -406,6 +441,8 @@ class _Known(NamedTuple):
     closures: _LastClosures
     slide_rates: _SlideRates
     turns: int | None
+    chain: Chain | None
+    fastest: tuple[float, float]
 
 
 @per_linkage
@@ -420,7 +457,15 @@ def _known(press: Linkage) -> _Known:
         closures=_last_closures(press),
         slide_rates=_slide_rates(press),
         turns=turns,
+        chain=_chain(press),
+        fastest=(float(np.abs(branch.coefficients[1]).max()), 2.0 * float(np.abs(branch.coefficients[2]).max())),
     )
+
+
+@per_linkage(of_geometry=True)
+def _chain(press: Linkage) -> Chain | None:
+    engine = press.engine()
+    return chain_of(engine.plane, press.branch) if isinstance(engine, PlanarEngine) else None
 
 
 def _along_branch(
@@ -432,18 +477,88 @@ def _along_branch(
     accelerations: Array | float,
     times: Array | None,
     engine: Engine,
+    one_period: bool = False,
 ) -> Motion:
-    """`moved` along a branch of a linkage of which this is known."""
+    """`moved` along a branch of a linkage of which this is known; ``one_period``: whether the angles, which nobody else has, are those of
+    one period."""
+    if isinstance(speeds, np.ndarray) and not np.any(accelerations) and np.all(speeds == speeds[0]):
+        speeds, accelerations = float(speeds[0]), 0.0
+    chain = known.chain if branch is known.branch and engine is known.engine else None
+    if chain is not None and (one_period or _reaches(chain, known.branch, angles)) and _is_finite(known, speeds, accelerations):
+        return _of_chain(press, chain, known, angles if one_period else angles.copy(), speeds, accelerations, times)
     closure = _closed(known, branch, angles, engine)
     with np.errstate(all="ignore"):  # what overflows is refused
-        if isinstance(speeds, np.ndarray) and not np.any(accelerations) and np.all(speeds == speeds[0]):
-            speeds, accelerations = float(speeds[0]), 0.0
         v, a = _rates(closure, speeds, accelerations)
         _refuse_too_fast(press, a)
     turns = None if branch.period is None else press.turns_until_back if known.turns is None else known.turns
     motion = _of_states(known.fixed, closure.position, v, a, closure.gap, times, turns)
     object.__setattr__(motion, "_closed_as", _KeptFromClosing(press, closure.basis, closure.jacobian, closure.solved))
     return motion
+
+
+def _reaches(chain: Chain, branch: Branch, angles: Array) -> bool:
+    """Whether a chain of dyads closes at these angles."""
+    far = MANY_PERIODS * (branch.period or 0.0)
+    low, high = (chain.low, chain.high) if branch.period is None else (-far, far)
+    return bool(low <= np.minimum.reduce(angles) and np.maximum.reduce(angles) <= high)
+
+
+def _is_finite(known: _Known, speeds: Array | float, accelerations: Array | float) -> bool:
+    """Whether the rates of a chain of dyads are clearly not too large for floating point."""
+    speed, acceleration = (float(np.abs(of).max()) if isinstance(of, np.ndarray) else abs(of) for of in (speeds, accelerations))
+    first, second = known.fastest
+    return first * (speed + acceleration) + second * (speed * speed) < TOO_FAST
+
+
+def _of_chain(
+    press: Linkage,
+    chain: Chain,
+    known: _Known,
+    angles: Array,
+    speeds: Array | float,
+    accelerations: Array | float,
+    times: Array | None,
+) -> Motion:
+    """The motion of a chain of dyads, which is closed when something of it is read."""
+    fixed, n, closure = known.fixed, len(angles), None
+    key = ("chain", 0, angles.tobytes()) if n * len(fixed.joints) <= MOST_KEPT else None
+    if key is not None:
+        closure = known.closures.get(key)
+    if closure is None:
+        angles.setflags(write=False)
+        closure = ChainClosure(chain, known.branch, angles)
+        if key is not None:
+            known.closures.keep(key, closure)
+    speed, acceleration = _each(speeds, n), _each(accelerations, n)
+    states = ChainStates(
+        closure, speeds if isinstance(speeds, float) else speed, accelerations if isinstance(accelerations, float) else acceleration
+    )
+    if times is not None:
+        times.setflags(write=False)
+    motion: Motion = object.__new__(Motion)
+    vars(motion).update(
+        linkage=fixed.linkage,
+        drivers=fixed.drivers,
+        driver_coordinates=fixed.driver_coordinates,
+        joints=fixed.joints,
+        crank_angle=closure.angle,
+        crank_speed=speed,
+        crank_acceleration=acceleration,
+        _time=times,
+        _slots=fixed.slots,
+        _guide=fixed.guide,
+        period_turns=known.turns,
+        _closed_as=_KeptFromClosing(press, states=states),
+    )
+    return motion
+
+
+def _each(values: Array | float, n: int) -> Array:
+    """A read-only array (n,) of these values, or of one number."""
+    found = np.empty(n)
+    found[:] = values
+    found.setflags(write=False)
+    return found
 
 
 def _refuse_too_fast(press: Linkage, a: Array) -> None:
@@ -458,19 +573,19 @@ class _LastClosures:
 
     def __init__(self) -> None:
         self._lock = Lock()
-        self._found: dict[tuple[str, int, bytes], Closure] = {}
+        self._found: dict[tuple[str, int, bytes], Any] = {}
 
     def __reduce__(self) -> tuple[type[_LastClosures], tuple[()]]:
         return _LastClosures, ()
 
-    def get(self, key: tuple[str, int, bytes]) -> Closure | None:
+    def get(self, key: tuple[str, int, bytes]) -> Any:
         with self._lock:
             closure = self._found.pop(key, None)
             if closure is not None:
                 self._found[key] = closure  # the last one is dropped last
             return closure
 
-    def keep(self, key: tuple[str, int, bytes], closure: Closure) -> None:
+    def keep(self, key: tuple[str, int, bytes], closure: Any) -> None:
         with self._lock:
             self._found[key] = closure
             if len(self._found) > GRIDS_KEPT:
@@ -488,7 +603,7 @@ def _closed(known: _Known, branch: Branch, angles: Array, engine: Engine) -> Clo
     if len(angles) * len(known.fixed.joints) > MOST_KEPT:
         return closed(engine, model, branch, angles, name)
     key = engine.name, len(branch.change_points), angles.tobytes()
-    closure = known.closures.get(key)
+    closure: Closure | None = known.closures.get(key)
     if closure is None:
         closure = closed(engine, model, branch, angles, name)
         known.closures.keep(key, closure)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -69,6 +69,38 @@ def dead_centres(press: Linkage) -> DeadCentres:
         PinpressError: the linkage has no slide or several drivers, its slide never turns back, or it is not back after many turns.
         SingularityError: the linkage locks within the period.
     """
+    found = turning_points(press)
+    top, bottom = (found.first_of_the_farthest(upwards) for upwards in (True, False))
+    places, positions = found.places, found.positions
+    kind = DeadCentres if press.driver_coordinates[0].turns else DeadCentresOverTravel
+    return kind(float(places[top]), float(positions[top]), float(places[bottom]), float(positions[bottom]), found.turns)
+
+
+class TurningPoints(NamedTuple):
+    """Where the slide turns back in one period; of a press whose driver slides within its limits, the limits first.
+
+    Attributes:
+        places: (m,) angles of the driver joint within the period [rad]; positions of a driver that slides [m].
+        positions: (m,) of the slide there [m].
+        limits: how many of them, the first ones, are the driver's limits, where the slide need not turn back by itself.
+        near: difference of position below which two are equally far [m].
+        turns: of the driver after which the slide repeats its motion, see `DeadCentres`.
+    """
+
+    places: Array
+    positions: Array
+    limits: int
+    near: float
+    turns: int
+
+    def first_of_the_farthest(self, upwards: bool) -> int:
+        """The first of the uppermost or lowermost ones."""
+        along = self.positions if upwards else -self.positions
+        return int(np.argmax(along >= along.max() - self.near))
+
+
+def turning_points(press: Linkage) -> TurningPoints:
+    """The turning points of a slide. Raises as `dead_centres`."""
     _ = press.slide_guide  # it has a slide
     if len(press.drivers) == 1 and not press.driver_coordinates[0].turns:
         return _within_travel(press)
@@ -80,18 +112,16 @@ def dead_centres(press: Linkage) -> DeadCentres:
     samples = np.linspace(0.0, period, round(SAMPLES * period / (2 * np.pi)) + 1) - 0.38 * np.pi / SAMPLES
     way, speeds, _ = _slide(press, samples)
     turning = np.flatnonzero(np.signbit(speeds[:-1]) != np.signbit(speeds[1:]))
-    if len(turning) < 2:
+    if len(turning) < 2 or np.ptp(way) <= SAME * press.size:  # a slide that stands still turns back by rounding alone
         raise PinpressError(f"the slide of {press.name} does not turn back within its period: it has no dead centres")
     angles = bracketed_roots(lambda angle: _slide(press, angle)[1:], samples[turning], samples[turning + 1], absolute=ROUNDING)
     positions = _slide(press, angles)[0]
     angles = np.where(np.abs(angles) < 1e-12, 0.0, angles % period)  # 0 and not 360 degrees for a press that is drawn there
-    top, bottom = (int(np.argmax(sign * positions >= (sign * positions).max() - EQUAL * np.ptp(positions))) for sign in (1, -1))
-    turns = _turns(way[:-1], round(period / (2 * np.pi)))
-    return DeadCentres(float(angles[top]), float(positions[top]), float(angles[bottom]), float(positions[bottom]), turns)
+    return TurningPoints(angles, positions, 0, EQUAL * float(np.ptp(positions)), _turns(way[:-1], round(period / (2 * np.pi))))
 
 
-def _within_travel(press: Linkage) -> DeadCentres:
-    """Dead centres of a press whose driver slides."""
+def _within_travel(press: Linkage) -> TurningPoints:
+    """Turning points of a press whose driver slides."""
     low, high = press.branch_through_change_points.angles[[0, -1]]
     samples = np.linspace(low, high, SAMPLES + 1)
     speeds = _slide(press, samples)[1]
@@ -101,10 +131,9 @@ def _within_travel(press: Linkage) -> DeadCentres:
         ends, rounding = (samples[turning], samples[turning + 1]), ROUNDING * press.size
         places = np.append(places, bracketed_roots(lambda position: _slide(press, position)[1:], *ends, absolute=rounding))
     positions = _slide(press, places)[0]
-    top, bottom = int(positions.argmax()), int(positions.argmin())
-    if not positions[top] - positions[bottom] > EQUAL * press.size:
+    if not np.ptp(positions) > EQUAL * press.size:
         raise PinpressError(f"the slide of {press.name} does not move with its driver: it has no dead centres")
-    return DeadCentresOverTravel(float(places[top]), float(positions[top]), float(places[bottom]), float(positions[bottom]), 1)
+    return TurningPoints(places, positions, 2, 0.0, 1)
 
 
 def _slide(press: Linkage, angle: Array) -> tuple[Array, Array, Array]:

@@ -185,9 +185,15 @@ KINDS = {
     "plots; `import matplotlib.pyplot` alone:": {"import": "import matplotlib.pyplot"} | PLOTS,
 }
 
+WAITING_FOR = (
+    "\nWhat takes longest imports SciPy, for DOP853, splines or a QR with pivots. Whatever is imported of that, its"
+    " `from numpy import *` imports numpy.f2py and numpy.testing too, see the table of processes."
+)
+
 COMMANDS = {
     "python": ["-c", "pass"],
     "import numpy, pinocchio": ["-c", "import numpy, pinocchio"],
+    "import numpy, pinocchio, numpy.f2py, numpy.testing": ["-c", "import numpy, pinocchio, numpy.f2py, numpy.testing"],
     "import numpy, pinocchio, scipy.integrate": ["-c", "import numpy, pinocchio, scipy.integrate"],
     "import numpy, pinocchio, scipy.interpolate": ["-c", "import numpy, pinocchio, scipy.interpolate"],
     "pinpress --help": ["-m", "pinpress", "--help"],
@@ -209,6 +215,7 @@ def main() -> None:
         found = {name: seconds(call) for name, call in wanted.items()}
         for name, (first, again) in sorted(found.items(), key=lambda each: -each[1][0]):
             print(f"| {name} | {1e3 * first:.0f} | {1e3 * again:.1f} |", flush=True)
+    print(WAITING_FOR)
     commands = {name: line for name, line in COMMANDS.items() if not words or any(word in name for word in words)}
     if commands:
         print("\n| processes | whole [ms] |\n|---|---:|")

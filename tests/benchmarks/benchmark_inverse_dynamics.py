@@ -4,10 +4,8 @@ shipped press, of scenes with springs and friction, and of linkages in space.
 Run `python tests/benchmarks/benchmark_inverse_dynamics.py`; `--quick` for a fifth of the repeats. pytest does not collect this file.
 Every contestant starts from crank angles and the loaded press and ends with the driving torque and the force of every pin and
 guide as arrays. A press keeps its closures of the last few grids of crank angles: "new angles" takes another number of angles in each call,
-so that none are found, "other speed" the same angles at another speed, whose forces are scaled from those that are kept. "Its operations
-alone" are those of NumPy that pinpress calls, written out for this press without checks, choices and results (`bare_operations`): the
-least that its way of computing can take. Contestants take turns within each repeat, so that whatever else the machine does meets all of
-them.
+so that none are found, "other speed" the same angles at another speed, whose forces are scaled from those that are kept. Contestants take
+turns within each repeat, so that whatever else the machine does meets all of them.
 """
 
 from __future__ import annotations
@@ -35,7 +33,6 @@ import pinocchio as pin
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 sys.path.insert(0, str(ROOT / "tests"))
-from benchmarks import bare_operations  # noqa: E402
 from support import texts  # noqa: E402
 from support.generators import spatial_linkages  # noqa: E402
 from support.oracles import cassie  # noqa: E402
@@ -87,12 +84,6 @@ def contestants(n: int) -> list[Contestant]:
         return result.driving_torque, forces, moments
 
     found.append(("(c) pinpress, plane, new angles", n, lambda: pinpress("plane", {}, next(sizes)), lambda _: pinpress("plane", {})[:2]))
-    chain = bare_operations.Chain(press)
-
-    def named(answer: tuple[Array, Array]) -> tuple[Array, Forces]:
-        return answer[0], {name: force.T for name, force in zip(press.bearings, answer[1].swapaxes(0, 1), strict=True)}
-
-    found.append(("    its operations alone", n, lambda: bare_operations.inverse_dynamics(chain, n, SPEED), named))
     if n <= SUBSET:
         other_speed: Contestant = (
             "(d) pinpress, plane, other speed",
@@ -180,15 +171,11 @@ def print_speed(n: int, repeats: int) -> None:
 
 
 def print_fixed_cost(repeats: int) -> None:
-    """Time calls with so few angles that hardly anything but the calls' own cost is left.
-
-    The script is some 240 operations on arrays, at 0.65 us each where it took 160 us; the engine's are some 110, of which many take views,
-    products of matrices or reductions, which cost two to three times as much each.
-    """
+    """Time calls with so few angles that hardly anything but the calls' own cost is left: the script is some 240 operations on arrays, the
+    engine some 110 on complex ones."""
     import pinpress as pp
 
     press, sizes = pp.load("zxn2_3000b"), itertools.cycle(FEWEST)
-    chain = bare_operations.Chain(press)
 
     def few() -> pp.Reactions:
         return pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=next(sizes)))
@@ -202,7 +189,6 @@ def print_fixed_cost(repeats: int) -> None:
     entries: list[Contestant] = [
         ("(a) hand script, NumPy", 12, lambda: six_bar(theta1, SPEED, 0.0), lambda r: r),
         ("(c) pinpress, plane, new angles", 12, few, lambda r: r),
-        ("    its operations alone", 12, lambda: bare_operations.inverse_dynamics(chain, 12, SPEED), lambda r: r),
         ("(d) pinpress, plane, other speed", 12, known, lambda r: r),
     ]
     print(f"\n{FEWEST[0]} to {FEWEST[-1]} crank angles, (a) and (d) 12, best times of a call")

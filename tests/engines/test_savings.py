@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from benchmarks import bare_operations
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.exploring import examples
@@ -30,7 +29,7 @@ import pinpress as pp
 from pinpress.dynamics import inverse_dynamics as reactions
 from pinpress.engines.forces import FrictionLaw
 from pinpress.engines.pinocchio import inverse_dynamics as spatial_dynamics
-from pinpress.engines.planar import bodies, out_of_plane, statics
+from pinpress.engines.planar import bodies, chain_forces, out_of_plane, statics
 from pinpress.engines.planar import inverse_dynamics as plane_dynamics
 from pinpress.engines.planar.engine import PlanarEngine
 
@@ -354,15 +353,10 @@ def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, six_bar, tu
 
 def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, six_bar, turn):
     """Nor do the pins; guides do, and what all bearings share."""
+    for bearings, walked in (((), False), (("A", "C"), False), (("slide_guide",), True), (None, True)):
+        assert calls(monkeypatch, chain_forces, "_turning", six_bar, turn, bearings=bearings) == walked
     rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
-    for bearings, more, walked in (
-        ((), {}, False),
-        (("A", "C"), {}, False),
-        (("slide_guide",), {}, True),
-        (None, {}, True),
-        ((), {"friction": rubbing}, True),
-    ):
-        assert calls(monkeypatch, plane_dynamics, "_solve_open_tree", six_bar, turn, bearings=bearings, **more) == walked
+    assert calls(monkeypatch, plane_dynamics, "_solve_open_tree", six_bar, turn, bearings=(), friction=rubbing)
     assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("two_point"), bearings=())
     assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("symmetric"), bearings=())
 
@@ -454,15 +448,6 @@ print(*sys.modules)
     later = {f"pinpress.{name}" for name in ("simulation", "recording", "reporting", "charts", "reduced", "writing", "drives")}
     assert before & later == set()
     assert {"pinpress.simulation.simulate", "pinpress.visual.recording"} <= after
-
-
-def test_the_operations_alone_give_the_same_numbers(six_bar):
-    points, speed = 50, 7.0
-    torque, force = bare_operations.inverse_dynamics(bare_operations.Chain(six_bar), points, speed)
-    expected = pp.inverse_dynamics(six_bar, pp.cycle(six_bar, speed, points=points))
-    np.testing.assert_allclose(torque, expected.driving_torque, rtol=0, atol=SAME * np.abs(torque).max())
-    for place, name in enumerate(six_bar.bearings):
-        np.testing.assert_allclose(force[:, place].T, expected.bearing_force[name], rtol=0, atol=SAME * np.abs(force).max())
 
 
 def test_components_of_all_states_are_next_to_each_other(six_bar, turn, engine):

@@ -45,6 +45,13 @@ def test_planar_linkages_need_no_pinocchio_data(datas, kind):
     assert not datas
 
 
+def test_a_row_of_links_with_ties_is_one_linkage_however_its_tree_is_written():
+    """Loops between neighbours, or each round all links before it: the same torque."""
+    presses = [large_linkages.load(large_linkages.tied_row(3, short)) for short in (True, False)]
+    short, long = (pp.inverse_dynamics(press, pp.servo_cycle(press, angle=ANGLES, speed=3.0)) for press in presses)
+    np.testing.assert_allclose(short.driving_torque, long.driving_torque, rtol=0, atol=1e-12 * np.abs(long.driving_torque).max())
+
+
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("kind", KINDS)
 def test_checking_planar_linkages_needs_no_pinocchio_data(datas, kind, tmp_path):

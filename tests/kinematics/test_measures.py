@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -419,6 +420,15 @@ def test_what_is_no_turn_at_constant_speed_is_refused(name):
     for motion, words in ((servo, "not one turn"), (slowing, "constant speed"), (3, "no Motion")):
         with pytest.raises(pp.PinpressError, match=words):
             ALL[name](motion)
+
+
+def test_a_slide_that_stands_still_has_no_dead_centres():
+    text = Path(texts.shipped("crank_slide").file).read_text()
+    text = text.replace('<origin xyz="0.100 0 0"/><axis', '<origin xyz="1e-16 0 0"/><axis').replace(
+        'xyz="0 0 -0.500"/>', 'xyz="0 0 -0.400"/>'
+    )
+    with pytest.raises(pp.PinpressError, match="it has no dead centres"):
+        pp.dead_centres(texts.load(text))
 
 
 def test_a_slide_that_is_missing_or_never_turns_back_is_refused():

@@ -21,7 +21,7 @@ def test_of_shipped_presses_it_is_that_of_the_motion(name):
     press = texts.shipped(name)
     motion = pp.cycle(press, speed=1.0, points=7)
     found = press.configuration(motion.crank_angle)
-    np.testing.assert_array_equal(found, motion.q)
+    np.testing.assert_allclose(found, motion.q, rtol=0, atol=1e-14)  # sines by another way where joints are closed by roots
     one = press.configuration(motion.crank_angle[3])
     assert (one.shape, found.shape) == ((press.model.nq,), (7, press.model.nq))
     np.testing.assert_allclose(one, motion.q[3], rtol=0, atol=1e-14)

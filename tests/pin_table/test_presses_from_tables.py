@@ -41,6 +41,7 @@ def crank_slide(**changes):
     return table | changes
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", pp.presses())
 def test_shipped_tables_and_urdfs_are_one_press(name):
     """Motion, torque and every bearing force, with its name and sign."""
@@ -74,6 +75,7 @@ def toggle_slide(travel):
     return 0.3 * np.sin(angle) - np.sqrt(0.34**2 - (0.3 * np.cos(angle)) ** 2)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_templates_are_presses(name, tmp_path):
     path = tmp_path / f"{name}.yaml"

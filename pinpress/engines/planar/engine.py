@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,11 @@ from ..joints import product
 from ..pinocchio.model import SpatialModel
 from . import kinematics
 from .bodies import Bodies, build_bodies, energies, power_balance
+from .chain import Chain, ChainStates
 from .model import Plane, build_plane, to_world
+
+if TYPE_CHECKING:
+    from .chain_forces import ChainBodies
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -110,10 +115,25 @@ class PlanarEngine:
     # ------------------------------------------------------------------------------------------------------------------ dynamics
 
     def inverse_dynamics(self, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-        return self._forces(self.bodies, self._closed(states), conditions, wanted)
+        if not isinstance(states, ChainStates):
+            states = self._closed(states)
+        return self._forces(self.bodies, states, conditions, wanted, self._on_chain)
+
+    def _on_chain(self, chain: Chain) -> ChainBodies:
+        """Inertial constants of a chain of dyads, kept for the chain that was asked for last."""
+        from .chain_forces import build_chain_bodies  # slow to import, and not needed to load
+
+        known = self._chains.get("last")
+        if known is None or known.chain is not chain:
+            known = self._chains["last"] = read_only(build_chain_bodies(chain, self.bodies))
+        return known
 
     @cached_property
-    def _forces(self) -> Callable[[Bodies, ClosedStates, AppliedConditions, Sequence[int]], Wrenches]:
+    def _chains(self) -> dict[str, ChainBodies]:
+        return {}
+
+    @cached_property
+    def _forces(self) -> Callable[..., Wrenches]:
         from .inverse_dynamics import inverse_dynamics  # slow to import, and not needed to load
 
         return inverse_dynamics
@@ -144,4 +164,4 @@ class PlanarEngine:
             return states
         from .inverse_dynamics import closed_basis  # slow to import, and not needed to load
 
-        return states._replace(basis=closed_basis(self.plane, states.position))
+        return ClosedStates(states.position, states.v, states.a, closed_basis(self.plane, states.position), states.jacobian)

@@ -13,8 +13,8 @@ derivative of the basis. A link's moment of inertia J adds J u'' for its rotor u
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,14 +24,19 @@ from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw,
 from ..joints import product
 from . import out_of_plane, statics
 from .bodies import Bodies, OpenTree
+from .chain import Chain, ChainStates
+from .chain_forces import ChainBodies, chain_forces
 from .kinematics import basis_acceleration, basis_at, gaps, known_basis, known_jacobian
 from .model import Plane, put_in_plane, put_normal, to_complex
 
 FEW = 2  # speeds up to which working out `ForcesBySpeed.parts` would take longer
+OnChain = Callable[[Chain], ChainBodies]
 FAST = 1e6  # speed of the driver at which weights hardly count beside inertia forces [rad/s or m/s]
 
 
-def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+def inverse_dynamics(
+    bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int], on_chain: OnChain | None = None
+) -> Wrenches:
     """Driving torque and the wrenches of joints and loops; raises as `Engine.inverse_dynamics`.
 
     Args:
@@ -39,8 +44,27 @@ def inverse_dynamics(bodies: Bodies, states: ClosedStates, conditions: AppliedCo
         states: closed states with their basis.
         conditions: loads, friction and compliances.
         wanted: rising indices of the bearings whose wrenches are wanted.
+        on_chain: inertial constants of a chain of dyads, where the states are of one.
     """
+    if isinstance(states, ChainStates):
+        if on_chain is not None and conditions.law is None and not _acts_out_of_plane(bodies, conditions.loads):
+            return _on_chain(on_chain(states.closure.chain), states, conditions, wanted)
+        states = ClosedStates(states.position, states.v, states.a, states.basis)
     return _at_constant_speed(bodies, states, conditions, wanted) or _computed(bodies, states, conditions, wanted)
+
+
+def _on_chain(fixed: ChainBodies, states: ChainStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+    """`inverse_dynamics` of a chain of dyads."""
+    speed, loads = states.speed, conditions.loads
+    if not loads and isinstance(speed, float) and not isinstance(states.acceleration, np.ndarray):
+
+        def at(other: float) -> Wrenches:
+            return chain_forces(fixed, ChainStates(states.closure, other, 0.0), (), wanted)
+
+        kept = _by_speed(states.closure.answers, fixed.bodies, wanted, speed, at)
+        if kept is not None:
+            return kept
+    return chain_forces(fixed, states, loads, wanted)
 
 
 def _computed(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
@@ -83,28 +107,40 @@ def _at_constant_speed(bodies: Bodies, states: ClosedStates, conditions: Applied
     """`inverse_dynamics` from the wrenches that are kept by speed; None where they do not serve."""
     if states.jacobian is None or conditions.loads or conditions.law is not None or conditions.compliance is not None:
         return None
-    answers, speeds = states.jacobian.answers, states.v[bodies.plane.driver]
+    speeds = states.v[bodies.plane.driver]
     speed = float(speeds[0])
+    if states.a[bodies.plane.driver].any() or (speeds != speed).any():
+        return None
+
+    def at(other: float) -> Wrenches:
+        by = other / speed
+        return _computed(bodies, states.with_rates(states.v * by, states.a * (by * by)), conditions, wanted)
+
+    return _by_speed(states.jacobian.answers, bodies, wanted, speed, at)
+
+
+def _by_speed(answers: list[Any], bodies: Bodies, wanted: Sequence[int], speed: float, at: Callable[[float], Wrenches]) -> Wrenches | None:
+    """The wrenches at a constant speed from those that are kept in ``answers``, see `ForcesBySpeed`; None where they do not serve.
+    ``at``: works out the wrenches at a speed."""
     known = answers[0] if answers else None
     if known is None or known.bodies is not bodies or known.wanted != wanted:
         answers[:] = [ForcesBySpeed(bodies, wanted, (speed,))]
         return None
-    if not speed or speed in known.computed or states.a[bodies.plane.driver].any() or (speeds != speed).any():
+    if not speed or speed in known.computed:
         return None
     if known.parts is None and len(known.computed) < FEW:
         answers[:] = [known._replace(computed=(*known.computed, speed))]
         return None
-    inertia, weight = known.parts or _parts_by_speed(known, states, conditions, speed)
+    inertia, weight = known.parts or _parts_by_speed(at)
     answers[:] = [known._replace(parts=(inertia, weight))]
     square = speed * speed
     torque, coupling, vectors = (square * getattr(inertia, name) + getattr(weight, name) for name in ("torque", "coupling", "vectors"))
     return Wrenches(torque, coupling, np.zeros(weight.friction.shape), vectors)
 
 
-def _parts_by_speed(asked: ForcesBySpeed, states: ClosedStates, conditions: AppliedConditions, speed: float) -> tuple[Wrenches, Wrenches]:
+def _parts_by_speed(at: Callable[[float], Wrenches]) -> tuple[Wrenches, Wrenches]:
     """`ForcesBySpeed.parts`, from the wrenches at rest and at a speed at which weights hardly count."""
-    at_rest, fast = (states._replace(v=states.v * by, a=states.a * (by * by)) for by in (0.0, FAST / speed))
-    weight, inertia = (_computed(asked.bodies, moving, conditions, asked.wanted) for moving in (at_rest, fast))
+    weight, inertia = at(0.0), at(FAST)
     for name in ("torque", "coupling", "vectors"):
         array = getattr(inertia, name)
         array -= getattr(weight, name)

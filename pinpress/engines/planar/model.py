@@ -243,7 +243,11 @@ def put_in_plane(plane: Plane, vectors: ComplexArray, out: Array) -> None:
 def put_normal(plane: Plane, values: Array, out: Array) -> None:
     """Fill ``out`` (n, 3), zero so far, with vectors along the normal whose lengths are ``values`` (n,)."""
     for i, _, _, along in plane.world_components:
-        if along:
+        if along == 1.0:
+            out[:, i] = values
+        elif along == -1.0:
+            np.negative(values, out=out[:, i])
+        elif along:
             np.multiply(values, along, out=out[:, i])
 
 

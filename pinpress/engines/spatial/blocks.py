@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -183,16 +182,19 @@ class InBlocks:
                 left[block.known] -= np.einsum("mpn,mn->pn", coupling, found)
         return result
 
-    @cached_property
-    def idle(self) -> Array:
-        """(n, rows, idle) orthonormal basis of the multipliers that balance each other on the passive joints.
+    def idle(self, column: NDArray[np.intp], columns: int) -> Array:
+        """(n, rows, columns) orthonormal multipliers that balance each other on the passive joints.
 
         Each belongs to one block. On joints of earlier blocks it has no effort: their columns add nothing to the rank of a loop's own.
+
+        Args:
+            column: (idle,) which column each is written to; those of one block have different ones.
+            columns: number of columns.
         """
-        result, filled = np.zeros((self._blocks.rows, self._blocks.idle, len(self.regular))), 0
+        result, filled = np.zeros((self._blocks.rows, columns, len(self.regular))), 0
         for block in self._blocks.blocks:
             own = self._factors[block.shape].idle[:, :, block.place]
-            result[block.rows, filled : filled + len(own)] = own.swapaxes(0, 1)
+            result[block.rows[:, None], column[filled : filled + len(own)]] = own.swapaxes(0, 1)
             filled += len(own)
         return result.transpose(2, 0, 1)
 

@@ -18,6 +18,7 @@ from ..forces import RANK
 from .blocks import InBlocks
 from .bodies import motion_axes
 from .equations import Equations, Loops, drift, equations
+from .sharing import Chain
 
 
 class PassiveColumns:
@@ -40,11 +41,13 @@ class PassiveColumns:
 
     @cached_property
     def parts(self) -> list[Part]:
-        """The idle multipliers, in parts of equal rank."""
+        """The idle multipliers, in parts of equal rank; those of a chain in its columns."""
         found = []
         if self._blocks is not None and self._blocks.regular.any() and self.loops.rows > len(self.loops.passive):
             states = slice(None) if self.regular else np.flatnonzero(self._blocks.regular)
-            found.append(Part(states, self._blocks.idle[states]))
+            chain, count = self.loops.chain, self.loops.rows - len(self.loops.passive)
+            idle = self._blocks.idle(*((np.arange(count), count) if chain is None else (chain.column, chain.columns)))
+            found.append(Part(states, idle[states], chain))
         if not self.regular:
             found += [Part(self._others[part.states], part.left[:, :, part.rank :]) for part in self._decomposed.parts]
         return found
@@ -88,10 +91,12 @@ class Part(NamedTuple):
     Attributes:
         states: which configurations, m of them.
         idle: (m, rows, k) orthonormal basis of the multipliers that balance each other on the passive joints.
+        chain: where several of them stand in one column of ``idle``, which ones do; else None.
     """
 
     states: NDArray[np.intp] | slice
     idle: Array
+    chain: Chain | None = None
 
 
 class _Decomposition(NamedTuple):

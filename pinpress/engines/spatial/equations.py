@@ -20,6 +20,7 @@ from ..joints import Matrix, matrix, product
 from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel, coupling_equations
 from .blocks import Blocks, build_blocks
 from .bodies import Bodies, Placements, accelerations, build_bodies, cross, placements, velocities
+from .sharing import MANY_IDLE, Chain, build_chain
 
 MANY = 64  # joints from which on all that is done with a linkage has to grow no faster than they do
 JACOBIANS = 500_000  # entries of the Jacobians of all configurations that are worked through at a time
@@ -62,7 +63,7 @@ class Loops(Frozen):
     @cached_property
     def piece(self) -> int:
         """Number of configurations that are worked through at a time, so that their Jacobians take a few megabytes."""
-        size = 9 * self.entries.shape[1] if self.large else self.rows * len(self.bodies.parents)
+        size = self.entries.shape[1] if self.large else self.rows * len(self.bodies.parents)
         return max(8, min(PIECE, JACOBIANS // max(1, size)))
 
     @cached_property
@@ -78,6 +79,19 @@ class Loops(Frozen):
         members = np.concatenate([np.repeat(np.arange(count), 3), held, count + np.arange(len(self.offsets))])
         irregular = np.where(self.bodies.turns, 0.2, 0.2 * spatial.size) * np.sin(1.0 + 1.7 * np.arange(len(self.bodies.turns)))
         return build_blocks(self.entries, equations(self, irregular[:, None]).entries[:-1, 0], members, self.passive)
+
+    @cached_property
+    def chain(self) -> Chain | None:
+        """The idle multipliers where they are many, all forces of balls, and each has bearings in common with few others; else None."""
+        if self.blocks is None or self.rows - len(self.passive) < MANY_IDLE:
+            return None
+        rows = [block.rows.tolist() for block in self.blocks.blocks for _ in range(len(block.rows) - len(block.joints))]
+        count = len(self.spatial.loops)
+        if max(map(max, rows)) >= 3 * count:
+            return None
+        loops = [sorted({row // 3 for row in own}) for own in rows]
+        joints = [sorted(set().union(*(self.spatial.joints_of_loop[loop] for loop in own))) for own in loops]
+        return build_chain(rows, loops, joints, (self.rows, len(self.bodies.parents), count))
 
     @cached_property
     def driving_places(self) -> NDArray[np.intp]:

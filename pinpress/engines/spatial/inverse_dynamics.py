@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import LOOSEST, ClosedStates, other_linkage
-from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches, lexicographic_responses
+from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
 from .bodies import Placements, accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
 from .equations import Equations, Loops, equations, loop_spins
+from .sharing import SharedByAll, SharedByNeighbours, shared_by_all, shared_by_neighbours
 
 
 def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
@@ -90,20 +91,6 @@ class _Friction(NamedTuple):
     couples: Array
 
 
-class _Sharing(NamedTuple):
-    """How idle forces of m states are shared.
-
-    Attributes:
-        states: which states.
-        idle: (k, rows, m) multipliers that balance each other.
-        responses: (m, k, 3 bearings) see `lexicographic_responses`.
-    """
-
-    states: NDArray[np.intp] | slice
-    idle: Array
-    responses: list[Array]
-
-
 class _Balance:
     """States under their loads: the efforts of the open tree, and the multipliers of the equations that balance them."""
 
@@ -120,7 +107,7 @@ class _Balance:
             AssemblyError: a state leaves the loops open, because it belongs to another linkage.
         """
         self.loops, self.states, self.compliance = loops, states, compliance
-        self.sharing: list[_Sharing] | None = None
+        self.sharing: list[SharedByAll | SharedByNeighbours] | None = None
         spatial, bodies = loops.spatial, loops.bodies
         self.count, self.n = states.v.shape
         if states.solved is None:
@@ -233,39 +220,46 @@ class _Balance:
             return found
         if self.sharing is None:
             self.sharing = list(self._share())
-        starts = list(islice(self._starts(found, friction), max((len(each.responses) for each in self.sharing), default=0)))
+        starts = list(islice(self._starts(found, friction), max((each.objectives for each in self.sharing), default=0)))
         for sharing in self.sharing:
-            parts = zip(sharing.responses, starts, strict=False)
-            y = -sum((response @ start[sharing.states, :, None])[:, :, 0] for response, start in parts)
-            found[:, sharing.states] += np.einsum("krm,mk->rm", sharing.idle, y)
+            found[:, sharing.states] += sharing.added(starts)
         return found
 
-    def _share(self) -> Iterator[_Sharing]:
+    def _share(self) -> Iterator[SharedByAll | SharedByNeighbours]:
         for part in self.passive.parts:
-            if part.idle.shape[2] and len(part.idle):
-                idle = _configurations_last(part.idle)
-                yield _Sharing(part.states, idle, lexicographic_responses(self._objectives(idle, part.states)))
+            if not (part.idle.shape[2] and len(part.idle)):
+                continue
+            idle, chain = _configurations_last(part.idle), part.chain
+            if chain is not None:
+                objective, _ = next(self._objectives(idle, part.states))
+                weights = np.ones(1) if self.compliance is None else np.sqrt(self.compliance[self.count + chain.own_loops])
+                shared = shared_by_neighbours(part.states, idle, chain, objective, float(weights.min()))
+                if shared is not None:
+                    yield shared
+                    continue
+                idle = chain.together(idle)
+            yield shared_by_all(part.states, idle, self._objectives(idle, part.states))
 
     def _objectives(self, idle: Array, states: NDArray[np.intp] | slice) -> Iterator[tuple[Array, float]]:
-        """The objectives by which multiples of idle multipliers (k, rows, m) of some states are chosen, see `lexicographic_responses`. The
-        generator works out the next one only where the ones before leave something open."""
+        """The objectives (k, bearings, 3, m) by which multiples of idle multipliers (k, rows, m) of some states are chosen, and their
+        scales, see `Objective`. The generator works out the next one only where the ones before leave something open."""
         loop_forces, loop_moments = _loop_wrenches(self.loops, self.found, states, idle)
         forces = self._across(_forces_of_bearings(self.loops, loop_forces), states, turning=False)
         if self.compliance is not None:
             weights = np.sqrt(self.compliance)
-            yield _configurations_first(weights[:, None, None] * forces), float(weights.max())
-        yield _configurations_first(forces), 1.0
+            yield weights[:, None, None] * forces, float(weights.max())
+        yield forces, 1.0
         moments = _moments_of_bearings(self.loops, self.found, states, loop_forces, loop_moments)
-        yield _configurations_first(self._across(moments, states, turning=True)), self.size
+        yield self._across(moments, states, turning=True), self.size
 
     def _starts(self, multipliers: Array, friction: _Friction) -> Iterator[Array]:
-        """What the objectives minimise, (n, 3 bearings), without idle multipliers, in the order of `_objectives`."""
+        """What the objectives minimise, (bearings, 3, n), without idle multipliers, in the order of `_objectives`."""
         every = slice(None)
-        forces = self._across(self._forces(multipliers)[None], every, turning=False)
+        forces = self._across(self._forces(multipliers)[None], every, turning=False)[0]
         if self.compliance is not None:
-            yield _configurations_first(np.sqrt(self.compliance)[:, None, None] * forces)[:, :, 0]
-        yield _configurations_first(forces)[:, :, 0]
-        yield _configurations_first(self._across(self._moments(multipliers, friction)[None], every, turning=True))[:, :, 0]
+            yield np.sqrt(self.compliance)[:, None, None] * forces
+        yield forces
+        yield self._across(self._moments(multipliers, friction)[None], every, turning=True)[0]
 
     def _across(self, vectors: Array, states: NDArray[np.intp] | slice, turning: bool) -> Array:
         """Vectors (k, bearings, 3, m) without their components along the axes of the joints that turn, or of those that slide."""
@@ -320,11 +314,6 @@ def _all_speeds(loops: Loops, placed: Placements, v: Array) -> Array:
 def _configurations_last(idle: Array) -> Array:
     """(k, rows, m) of idle multipliers (m, rows, k)."""
     return np.ascontiguousarray(idle.transpose(2, 1, 0))
-
-
-def _configurations_first(vectors: Array) -> Array:
-    """(m, 3 bearings, k) of vectors (k, bearings, 3, m)."""
-    return vectors.transpose(3, 1, 2, 0).reshape(vectors.shape[3], -1, len(vectors))
 
 
 def _loop_forces(loops: Loops, multipliers: Array) -> Array:

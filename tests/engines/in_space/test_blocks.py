@@ -12,7 +12,7 @@ from support.oracles import cassie, n_four_bar
 
 import pinpress as pp
 from pinpress.engines.engine import ClosedStates
-from pinpress.engines.forces import AppliedConditions
+from pinpress.engines.forces import AppliedConditions, AppliedForce
 from pinpress.engines.spatial import bodies
 from pinpress.engines.spatial.closing import PassiveColumns
 from pinpress.engines.spatial.engine import SpatialEngine
@@ -134,3 +134,30 @@ def test_joints_of_a_kind_are_placed_as_one_by_one(text, monkeypatch):
     assert sum(map(len, at_once.alike)) == len(own.parents) > len(own.alike) == 0
     for one, other in zip(bodies.placements(at_once, x), expected, strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("stiff", ["none", "all", "some"])
+def test_idle_forces_of_a_chain_are_shared_by_neighbours(stiff):
+    """Under forces across the plane, as by Pinocchio's engine from dense decompositions; where a bearing of a loop counts for nothing, they
+    are decomposed here too."""
+    press, rng = large_linkages.load(n_four_bar.urdf(18)), np.random.default_rng(3)
+    engine, count = in_space(press), len(press.bearings)
+    chain = engine.loops.chain
+    assert (chain.columns, chain.band, len(chain.column)) == (2, 1, 18)
+    compliance = None if stiff == "none" else 1e-9 * 10.0 ** rng.uniform(-2.0, 2.0, size=count)
+    if stiff == "some":
+        compliance[-4:] = 0.0
+    closed = engine.close(np.array([0.01, 0.02]), np.repeat(press.closed[:, None], 2, axis=1))
+    states = ClosedStates(closed.position, 3.0 * closed.first, 9.0 * closed.second)
+    loads = [AppliedForce(joint, rng.normal(size=3), 10.0 * rng.normal(size=(2, 3))) for joint in (1, 9, 20, 33)]
+    ours, theirs = (
+        each.inverse_dynamics(states, AppliedConditions(loads, None, compliance, False), range(count))
+        for each in (engine, press.engine("pinocchio"))
+    )
+    assert np.abs(theirs.force[:, :, 1]).max() > 1.0  # across the plane
+    np.testing.assert_allclose(ours.force[:, :, 1], theirs.force[:, :, 1], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(ours.vectors, theirs.vectors, rtol=0, atol=2e-13 * np.abs(theirs.vectors).max())
+    for mine, other in zip(
+        engine.indeterminate(closed.position, np.eye(3)), press.engine("pinocchio").indeterminate(closed.position, np.eye(3)), strict=True
+    ):
+        np.testing.assert_array_equal(mine, other)

@@ -51,11 +51,36 @@ def spatial_chain(count: int) -> str:
     return "\n".join([*parts, '<transmission name="drive"><joint name="A0"/></transmission>', "</robot>"])
 
 
+def tied_row(count: int, short: bool) -> str:
+    """A crank and ``count`` links in a row behind it, the far end of each on a rod that stands on the frame, written in two ways.
+
+    With ``short`` loops every link hangs on its own rod, and loops join it to its neighbour. Else the links hang on each other, so that the
+    loop of each rod goes round all links before it.
+    """
+    upright, lying = _rod("0 0 0.5", "xy"), _rod("0.5 0 0", "yz")
+    parts = ['<robot name="tied_row">', f'<link name="frame"/><link name="crank">{upright}</link>', _joint("A", "frame", "crank", "0 0 0")]
+    for k in range(count):
+        before = (f"link_{k - 1}", "0 0 0" if short else "1 0 0") if k else ("crank", "0 0 1")
+        parts += [
+            f'<link name="rod_{k}">{upright}</link><link name="link_{k}">{lying}</link>',
+            _joint(f"C{k}", "frame", f"rod_{k}", f"{k + 1} 0 0"),
+        ]
+        if short:  # the origin of the link is its far end
+            parts[-2] = parts[-2].replace(lying, _rod("-0.5 0 0", "yz"))
+            parts.append(_joint(f"D{k}", f"rod_{k}", f"link_{k}", "0 0 1"))
+            ends = f'<link1 link="{before[0]}" xyz="{before[1]}"/><link2 link="link_{k}" xyz="-1 0 0"/>'
+        else:
+            parts.append(_joint(f"B{k}", before[0], f"link_{k}", before[1]))
+            ends = f'<link1 link="link_{k}" xyz="1 0 0"/><link2 link="rod_{k}" xyz="0 0 1"/>'
+        parts.append(f'<loop_joint name="{"B" if short else "D"}{k}" type="spherical">{ends}</loop_joint>')
+    return "\n".join([*parts, '<transmission name="drive"><joint name="A"/></transmission>', "</robot>"])
+
+
 def _rod(centre: str, across: str) -> str:
     """Inertia of a slender rod of 1 m and 1 kg."""
     return n_four_bar.ROD.format(centre=centre, **{axis: 1 / 12 if axis in across else 0.0 for axis in "xyz"})
 
 
-def _joint(name: str, parent: str, child: str, place: str, axis: str) -> str:
+def _joint(name: str, parent: str, child: str, place: str, axis: str = "0 1 0") -> str:
     ends = f'<parent link="{parent}"/><child link="{child}"/><origin xyz="{place}"/>'
     return f'<joint name="{name}" type="continuous">{ends}<axis xyz="{axis}"/></joint>'

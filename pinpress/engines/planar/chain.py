@@ -1,0 +1,436 @@
+"""A planar linkage whose equations are a chain of dyads, closed at all crank angles at once without iteration.
+
+Most press linkages are a driver and dyads one after the other (`dyads`). Then positions, rates and forces follow from a root for each dyad:
+there is no guess, no table of the branch, no sine but those of the driver. `chain_of` looks whether a linkage is such a chain along its
+branch, and judges the closed form there by Newton's method; all others, and motions beyond change points, are closed by `kinematics.close`.
+
+What the engine does not need for forces is computed when it is first read: angles of the joints (an arc tangent takes longer than all else
+that a dyad needs), their rates relative to each other, and gaps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...common.frozen import read_only
+from ...common.quantities import Array, ComplexArray
+from ..branch import SUBDIVISION, Branch, nodes_before, predict
+from ..engine import ClosedStates
+from ..joints import plain, product
+from . import kinematics
+from .dyads import Along, Dyad, Guide, GuidedLink, Inverses, SwingingGuide, TwoGuides, TwoLinks, turned
+from .model import Plane
+
+CLEAR = 1e-3  # smallest margin of a dyad's equations, see `Closure.margins`: nearer to a dead centre Newton's method closes
+EQUAL = 1e-9  # by which the functions of a chain may differ from those that Newton's method finds [1 or lengths of the linkage]
+PIECE = 7200  # states that are worked through at a time
+Known = tuple[tuple[int, ComplexArray], ...]
+
+
+class Equation(NamedTuple):
+    """The loop that a dyad closes: ``constant`` + sum(coefficient * function) = 0.
+
+    Attributes:
+        loop: index of the loop.
+        constant: what does not move [m]; None where it is zero.
+        known: rows and coefficients of the functions of the driver and of earlier dyads.
+        own: coefficients of the dyad's two functions, by rows.
+        dyad: the dyad.
+    """
+
+    loop: int
+    constant: ComplexArray | None
+    known: Known
+    own: Known
+    dyad: Dyad
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Chain:
+    """Constants of a chain of dyads.
+
+    Every joint has a *function*, as in the basis of `model.Plane`: the rotor of a revolute one, the way along a prismatic one times the
+    rotor of its guide. Their rows stand in the order of the joints, and a row of ones before those of every joint on the frame, so that the
+    forces of each tree follow from consecutive rows.
+
+    Attributes:
+        plane: the linkage.
+        rows: row of every joint's function.
+        ones: rows that are 1.
+        count: number of rows.
+        driver: row of the driver.
+        equations: the loops in the order in which they are closed.
+        needed: rows of the functions whose rates later dyads need.
+        order: (nb,) rows in the order of the basis of `Plane`.
+        guides: by row of a way that of the rotor of its guide, None where this does not turn.
+        low: crank angle from which on the closed form serves [rad or m].
+        high: crank angle to which it serves [rad or m].
+    """
+
+    plane: Plane
+    rows: tuple[int, ...]
+    ones: tuple[int, ...]
+    count: int
+    driver: int
+    equations: tuple[Equation, ...]
+    needed: tuple[int, ...]
+    order: tuple[int, ...]
+    guides: Mapping[int, int | None]
+    low: float = -np.inf
+    high: float = np.inf
+
+    @cached_property
+    def sense(self) -> float:
+        """`Plane.sense` of the driver."""
+        return float(self.plane.sense[self.plane.driver])
+
+    @cached_property
+    def outer(self) -> tuple[int | None, ...]:
+        """Of every joint that turns the row of the rotor that turns its frame; None where none does, and of joints that slide."""
+        turning = {self.plane.rotors[j]: self.rows[j] for j in self.plane.revolute}
+        return tuple(
+            turning.get(self.plane.rotor(parent)) if sense else None
+            for parent, sense in zip(self.plane.parents, self.plane.sense, strict=True)
+        )
+
+    @cached_property
+    def backwards(self) -> tuple[int, ...]:
+        """The joints whose axes lie against the plane's normal."""
+        return tuple(j for j, sense in enumerate(self.plane.sense) if sense < 0.0)
+
+
+class Closed(NamedTuple):
+    """A chain closed at n crank angles, and its derivatives while the driver moves at the rate 1.
+
+    Attributes:
+        functions: (rows, n) functions; those that later dyads do not need, and ones, are filled in by `all_functions`.
+        inward: (rows, n) minus their second derivatives; not those of the rows of ones.
+        along: the same and more by rows, see `Along`.
+        inverses: of every dyad, see `dyads`.
+    """
+
+    functions: ComplexArray
+    inward: ComplexArray
+    along: Along
+    inverses: list[Inverses]
+
+
+def close(chain: Chain, angle: Array) -> Closed:
+    """Close the chain at crank angles (n,), at which its dyads reach."""
+    functions, inward = np.empty((chain.count, len(angle)), complex), np.empty((chain.count, len(angle)), complex)
+    blank: list[Any] = [None] * chain.count
+    along = Along(list(functions), list(inward), dict.fromkeys(chain.needed, functions[0]), {}, blank, blank.copy())
+    _drive(chain, angle, along)
+    inverses = []
+    for _, constant, ((row, by), *others), _, dyad in chain.equations:
+        known, opening, bending = along.functions[row] * by, along.rates[row] * by, along.inward[row] * by
+        for row, by in others:
+            known += along.functions[row] * by
+            opening += along.rates[row] * by
+            bending += along.inward[row] * by
+        if constant is not None:
+            known += constant
+        inverses.append(dyad.close(known, opening, bending, along))
+    return Closed(functions, inward, along, inverses)
+
+
+def _drive(chain: Chain, angle: Array, along: Along) -> None:
+    """Fill in the driver."""
+    row, function = chain.driver, along.functions[chain.driver]
+    sense = chain.sense
+    along.first[row], along.second[row] = np.array(sense or 1.0), np.array(0.0)
+    if sense:
+        np.cos(angle, function.real)
+        np.sin(angle, function.imag)
+        if sense < 0.0:
+            np.conjugate(function, function)
+        along.rates[row] = function * np.array(1j * sense)
+        along.inward[row][:] = function
+    else:
+        function.real, function.imag = angle, 0.0
+        along.ways[row], along.inward[row][:] = angle, 0.0
+        along.rates[row] = np.ones(angle.shape, complex)
+
+
+def all_functions(chain: Chain, closed: Closed) -> ComplexArray:
+    """The functions (rows, n), also those that closing does not need."""
+    for one in chain.ones:
+        closed.functions[one] = 1.0
+    for way, rotor in chain.guides.items():
+        if rotor is None:
+            closed.functions[way] = closed.along.ways[way]
+    return closed.functions
+
+
+def rate_of(chain: Chain, closed: Closed, row: int) -> ComplexArray:
+    """The derivative (n,) of a joint's function while the driver moves at the rate 1."""
+    along = closed.along
+    if row in along.rates:
+        return along.rates[row]
+    if row not in chain.guides:
+        return turned(along.first[row], along.functions[row])
+    rotor, speed = chain.guides[row], along.first[row]
+    if rotor is None:
+        return np.asarray(speed + 0j)
+    return speed * along.functions[rotor] + along.ways[row] * rate_of(chain, closed, rotor)
+
+
+# --------------------------------------------------------------------------------------------------------------- motions along the branch
+
+
+class ChainClosure:
+    """A chain closed at crank angles (n,) of a branch, piece by piece when something of it is read.
+
+    Attributes:
+        chain: the chain.
+        branch: the branch.
+        angle: (n,) crank angles [rad or m].
+        answers: at most one `inverse_dynamics.ForcesBySpeed` of these angles.
+    """
+
+    def __init__(self, chain: Chain, branch: Branch, angle: Array) -> None:
+        self.chain, self.branch, self.angle = chain, branch, angle
+        self.answers: list[Any] = []
+
+    @cached_property
+    def _whole(self) -> Closed:
+        return close(self.chain, self.angle)
+
+    def pieces(self) -> Iterator[tuple[slice, Closed]]:
+        """The chain closed in pieces that stay in the cache; kept where one piece is enough."""
+        n = len(self.angle)
+        if n <= PIECE:
+            yield slice(0, n), self._whole
+            return
+        size = -(-n // -(-n // PIECE))  # of equal pieces
+        for start in range(0, n, size):
+            s = slice(start, min(start + size, n))
+            yield s, close(self.chain, self.angle[s])
+
+    @cached_property
+    def basis(self) -> ComplexArray:
+        """(nb, n) basis of `Plane`."""
+        found = np.empty((len(self.chain.order), len(self.angle)), complex)
+        for s, closed in self.pieces():
+            np.take(all_functions(self.chain, closed), self.chain.order, axis=0, out=found[:, s])
+        return read_only(found)
+
+    @cached_property
+    def influence(self) -> tuple[Array, Array]:
+        """Influence coefficients (nv, n) of first and second order of all joints."""
+        chain = self.chain
+        first, second = np.empty((2, len(chain.rows), len(self.angle)))
+        for s, closed in self.pieces():
+            rates, bending = closed.along.first, closed.along.second
+            for j, (row, outer) in enumerate(zip(chain.rows, chain.outer, strict=True)):
+                if outer is None:
+                    first[j, s] = rates[row]
+                    np.negative(bending[row], second[j, s])
+                else:
+                    np.subtract(rates[row], rates[outer], first[j, s])
+                    np.subtract(bending[outer], bending[row], second[j, s])
+        for j in chain.backwards:
+            np.negative(first[j], first[j])
+            np.negative(second[j], second[j])
+        return read_only((first, second))
+
+    @cached_property
+    def position(self) -> Array:
+        """(nv, n) joint coordinates."""
+        chain, plane = self.chain, self.chain.plane
+        position = np.empty((len(chain.rows), len(self.angle)))
+        position[plane.driver] = self.angle
+        for s, closed in self.pieces():
+            angles = {}
+            for j, row in enumerate(chain.rows):
+                if (plane.sense[j] and j != plane.driver) or row in chain.outer:
+                    function = closed.functions[row]
+                    angles[row] = np.arctan2(function.imag, function.real)
+            for j, (row, outer) in enumerate(zip(chain.rows, chain.outer, strict=True)):
+                if j != plane.driver:
+                    position[j, s] = closed.along.ways[row] if row not in angles else angles[row]
+                    if outer is not None:
+                        position[j, s] -= angles[outer]
+        for j in chain.backwards:
+            np.negative(position[j], position[j])
+        turns = nodes_before(self.branch, self.angle)
+        turns -= position
+        turns *= 1.0 / (2 * np.pi)
+        np.rint(turns, turns)
+        turns *= 2 * np.pi
+        turns[list(plane.prismatic)] = 0.0
+        position += turns
+        position[plane.driver] = self.angle
+        return read_only(position)
+
+    def way(self, joint: int) -> Array:
+        """(n,) coordinate of a prismatic joint [m]."""
+        if len(self.angle) <= PIECE:
+            return self._whole.along.ways[self.chain.rows[joint]]
+        return np.concatenate([closed.along.ways[self.chain.rows[joint]] for _, closed in self.pieces()])
+
+    @cached_property
+    def gap(self) -> Array:
+        """(n,) largest gap of a loop [m]."""
+        return read_only(np.abs(product(self.chain.plane.gap_rows, self.basis)).max(axis=0))
+
+
+class ChainStates(ClosedStates):
+    """States of a chain along its branch; joint coordinates and rates are computed when they are first read.
+
+    Attributes:
+        closure: the closed chain.
+        speed: speed of the driver, (n,) or one number [rad/s or m/s].
+        acceleration: its acceleration, (n,) or 0.0 [rad/s2 or m/s2].
+    """
+
+    def __init__(self, closure: ChainClosure, speed: Array | float, acceleration: Array | float) -> None:
+        self.closure, self.speed, self.acceleration = closure, speed, acceleration
+        self.jacobian, self.solved = None, None
+
+    def __getattr__(self, name: str) -> Any:
+        if name in ("position", "basis", "gap"):
+            value = getattr(self.closure, name)
+        elif name == "v":
+            value = read_only(self.closure.influence[0] * self.speed)
+        elif name == "a":
+            first, second = self.closure.influence
+            value = second * (self.speed * self.speed)
+            if isinstance(self.acceleration, np.ndarray):
+                value += first * self.acceleration
+            value = read_only(value)
+        else:
+            raise AttributeError(name)
+        vars(self)[name] = value
+        return value
+
+
+# ------------------------------------------------------------------------------------------------------------- chains found in linkages
+
+
+def chain_of(plane: Plane, branch: Branch) -> Chain | None:
+    """The chain of a linkage along its branch, as far as its dyads stay clear of dead centres; None where the linkage is no chain of dyads,
+    or comes near to dead centres all the time.
+
+    At the nodes of the branch the closed form has to agree with Newton's method.
+    """
+    if branch.change_points:
+        return None
+    angles = np.append(branch.angles[:-1:SUBDIVISION], branch.angles[-1])  # nodes of the walk, between which it looked at margins
+    begin = int(np.argmin(np.abs(angles)))
+    judge = kinematics.close(plane, angles, predict(branch, angles), with_margins=True)
+    assert judge.basis is not None
+    assert judge.margins is not None
+    chain = _built(plane, judge.basis[:, begin])
+    if chain is None:
+        return None
+    with np.errstate(all="ignore"):  # nodes that are beyond the reach of a dyad are left out
+        tried = ChainClosure(chain, branch, angles)
+        size = np.where(np.arange(len(chain.order)) > len(plane.revolute), plane.size, 1.0)[:, None]
+        errors = np.abs(tried.basis - judge.basis) / size
+        good = (np.abs(judge.margins) >= CLEAR).all(axis=0) & (errors <= EQUAL).all(axis=0)
+    if branch.period is not None:
+        return chain if good.all() else None
+    bad = np.flatnonzero(~good)
+    low = int(bad[bad < begin].max(initial=-1)) + 1
+    high = int(bad[bad >= begin].min(initial=len(angles))) - 1
+    return replace(chain, low=float(angles[low]), high=float(angles[high])) if low < high else None
+
+
+def _built(plane: Plane, drawn: ComplexArray) -> Chain | None:
+    """The chain of a linkage, given its basis (nb,) in a pose of its branch."""
+    if plane.parents[plane.driver] >= 0 or not plane.blocks or any(block.kind != "dyad" for block in plane.blocks):
+        return None
+    rows, ones = _rows(plane)
+    places = {joint: place for place, joint in enumerate((*plane.revolute, *plane.prismatic), 1)}  # in the basis
+    build = _Builder(drawn, [0, *(rows[joint] for joint in places)], {way: rotor for way, _, rotor in plane.guides})
+    known = {0, places[plane.driver]}
+    equations, needed = [], {rows[plane.driver]}
+    for block in plane.blocks:
+        entries, own = _entries(plane, block.loops[0]), [places[joint] for joint in block.joints]
+        equation = build.equation(block.loops[0], entries, known, own)
+        if equation is None:
+            return None
+        equations.append(equation)
+        needed |= {row for row, _ in equation.known} | {guide.rotor for guide in equation.dyad.guides if guide.rotor is not None}
+        known |= set(own)
+    count = len(rows) + len(ones)
+    order = tuple(build.order)
+    guides = {order[way]: order[rotor] if rotor else None for way, rotor in build.rotors.items()}
+    driver = rows[plane.driver]
+    return Chain(plane, tuple(rows), tuple(ones), count, driver, tuple(equations), tuple(sorted(needed)), order, guides)
+
+
+def _rows(plane: Plane) -> tuple[list[int], list[int]]:
+    """Rows of the functions of all joints, and of ones, see `Chain`."""
+    rows: list[int] = []
+    ones: list[int] = []
+    for parent in plane.parents:
+        if parent < 0:
+            ones.append(len(rows) + len(ones))
+        rows.append(len(rows) + len(ones))
+    return rows, ones
+
+
+def _entries(plane: Plane, loop: int) -> dict[int, complex]:
+    """The coefficients of a loop's gap over the basis that are not zero."""
+    row = plain(plane.gap_rows[[loop]])[0]
+    return {int(place): complex(row[place]) for place in np.flatnonzero(row)}
+
+
+class _Builder(NamedTuple):
+    """What dyads are built from; functions go by their places in the basis.
+
+    Attributes:
+        drawn: (nb,) the basis in the drawn pose.
+        order: rows of functions, see `Chain`.
+        rotors: of every way the place of the rotor that turns its guide, 0 for none.
+    """
+
+    drawn: ComplexArray
+    order: list[int]
+    rotors: dict[int, int]
+
+    def equation(self, loop: int, entries: dict[int, complex], known: set[int], own: Sequence[int]) -> Equation | None:
+        """The equation of a loop with these coefficients; None where its dyad has no closed form."""
+        moving = [place for place in sorted(entries) if place in known and place]
+        outer = {self.rotors[place] for place in own if place in self.rotors} - set(own)
+        if not moving or not set(entries) <= known | set(own) or not outer <= known:
+            return None
+        dyad = self._dyad(entries, own, sum((entries[place] * self.drawn[place] for place in entries if place in known), 0j))
+        if dyad is None:
+            return None
+        constant, known_part, own_part = entries.get(0), self._coefficients(entries, moving), self._coefficients(entries, own)
+        return Equation(loop, None if constant is None else np.array(constant), known_part, own_part, dyad)
+
+    def _coefficients(self, entries: dict[int, complex], places: Sequence[int]) -> Known:
+        return tuple((self.order[place], np.array(entries[place])) for place in places if place in entries)
+
+    def _dyad(self, entries: dict[int, complex], own: Sequence[int], known: complex) -> Dyad | None:
+        """The dyad with these two functions; ``known``: the vector K in the drawn pose."""
+        turning, ways = [place for place in own if place not in self.rotors], [place for place in own if place in self.rotors]
+        if any(place not in entries for place in ways) or not known:
+            return None
+        guides = [
+            Guide(self.order[way], np.array(entries[way]), self.order[self.rotors[way]] if self.rotors[way] else None) for way in ways
+        ]
+        if not turning:
+            return TwoGuides(*guides)
+        one, other = turning[0], own[0] if own[1] == turning[0] else own[1]
+        if ways and self.rotors[other] == one:
+            way = float((self.drawn[other] / self.drawn[one]).real)
+            return SwingingGuide.drawn(self.order[one], self.order[other], entries.get(one, 0j), entries[other], way)
+        if one not in entries or other not in entries:
+            return None
+        a = entries[one] * self.drawn[one]
+        if ways:
+            direction = entries[other] * (self.drawn[self.rotors[other]] if self.rotors[other] else 1.0)
+            return GuidedLink.drawn(self.order[one], guides[0], entries[one], (a / direction).real < 0.0)
+        left = (a / known).imag > 0.0
+        one, other = (one, other) if left else (other, one)
+        return TwoLinks.drawn(self.order[one], self.order[other], entries[one], entries[other])

@@ -1,0 +1,357 @@
+"""Forces of a chain of dyads at all crank angles at once: dyad by dyad backwards, each by its two inverses.
+
+The power of a force f at a velocity v is Re(conj(f) v): the conjugates of forces are what appears everywhere, and here all forces are
+conjugates until they are written to the result. The *work* of a function is that of all inertia forces less weights and loads on it: the
+force f at a point that moves with c times the function counts conj(f) c. A rotor u with the work W asks for the effort -Im(u W), a way
+along a guide with the rotor u for Re(u W). With the inverses e1 and e2 of a dyad (see `dyads`) the force p of its loop is
+
+    conj(p) = -(e1 effort1 + e2 effort2)
+
+and takes c conj(p) from the work of every function that has the coefficient c in the loop. What is left at the driver is the driving
+torque.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.quantities import Array, ComplexArray
+from ..forces import AppliedForce, Wrenches
+from ..joints import LARGE, SERIAL, Matrix, plain, product
+from .bodies import Bodies
+from .chain import Chain, ChainStates, Closed, all_functions, rate_of
+from .model import Plane, put_normal, to_complex
+
+NOTHING = bytes(8)  # the number 0
+
+
+class Tree(NamedTuple):
+    """The links that hang on one joint of the frame.
+
+    Attributes:
+        joints: its joints, consecutive.
+        rows: rows of functions, the row of ones first.
+        matrix: second derivatives of the functions to the work on them, below that to the forces of all links that each joint carries.
+        single: the four numbers of this matrix where there is one joint.
+    """
+
+    joints: range
+    rows: slice
+    matrix: ComplexArray
+    single: tuple[ComplexArray, ...]
+
+
+class OpenTree(NamedTuple):
+    """Forces of the linkage with all loops open, (n,) each.
+
+    Attributes:
+        work: by rows, on the functions.
+        own: of the links ``on_guides`` of `Bodies` alone.
+        forces: of all bearings; those of the loops are to be filled in.
+        bearings: the same as one array (bearings, n); None where they are apart.
+    """
+
+    work: list[ComplexArray]
+    own: list[ComplexArray]
+    forces: list[ComplexArray]
+    bearings: ComplexArray | None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChainBodies:
+    """Inertial constants of a chain; forces are conjugates, and follow from the conjugate second derivatives of the functions.
+
+    Attributes:
+        chain: the chain.
+        bodies: inertial constants of the linkage.
+        together: (work, own forces, forces of joints; rows) of all trees together, for few states; None for many joints.
+        trees: the same tree by tree.
+        to_own: rows of the own forces of the links on guides.
+        leaves: whether nothing hangs on the links on guides.
+        spins: by link on guides that turns the row of its rotor, and its moment of inertia [kg m2].
+        arms: `Bodies.arms` over the functions.
+        still: the values of these arms where they do not turn.
+        carriers: of every loop the joints that carry one of its ends, with `Plane.incidence`.
+    """
+
+    chain: Chain
+    bodies: Bodies
+    together: ComplexArray | None
+    trees: tuple[Tree, ...]
+    to_own: ComplexArray
+    leaves: bool
+    spins: Mapping[int, tuple[int, float]]
+    arms: Matrix
+    still: tuple[ComplexArray, ...]
+    carriers: tuple[tuple[tuple[int, float], ...], ...]
+
+    @property
+    def first_force(self) -> int:
+        """Row of the first bearing's force."""
+        return self.chain.count + len(self.to_own)
+
+
+def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
+    """Inertial constants of a chain."""
+    plane = chain.plane
+    places = [chain.order.index(row) if row not in chain.ones else 0 for row in range(chain.count)]  # of rows in the basis
+    on_guides, first_force, trees = list(bodies.on_guides), chain.count + len(bodies.on_guides), []
+    own, arms = (_over_functions(chain, plain(rows), places) for rows in (bodies.forces[on_guides], bodies.arms))
+    together = None
+    if len(plane.parents) < LARGE:
+        together = np.zeros((first_force + len(plane.parents), chain.count), complex)
+        together[chain.count : first_force] = own.conj()
+    for one, end in zip(chain.ones, (*chain.ones[1:], chain.count), strict=True):
+        joints = [j for j, row in enumerate(chain.rows) if one < row < end]
+        columns = [0, *places[one + 1 : end]]
+        to_work = plain(bodies.reduced[[place - 1 for place in columns[1:]]][:, columns]).conj()
+        to_forces = plain(bodies.subtree_forces[joints][:, columns]).conj()
+        matrix = np.concatenate([to_work, to_forces])
+        single = tuple(np.array(entry) for entry in matrix.ravel()) if len(joints) == 1 else ()
+        trees.append(Tree(range(joints[0], joints[-1] + 1), slice(one, end), matrix, single))
+        if together is not None:
+            together[one + 1 : end, one:end] = to_work
+            together[first_force + joints[0] : first_force + joints[-1] + 1, one:end] = to_forces
+    carriers: list[list[tuple[int, float]]] = [[] for _ in plane.loop_heights]
+    for joint, signs in enumerate(plane.loops_of_joint):
+        for loop, sign in signs.items():
+            carriers[loop].append((joint, sign))
+    still = () if bodies.arms_turn else tuple(np.array(arm) for arm in arms[:, chain.ones[0]])
+    spins = {}
+    for j in on_guides:
+        if rotor := plane.rotors[j]:
+            turner = chain.rows.index(chain.order[rotor])
+            spins[j] = chain.order[rotor], float(bodies.inertia[j, turner] * plane.sense[turner])
+    leaves = not set(on_guides) & set(plane.parents)
+    return ChainBodies(chain, bodies, together, tuple(trees), own.conj(), leaves, spins, arms, still, tuple(map(tuple, carriers)))
+
+
+def _over_functions(chain: Chain, rows: ComplexArray, places: Sequence[int]) -> ComplexArray:
+    """Rows over the basis as rows over the functions of a chain; what does not move stands in the first row of ones."""
+    found = rows[:, places]
+    found[:, list(chain.ones[1:])] = 0.0
+    return found
+
+
+def chain_forces(fixed: ChainBodies, states: ChainStates, loads: Sequence[AppliedForce], wanted: Sequence[int]) -> Wrenches:
+    """Driving torque and the wrenches of the ``wanted`` bearings of a linkage in one plane, without friction."""
+    plane, n = fixed.chain.plane, len(states.closure.angle)
+    count = len(plane.parents) + len(plane.loop_heights)
+    torque, vectors, finite = np.empty((1, n)), np.empty((2, 3, len(wanted), n)).transpose(0, 2, 3, 1), True
+    for s, closed in states.closure.pieces():
+        if s.stop - s.start == n:
+            finite = _fill(fixed, closed, states.speed, states.acceleration, loads, wanted, torque[0], vectors)
+            continue
+        speed, acceleration = (of[s] if isinstance(of, np.ndarray) else of for of in (states.speed, states.acceleration))
+        acting = [load.part(s) for load in loads]
+        finite &= _fill(fixed, closed, speed, acceleration, acting, wanted, torque[0, s], vectors[:, :, s])
+    no_friction = np.ndarray((count, n), float, NOTHING, strides=(0, 0))
+    return Wrenches(torque, np.empty((0, n)), no_friction, vectors, finite)
+
+
+def _fill(
+    fixed: ChainBodies,
+    closed: Closed,
+    speed: Array | float,
+    acceleration: Array | float,
+    loads: Sequence[AppliedForce],
+    wanted: Sequence[int],
+    torque: Array,
+    vectors: Array,
+) -> bool:
+    """Fill in the driving torque (n,) and the ``vectors`` of `Wrenches` of a piece of the motion; returns whether a sum shows that they are
+    finite. The other arguments are those of `chain_forces`."""
+    chain, plane = fixed.chain, fixed.chain.plane
+    guided = bool(plane.prismatic) and bool(wanted) and (len(wanted) > len(plane.parents) or any(j in wanted for j in plane.prismatic))
+    open_tree = _open_tree(fixed, _second_derivatives(chain, closed, speed, acceleration), apart=bool(loads) and guided)
+    for load in loads:
+        if load.joint:
+            _take_load(plane, chain, load, open_tree)
+    moments = _turning(fixed, closed, speed, acceleration, open_tree, loads) if guided else {}
+    _solve(fixed, closed, open_tree)
+    row = chain.driver
+    if chain.sense:
+        at_driver = (closed.along.functions[row] * open_tree.work[row]).imag  # minus the effort of its rotor
+        torque[:] = at_driver if chain.sense < 0.0 else -at_driver
+    else:
+        torque[:] = open_tree.work[row].real
+    if not wanted:
+        return math.isfinite(np.add.reduce(torque))
+    vectors[1] = 0.0
+    total = _put(plane, open_tree, wanted, vectors[0])
+    if guided:
+        _add_guided(fixed, closed, open_tree, moments)
+    for joint, moment in moments.items():
+        if joint in wanted:
+            put_normal(plane, moment, vectors[1, wanted.index(joint)])
+            total += np.add.reduce(moment)
+    if chain.sense and plane.driver in wanted:
+        put_normal(plane, torque if chain.sense > 0.0 else at_driver, vectors[1, wanted.index(plane.driver)])
+    return math.isfinite(abs(total + np.add.reduce(torque)))
+
+
+def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> ComplexArray:
+    """Conjugate second derivatives (rows, n) of the functions, 1 in the rows of ones."""
+    second: ComplexArray = np.multiply(closed.inward, np.asarray(-speed * speed))
+    if isinstance(acceleration, np.ndarray):
+        for row in chain.rows:
+            second[row] += rate_of(chain, closed, row) * acceleration
+    for one in chain.ones:
+        second[one] = 1.0
+    return np.conjugate(second, second)
+
+
+def _open_tree(fixed: ChainBodies, second: ComplexArray, apart: bool) -> OpenTree:
+    """Forces with all loops open, from what `_second_derivatives` returned; ``apart``: whether own forces must not be those of joints."""
+    chain, first = fixed.chain, fixed.first_force
+    joints, n, loops = len(chain.rows), second.shape[1], len(chain.plane.loop_heights)
+    if fixed.together is not None and fixed.together.size * n <= SERIAL:
+        found = np.empty((first + joints + loops, n), complex)
+        np.dot(fixed.together, second, found[: first + joints])
+        rows = list(found)
+        return OpenTree(rows[: chain.count], rows[chain.count : first], rows[first:], found[first:])
+    work, forces = [second[0]] * chain.count, [second[0]] * joints
+    for tree in fixed.trees:
+        here, count = second[tree.rows], len(tree.joints)
+        found = np.empty((2 * count, n), complex)
+        if tree.single:
+            constant1, by1, constant2, by2 = tree.single
+            for row, by, constant in ((0, by1, constant1), (1, by2, constant2)):
+                np.add(np.multiply(here[1], by, found[row]), constant, found[row])
+        else:
+            _multiply(tree.matrix, here, found)
+        work[tree.rows.start + 1 : tree.rows.stop] = found[:count]
+        forces[tree.joints.start : tree.joints.stop] = found[count:]
+    if fixed.leaves:
+        own = [forces[joint].copy() if apart else forces[joint] for joint in fixed.bodies.on_guides]
+    else:
+        own = list(_multiply(fixed.to_own, second, np.empty((len(fixed.to_own), n), complex)))
+    return OpenTree(work, own, [*forces, *np.empty((loops, n), complex)], None)
+
+
+def _multiply(rows: ComplexArray, columns: ComplexArray, out: ComplexArray) -> ComplexArray:
+    """`joints.product` into an array."""
+    step = max(1, SERIAL // rows.size)
+    for start in range(0, columns.shape[1], step):
+        s = slice(start, start + step)
+        np.matmul(rows, columns[:, s], out=out[:, s])
+    return out
+
+
+def _take_load(plane: Plane, chain: Chain, load: AppliedForce, open_tree: OpenTree) -> None:
+    """Take a load from the work of functions and from the forces of the joints that carry its link."""
+    joint, force = load.joint - 1, to_complex(plane, load.force).conj()
+    point = plane.point(joint, complex(*(plane.frames[joint] @ load.point)[:2]))
+    for place in np.flatnonzero(point[1:]) + 1:
+        open_tree.work[chain.order[place]] -= point[place] * force
+    for carrier in plane.carriers(joint):
+        open_tree.forces[carrier] -= force
+
+
+def _solve(fixed: ChainBodies, closed: Closed, open_tree: OpenTree) -> None:
+    """Fill in the forces of the loops, from the last dyad to the first, and subtract them where they relieve joints and functions."""
+    along, joints, (work, _, forces, _) = closed.along, len(fixed.chain.rows), open_tree
+    for (loop, _, known, own, dyad), (e1, e2) in zip(reversed(fixed.chain.equations), reversed(closed.inverses), strict=True):
+        one, other = dyad.asked(along, work)
+        force = np.multiply(e1, one, forces[joints + loop])
+        force += e2 * other
+        for row, by in known:
+            work[row] -= by * force
+        for guide in dyad.guides:
+            if guide.rotor is not None:
+                by = next(by for row, by in own if row == guide.way)
+                work[guide.rotor] += along.ways[guide.way] * (work[guide.way] - by * force)
+        for joint, sign in fixed.carriers[loop]:
+            if sign > 0.0:
+                forces[joint] -= force
+            else:
+                forces[joint] += force
+
+
+def _put(plane: Plane, open_tree: OpenTree, wanted: Sequence[int], out: Array) -> complex:
+    """Fill ``out`` (k, n, 3) with the forces of the wanted bearings; returns their sum."""
+    if open_tree.bearings is not None and len(wanted) == len(open_tree.forces):
+        _put_forces(plane, open_tree.bearings, out)
+        return complex(np.add.reduce(open_tree.bearings, axis=None))
+    total = 0j
+    for place, bearing in enumerate(wanted):
+        force = open_tree.forces[bearing]
+        _put_forces(plane, force, out[place])
+        total += complex(np.add.reduce(force))
+    return total
+
+
+def _put_forces(plane: Plane, forces: ComplexArray, out: Array) -> None:
+    """Fill ``out`` (..., 3) with forces whose conjugates (...) are given."""
+    for i, first, second, _ in plane.world_components:
+        if not (first or second):
+            out[..., i] = 0.0
+        if first == 1.0:  # most presses stand in a coordinate plane
+            out[..., i] = forces.real
+        elif first:
+            np.multiply(forces.real, first, out=out[..., i])
+        if second and first:
+            out[..., i] -= second * forces.imag
+        elif second == 1.0:
+            np.negative(forces.imag, out=out[..., i])
+        elif second == -1.0:
+            out[..., i] = forces.imag
+        elif second:
+            np.multiply(forces.imag, -second, out=out[..., i])
+
+
+def _turning(
+    fixed: ChainBodies,
+    closed: Closed,
+    speed: Array | float,
+    acceleration: Array | float,
+    open_tree: OpenTree,
+    loads: Sequence[AppliedForce],
+) -> dict[int, Array]:
+    """Moments (n,) about the normal that prismatic joints would have to transmit with all loops open, from the tips of the tree to them.
+
+    Args:
+        fixed: inertial constants.
+        closed: the closed chain.
+        speed: of the driver.
+        acceleration: of the driver.
+        open_tree: what `_open_tree` returned.
+        loads: forces on links.
+    """
+    plane, joints = fixed.chain.plane, fixed.bodies.on_guides
+    arms = product(fixed.arms[: 2 * len(joints)], all_functions(fixed.chain, closed)) if fixed.bodies.arms_turn else fixed.still
+    places = {joint: place for place, joint in enumerate(joints)}
+    moments = [-(arms[place] * own).imag for place, own in enumerate(open_tree.own)]
+    for joint, place in places.items():
+        if joint in fixed.spins:
+            rotor, inertia = fixed.spins[joint]
+            moments[place] += inertia * (closed.along.first[rotor] * acceleration - closed.along.second[rotor] * (speed * speed))
+    for load in loads:
+        joint = load.joint - 1
+        if joint in places:
+            arm = complex(*(plane.frames[joint] @ load.point)[:2])
+            if plane.rotors[joint]:
+                arm = arm * closed.functions[fixed.chain.order[plane.rotors[joint]]]
+            moments[places[joint]] += (arm * to_complex(plane, load.force).conj()).imag
+    for joint, place in places.items():
+        parent = places.get(plane.parents[joint])
+        if parent is not None:
+            moments[parent] += moments[place] - (arms[len(joints) + place] * open_tree.forces[joint]).imag
+    return {joint: moments[places[joint]] for joint in plane.prismatic}
+
+
+def _add_guided(fixed: ChainBodies, closed: Closed, open_tree: OpenTree, moments: dict[int, Array]) -> None:
+    """Add what the forces of the ``guided`` loops of `Bodies` do to the moments of prismatic joints."""
+    plane, first = fixed.chain.plane, 2 * len(fixed.bodies.on_guides)
+    arms = product(fixed.arms[first:], all_functions(fixed.chain, closed)) if fixed.bodies.arms_turn else fixed.still[first:]
+    for (joint, loop), arm in zip(fixed.bodies.guided, arms, strict=True):
+        by_force = (arm * open_tree.forces[len(plane.parents) + loop]).imag
+        if plane.loops_of_joint[joint][loop] > 0.0:
+            moments[joint] += by_force
+        else:
+            moments[joint] -= by_force

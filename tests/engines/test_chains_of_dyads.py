@@ -1,0 +1,273 @@
+"""Chains of dyads, which the planar engine closes by one root each: judged by Newton's method, by Pinocchio, and by what they leave out."""
+
+import copy
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from support import texts
+from support.exploring import examples
+from support.generators.random_linkages import Drawing, drawn, four_bar, linkages, servo
+
+import pinpress as pp
+from pinpress.engines.engine import ClosedStates
+from pinpress.engines.forces import AppliedConditions
+from pinpress.engines.planar import chain as chains
+from pinpress.engines.planar.engine import PlanarEngine
+from pinpress.kinematics import motion as motions
+
+
+def chain_of(press):
+    return motions._known(press).chain
+
+
+def crank(drawing, length=0.2, at=0j):
+    drawing.joint("crank", "frame", "crank_link", at, bounded=False)
+    drawing.body("crank_link", 3.0, at + 0.3 * length)
+    return at + length
+
+
+def rod_to_slide(direction=1.0, sense=1, driven=1):
+    """A crank, a rod and a slide whose line passes beside the shaft; the slide is ahead of the rod or behind it."""
+    drawing = Drawing("rod_to_slide")
+    pin = crank(drawing)
+    end = pin + 0.9 * np.exp(0.3j) * direction
+    drawing.joint("rod", "crank_link", "rod_link", pin, sense=sense)
+    drawing.joint("guide", "frame", "slide", end + 0.1j, along=driven * direction)
+    drawing.loop("pin", "rod_link", "slide", end)
+    drawing.body("rod_link", 2.0, 0.5 * (pin + end) + 0.1j)
+    drawing.body("slide", 9.0, end + 0.2j)
+    return drawing
+
+
+def slide_on_a_rocker():
+    """A four-bar whose rocker carries a guide, whose slide a rod from the crank moves: the guide turns, and is known."""
+    drawing = four_bar(1.0, 0.2, 0.9, 0.5, 0.3, name="slide_on_a_rocker")
+    start, along = 1.1 + 0.3j, np.exp(0.4j)
+    drawing.joint("guide", "rocker", "slide", start, along=along)
+    end = start + 0.2 * along
+    drawing.joint("rod", "crank", "rod_link", 0.2 * np.exp(0.3j))
+    drawing.loop("pin", "rod_link", "slide", end)
+    drawing.body("slide", 2.0, end + 0.05j)
+    drawing.body("rod_link", 1.0, 0.5 * end)
+    drawing.joint("tail", "slide", "tail_link", end + 0.1j)  # what hangs on the slide has a moment about its guide
+    drawing.joint("far", "frame", "far_link", end + 0.9)
+    drawing.loop("last", "tail_link", "far_link", end + 0.5 + 0.4j)
+    drawing.body("tail_link", 1.0, end + 0.3)
+    drawing.body("far_link", 1.0, end + 0.8)
+    return drawing
+
+
+def swinging_guide(behind=False):
+    """A crank's pin on a slide in a guide that swings beside its pivot: a shaper. A second slide on this guide moves a table."""
+    drawing = Drawing("swinging")
+    pin, pivot = crank(drawing), -0.7j
+    along = (pin - pivot - 0.1) * (-1 if behind else 1)
+    drawing.joint("swing", "frame", "guide_link", pivot)
+    drawing.joint("way", "guide_link", "block", pin, along=along)
+    drawing.loop("pin", "crank_link", "block", pin)
+    drawing.joint("table_guide", "frame", "table", 1.0 + 0.2j, along=1.0)
+    drawing.joint("rod", "guide_link", "rod_link", 0.3j)
+    drawing.loop("end", "rod_link", "table", 1.0 + 0.2j)
+    for link, mass, centre in (("guide_link", 4.0, 0.1j), ("block", 1.0, pin + 0.02), ("table", 9.0, 1.1), ("rod_link", 2.0, 0.4)):
+        drawing.body(link, mass, centre)
+    return drawing
+
+
+def two_guides():
+    """A crank's pin in a cross slide: both guides are known, and keep their directions."""
+    drawing = Drawing("two_guides")
+    pin = crank(drawing, at=0.1j)
+    drawing.joint("yoke_guide", "frame", "yoke", 0.5j, along=np.exp(0.1j))
+    drawing.joint("block_guide", "yoke", "block", pin, along=np.exp(1.4j))
+    drawing.loop("pin", "block", "crank_link", pin)
+    drawing.body("yoke", 4.0, 0.2j)
+    drawing.body("block", 1.0, pin + 0.03)
+    return drawing
+
+
+def sliding_driver():
+    """A cylinder's rod moves a rocker."""
+    drawing = Drawing("sliding_driver")
+    drawing.joint("crank", "frame", "rod", 0j, along=1.0)
+    drawing.joint("link", "rod", "link_body", 0.5 + 0j)
+    drawing.joint("rocker", "frame", "rocker_link", 0.6 - 0.8j)
+    drawing.loop("pin", "link_body", "rocker_link", 1.1 + 0.1j)
+    for link, centre in (("rod", 0.2j), ("link_body", 0.7 + 0j), ("rocker_link", 0.8 - 0.3j)):
+        drawing.body(link, 2.0, centre)
+    return drawing
+
+
+KINDS = {
+    "links": (four_bar(1.0, 0.2, 0.9, 0.5, 0.3), "O", ["TwoLinks"]),
+    "links, other side": (four_bar(1.0, 0.2, 0.9, 0.5, 0.3, side=-1), "O", ["TwoLinks"]),
+    "rod to slide": (rod_to_slide(), "crank", ["GuidedLink"]),
+    "rod to slide, behind": (rod_to_slide(np.exp(2.5j), sense=-1, driven=-1), "crank", ["GuidedLink"]),
+    "slide on a rocker": (slide_on_a_rocker(), "O", ["TwoLinks", "GuidedLink", "TwoLinks"]),
+    "swinging guide": (swinging_guide(), "crank", ["SwingingGuide", "GuidedLink"]),
+    "swinging guide, behind": (swinging_guide(behind=True), "crank", ["SwingingGuide", "GuidedLink"]),
+    "two guides": (two_guides(), "crank", ["TwoGuides"]),
+    "sliding driver": (sliding_driver(), "crank", ["TwoLinks"]),
+}
+
+
+def gently(press):
+    """Angles, speeds and accelerations of a motion clear of locks, without a relation between them."""
+    chain = chain_of(press)
+    low, high = (0.0, 6.0) if press.branch.period else (0.5 * chain.low, 0.5 * chain.high)
+    share = np.linspace(0.0, 1.0, 25)
+    return {"angle": low + share * (high - low), "speed": 3.0 - share, "acceleration": 2.0 + 5.0 * share}
+
+
+def judged(press, motion, loads=()):
+    """A motion and its forces against Newton's method and the general equations of the planar engine."""
+    assert isinstance(motion.states(press), chains.ChainStates)
+    engine, angle = press.engine("plane"), motion.crank_angle
+    near = np.asarray(motion.joint_position.T) + 1e-7
+    newton = engine.close(angle, near)
+    assert newton.iterations > 0
+    weight = np.array([1.0 if axis.turns else 1.0 / press.size for axis in press.axes])[:, None]
+    v, a = newton.first * motion.crank_speed, newton.second * motion.crank_speed**2 + newton.first * motion.crank_acceleration
+    for found, expected in ((motion.joint_position.T, newton.position), (motion.v.T, v), (motion.a.T, a)):
+        assert np.abs(weight * (found - expected)).max() <= 1e-12 * max(1.0, np.abs(weight * expected).max())
+    found = pp.inverse_dynamics(press, motion, loads)
+    conditions = AppliedConditions(found._conditions.loads, None, None, True)
+    general = engine.inverse_dynamics(ClosedStates(newton.position, v, a), conditions, range(len(press.bearings)))
+    assert np.abs(found._wrenches.force - general.force).max() <= 1e-12 * np.abs(general.force).max()
+    scale = max(np.abs(general.moment).max(), np.abs(general.force).max() * press.size)
+    assert np.abs(found._wrenches.moment - general.moment).max() <= 1e-12 * scale
+    assert np.abs(found.driving_torque - general.torque[0]).max() <= 1e-12 * scale
+    some = press.bearings[1::2]
+    partly = pp.inverse_dynamics(press, motion, loads, bearings=some)
+    for name in some:
+        assert np.abs(partly.bearing_force[name] - found.bearing_force[name]).max() <= 1e-13 * np.abs(general.force).max()
+        assert np.abs(partly.bearing_moment[name] - found.bearing_moment[name]).max() <= 1e-13 * scale
+    return found
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_of_dyad(kind):
+    drawing, driver, dyads = KINDS[kind]
+    press = texts.load(drawing.urdf(driver))
+    assert [type(equation.dyad).__name__ for equation in chain_of(press).equations] == dyads
+    loads = [pp.loads.PointForce(link, (30.0, 0.0, -50.0), (0.1, 0.0, 0.2)) for link in press.links if link != "frame"]
+    motion = pp.servo_cycle(press, **gently(press))
+    result = judged(press, motion, loads)
+    other = pp.inverse_dynamics(press, motion, loads, engine="pinocchio")
+    peak = max(np.abs(force).max() for force in other.bearing_force.values())
+    for name in press.bearings:
+        assert np.abs(result.bearing_force[name] - other.bearing_force[name]).max() <= 1e-11 * peak
+        assert np.abs(result.bearing_moment[name] - other.bearing_moment[name]).max() <= 1e-11 * peak * press.size
+    assert np.abs(result.power_residual).max() <= 1e-12
+
+
+@given(linkages(tilted=False, stacked=False, solid=False))
+@examples(30)
+def test_random_chains(spec):
+    drawing = drawn(spec)
+    assume(drawing is not None)
+    try:
+        press = texts.load(drawing.urdf("crank"))
+        chain = chain_of(press)
+    except pp.PinpressError:
+        assume(False)  # it locks where it is drawn
+    plane = press.engine().plane
+    assert (chain is None) == any(block.kind != "dyad" for block in plane.blocks)
+    if chain is not None:
+        judged(press, pp.servo_cycle(press, **servo(press, np.random.default_rng(spec.seed))))
+
+
+def test_shipped_presses_are_chains():
+    """But for gears, second rods to the same slide, and what is not in one plane."""
+    found = {name for name in pp.presses() if chain_of(pp.load(name)) is not None}
+    assert found == set(pp.presses()) - {"jf75g_125_symmetric", "jf75g_125_two_point"}
+
+
+def test_the_driver_of_a_chain_stands_on_the_frame():
+    """A motor on a link that another dyad moves, and gears, are left to Newton's method."""
+    assert chain_of(pp.load("jf75g_125_symmetric")) is None
+    press = pp.load("crank_slide")
+    assert chain_of(press) is not None
+    engine = press.engine("plane")
+    assert isinstance(engine, PlanarEngine)
+    assert chains.chain_of(replace(engine.plane, parents=(1, -1, -1)), press.branch) is None
+
+
+def test_near_a_dead_centre_newtons_method_closes():
+    """A rocker that drives: it turns as far as coupler and crank come into line."""
+    press = texts.load(four_bar(1.0, 0.2, 0.9, 0.5, 1.5).urdf("D"))
+    chain, branch = chain_of(press), press.branch
+    assert branch.period is None
+    assert branch.angles[0] < chain.low < -0.01
+    assert 0.01 < chain.high < branch.angles[-1]
+    for angle, closed_form in ((0.999 * chain.high, True), (0.5 * (chain.high + branch.angles[-1]), False)):
+        motion = pp.servo_cycle(press, angle=[0.0, angle], speed=1.0)
+        assert isinstance(motion.states(press), chains.ChainStates) == closed_form
+        assert motion.closure_error.max() < 1e-14
+    with pytest.raises(pp.SingularityError, match="locks"):
+        pp.servo_cycle(press, angle=[0.0, 1.01 * branch.angles[-1]], speed=1.0)
+
+
+def test_a_closed_form_that_is_not_that_of_the_branch_is_not_used(monkeypatch):
+    """Another assembly, say: the nodes of the branch tell."""
+    press = texts.load(four_bar(1.0, 0.2, 0.9, 0.5, 0.3).urdf("O"))
+    plane, branch = press.engine("plane").plane, press.branch
+    assert chains.chain_of(plane, branch) is not None
+    build = chains._built
+    monkeypatch.setattr(chains, "_built", lambda plane, drawn: mirrored(build(plane, drawn)))
+    assert chains.chain_of(plane, branch) is None
+
+
+def mirrored(chain):
+    equation = chain.equations[0]
+    (one, a), (other, b) = equation.own
+    dyad = equation.dyad
+    swapped = type(dyad).drawn(*((other, one, b, a) if dyad.one == one else (one, other, a, b)))
+    return replace(chain, equations=(equation._replace(dyad=swapped),))
+
+
+def test_angles_of_joints_are_computed_when_they_are_read(monkeypatch):
+    press = pp.load("zxn2_3000b")
+    pp.cycle(press, 7.0)
+    monkeypatch.setattr(chains, "nodes_before", None)
+    motion = pp.cycle(press, 7.0, points=50)
+    reactions = pp.inverse_dynamics(press, motion)
+    assert np.isfinite(reactions.shaking_force).all()
+    assert np.isfinite(motion.slide_position).all()
+    assert np.isfinite(motion.a).all()
+    with pytest.raises(TypeError):
+        _ = motion.joint_position
+    monkeypatch.undo()
+    assert "joint_position" not in vars(motion)
+    for each in (copy.copy(motion), copy.deepcopy(motion), pickle.loads(pickle.dumps(motion))):
+        for name in motions.LATER:
+            np.testing.assert_array_equal(getattr(each, name), getattr(motion, name))
+            assert not getattr(each, name).flags.writeable
+    with pytest.raises(AttributeError, match="'Motion' object has no attribute 'joint_positions'"):
+        _ = getattr(motion, "joint_positions")  # noqa: B009 - a misspelt name, which types would refuse
+
+
+def test_pieces_join(monkeypatch):
+    press = pp.load("thin_wall")
+    whole = pp.cycle(press, 7.0, points=100)
+    expected = pp.inverse_dynamics(press, whole, [pp.loads.PointForce("slide", np.outer(np.arange(100), (0.0, 0.0, 1e3)))])
+    monkeypatch.setattr(chains, "PIECE", 33)
+    other = pp.load("thin_wall")
+    parts = pp.cycle(other, 7.0, points=100)
+    found = pp.inverse_dynamics(other, parts, [pp.loads.PointForce("slide", np.outer(np.arange(100), (0.0, 0.0, 1e3)))])
+    np.testing.assert_allclose(parts.slide_position, whole.slide_position, rtol=1e-15)
+    for name in motions.LATER:
+        np.testing.assert_allclose(getattr(parts, name), getattr(whole, name), rtol=0, atol=1e-13)
+    peak = max(np.abs(force).max() for force in expected.bearing_force.values())
+    for name in press.bearings:
+        np.testing.assert_allclose(found.bearing_force[name], expected.bearing_force[name], rtol=0, atol=1e-14 * peak)
+    np.testing.assert_allclose(found.driving_torque, expected.driving_torque, rtol=0, atol=1e-14 * peak)
+
+
+def test_speeds_too_large_are_refused():
+    press = pp.load("crank_slide")
+    for speed in (1e155, 1e300):
+        with pytest.raises(pp.PinpressError, match="too fast"):
+            pp.cycle(press, speed)
