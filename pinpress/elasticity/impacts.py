@@ -206,27 +206,26 @@ def wear_depth(run: ElasticRun, bearing: str, *, radius: float, width: float, ha
 def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) -> ImpactsByTurn:
     segment, press = _segment(run), run.problem.driven.press
     pin = _open_pin(segment, press, bearing)
-    speed = abs(float(run.crank_speed[0]))
-    turns = int(np.floor(segment.end * speed / (2 * np.pi) + 1e-9))
+    count, share = segment.steps, np.linspace(0.0, 1.0, PLACES + 1)
+    at = solution_states(segment.solution, np.repeat(np.arange(count), len(share)), np.tile(share, count), None, segment.gain)
+    angle = segment.crank(*at.whole)[0]
+    gone = np.abs(angle - angle[0]) / (2 * np.pi)
+    turns = int(np.floor(gone[-1] + 1e-9))
     if turns - settling < 1:
         raise PinpressError(f"the run of {segment.end:g} s has {turns} whole turns: give one with more than {settling}")
-    panels = segment.solution.panels
-    count = len(panels.mesh.start)
-    share = np.linspace(0.0, 1.0, PLACES + 1)
-    at = solution_states(segment.solution, np.repeat(np.arange(count), len(share)), np.tile(share, count), None, segment.gain)
     sprung = segment.solution.equations.sprung
     assert isinstance(sprung, SprungPress)
     coordinates, rates = sprung.all_coordinates(at.whole[0]), at.whole[1] @ sprung.carry.T
     gap = journal_places(sprung, pin, coordinates)
     force = np.linalg.norm(bearing_forces(segment.solution, at.times, at.segments, coordinates, rates)[pin.bearing], axis=1)
-    turn = np.floor(np.minimum(at.times * speed / (2 * np.pi), turns - 1e-9)).astype(int)
+    turn = np.where(gone < turns + 1e-9, np.minimum(gone, turns - 1e-9), gone).astype(int)
     touching = np.abs(gap) > pin.clearance.radial
     rows = []
     for each in range(settling, turns):
         own = turn == each
         lengths = np.where(own[1:] & own[:-1], np.diff(at.times), 0.0)
         flying = float(lengths[~touching[1:]].sum() / lengths.sum())
-        struck = at.times[1:][own[1:] & touching[1:] & ~touching[:-1]] * speed / (2 * np.pi)
+        struck = gone[1:][own[1:] & touching[1:] & ~touching[:-1]]
         impacts = int(len(struck) and 1 + (np.diff(struck) > NEARLY_AT_ONCE).sum())
         rows.append((number_of_run, each, float(force[own].max()), float(np.abs(gap[own]).max()) - pin.clearance.radial, impacts, flying))
     columns = {name: read_only(np.array(column)) for name, column in zip(OF_TURN, zip(*rows, strict=True), strict=True)}

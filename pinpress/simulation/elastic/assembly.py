@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from ...common.arguments import number, positive
+from ...common.arguments import positive
 from ...common.errors import PinpressError, UnknownNameError, shown
 from ...common.quantities import Array, ComplexArray
 from ...engines.joints import plain
@@ -23,7 +23,7 @@ from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
 from .acting.frame_on_mounts import on_mounts
 from .contact import Clearance, OpenPin
-from .description import STIFFEST, Elastic, Rod
+from .description import STIFFEST, Elastic, Rod, by_bearing, dampers_by_bearing
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
 from .in_space.assembly import press_in_space
 from .in_space.bodies import PressInSpace
@@ -206,9 +206,13 @@ class _Softer(NamedTuple):
 
 def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> SprungPress:
     press, stiffness, frame = drawn.press, elastic.stiffness, len(bare.centers) - 1
-    radial = _by_bearing(press, "bearings", stiffness.bearings, "N/m", range(len(press.bearings)))
+    words = {
+        "holds_none": "no guide and holds no moment in the plane",
+        "yields": ": in an elastic motion every bearing yields, and every guide also against turning",
+    }
+    radial = by_bearing(press, "bearings", stiffness.bearings, "N/m", range(len(press.bearings)), **words)
     guides = list(drawn.plane.prismatic)
-    turning = _by_bearing(press, "moments", stiffness.moments, "N m/rad", guides)
+    turning = by_bearing(press, "moments", stiffness.moments, "N m/rad", guides, **words)
     softer = _rods(drawn, stiffness.rods)
     rows: list[tuple[int, int, complex, complex, complex, float, float, float, float, int, float]] = []
 
@@ -256,27 +260,6 @@ def _columns(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:
     whole, points = ("first", "second", "bearing"), ("arm1", "arm2", "direction")
     types = (np.intp if name in whole else complex if name in points else float for name in kind._fields)
     return kind(*(np.array(column, dtype=each) for each, column in zip(types, columns, strict=True)))
-
-
-def _by_bearing(press: Linkage, what: str, given: object, unit: str, needed: Sequence[int] | range) -> dict[int, float]:
-    """Values by the numbers of the bearings that need one."""
-    if not isinstance(given, Mapping):
-        raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
-    found = {}
-    for name, value in given.items():
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-        place = press.bearings.index(name)
-        if place not in needed:
-            raise PinpressError(f"{what} names {shown(name)}, which is no guide and holds no moment in the plane: leave it out")
-        found[place] = positive(f"stiffness of {shown(name)}", value, unit, STIFFEST)
-    missing = [press.bearings[place] for place in needed if place not in found]
-    if missing:
-        raise PinpressError(
-            f"Stiffness.{what} lacks {', '.join(map(shown, missing))} of {press.name}: in an elastic motion every bearing yields, and every"
-            f" guide also against turning; give each a stiffness [{unit}]"
-        )
-    return found
 
 
 def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
@@ -410,13 +393,8 @@ def _with_dampers(drawn: DrawnBodies, sprung: SprungPress, elastic: Elastic) -> 
     """Dampers in proportion to the springs, or as given."""
     factor = 2 * elastic.damping_ratio / float(frequencies(sprung, reference_angle(sprung.press))[0]) if elastic.damping_ratio else 0.0
     damping, press = factor * sprung.lines.stiffness, drawn.press
-    for name, value in elastic.dampers.items():
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-        given = number(f"damper of {shown(name)}", value, "N s/m")
-        if given < 0:
-            raise PinpressError(f"damper of {shown(name)} is {given:g}: give a number that is not negative [N s/m]")
-        damping[sprung.lines.bearing == press.bearings.index(name)] = given
+    for place, damper in dampers_by_bearing(press, elastic.dampers).items():
+        damping[sprung.lines.bearing == place] = damper
     lines, turns = sprung.lines._replace(damping=damping), sprung.turns._replace(damping=factor * sprung.turns.stiffness)
     return replace(sprung, lines=lines, turns=turns)
 

@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ...common.arguments import number
-from ...common.errors import PinpressError, caution, shown
+from ...common.arguments import number, positive
+from ...common.errors import PinpressError, UnknownNameError, caution, shown
 from ...common.frozen import Frozen
+from ...linkage.linkage import Linkage
 from ...loads.mounts import Frame, Mount
 from .contact import Clearance
 from .flexible_link import FlexibleLink
@@ -125,3 +126,54 @@ class Elastic(Frozen):
                 raise PinpressError(
                     f"Elastic: a frame on mounts is rigid, and so are links and pins on it: leave out {name}, or the mounts"
                 )
+
+
+def by_bearing(
+    press: Linkage, what: str, given: object, unit: str, needed: Sequence[int], *, holds_none: str, yields: str
+) -> dict[int, float]:
+    """Stiffnesses of a press by the numbers of its bearings.
+
+    Args:
+        press: the press.
+        what: the field of `Stiffness`, for messages.
+        given: name of a bearing -> stiffness, of any type.
+        unit: of the stiffnesses.
+        needed: numbers of the bearings that need one, and may have one.
+        holds_none: what a bearing is that may not, for messages.
+        yields: in which motion what yields, for messages.
+
+    Raises:
+        UnknownNameError: a name is not that of a bearing.
+        PinpressError: a bearing lacks its stiffness or has one that it cannot have, or a number is not positive.
+    """
+    if not isinstance(given, Mapping):
+        raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
+    found = {}
+    for name, value in given.items():
+        place = _number_of(press, name)
+        if place not in needed:
+            raise PinpressError(f"{what} names {shown(name)}, which is {holds_none}: leave it out")
+        found[place] = positive(f"stiffness of {shown(name)}", value, unit, STIFFEST)
+    missing = [press.bearings[place] for place in needed if place not in found]
+    if missing:
+        raise PinpressError(
+            f"Stiffness.{what} lacks {', '.join(map(shown, missing))} of {press.name}{yields}; give each a stiffness [{unit}]"
+        )
+    return found
+
+
+def dampers_by_bearing(press: Linkage, dampers: Mapping[str, float]) -> dict[int, float]:
+    """Dampers by the numbers of their bearings [N s/m]; raises PinpressError where a name or a number is not suitable."""
+    found = {}
+    for name, value in dampers.items():
+        place = _number_of(press, name)
+        found[place] = number(f"damper of {shown(name)}", value, "N s/m")
+        if found[place] < 0:
+            raise PinpressError(f"damper of {shown(name)} is {found[place]:g}: give a number that is not negative [N s/m]")
+    return found
+
+
+def _number_of(press: Linkage, bearing: str) -> int:
+    if bearing not in press.bearings:
+        raise UnknownNameError("bearing", bearing, press.bearings)
+    return press.bearings.index(bearing)

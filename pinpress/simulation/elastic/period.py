@@ -22,6 +22,8 @@ from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, so
 from .task import ASIDE, FIRST, LEAST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
 
 RESOLVED = 3.0  # angle of the lowest vibration on a panel up to which its decay is exact [rad]
+MOST_PARTS = 4096  # panels on which vibrations are followed through a period
+UNDAMPED = 1e-10  # real part of an eigenvalue, as a share of its size, that is rounding
 ROUNDS = 8  # in which panels are divided
 STROKES = 6  # that are followed before a press counts as one that does not repeat its stroke
 LOOSE = 300.0  # multiple of the tolerance with which a period is found at first, to see whether its events are as planned
@@ -142,8 +144,28 @@ def _with_passage(task: Task, found: ElasticSolution) -> ElasticSolution:
     parts = np.maximum(1, np.ceil(mesh.length * equations.sprung.lowest_frequency / RESOLVED)).astype(int)
     if parts.max() == 1:
         return found
+    if equations.crank is not None and parts.sum() > MOST_PARTS:
+        return replace(found, panels=replace(panels, passage=_slow_decay(equations, panels) * np.eye(2 * equations.size)))
     border = _border(task, equations)
     return replace(found, panels=replace(panels, passage=newton_step(equations, panels.onto(_parted(mesh, parts)), border, 1).passage))
+
+
+def _slow_decay(equations: ElasticEquations, panels: PanelSolution) -> float:
+    """Factor by which a vibration shrinks at least in a period that takes very many of it: the pose changes so slowly that at each crank
+    angle it decays as it would there."""
+    mesh, size = panels.mesh, equations.size
+    panel, share = np.repeat(np.arange(len(mesh.start)), LOOKS), np.tile((np.arange(LOOKS) + 0.5) / LOOKS, len(mesh.start))
+    y, v, a = panels.within(panel, share)
+    times, mass = mesh.start[panel] + share * mesh.length[panel], equations.mass
+    _, stiffness, damping, _ = equations.forces(times, y, v, mesh.segment[panel])
+    if (varying := equations.varying_inertia(times, y, v, a)) is not None:
+        stiffness, damping, mass = stiffness + varying.by_place, damping + varying.by_rate, mass + varying.by_acceleration
+    matrix = np.zeros((len(y), 2 * size, 2 * size))
+    matrix[:, :size, size:] = np.eye(size)
+    matrix[:, size:, :size], matrix[:, size:, size:] = -np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)
+    values = np.linalg.eigvals(matrix)
+    slowest = np.where(np.abs(values.real) > UNDAMPED * np.abs(values), values.real, 0.0).max(axis=1)
+    return float(np.exp(slowest @ mesh.length[panel] / LOOKS))
 
 
 def _known(event: MotionEvent) -> bool:

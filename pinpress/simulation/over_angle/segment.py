@@ -18,6 +18,7 @@ from .mesh import Indices, Mesh
 # A crank is nearly at rest where its kinetic energy, and what the potential energy may still rise, are below this share of the latter's
 # range.
 NEAR = 1e-5
+CLOSE = 1e-8  # a step in x of Newton's method after which the place is right to rounding: the next one would be its square
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -187,6 +188,6 @@ def place_at(elapsed: Array, since: Array, took: Array) -> Array:
         value, slope = values_and_slopes(elapsed, x)
         step = (value - since) / slope
         x = np.clip(x - step, -1.0, 1.0)
-        if np.abs(step).max(initial=0.0) < 1e-13:
+        if np.abs(step).max(initial=0.0) < CLOSE:
             break
     return np.where(since > 0, x, -1.0)  # a press that starts from rest stands still there, without rounding

@@ -8,18 +8,17 @@ are.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from ....common.arguments import number, positive
-from ....common.errors import PinpressError, UnknownNameError, shown
+from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
 from ....linkage.linkage import Linkage
-from ..description import STIFFEST, Elastic
+from ..description import Elastic, by_bearing, dampers_by_bearing
 from ..press_on_springs import frequencies, reference_angle
 from .bodies import PressInSpace, SpringsInSpace
 from .turning import nominal_turns
@@ -211,8 +210,10 @@ def _with_springs(bare: PressInSpace, joints: Sequence[_Joint], elastic: Elastic
     press, frame, stiffness = bare.press, bare.count, elastic.stiffness
     every = [member for each in joints for member in each.members]
     held = [member for each in joints if each.kind != "ball" for member in each.members]
-    straight = _by_bearing(press, "bearings", stiffness.bearings, "N/m", every)
-    twisting = _by_bearing(press, "moments", stiffness.moments, "N m/rad", held)
+    ball, yields = "a ball joint and holds no moment", ", which moves in space: there every bearing yields"
+    directions, turning_too = " in all directions it holds", " and pins, guides, crosses and welds also against turning"
+    straight = by_bearing(press, "bearings", stiffness.bearings, "N/m", every, holds_none=ball, yields=f"{yields},{directions}")
+    twisting = by_bearing(press, "moments", stiffness.moments, "N m/rad", held, holds_none=ball, yields=f"{yields},{turning_too}")
     body_of = {0: frame, **{joint: body for body, joint in enumerate(bare.joints)}}
     axes = np.concatenate([bare.own_axes, np.eye(3)[None]])
     centres = np.concatenate([bare.lever, np.zeros((1, 3))])
@@ -237,28 +238,6 @@ def _with_springs(bare: PressInSpace, joints: Sequence[_Joint], elastic: Elastic
     return replace(bare, springs=SpringsInSpace(*columns), joined=tuple(joined), alike=tuple(alike))
 
 
-def _by_bearing(press: Linkage, what: str, given: object, unit: str, needed: Sequence[int]) -> dict[int, float]:
-    """Values by the numbers of the bearings that need one."""
-    if not isinstance(given, Mapping):
-        raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
-    found = {}
-    for name, value in given.items():
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-        place = press.bearings.index(name)
-        if place not in needed:
-            raise PinpressError(f"{what} names {shown(name)}, which is a ball joint and holds no moment: leave it out")
-        found[place] = positive(f"stiffness of {shown(name)}", value, unit, STIFFEST)
-    missing = [press.bearings[place] for place in needed if place not in found]
-    if missing:
-        turned = " and pins, guides, crosses and welds also against turning" if what == "moments" else ""
-        raise PinpressError(
-            f"Stiffness.{what} lacks {', '.join(map(shown, missing))} of {press.name}, which moves in space: there every bearing yields,"
-            f"{turned or ' in all directions it holds'}; give each a stiffness [{unit}]"
-        )
-    return found
-
-
 def _refuse_loose(sprung: PressInSpace) -> None:
     """Raise PinpressError where a body can move without a spring that holds it."""
     found = frequencies(sprung, reference_angle(sprung.press))
@@ -274,11 +253,6 @@ def _with_dampers(sprung: PressInSpace, elastic: Elastic) -> PressInSpace:
     press, springs = sprung.press, sprung.springs
     factor = 2 * elastic.damping_ratio / float(frequencies(sprung, reference_angle(press))[0]) if elastic.damping_ratio else 0.0
     damping = factor * springs.stiffness
-    for name, value in elastic.dampers.items():
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-        given = number(f"damper of {shown(name)}", value, "N s/m")
-        if given < 0:
-            raise PinpressError(f"damper of {shown(name)} is {given:g}: give a number that is not negative [N s/m]")
-        damping[(springs.bearing == sprung.alike[press.bearings.index(name)]) & (springs.place > 0)] = given
+    for place, damper in dampers_by_bearing(press, elastic.dampers).items():
+        damping[(springs.bearing == sprung.alike[place]) & (springs.place > 0)] = damper
     return replace(sprung, springs=springs._replace(damping=damping))

@@ -110,6 +110,7 @@ class Controlled:
         return speed
 
 
+@pytest.mark.exhaustive
 def test_steady_state_of_a_drive_with_states():
     run: Any = pp.steady_state(
         jf75g(), SPEED, drive=Controlled(SPEED), flywheel=Flywheel(40.0), loads=[BLANK], elastic=springs(jf75g()), points=121

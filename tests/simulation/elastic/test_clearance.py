@@ -127,10 +127,27 @@ def test_impacts_turn_by_turn():
     assert (np.hypot(*impacts.orbit.T).max() - 1e-4) == pytest.approx(impacts.depth.max(), rel=1e-12)
     assert (impacts.impacts >= 1).all()
     assert ((impacts.flight > 0) & (impacts.flight < 1)).all()
+    begun = pp.elasticity.journal_impacts(run(clearance, duration=0.37), "P4")  # what follows the last whole turn is no part of it
+    assert begun.turn.tolist() == [0]
+    assert begun.peak[0] == pytest.approx(impacts.peak[0], rel=1e-6)
+    assert begun.flight[0] == pytest.approx(impacts.flight[0], rel=1e-6)
     press = shipped("jf75g_125_plain")
     many = pp.elasticity.impact_statistics(press, elastic(press, P4=clearance), "P4", speed=SPEED, turns=2, settling=1, starts=2)
     assert many.start.tolist() == [0, 0, 1, 1]
     assert many.spread > 1e-3
+
+
+@pytest.mark.exhaustive
+def test_turns_are_those_of_the_crank_where_its_speed_changes():
+    """A torque speeds it up to four times its first speed, with which the run would have half a turn."""
+    press, pins = shipped("jf75g_125_plain"), {"P4": pp.elasticity.Clearance(1e-4)}
+    drive, flywheel = pp.drives.ConstantTorque(300.0), pp.drives.Flywheel(5.0)
+    found = pp.simulate(press, 0.6, speed=0.3 * SPEED, drive=drive, flywheel=flywheel, elastic=elastic(press, **pins), points=2001)
+    assert isinstance(found, pp.ElasticRun)
+    impacts = pp.elasticity.journal_impacts(found, "P4")
+    first = found.crank_angle - found.crank_angle[0] < 2 * np.pi
+    assert impacts.turn.tolist() == [0]
+    assert impacts.peak[0] == pytest.approx(np.linalg.norm(found.bearing_force["P4"][first], axis=1).max(), rel=1e-3)
 
 
 def test_clearance_of_a_pin_on_the_crank():

@@ -9,6 +9,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.accuracy.on_springs import end_of
 from pinpress.simulation.driven_press import driven_press
+from pinpress.simulation.elastic import period
 from pinpress.simulation.elastic.acting.phases import LoadPhases
 from pinpress.simulation.elastic.assembly import sprung_press
 from pinpress.simulation.elastic.equations import ElasticEquations, HeldCrank
@@ -53,6 +54,22 @@ def test_break_through_of_a_slide_between_light_links():
     closed = np.exp(-own * np.pi / np.sqrt(1 - own**2))
     assert found.reverse_force / force == pytest.approx(closed, rel=1e-12)
     assert -lowest_place * spring / force == pytest.approx(closed, rel=5e-6)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1e-3])
+def test_decay_of_a_slow_press(monkeypatch, ratio):
+    """A turn of very many vibrations is not followed through all of them: each crank angle damps as it would by itself."""
+    press, speed = shipped("jf75g_125_plain"), 3.0
+    elastic = pp.elasticity.Elastic(springs(press, 2e9), damping_ratio=ratio)
+
+    def decay(speed):
+        return pp.steady_state(press, speed, drive=pp.drives.PrescribedSpeed(speed), elastic=elastic).decay_per_stroke
+
+    followed = decay(speed)
+    monkeypatch.setattr(period, "MOST_PARTS", 0)
+    assert decay(speed) == pytest.approx(followed, rel=2e-5)
+    monkeypatch.undo()
+    assert decay(1e-4) == (0.0 if ratio else 1.0)  # one turn in 17 hours: it would be followed through 3e7 vibrations
 
 
 def test_bottom_dead_centre_over_the_speed():

@@ -71,6 +71,7 @@ def test_decay_is_that_of_the_lowest_vibration():
     assert stroke(*JF75G, loaded=False).decay_per_stroke == pytest.approx(np.exp(-0.02 * lowest * 0.2), rel=0.01)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("name", "rpm"), [JF75G, SIX_BAR, ("thin_wall", 40.0), ("jf75g_125_symmetric", 300.0), ("jf75g_125_two_point", 300.0)]
 )
@@ -98,6 +99,7 @@ def test_energy():
         assert abs(run.drive_work[-1] - run.load_work[-1] - run.lost[-1]) < 1e-10 * run.drive_work[-1]
 
 
+@pytest.mark.exhaustive
 def test_marched_strokes_come_to_the_steady_one():
     press, speed, steady = shipped(JF75G[0]), JF75G[1] * pp.RPM, stroke(*JF75G, points=121)
     elastic, drive = steady.elastic, pp.drives.PrescribedSpeed(speed)
