@@ -19,9 +19,9 @@ from ..servo.drive import ServoDrive
 from ..servo.limits import BearingForce, CrankAcceleration, CrankSpeed, FeedWindow, Limit, RmsTorque, SlideAcceleration, SlideSpeed
 from ..servo.paths import Path as ServoPath
 from ..servo.paths import Pendulum, Pulse, Stop, Turn
-from . import part_specs
-from .options import add_force_options, add_out_option, add_press_options, load_press, loads, print_inputs, say_written
-from .units import quantity, read_quantity
+from .words import part_specs
+from .words.options import add_force_options, add_out_option, add_press_options, load_press, loads, print_inputs, say_written
+from .words.units import quantity, read_quantity
 
 if TYPE_CHECKING:
     from ..servo.comparison import MotionComparison

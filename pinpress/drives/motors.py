@@ -112,8 +112,12 @@ class InductionMotor(SpeedTorqueDrive):
         return 2.0 * self.breakdown_torque
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        slip = (self.synchronous_speed - speed) / self._breakdown_lag  # s / sb
-        return self._twice_breakdown_torque * (slip / (1.0 + slip * slip))  # harmless at s = 0
+        slip = self.synchronous_speed - speed
+        slip /= self._breakdown_lag  # s / sb; in place, as are the next ones, because many scenarios have large arrays
+        most = slip * slip
+        most += 1.0
+        slip /= most  # harmless at s = 0
+        return self._twice_breakdown_torque * slip
 
 
 @dataclass(frozen=True)

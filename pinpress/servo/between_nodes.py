@@ -18,7 +18,8 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from . import limits as limits_
 from .conic.local_limits import torque_rates
-from .conic.motion_problem import Affine, Bounded, MotionProblem, figures, segment_times
+from .conic.motion_problem import Affine, Bounded, MotionProblem, cycle_time, figures, segment_times
+from .conic.torque_curve import tangents_at_states
 from .limits import Limit
 from .motion import ServoMotion, evaluated
 
@@ -66,8 +67,10 @@ def excess_of(problem: MotionProblem, full: FullMotion) -> Excess:
     """By how much a motion exceeds the limits of torque and power of its drive."""
     drive, moving = problem.drive, full.segment >= 0
     shares, near = [0.0], []
-    for values, most in ((full.motion.motor_torque, drive.peak_torque), (full.motion.power, drive.power)):
-        used = np.abs(values[moving]).reshape(-1, len(LOBATTO[0])).max(axis=1) / (np.inf if most is None else most)
+    torque = np.abs(full.motion.motor_torque) / drive.peak_torque_at(full.motion.motor_speed)
+    power = np.abs(full.motion.power) / (np.inf if drive.power is None else drive.power)
+    for values in (torque, power):
+        used = values[moving].reshape(-1, len(LOBATTO[0])).max(axis=1)
         shares.append(float(used.max()) - 1.0)
         near.append(used > NEAR)
     return Excess(max(shares), *near)
@@ -118,7 +121,12 @@ def limits_at_states(problem: MotionProblem, full: FullMotion, b: Array, chosen:
             assert drive.peak_torque is not None
             most = np.full(len(at), drive.peak_torque * drive.ratio)
             words = f"torque of the motor of {drive.peak_torque:.6g} N m"
-            found.append(Bounded(words, most, drive.peak_torque, "N m", Affine(before, after, fixed, at), both=True))
+            torque = Affine(before, after, fixed, at)
+            if not (drive.curve_torque and drive.curve_torque[0] <= drive.peak_torque):
+                found.append(Bounded(words, most, drive.peak_torque, "N m", torque, both=True))
+            if drive.curve_torque is not None:
+                slow = np.maximum(np.abs(motion.speed[states]), SLOW * np.abs(motion.speed).max())
+                found += tangents_at_states(drive, torque, share, slow)
     return found
 
 
@@ -140,8 +148,8 @@ def full_motion(press: Linkage, loads: Sequence[Load], friction: Mapping[str, Fr
     rests = np.zeros(len(durations))
     last = np.flatnonzero(np.append(np.diff(grid.leg) > 0, True))
     rests[last] = grid.legs.dwells
-    if problem.time is not None and not grid.legs.closed:
-        rests[-1] += max(0.0, problem.time - durations.sum() - rests.sum())
+    cost = figures(problem, b)
+    rests[-1] += cycle_time(problem, cost) - cost.time
     start = np.concatenate([[0.0], np.cumsum(durations + rests)])
     since = durations[:, None] * share
     time = start[:-1, None] + since
@@ -180,13 +188,13 @@ def largest_excess(problem: MotionProblem, limits: Sequence[Limit], time: float 
     if time is not None:
         found.append(abs(cost.time / time - 1.0) if problem.time is None else cost.time / time - 1.0)
     if drive.peak_torque is not None:
-        found.append(motion.peak_motor_torque / drive.peak_torque - 1.0)
+        found.append(float((np.abs(motion.motor_torque) / drive.peak_torque_at(motion.motor_speed)).max()) - 1.0)
     if drive.top_speed is not None:
         found.append(float(np.abs(motion.motor_speed).max()) / drive.top_speed - 1.0)
     if drive.power is not None:
         found.append(motion.peak_power / drive.power - 1.0)
     if problem.rms is not None:
-        found.append(np.sqrt(motion.heat / max(problem.time or 0.0, motion.duration)) / problem.rms - 1.0)
+        found.append(motion.rms_torque / problem.rms - 1.0)
     if problem.below is not None:
         found.append((cost.below + problem.feed_time) / motion.duration - 1.0)
     down = motion.motion.slide_velocity < 0

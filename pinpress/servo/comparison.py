@@ -22,13 +22,15 @@ from .limits import (
     RmsTorque,
     SlideAcceleration,
     SlideSpeed,
+    TorqueRate,
     checked,
     in_words,
     span,
 )
 from .motion import ServoMotion
 
-KEPT = 0.02  # share by which a limit may be exceeded and still count as kept: by so much a torque does between the nodes of a program
+KEPT = 1e-3  # share by which a limit may be exceeded and still count as kept: by less the best motions do between their nodes
+NOT_SEEN = BearingForce, TorqueRate  # limits of what the states of a motion do not tell
 UNITS = {
     "rms_torque": "N m",
     "peak_torque": "N m",
@@ -100,7 +102,8 @@ class MotionComparison(Tabular):
             scaled = (row.peak_torque, row.top_speed / RPM, 1e-3 * row.peak_power, 1e-3 * row.energy_drawn)
             rows.append([row.name, f"{row.rms_torque:.5g}", more, *(f"{value:.4g}" for value in scaled)])
         broken = [f"{row.name} breaks {row.breaks}" for row in self.rows if row.breaks]
-        return "\n".join([self.title, *tables.fitted(rows), *broken])
+        unseen = [f"not looked at: {in_words(limit)}" for limit in self.limits if isinstance(limit, NOT_SEEN)]
+        return "\n".join([self.title, *tables.fitted(rows), *broken, *unseen])
 
 
 @typed
@@ -109,10 +112,11 @@ def compare_motions(motions: Mapping[str, ServoMotion], limits: Sequence[Limit] 
 
     Args:
         motions: the motions, by their names; for instance that of `best_motion` and those of `ready_motions`.
-        limits: limits that they ought to keep, beside those of each one's drive. Those of bearing forces are not looked at.
+        limits: limits that they ought to keep, beside those of each one's drive. Those of bearing forces and of the rate of torque are not
+            looked at, and named so in the printed comparison.
 
     Raises:
-        PinpressError: there is no motion, something is none, or they are of several presses.
+        PinpressError: there is no motion, something is none, they are of several presses, or `RmsTorque` names no torque, nor a drive.
     """
     if not motions or not all(isinstance(each, ServoMotion) for each in motions.values()):
         raise PinpressError("there is nothing to compare: give motions under their names, {'least heat': best.motion, ...}")
@@ -143,16 +147,24 @@ def _broken(motion: ServoMotion, limits: Sequence[Limit]) -> list[str]:
     """The limits that a motion breaks, in words."""
     drive, found = motion.drive, []
     of_drive = (
-        ("peak torque", motion.peak_motor_torque, drive.peak_torque, "N m"),
+        ("peak torque", motion.peak_motor_torque, None if drive.curve_torque else drive.peak_torque, "N m"),
         ("top speed", float(np.abs(motion.motor_speed).max()), drive.top_speed, "rad/s"),
         ("power", motion.peak_power, drive.power, "W"),
     )
     for name, value, most, unit in of_drive:
         if most is not None and value > (1 + KEPT) * most:
             found.append(f"{name} of {most:.6g} {unit}: {value:.4g}")
+    if drive.curve_torque is not None:
+        use = np.abs(motion.motor_torque) / drive.peak_torque_at(motion.motor_speed)
+        k = int(use.argmax())
+        if use[k] > 1 + KEPT:
+            speed = abs(float(motion.motor_speed[k])) / RPM
+            found.append(f"curve of torque at {speed:.4g} r/min: {abs(float(motion.motor_torque[k])):.4g} N m")
     for limit in limits:
+        if isinstance(limit, NOT_SEEN):
+            continue
         if isinstance(limit, FeedWindow):
-            above = float(motion.weight @ (motion.height >= limit.height))
+            above = motion.duration - float(motion.weight @ (motion.height < limit.height))  # pauses with them
             if above < (1 - KEPT) * limit.time:
                 found.append(f"{in_words(limit)}: {above:.4g} s")
             continue
@@ -166,17 +178,17 @@ def _size(motion: ServoMotion, limit: Limit) -> tuple[float, float]:
     """The largest value of what is limited, and the limit."""
     if isinstance(limit, RmsTorque):
         most = motion.drive.rated_torque if limit.torque is None else limit.torque
-        return motion.rms_motor_torque, np.inf if most is None else most
+        if most is None:
+            raise PinpressError("RmsTorque has no torque, and a motion's drive no rated_torque: give RmsTorque(torque)")
+        return motion.rms_motor_torque, most
     if isinstance(limit, CrankAcceleration):
         return float(np.abs(motion.acceleration).max()), limit.acceleration
     if isinstance(limit, SlideSpeed):
         return _within(motion, limit, motion.motion.slide_velocity), limit.speed
     if isinstance(limit, CrankSpeed):
         return _within(motion, limit, motion.speed), limit.speed
-    if isinstance(limit, SlideAcceleration):
-        return _within(motion, limit, motion.motion.slide_acceleration), limit.acceleration
-    assert isinstance(limit, BearingForce)
-    return 0.0, limit.force
+    assert isinstance(limit, SlideAcceleration)
+    return _within(motion, limit, motion.motion.slide_acceleration), limit.acceleration
 
 
 def _within(motion: ServoMotion, limit: SlideSpeed | CrankSpeed | SlideAcceleration, values: Array) -> float:

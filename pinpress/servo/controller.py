@@ -48,7 +48,8 @@ class MotionTable(Tabular):
 def controller_table(motion: ServoMotion, of: str = "angle", *, step: float = 1e-3) -> MotionTable:
     """A motion as a table for a controller.
 
-    Between the motion's states the angle is the cubic that has their angles and speeds, exact for constant acceleration; so is the height.
+    Between the motion's states the angle is the cubic that has their angles and speeds, exact for constant acceleration; the height is one
+    with the slide's heights and speeds.
 
     Args:
         motion: the motion.

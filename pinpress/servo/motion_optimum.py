@@ -55,7 +55,8 @@ class MotionOptimum(Tabular):
         drive: the drive; of several gear ratios with the best one.
         value: the objective of the motion, computed from it and not from the solver.
         bound: no motion with these nodes that keeps the limits has a lower objective: the dual cost of the program, which limits torque
-            and power in the mean from node to node. Where they are limited between nodes too, the gap is what this costs at most.
+            and power in the mean from node to node. Where they are limited between nodes too, the gap is what this costs at most. Of a
+            turn that would need less if it were faster the gap is that of a coarser path, see the notes.
         limits: limits that act, with their prices.
         missed: largest share by which the motion exceeds a limit in full inverse dynamics, between nodes too [-].
         deviation: share by which the heat by full inverse dynamics, between nodes too, is larger than the program's; it falls with the

@@ -99,13 +99,12 @@ class CatalogueMotor(Checked):
         return np.asarray(np.interp(np.abs(speed), self.speed, self.peak_torque))
 
     def drive(self, ratio: float, *, up_to: float | None = None, gear_inertia: float = 0.0, regeneration: float = 1.0) -> ServoDrive:
-        """The motor behind a gear. A `ServoDrive` has one peak torque for all speeds, a catalogue's motor has a curve.
+        """The motor behind a gear, with its curve of peak torque.
 
         Args:
             ratio: speed of the motor by speed of the crank.
-            up_to: speed of the motor to which the drive is limited, with the torque that the motor gives at all speeds up to it: every
-                motion of such a drive is below the curve. None: its highest speed and its largest torque, between which the curve may be
-                lower, see `motor_use` [rad/s].
+            up_to: speed of the motor to which the drive is limited, with the torque that the motor gives at all speeds up to it, in place
+                of its curve. None: its highest speed and its curve; where that rises, the lowest torque up to there [rad/s].
             gear_inertia: as of `ServoDrive` [kg m2].
             regeneration: as of `ServoDrive`.
 
@@ -113,6 +112,11 @@ class CatalogueMotor(Checked):
             PinpressError: a number is not as described.
         """
         top, peak = self.top_speed, max(self.peak_torque)
+        curve_speed: Sequence[float] | None = None
+        curve_torque: Sequence[float] | None = None
+        if up_to is None:
+            curve_speed, curve_torque = tuple(self.speed), tuple(np.minimum.accumulate(np.asarray(self.peak_torque)).tolist())
+            peak = curve_torque[0]
         if up_to is not None:
             top = min(number("up_to", up_to, "rad/s", positive=True), self.top_speed)
             peak = min(float(self.peak_torque_at(top)), *(p for n, p in zip(self.speed, self.peak_torque, strict=True) if n <= top))
@@ -125,6 +129,8 @@ class CatalogueMotor(Checked):
             copper=self.copper,
             gear_inertia=gear_inertia,
             regeneration=regeneration,
+            curve_speed=curve_speed,
+            curve_torque=curve_torque,
         )
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,21 +34,24 @@ from .conic.bounds import (
 )
 from .conic.coefficients import Coefficients, PathMotion, coefficients, feels_speed, load_heights, path_grid
 from .conic.local_limits import LocalLimits, powers, within_local_limits
-from .conic.motion_problem import Figures, MotionProblem, figures
+from .conic.motion_problem import Figures, MotionProblem, cycle_time, figures, needed_time
+from .conic.never_resting import NoTurnError, is_shorter, turn_in_time, turn_near
 from .conic.program import InfeasibleError, Solution, UnsolvedError, first_sizes, sizes_of, solve
 from .drive import ServoDrive
 from .limits import Limit
 from .motion_optimum import UNITS, ActiveLimit, MotionOptimum, TradeOffPoint
-from .paths import Path, Turn, legs_of
+from .paths import Path, Stop, Turn, legs_of
 
-POINTS, MOST_POINTS = 720, 20_000
+POINTS, FEWEST_POINTS, MOST_POINTS = 720, 8, 20_000
 ROUGHLY, LEAST_ROUGH = 4, 16  # a first motion has so many times fewer segments, but at least so many
 PROVED = 1e-7  # gap above which the program is scaled anew by the motion found
 FAR = 1e-3  # gap of a convex program that is no answer
 SETTLED, MOST_ROUNDS = 1e-8, 30  # relative change of the value that ends rounds of loads that feel the speed
+NEARLY_SETTLED = 1e-5  # the same where the program itself is not convex
 NEGATIVE = 1e-6  # gap below 0 that is no rounding
 ABSURD = 1e3  # torque, in that of a motion at an even speed, that no press is meant to have
 SLACK = 1e-5  # share of the cycle that counts as a pause
+PAUSED = 1e-4  # share of the cycle from which on a turn cannot do without it
 PEAK_WITH_HEAT = 0.1  # weight of the heat beside the peak: alone the peak leaves open how fast the crank is elsewhere
 EXCEEDED = 5e-4  # share by which torque or power may be exceeded between nodes
 MOST_AMENDED, AMENDED = 5, 1e-4  # most rounds that amend it, and relative change of the value that ends them
@@ -84,7 +88,8 @@ def trade_off(
         points: as of `best_motion`.
 
     Returns:
-        A point for each time. It has no full inverse dynamics between the nodes, which `best_motion` gives of one time.
+        A point for each time. Limits of torque and power hold between the nodes too, as of `best_motion`. Of a turn that would need less if
+        it were faster, the gap is that to the faster one; `best_motion` of one time has it more closely.
 
     Raises:
         PinpressError: as `best_motion`; not where no motion keeps the limits at a time.
@@ -94,16 +99,21 @@ def trade_off(
         "times", in_unit("times", times, "s"), wanted, (None,), lambda t: len(t) > 0 and np.all((t >= 1e-9) & (t <= 1e9))
     )
     asked = _asked(press, drive, loads, minimise, float(given.max()), path, limits, friction, points)
-    found = []
+    caution_flank(press, asked.limits, loads)
+    found, near = [], None
     for time in given.tolist():
         strokes = 60.0 * asked.coefficients.grid.legs.strokes / time
         try:
-            problem, answer, _ = replace(asked, time=time, explained=False).solved(drive)
-        except NoMotionError:
+            solved = replace(asked, time=time, explained=False).solved(drive, near)
+        except (NoMotionError, NoTurnError):
             found.append(TradeOffPoint(time, strokes, None, None, None, None, None))
             continue
+        problem, answer = solved.problem, solved.answer
+        if drive.peak_torque is not None or drive.power is not None:
+            problem, answer = solved.task._kept_between_nodes(problem, answer)[:2]
+        near = answer.b if problem.time != time else None
         cost = figures(problem, answer.b)
-        rms = np.sqrt(cost.heat / _cycle(problem, cost)) / drive.ratio
+        rms = np.sqrt(cost.heat / cycle_time(problem, cost)) / drive.ratio
         peak = cost.peak / drive.ratio
         power = float(powers(problem, answer.b).max())
         found.append(TradeOffPoint(time, strokes, float(rms), peak, power, cost.energy, answer.gap))
@@ -136,9 +146,10 @@ def best_motion(
         minimise: "heat", "time", "energy" (drawn from the mains) or "peak" (torque, with a tenth of heat); or weights of several of them,
             each relative to its value in the motion with the least heat.
         time: time of a cycle, rests and pauses included [s]; of a `Pendulum` a cycle is two strokes. A path with a rest may take less and
-            pause there, which is convex; a `Turn` takes exactly this time, or the notes say that
-            no such motion was found. None only where the time is minimised, else it is the most.
-        path: where the crank goes; by default `Turn`.
+            pause there; a `Turn` takes this time, which is not convex where a faster one would need less (see the notes). None only where
+            the time is minimised, else it is the most.
+        path: where the crank goes; None: a `Turn`, or a `Stop` at top dead centre where a faster turn would need less than one in this
+            time, and the stop does too.
         limits: limits beside those of the drive.
         friction: friction of bearings and guides, by their names.
         ratios: gear ratios to try, each proved, of which the best is taken; None: that of the drive.
@@ -152,22 +163,37 @@ def best_motion(
     asked = _asked(press, drive, loads, minimise, time, path, limits, friction, points)
     if ratios is not None and len(asked.wanted) > 1:
         raise PinpressError("ratios are compared by one quantity: minimise heat, time or energy, or give one ratio")
+    caution_flank(press, asked.limits, loads)
     drives = [drive] if ratios is None else [replace(drive, ratio=ratio) for ratio in _ratios(ratios)]
+    stopping = cache(lambda: _asked(press, drive, loads, minimise, time, Stop(), limits, friction, points)) if path is None else None
     tried: dict[float, float] = {}
-    best: tuple[MotionProblem, Solution, tuple[str, ...]] | None = None
+    best: _Solved | None = None
     failed: PinpressError | None = None
     for each in drives:
         try:
-            answer = asked.solved(each)
+            answer = asked.solved(each) if stopping is None else _turning_or_stopping(asked, stopping, each)
         except PinpressError as error:
             tried[each.ratio], failed = np.inf, error
             continue
-        tried[each.ratio] = answer[1].value / (each.ratio**2 if "heat" in asked.wanted else 1.0)
+        tried[each.ratio] = answer.answer.value / (each.ratio**2 if "heat" in asked.wanted else 1.0)
         best = answer if tried[each.ratio] <= min(tried.values()) else best
     if best is None:
         assert failed is not None
         raise failed
-    return asked.result(Turn() if path is None else path, *best, tried if ratios is not None else {})
+    return best.task.result(best, tried if ratios is not None else {})
+
+
+def least_heat(
+    press: Linkage, drive: ServoDrive, loads: Sequence[Load], time: float, path: Path | None, limits: Sequence[Limit], points: int
+) -> float:
+    """A bound of the heat of all motions within a time, by one program without limits that are not convex; 0 where there is no such.
+
+    Args and errors are those of `best_motion`.
+    """
+    asked = _asked(press, drive, loads, "heat", time, path, limits, NONE_GIVEN, points)
+    if feels_speed(loads, NONE_GIVEN):
+        return 0.0
+    return _optimum(motion_problem(asked.coefficients, drive, asked.limits, {"heat": 1.0}, asked.time), press.name, True).bound
 
 
 def _asked(
@@ -188,10 +214,9 @@ def _asked(
     chosen = limits_.checked(limits)
     wanted = _objective(minimise)
     most = None if time is None else float(_positive("time", time, "s"))
-    count = whole_number("points", points, 8, MOST_POINTS)
+    count = whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
     _refuse_open(drive, wanted, most, chosen, legs.dwell, legs.closed)
     refuse_heights(press, chosen, dead_centres(press).stroke)
-    caution_flank(press, chosen, loads)
     bearings = bearings_of(press, chosen)
     grid = path_grid(press, legs, [*load_heights(press, loads), *limit_heights(chosen)], count)
     speed = float(np.abs(grid.step).sum()) / (most - legs.dwell if most else 1.0)
@@ -201,7 +226,32 @@ def _asked(
         of_press = coefficients(press, rough, loads, friction, speed, bearings)
         like = _roughly(motion_problem(of_press, drive, chosen, wanted, most), press.name)
     found = coefficients(press, grid, loads, friction, speed, bearings, like)
-    return _Task(press, loads, friction, found, chosen, wanted, most)
+    return _Task(press, loads, friction, Turn() if path is None else path, found, chosen, wanted, most)
+
+
+def _turning_or_stopping(turning: _Task, stopping: Callable[[], _Task], drive: ServoDrive) -> _Solved:
+    """A turn; or a stop at top dead centre, where a turn within its time would be faster and one that takes it needs more than the stop."""
+    try:
+        turn = turning.solved(drive)
+    except NoTurnError as error:
+        try:
+            return stopping().solved(drive).saying("no turn was found that never rests and keeps the limits in this time")
+        except PinpressError:
+            raise error from None
+    if turn.problem.time == turning.time:
+        return turn
+    try:
+        stop = stopping().solved(drive)
+    except PinpressError:  # the drive is too weak for it
+        return turn
+    more = turn.answer.value / stop.answer.value - 1.0
+    wanted = " and ".join(turning.wanted)
+    if more <= 0:
+        return turn.saying(f"a stop at top dead centre, path=servo.Stop(), would need {100 * (1 / (1 + more) - 1):.2g} % more {wanted}")
+    return stop.saying(
+        f"the crank rests at top dead centre: the best turn found that never rests and takes this time needs {100 * more:.2g} % more"
+        f" {wanted}; path=servo.Turn() gives it"
+    )
 
 
 def _roughly(problem: MotionProblem, press_name: str) -> PathMotion | None:
@@ -211,10 +261,6 @@ def _roughly(problem: MotionProblem, press_name: str) -> PathMotion | None:
         return PathMotion(problem.coefficients.grid.way_gone, _optimum(replace(problem, weights=weights), press_name, False).b)
     except PinpressError:
         return None
-
-
-def _sound_times(times: Array) -> bool:
-    return bool(len(times) and np.all((times >= 1e-9) & (times <= 1e9)))
 
 
 def _objective(minimise: object) -> dict[str, float]:
@@ -275,23 +321,24 @@ class _Task:
     press: Linkage
     loads: Sequence[Load]
     friction: Mapping[str, Friction]
+    path: Path
     coefficients: Coefficients
     limits: tuple[Limit, ...]
     wanted: Mapping[str, float]
     time: float | None
     explained: bool = True
 
-    def solved(self, drive: ServoDrive) -> tuple[MotionProblem, Solution, tuple[str, ...]]:
-        """The problem with this drive, its solution, and what is to be said of the proof."""
+    def solved(self, drive: ServoDrive, start: Array | None = None) -> _Solved:
+        """The problem with this drive, its solution, and what is to be said of the proof; ``start``: b of a motion that is about it."""
         feels = feels_speed(self.loads, self.friction)
-        found, value, last = self.coefficients, np.inf, None
+        found, value, last = self.coefficients, np.inf, start
         for rounds in range(1, MOST_ROUNDS + 1):
             problem, answer, notes = self._once(found, drive, last)
             last = answer.b
             if not feels:
                 break
             change, value = abs(answer.value - value), answer.value
-            if change <= SETTLED * abs(value):
+            if change <= (SETTLED if problem.time == self.time else NEARLY_SETTLED) * abs(value):
                 notes = [*notes, _fixed_point(feels, rounds)]
                 break
             found = self._with_speeds(problem, answer.b)
@@ -300,7 +347,7 @@ class _Task:
                 f"the best motion of {self.press.name} was not found: with {' and '.join(feels)} it does not settle within {MOST_ROUNDS}"
                 " rounds; make these smaller, or leave them out"
             )
-        return problem, answer, tuple(notes)
+        return _Solved(self, problem, answer, tuple(notes))
 
     def _once(self, found: Coefficients, drive: ServoDrive, last: Array | None) -> tuple[MotionProblem, Solution, list[str]]:
         """One program, where loads are given; ``last``: b of the motion before, by whose speeds they were found."""
@@ -323,10 +370,34 @@ class _Task:
     def _within_local_limits(
         self, problem: MotionProblem, answer: Solution, last: Array | None, proved: bool = True
     ) -> tuple[Solution, MotionProblem, list[str]]:
+        """The motion with limits that are not convex, and what is to be said of it."""
         rates = [each.rate * problem.drive.ratio for each in self.limits if isinstance(each, limits_.TorqueRate)]
-        never_rests = problem.coefficients.grid.legs.closed and "time" not in self.wanted
-        local = LocalLimits(problem.drive.power, min(rates, default=None), self.time if never_rests else None, proved)
-        return within_local_limits(problem, answer, local, lambda each: _optimum(each, self.press.name, False), last)
+        local = LocalLimits(problem.drive.power, min(rates, default=None), proved)
+        closed, cost = problem.coefficients.grid.legs.closed, figures(problem, answer.b)
+        if closed and "time" in self.wanted and needed_time(problem, cost) > cost.time * (1.0 + PAUSED):
+            raise NoTurnError(
+                f"no turn was found that keeps all limits of {self.press.name}: one of {cost.time:.6g} s would have to pause for"
+                f" {needed_time(problem, cost) - cost.time:.4g} s, and a turn never rests: give path=servo.Stop(), which pauses, or a time"
+            )
+        never_rests = closed and "time" not in self.wanted
+        if not (never_rests and problem.time is not None and is_shorter(problem, answer.b, problem.time)):
+            return within_local_limits(problem, answer, local, lambda each: _optimum(each, self.press.name, False), last)
+        if last is not None:
+            return turn_near(problem, answer, local, last)
+
+        def at(segments: int | None, like: PathMotion | None) -> MotionProblem:
+            return motion_problem(self._coefficients(segments, like), problem.drive, self.limits, dict(problem.weights), problem.time)
+
+        return turn_in_time(problem, answer, local, at)
+
+    def _coefficients(self, segments: int | None, like: PathMotion | None) -> Coefficients:
+        """Coefficients of the path with so many segments, or its own, for motions about this one."""
+        grid, speed = self.coefficients.grid, float(np.abs(self.coefficients.grid.step).sum()) / (self.time or 1.0)
+        if segments is not None:
+            grid = path_grid(self.press, grid.legs, [*load_heights(self.press, self.loads), *limit_heights(self.limits)], segments)
+        elif feels_speed(self.loads, self.friction):
+            return self.coefficients
+        return coefficients(self.press, grid, self.loads, self.friction, speed, bearings_of(self.press, self.limits), like)
 
     def _kept_between_nodes(self, problem: MotionProblem, answer: Solution) -> tuple[MotionProblem, Solution, FullMotion, list[str]]:
         """The motion with torque and power limited between nodes too, where they are exceeded there; the bound stays as it is."""
@@ -387,19 +458,20 @@ class _Task:
             bearings[name] = replace(part, fixed=force - part.by_acceleration * rate - part.by_square * square)
         return replace(c, inner_torque=c.inner_torque + other, mean_torque=c.mean_torque + other.mean(axis=0), bearings=bearings)
 
-    def result(
-        self, path: Path, problem: MotionProblem, answer: Solution, notes: tuple[str, ...], tried: Mapping[float, float]
-    ) -> MotionOptimum:
+    def result(self, found: _Solved, tried: Mapping[float, float]) -> MotionOptimum:
         """The motion by full inverse dynamics, with its limits."""
+        problem, answer = found.problem, found.answer
         raw_gap = answer.gap
         problem, answer, full, tightened = self._kept_between_nodes(problem, answer)
         motion, reactions, time = full.motion, full.reactions, full.time
         cost = figures(problem, answer.b)
         self._caution_absurd(problem, answer, cost)
-        said = [*notes, *tightened]
-        pause = 0.0 if problem.time is None else problem.time - cost.time
-        if pause > SLACK * (problem.time or 1.0):
-            said.append(_pause_in_words(pause, problem.coefficients.grid.legs.closed))
+        said = [*found.notes, *tightened]
+        pause, faster = cycle_time(problem, cost) - cost.time, (problem.time or 0.0) - cost.time
+        if pause > SLACK * cost.time:
+            said.append(_pause_in_words(pause, "time" in self.wanted))
+        elif faster > SLACK * cost.time and "time" not in self.wanted:
+            said.append(f"the motion is {faster:.4g} s faster than the time given: slower would cost more")
         missed = largest_excess(problem, self.limits, self.time, full, answer.b)
         if raw_gap > FAR and _loses_by_speed(problem):
             said.append(
@@ -415,7 +487,7 @@ class _Task:
         return MotionOptimum(
             press_name=self.press.name,
             minimise=FrozenMapping(dict(self.wanted)),
-            path=path,
+            path=self.path,
             drive=problem.drive,
             value=answer.value,
             bound=answer.bound,
@@ -450,6 +522,26 @@ class _Task:
         caution(f"the best motion of {self.press.name}, {cost.time:.6g} s a cycle, has {what}{why}; give more time, or wider limits")
 
 
+class _Solved(NamedTuple):
+    """The motion of a task.
+
+    Attributes:
+        task: the task.
+        problem: its last convex program's problem.
+        answer: this program's solution, with the bound of all motions.
+        notes: what is to be said of the proof.
+    """
+
+    task: _Task
+    problem: MotionProblem
+    answer: Solution
+    notes: tuple[str, ...]
+
+    def saying(self, note: str) -> _Solved:
+        """The same with one more note."""
+        return self._replace(notes=(*self.notes, note))
+
+
 def _fixed_point(feels: Sequence[str], rounds: int) -> str:
     return (
         f"{' and '.join(feels)}: the torque was taken from the last motion, {rounds} rounds; each program is proved, not that no other"
@@ -457,10 +549,9 @@ def _fixed_point(feels: Sequence[str], rounds: int) -> str:
     )
 
 
-def _pause_in_words(pause: float, closed: bool) -> str:
-    if closed:
-        return f"the motion is {pause:.4g} s faster than the time given: slower would cost more, and a path without a rest cannot pause"
-    return f"a pause of {pause:.4g} s is left at the end of the cycle, in which a brake holds: a slower motion would cost more"
+def _pause_in_words(pause: float, needed: bool) -> str:
+    words = f"a pause of {pause:.4g} s is left at the end of the cycle, in which a brake holds"
+    return f"{words}: limits ask for it" if needed else f"{words}: a slower motion would cost more"
 
 
 def _optimum(problem: MotionProblem, press_name: str, explained: bool) -> Solution:
@@ -483,17 +574,12 @@ def _optimum(problem: MotionProblem, press_name: str, explained: bool) -> Soluti
         if abs(answer.gap) <= PROVED:
             break
         sizes = sizes_of(problem, answer.b)
-    if answer is None or not (abs(answer.gap) <= FAR or _loses_by_speed(problem)):
+    if answer is None or not (abs(answer.gap) <= FAR or _loses_by_speed(problem) or (answer.gap < 0 and problem.drive.curve_torque)):
         raise PinpressError(
             f"the best motion of {press_name} was not found ({status if answer is None else f'gap {answer.gap:.1e}'}): bring limits,"
             " inertia and time to sizes that a press has, or give other points="
         )
     return answer
-
-
-def _cycle(problem: MotionProblem, cost: Figures) -> float:
-    """Time of the cycle with a pause, where the path may have one [s]."""
-    return cost.time if problem.time is None or problem.coefficients.grid.legs.closed else max(cost.time, problem.time)
 
 
 def _loses_by_speed(problem: MotionProblem) -> bool:

@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..common import tables
-from ..common.arguments import LARGEST, expect, number, numbers, positive, typed
+from ..common.arguments import LARGEST, expect, number, numbers, positive, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM
 from ..common.results import Record, Records, Tabular
+from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from .limits import Limit
 from .motion import ServoMotion
 from .motion_optimum import MotionOptimum
 from .motors import CatalogueMotor, MotorUtilisation, motor_use
-from .optimum import POINTS, best_motion
-from .paths import Path
+from .optimum import EXCEEDED, FEWEST_POINTS, MOST_POINTS, POINTS, best_motion, least_heat
+from .paths import Path, Pendulum, Pulse
 
 LARGEST_RATIO = 1e6
-MARGIN = 0.97  # share of a limited torque that a motion is asked to keep, because between its nodes it exceeds it by up to 2 %
+FAR = 2.0  # thermal use beyond which a motor is too warm by far, and no motion is looked for
+ROUGHLY, LEAST_ROUGH = 4, 64  # a motor is first tried with so many times fewer segments, but at least so many
+NEAR, CLEARLY = 0.02, 0.1  # thermal use so near to 1, and other use by less than so much above it, are looked at with all segments
+MARGIN = 1.0 - 2.0 * EXCEEDED  # share of a limited torque that a motion is asked to keep, because between its nodes it may be above it
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,15 +97,17 @@ class TriedMotor(
 ):
     """A motor behind a gear with the motion that suffices, or else with the one of the least heat. Shares are those of `MotorUtilisation`.
 
+    Of a motor that is too warm by far, more than twice, there is no motion: what is given is what all motions have at least.
+
     Attributes:
         motor: name of the motor.
         ratio: of the gear [-].
         rms_torque: root mean square of the torque over cycle and pause [N m].
         mean_speed: mean size of the speed over cycle and pause [rad/s].
         thermal: rms torque as a share of the permanent torque at the mean speed [-].
-        peak: largest torque as a share of the peak torque at its speed [-].
-        speed: largest speed as a share of the highest [-].
-        peak_power: largest mechanical power [W].
+        peak: largest torque as a share of the peak torque at its speed; None: no motion [-].
+        speed: largest speed as a share of the highest; None: no motion [-].
+        peak_power: largest mechanical power; None: no motion [W].
         remark: why it does not suffice; empty where it does.
     """
 
@@ -109,9 +116,9 @@ class TriedMotor(
     rms_torque: float
     mean_speed: float
     thermal: float
-    peak: float
-    speed: float
-    peak_power: float
+    peak: float | None
+    speed: float | None
+    peak_power: float | None
     remark: str
 
 
@@ -150,8 +157,10 @@ class MotorChoice(Tabular):
         heads = ["motor", "ratio", "rms [N m]", "at [r/min]", "thermal [%]", "peak [%]", "speed [%]", "power [kW]", ""]
         rows = [heads]
         for each in self.tried:
-            values = (each.rms_torque, each.mean_speed / RPM, 100 * each.thermal, 100 * each.peak, 100 * each.speed, 1e-3 * each.peak_power)
-            rows.append([each.motor, f"{each.ratio:g}", *(f"{value:.4g}" for value in values), each.remark])
+            known = (each.rms_torque, each.mean_speed / RPM, 100 * each.thermal)
+            others = ((each.peak, 100), (each.speed, 100), (each.peak_power, 1e-3))
+            shown_ = [f"{value:.4g}" for value in known] + ["" if value is None else f"{by * value:.4g}" for value, by in others]
+            rows.append([each.motor, f"{each.ratio:g}", *shown_, each.remark])
         return "\n".join([self.title, *(line.rstrip() for line in tables.fitted(rows))])
 
 
@@ -173,10 +182,9 @@ def choose_motor(
 
     Motors are tried from the smallest permanent power on, each with all ratios, until one suffices. Each gets the motion with the least
     heat of all, which is proved: a motor that is too warm by it is too warm by any motion. Where this motion crosses the curve of peak
-    torque or is too fast, the best motions of limited drives are looked at: with the largest torque up to the highest speed, and up to each
-    of the catalogue's speeds with the torque that the motor has all the way to it; less a margin of 3 %, because between its nodes a motion
-    exceeds a limited torque a little. That no other motion is below the curve is not proved, and nothing is said of ratios between those
-    given.
+    torque or is too fast, the best motion below the curve is looked for, less a margin of 0.1 %, because between its nodes a motion may be
+    above a limited torque by so much. A motor that is too warm with a quarter of the points, and not nearly cool enough, is not looked at
+    again. The motion's own notes say how closely it is proved. Nothing is said of ratios between those given.
 
     Args:
         press: the press.
@@ -202,12 +210,12 @@ def choose_motor(
     at_crank = number("gear_inertia", gear_inertia, "kg m2")
     if not 0 <= at_crank <= LARGEST:
         raise PinpressError(f"gear_inertia is {at_crank:g} kg m2: give 0 or more, up to {LARGEST:g}")
-    idle = number("pause", pause, "s")
+    idle, count = number("pause", pause, "s"), whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
     tried: list[TriedMotor] = []
     for motor in sorted(given, key=lambda each: each.rated_power):
         found: list[tuple[MotorUtilisation, MotionOptimum]] = []
         for ratio in chosen.tolist():
-            row, sufficient = _tried(press, motor, ratio, at_crank, loads, time, path, limits, idle, points)
+            row, sufficient = _tried(press, motor, ratio, at_crank, loads, time, path, limits, idle, count)
             tried.append(row)
             found += sufficient
         if found:
@@ -229,31 +237,34 @@ def _tried(
     points: int,
 ) -> tuple[TriedMotor, list[tuple[MotorUtilisation, MotionOptimum]]]:
     """What came of a motor and a ratio, and its use where it suffices; arguments as of `choose_motor`."""
-    free = replace(motor.drive(ratio, gear_inertia=gear_inertia), peak_torque=None, top_speed=None)
-    best = best_motion(press, free, loads, time=time, path=path, limits=limits, points=points)
-    use = motor_use(motor, best.motion, pause=pause)
-    if use.thermal > 1:
-        return _row(use, best, "too warm"), []
-    if use.suffices:
-        return _row(use, best, ""), [(use, best)]
-    remark = "above its peak torque" if use.peak > 1 else "too fast"
-    found = []
-    for up_to in (None, *motor.speed[1:]):
-        drive = motor.drive(ratio, up_to=up_to, gear_inertia=gear_inertia)
-        drive = replace(drive, peak_torque=MARGIN * (drive.peak_torque or 0.0))
-        try:
-            limited = best_motion(press, drive, loads, time=time, path=path, limits=limits, points=points)
-        except PinpressError:  # no motion keeps them
-            continue
-        used = motor_use(motor, limited.motion, pause=pause)
-        if used.suffices:
-            found.append((used, limited))
-        elif used.thermal > 1:
-            remark = "too warm below its curve"
-    if not found:
-        return _row(use, best, remark), []
-    used, limited = min(found, key=lambda each: each[0].thermal)
-    return _row(used, limited, ""), [(used, limited)]
+    drive = motor.drive(ratio, gear_inertia=gear_inertia)
+    free = replace(drive, peak_torque=None, top_speed=None, curve_speed=None, curve_torque=None)
+    rough = max(points // ROUGHLY, LEAST_ROUGH)
+    if rough < points and not isinstance(path, Pendulum | Pulse):  # of a crank that goes one way the mean speed is known
+        rms = math.sqrt(max(0.0, least_heat(press, free, loads, time, path, limits, rough)) / (time + pause)) / ratio
+        mean = ratio * 2.0 * np.pi * dead_centres(press).turns / (time + pause)
+        thermal = rms / float(motor.rated_torque_at(mean))
+        if thermal > FAR:
+            return TriedMotor(motor.name, ratio, rms, mean, thermal, None, None, None, "too warm by far"), []
+    for count in (rough, points) if rough < points else (points,):
+        best = best_motion(press, free, loads, time=time, path=path, limits=limits, points=count)
+        use = motor_use(motor, best.motion, pause=pause)
+        if use.thermal > (1.0 if count == points else 1.0 + NEAR):
+            return _row(use, best, "too warm"), []
+        if use.suffices and count == points:
+            return _row(use, best, ""), [(use, best)]
+        if max(use.peak, use.speed) > 1.0 + CLEARLY:
+            break
+    below = [MARGIN * torque for torque in drive.curve_torque or ()]
+    drive = replace(drive, curve_torque=below, peak_torque=None, top_speed=MARGIN * motor.top_speed)
+    try:
+        limited = best_motion(press, drive, loads, time=time, path=path, limits=limits, points=points)
+    except PinpressError:  # no motion keeps them
+        return _row(use, best, "above its peak torque" if use.peak > 1 else "too fast"), []
+    used = motor_use(motor, limited.motion, pause=pause)
+    if used.suffices:
+        return _row(used, limited, ""), [(used, limited)]
+    return _row(used, limited, "too warm below its curve" if used.thermal > 1 else "above its peak torque"), []
 
 
 def _row(use: MotorUtilisation, best: MotionOptimum, remark: str) -> TriedMotor:

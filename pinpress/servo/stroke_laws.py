@@ -196,7 +196,7 @@ def constant_crank_speed(
         points: number of states.
 
     Raises:
-        PinpressError: the path has rests, or as `servo_motion`.
+        PinpressError: the path has rests, or as `evaluate`.
     """
     cycle = _cycle(press, drive, loads, time, path, points)
     _refuse_rests(cycle)
@@ -230,7 +230,7 @@ def two_speed(
 
     Raises:
         PinpressError: the path has rests, heights are not within the stroke, the time is too short, or so long that the speed can be
-            constant, or as `servo_motion`.
+            constant, or as `evaluate`.
     """
     cycle = _cycle(press, drive, loads, time, path, points)
     _refuse_rests(cycle)
@@ -319,7 +319,7 @@ def motion_by_law(
         points: number of states.
 
     Raises:
-        PinpressError: the path has no rests, they take all the time, or as `servo_motion`.
+        PinpressError: the path has no rests, they take all the time, or as `evaluate`.
         UnknownNameError: there is no such law.
     """
     chosen = vdi_law(law)

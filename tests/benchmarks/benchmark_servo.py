@@ -4,8 +4,9 @@ python tests/benchmarks/benchmark_servo.py
 
 Times are those of the process's CPU, one thread, the median of several runs; everything from the press to the proved motion is in them,
 with the check by full inverse dynamics. SLSQP (SciPy) gets the same nodes and coefficients, made before its clock starts, and exact
-gradients. toppra (`pip install toppra`) finds the least time of one press with a torque and a speed limit, which is what it can do of
-these: it knows no heat, energy, root mean square or window of time.
+gradients. toppra (`pip install 'pinpress[peers]'`) finds the least time of one press with a torque and a speed limit, which is what it can
+do of these: it knows no heat, energy, root mean square or window of time. To it the press is a robot of one joint, whose reduced inertia,
+with the weights, was made before its clock starts. Torques of both motions are looked at between the nodes too.
 """
 
 import os
@@ -23,7 +24,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from support.oracles import servo_by_hand
+from support.oracles import servo_by_energies, servo_by_hand
 
 import pinpress as pp
 from pinpress import servo
@@ -98,40 +99,61 @@ def beside_slsqp() -> None:
 
 def beside_toppra() -> None:
     if importlib.util.find_spec("toppra") is None:
-        print("toppra is not installed: pip install toppra")
+        print("toppra is not installed: pip install 'pinpress[peers]'")
         return
     import toppra
     from toppra import algorithm, constraint
 
     toppra.setup_logging("ERROR")
     press, inertia, torque, fastest = pp.load("zxn2_3000b"), 800.0, 1.5e5, 8.0
-    top = pp.dead_centres(press).top_angle
-    nodes = top + np.linspace(0.0, FULL, 721)
-    mass, slope, fixed = servo_by_hand.Press(press, inertia).at(nodes)
-
-    def needed(q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
-        m, dm, g = (np.interp(q[0], nodes, values) for values in (mass, slope, fixed))
-        return np.array([m * qdd[0] + 0.5 * dm * qd[0] ** 2 + g])
-
-    path = toppra.SplineInterpolator([0.0, FULL], [[top], [top + FULL]])
-    limits = [
-        constraint.JointVelocityConstraint(np.array([[-fastest, fastest]])),
-        constraint.JointTorqueConstraint(needed, np.array([[-torque, torque]]), np.zeros(1)),
-    ]
-
-    def by_toppra(k: int) -> float:
-        found = algorithm.TOPPRA(limits, path, gridpoints=nodes - top, solver_wrapper="seidel").compute_trajectory(0, 0)
-        return float(found.duration)
-
+    hand, top = servo_by_hand.Press(press, inertia), pp.dead_centres(press).top_angle
+    exact = in_phase_plane(press, inertia, torque, fastest)
     drive = servo.ServoDrive(inertia=inertia, peak_torque=torque, top_speed=fastest)
+    print(f"least time of zxn2_3000b from rest to rest, torque and speed limited; {exact:.6f} s in the phase plane with 16 000 segments")
+    for count in (180, 360, 720, 1440):
+        nodes = top + np.linspace(0.0, FULL, count + 1)
+        mass, slope, fixed = hand.at(nodes)
 
-    def best(k: int) -> float:
-        return servo.best_motion(press, drive, minimise="time", path=servo.Stop()).value
+        def needed(q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> np.ndarray:
+            m, dm, g = (np.interp(q[0], nodes, values) for values in (mass, slope, fixed))  # noqa: B023  called before the next count
+            return np.array([m * qdd[0] + 0.5 * dm * qd[0] ** 2 + g])
 
-    exact = servo.best_motion(press, drive, minimise="time", path=servo.Stop(), points=5760).value
-    print("least time of zxn2_3000b from rest to rest, torque and speed limited, 720 segments; error against 5760 segments")
-    for name, work in (("pinpress", best), ("toppra", by_toppra)):
-        print(f"  {name:9}{1e3 * seconds(work):7.0f} ms, {work(-1):.6f} s, {work(-1) / exact - 1:+.1e}")
+        path = toppra.SplineInterpolator([0.0, FULL], [[top], [top + FULL]])
+        limits = [
+            constraint.JointVelocityConstraint(np.array([[-fastest, fastest]])),
+            constraint.JointTorqueConstraint(needed, np.array([[-torque, torque]]), np.zeros(1)),
+        ]
+
+        def by_toppra(k: int) -> np.ndarray:
+            found = algorithm.TOPPRA(limits, path, gridpoints=nodes - top, solver_wrapper="seidel")  # noqa: B023
+            return np.asarray(found.compute_parameterization(0, 0)[1]) ** 2
+
+        def best(k: int) -> servo.MotionOptimum:
+            return servo.best_motion(press, drive, minimise="time", path=servo.Stop(), points=count)  # noqa: B023
+
+        found = best(-1)
+        for name, work, angle, b in (("pinpress", best, found.angle, found.speed**2), ("toppra", by_toppra, nodes, by_toppra(-1))):
+            taken = float(np.sum(2.0 * np.diff(angle) / (np.sqrt(b[1:]) + np.sqrt(b[:-1]))))
+            above = largest_torque(hand, angle, b) / torque - 1.0
+            said = f", gap {found.gap:.1e}" if name == "pinpress" else ""
+            print(f"  {name:9}{count:5} {1e3 * seconds(work):7.0f} ms, time {taken / exact - 1:+.1e}, torque {100 * above:+.2f} %{said}")
+
+
+def in_phase_plane(press: pp.Linkage, inertia: float, torque: float, fastest: float) -> float:
+    """Least time of a turn from rest to rest, by another method, with many nodes."""
+    hand = servo_by_energies.Press(press)
+    turns = [hand.top, hand.top + FULL]
+    way = servo_by_energies.Way(hand, inertia, servo_by_energies.nodes(hand, turns, 400, [], False), turns)
+    return servo_by_energies.least_time(way, torque, np.full(len(way.angle), fastest**2))
+
+
+def largest_torque(hand: servo_by_hand.Press, angle: np.ndarray, b: np.ndarray) -> float:
+    """Largest torque at five places of each segment, between whose ends b is linear."""
+    share = np.linspace(0.02, 0.98, 5)
+    at = (angle[:-1, None] + share * np.diff(angle)[:, None]).ravel()
+    square = (b[:-1, None] + share * np.diff(b)[:, None]).ravel()
+    mass, slope, fixed = hand.at(at)
+    return float(np.abs(mass * np.repeat(0.5 * np.diff(b) / np.diff(angle), len(share)) + 0.5 * slope * square + fixed).max())
 
 
 def main() -> None:

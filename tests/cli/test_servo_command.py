@@ -11,8 +11,8 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.cli.main import main
-from pinpress.cli.part_specs import part
 from pinpress.cli.servo import LIMITS, PATHS, SERVO_DRIVE, limit, servo_path
+from pinpress.cli.words.part_specs import part
 
 ROOT = Path(__file__).resolve().parents[2]
 TASK = ["zxn2_3000b", "--time", "60/25", "--load", "drawing:force=1500kN,start=60mm", "--points", 360]
@@ -76,7 +76,7 @@ def test_the_angles_that_it_writes_drive_a_simulation(capsys: pytest.CaptureFixt
 
 
 def test_the_smallest_motor_of_a_catalogue(capsys: pytest.CaptureFixture[str]) -> None:
-    catalogue = ["--motors", ROOT / "docs/servo_motors.csv", "--ratios", "60,80", "--gear-inertia", 50]
+    catalogue = ["--motors", ROOT / "docs/servo_motors.csv", "--ratios", "60,80", "--gear-inertia", 50, "--points", 120]
     out = printed(capsys, *TASK, *SLIDE, *catalogue)
     assert out.startswith("MotorChoice for zxn2_3000b: example 800, ratio 60, ")
     assert "none of the motors suffices" in refused(capsys, *TASK, *SLIDE, *catalogue[:2], "--ratios", 200)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import optimize
 from support import texts
 from support.exploring import examples
 from support.oracles import servo_by_hand
@@ -65,6 +66,32 @@ def test_constant_inertia_in_least_time_and_with_least_peak():
     assert even.motion.peak_torque == pytest.approx(4.0 * HEAVY * FULL / 4.0**2, rel=1e-3)
 
 
+def test_least_time_below_a_curve_that_falls_with_the_speed():
+    """J w' = a - k w up to the middle of the way, the mirror of it after; proved, because the time wants c to be the speed."""
+    most, fall = 3e9, 2e8
+    drive = servo.ServoDrive(inertia=HEAVY, curve_speed=[0.0, 10.0], curve_torque=[most, most - 10.0 * fall])
+    quick = servo.best_motion(weightless("crank_slide"), drive, minimise="time", path=servo.Stop(), points=240)
+    rise = HEAVY / fall
+    half = optimize.brentq(lambda t: most / fall * (t - rise * (1.0 - np.exp(-t / rise))) - np.pi, 0.1, 10.0, xtol=1e-12)
+    assert quick.value == pytest.approx(2.0 * half, rel=1e-3)
+    assert quick.bound == pytest.approx(2.0 * half, rel=1e-4)  # in the mean from node to node
+    assert quick.missed < 1e-3
+    assert np.abs(quick.motion.speed).max() > 2.0
+
+
+def test_a_curve_that_bends_upwards_is_kept_and_said_to_be_bounded_only():
+    """A drive with the least torque of the curve everywhere has more heat, one with the curve's hull less."""
+    speed, torque = [0.0, 84.0, 126.0, 209.0], [2080.0, 2080.0, 1440.0, 1040.0]
+    drive = servo.ServoDrive(inertia=1.5, ratio=60.0, gear_inertia=50.0, curve_speed=speed, curve_torque=torque)
+    best = best_of_a(drive)
+    hull = best_of_a(dataclasses.replace(drive, curve_speed=[0.0, 84.0, 209.0], curve_torque=[2080.0, 2080.0, 1040.0]))
+    assert hull.value < best.value < 1.1 * hull.value
+    assert np.all(np.abs(best.motion.motor_torque) < 1.001 * np.interp(np.abs(best.motion.motor_speed), speed, torque))
+    assert "a torque below the motor's curve is not convex" in best.notes[0]
+    assert 0.0 < best.gap < 0.05
+    assert any(each.limit == "curve of torque of the motor of 2080 N m" for each in hull.limits)
+
+
 def test_at_least_rms_the_least_time_is_the_time_of_least_heat():
     """rms = sqrt(12 J² L² / T⁴)."""
     drive = servo.ServoDrive(inertia=HEAVY, rated_torque=1e9)
@@ -106,7 +133,7 @@ def test_least_heat_by_another_solver():
 
 def test_a_turn_takes_exactly_its_time():
     """Without a limit of speed a faster turn would need less heat for each stroke: tangents find what SLSQP finds with the time as an
-    equation, and the gap says that it is proved near it alone."""
+    equation, and no motion is below the bound of turns that pass their mean speed."""
     press, loads = texts.shipped("crank_slide"), [pp.loads.DeepDrawing(1e4, 0.04)]
     best = servo.best_motion(press, servo.ServoDrive(inertia=5.0), loads, time=1.0, points=60)
     hand = servo_by_hand.Press(press, 5.0, loads)
@@ -115,19 +142,47 @@ def test_a_turn_takes_exactly_its_time():
     _, heat = servo_by_hand.least_heat(hand, best.angle, inner, 1.0, np.full(len(even), np.inf), even, exactly=True)
     assert best.value == pytest.approx(heat, rel=1e-4)
     assert best.motion.duration == pytest.approx(1.0, rel=2e-5)
-    assert best.gap > 0.1
-    assert "takes 1 s and not less is not convex" in best.notes[0]
+    assert best.bound < heat
+    assert best.gap < 0.2  # the faster turn would leave 0.7
+    assert "a turn that takes 1 s is not convex, since a faster one, of 0.2029 s, would need 71 % less a stroke" in best.notes[0]
 
 
-def test_least_time_in_the_phase_plane():
-    press, drive = texts.shipped("zxn2_3000b"), servo.ServoDrive(inertia=800, peak_torque=1.5e5, top_speed=8.0)
-    best = servo.best_motion(press, drive, minimise="time", path=servo.Stop(), limits=[servo.SlideSpeed(0.5, (0.1, 0.0))])
-    hand = servo_by_hand.Press(press, 800.0)
-    angle = best.angle[0] + FULL * np.linspace(0.0, 1.0, 20001)
-    height, travel = hand.slide(angle)
-    inside = (height <= 0.1) & (travel < 0)
-    most = np.minimum(np.where(inside, (0.5 / np.where(inside, travel, 1.0)) ** 2, np.inf), 64.0)
-    assert best.value == pytest.approx(servo_by_hand.least_time(hand, angle, 1.5e5, most), rel=2e-4)
+def test_a_press_that_may_rest_does_where_that_needs_less():
+    """A light rotor over a long time; with a heavy one a turn that never rests needs less. A path that is given is kept."""
+    press, loads = texts.shipped("crank_slide"), [pp.loads.DeepDrawing(1e4, 0.04)]
+
+    def best(inertia, path=None):
+        return servo.best_motion(press, servo.ServoDrive(inertia=inertia), loads, time=2.0, path=path, points=120)
+
+    light, stop, turn = best(0.05), best(0.05, servo.Stop()), best(0.05, servo.Turn())
+    assert light.path == servo.Stop()
+    assert light.value == stop.value
+    assert light.gap < 1e-7
+    assert "path=servo.Turn() gives it" in light.notes[0]
+    assert turn.value > 1.2 * stop.value
+    assert np.abs(turn.speed).min() == pytest.approx(0.1 * np.pi, rel=1e-3)  # a tenth of the mean speed
+    heavy = best(5.0)
+    assert heavy.path == servo.Turn()
+    assert "a stop at top dead centre, path=servo.Stop(), would need 5" in heavy.notes[-1]
+
+
+@given(st.floats(0.3, 20.0), st.floats(0.25, 3.0), st.lists(st.floats(-0.3, 0.3), min_size=6, max_size=6))
+@examples(6)
+def test_no_turn_is_below_the_bound(inertia, time, waves):
+    """Turns that take their time, of any shape, need more heat than the bound of all of them."""
+    press, loads = texts.shipped("crank_slide"), [pp.loads.DeepDrawing(1e4, 0.04)]
+    best = servo.best_motion(press, servo.ServoDrive(inertia=inertia), loads, time=time, path=servo.Turn(), points=48)
+    turn, n = np.linspace(0.0, FULL, 1441), np.arange(1, 4)[:, None]
+    cosine, sine = np.array(waves[:3]), np.array(waves[3:])
+    shape = np.exp(cosine @ np.cos(n * turn) + sine @ np.sin(n * turn))
+    passed = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(turn) * (1.0 / shape[1:] + 1.0 / shape[:-1]))])
+    speed = shape * passed[-1] / time
+    rate = speed**2 * (sine @ (n * np.cos(n * turn)) - cosine @ (n * np.sin(n * turn)))
+    other = servo.evaluate(
+        press, best.drive, loads, time=passed * time / passed[-1], angle=best.angle[0] + turn, speed=speed, acceleration=rate
+    )
+    assert best.bound < other.heat * (1.0 + 1e-3)
+    assert best.value < other.heat * (1.0 + 1e-2)
 
 
 # ------------------------------------------------------------------------------------------------- tables of our own first prototype
@@ -235,13 +290,16 @@ def test_rate_of_torque():
 def test_trade_off():
     """Each point is the best motion at its time; times that no motion keeps are said to be so."""
     press, drive = knuckle(), servo.ServoDrive(inertia=10, peak_torque=2700)
-    found = servo.trade_off(press, drive, COINING, times=[0.5, 0.7, 1.0], path=servo.Stop(0.15), points=120)
+    found = servo.trade_off(press, drive, COINING, times=[0.5, 0.7, 1.0, 0.62], path=servo.Stop(0.15), points=120)
     assert found[0].rms_motor_torque is None
     assert found[1].rms_motor_torque > found[2].rms_motor_torque
     best = servo.best_motion(press, drive, COINING, time=0.7, path=servo.Stop(0.15), points=120)
     assert found[1].rms_motor_torque == pytest.approx(np.sqrt(best.value / 0.7), rel=2e-4)
     assert found[1].peak_power == pytest.approx(best.motion.peak_power, rel=0.1)
     assert found[2].strokes_per_minute == pytest.approx(60.0)
+    quick = servo.best_motion(press, drive, COINING, time=0.62, path=servo.Stop(0.15), points=120)
+    assert "is limited there too" in quick.notes[0]
+    assert found[3].rms_motor_torque == pytest.approx(np.sqrt(quick.value / 0.62), rel=2e-4)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- properties
@@ -277,13 +335,12 @@ def proved(task, points):
     angle = best.angle[0] + FULL * constant / time
     usual = servo.evaluate(press, drive, loads, time=constant, angle=angle, speed=FULL / time, acceleration=0.0)
     assert best.gap > -1e-8
-    assert best.gap < 1e-7 or any("not less is not convex" in note or "above its limit between nodes" in note for note in best.notes)
-    faster = any("faster than the time given" in note for note in best.notes)  # the turn that would take the time was not found
-    assert best.motion.duration < time if faster else best.motion.duration == pytest.approx(time, rel=1.1e-3)
+    assert best.gap < 1e-7 or any("is not convex" in note or "above its limit between nodes" in note for note in best.notes)
+    assert best.gap < 0.5 or any("which the faster one proves" in note for note in best.notes)
+    assert best.motion.duration == pytest.approx(time, rel=1e-3)
     assert best.value <= usual.heat * (1.0 + 1e-3)
-    # a turn whose best motion all but rests somewhere is not resolved by nodes that are not graded towards this place, and says so
     assert any("heat between nodes" in note for note in best.notes) == (abs(best.deviation) > 1e-3)
-    assert abs(best.deviation) < 1e-3 or any("not less is not convex" in note for note in best.notes)
+    assert abs(best.deviation) < 1e-2
 
 
 @examples(5)
@@ -344,6 +401,7 @@ def test_a_limit_is_kept_and_acts(limit, of):
     assert len(best.limits) > 1
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("name", "inertia"), [("zxn2_3000b", 800), ("jf75g_125", 2), ("thin_wall", 2), ("link-drive", 20)])
 def test_limits_of_the_drive_hold_between_nodes(name, inertia, tmp_path):
     """In the mean from node to node they hold anyhow; at an instant they were exceeded by 2 to 20 %, with least time or least heat."""
@@ -392,6 +450,26 @@ def test_losses_by_speed(minimise):
     assert motion.work == pytest.approx(57295.8 + motion.weight @ (200.0 * motion.speed**2), rel=1e-4)
     assert best.gap < 1e-7 or any("not convex" in note for note in best.notes)
     assert best.gap < 0.02
+
+
+@pytest.mark.parametrize(
+    ("limits", "drive"),
+    [
+        ([SLOW, servo.RmsTorque(2e4)], servo.ServoDrive(inertia=800)),
+        ([SLOW, servo.FeedWindow(0.2, 1.5)], servo.ServoDrive(inertia=800, top_speed=8.0)),
+    ],
+)
+def test_a_least_time_has_the_pause_that_limits_ask_for(limits, drive):
+    """To become cool, or to feed: the motion rests so long at top, and no longer where more time is given; a turn cannot."""
+    common = {"minimise": "time", "limits": limits, "points": 120}
+    best = best_of_a(drive, time=None, path=servo.Stop(), **common)
+    assert any("a pause of" in note and "limits ask for it" in note for note in best.notes)
+    assert best.motion.duration == pytest.approx(best.value)
+    assert best.missed < 0.02  # of so few points; without the pause 0.12 and 1.6
+    assert best_of_a(drive, time=20.0, path=servo.Stop(), **common).motion.duration == pytest.approx(best.value, rel=1e-6)
+    if drive.top_speed:
+        with pytest.raises(pp.PinpressError, match=r"would have to pause for .* path=servo\.Stop"):
+            best_of_a(drive, time=None, path=servo.Turn(), **common)
 
 
 def test_rest_at_the_bottom_counts():
@@ -535,6 +613,9 @@ def test_what_would_do_does():
     [
         (lambda: servo.ServoDrive(inertia=0.0), "inertia is 0"),
         (lambda: servo.ServoDrive(inertia=1.0, regeneration=1.5), "a share from 0 to 1"),
+        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0]), "one torque for each speed"),
+        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0], curve_torque=[1.0, 2.0]), "torques that do not rise"),
+        (lambda: servo.ServoDrive(1.0, curve_speed=[0.0, 9.0], curve_torque=[2.0, 1.0], top_speed=10.0), "carry the curve on to it"),
         (lambda: servo.SlideSpeed(0.0), "positive"),
         (lambda: servo.SlideSpeed(0.1, (0.1, 0.1)), "two different heights"),
         (lambda: servo.SlideSpeed(0.1, flank="left"), 'give "down", "up" or "both"'),

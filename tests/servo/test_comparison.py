@@ -1,5 +1,6 @@
 """Motions beside one another, and as tables for a controller."""
 
+import dataclasses
 from functools import cache
 
 import numpy as np
@@ -62,9 +63,40 @@ def test_limits_that_are_broken_are_named_with_what_they_come_to(limit, value):
     assert f": {value(smooth):.4g}" in row.breaks
 
 
+def test_limits_that_states_do_not_tell_are_said_not_to_be_looked_at():
+    limits = [pp.servo.BearingForce("slide_guide", 1.0), pp.servo.TorqueRate(1.0)]
+    found = pp.servo.compare_motions({"smooth": ready()["smooth"]}, limits)
+    assert "not looked at: force of 1 N in slide_guide\nnot looked at: rate of torque of 1 N m/s" in str(found)
+    with pytest.raises(pp.PinpressError, match="RmsTorque has no torque"):
+        pp.servo.compare_motions(ready(), [RmsTorque()])
+
+
+def test_a_pause_at_top_counts_for_the_feed_window():
+    """A brake holds it, so that it has no weight in the heat."""
+    press, window = pp.load("crank_slide"), FeedWindow(0.1, 15.0)
+    best = pp.servo.best_motion(press, ServoDrive(inertia=2.0), time=20.0, path=Stop(), limits=[window], points=60)
+    assert any("a pause of" in note for note in best.notes)
+    assert not pp.servo.compare_motions({"best": best.motion}, [window]).rows[0].breaks
+
+
 def test_a_drive_that_is_too_weak_is_named():
     (row,) = pp.servo.compare_motions({"smooth": ready()["smooth"]}).rows
     assert row.breaks.startswith("peak torque of 300 N m: ")
+
+
+def test_best_motions_keep_their_limits_between_nodes():
+    """What `compare_motions` takes for kept is what `best_motion` keeps: torque, its curve and power at their limits."""
+    press, load = pp.load("zxn2_3000b"), [pp.loads.DeepDrawing(1.5e6, 0.06)]
+    limits = [SlideSpeed(0.2, (0.06, 0.0))]
+    free = pp.servo.best_motion(press, ServoDrive(inertia=800.0), load, time=2.4, limits=limits, points=360).motion
+    curve = {"curve_speed": [0.0, 2.5, 4.5], "curve_torque": [1.2e5, 1.2e5, 4e4]}
+    for limited in ({"peak_torque": 0.9 * free.peak_torque}, {"power": 0.9 * free.peak_power}, curve):
+        drive = ServoDrive(inertia=800.0, **limited)
+        best = pp.servo.best_motion(press, drive, load, time=2.4, limits=limits, points=360)
+        broken = dataclasses.replace(free, drive=drive)
+        rows = pp.servo.compare_motions({"best": best.motion, "free": broken}, limits).rows
+        assert rows[0].breaks == ""
+        assert rows[1].breaks
 
 
 def test_what_is_no_motion_is_refused():

@@ -78,7 +78,7 @@ def test_the_example_catalogue_is_read():
 
 def test_the_smallest_motor_that_suffices_is_chosen():
     drawing, limit = pp.loads.DeepDrawing(1.5e6, 0.06), pp.servo.SlideSpeed(0.2, (0.06, 0.0))
-    asked = {"ratios": [50.0, 60.0], "time": 2.4, "limits": [limit], "gear_inertia": 50.0, "points": 360}
+    asked = {"ratios": [50.0, 60.0], "time": 2.4, "limits": [limit], "gear_inertia": 50.0, "points": 180}
     small, middle, large = pp.servo.read_motors(CATALOGUE)[2:5]
     found = pp.servo.choose_motor(pp.load("zxn2_3000b"), [large, middle, small], [drawing], **asked)
     assert found.motor is middle

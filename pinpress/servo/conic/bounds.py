@@ -32,6 +32,7 @@ from ..limits import (
 from .coefficients import Coefficients, segment_means
 from .motion_problem import Affine, Bounded, MotionProblem, inner_affine, rest_below
 from .program import InfeasibleError, Solution, UnsolvedError, first_sizes, solve
+from .torque_curve import hull_bounds
 
 EDGE = 1e-9  # heights closer than this count as one [m]
 FLAT = 1e-9  # share of the largest travel by crank angle below which the slide turns back
@@ -96,9 +97,9 @@ def motion_problem(
     Raises:
         PinpressError: a window in which the path has no part, a constant speed through a dead centre, a drive that cannot hold a rest.
     """
-    found = _of_drive(c, drive)
     all_ = np.arange(len(c.grid.step))
     problem = MotionProblem(c, drive, weights, time, time_name="cycle time" if time is None else f"cycle time of {time:.6g} s")
+    found = [*_of_drive(c, drive), *hull_bounds(problem)]
     for each in limits:
         if isinstance(each, SlideSpeed):
             found.append(_slide_speed(c, each))
@@ -132,7 +133,8 @@ def _of_drive(c: Coefficients, drive: ServoDrive) -> list[Bounded]:
     """The limits that the drive itself has."""
     found, n = [], len(c.grid.step)
     if drive.peak_torque is not None:
-        _refuse_to_hold(c, drive, drive.peak_torque)
+        _refuse_to_hold(c, drive, float(drive.peak_torque_at(0.0)))
+    if drive.peak_torque is not None and not (drive.curve_torque and drive.curve_torque[0] <= drive.peak_torque):
         inertia = (c.inertia + drive.crank_inertia) / 2.0
         step = c.grid.step
         torque = Affine(-inertia[:-1] / step, inertia[1:] / step, c.mean_torque, np.arange(n))

@@ -1,11 +1,10 @@
 """A largest power of the motor: torque x speed is no convex function of b. Found is a motion that keeps it, and a bound for all motions.
 
-So is a largest rate of the torque, which is a largest jerk.
+So is a largest rate of the torque, which is a largest jerk, and a curve of torque that falls with the speed (`torque_curve`).
 
 A motion within the limits comes from convex programs: 2 P / (v_i + v_{i+1}), the torque that the power allows at the speeds of a segment's
 ends, is convex in b, so that its tangent at the last motion is below it; each program's motion keeps the limit, and the next is no worse.
-The time between two segments, by which the rate allows a change of torque, is convex too, and so is the time of a cycle: that of a crank
-that never rests must not be shorter than asked for, though a faster one may store more energy and need less heat.
+The time between two segments, by which the rate allows a change of torque, is convex too.
 
 The bound for the power comes from programs that allow it over the relaxed time 2 h d of a segment, which is at least its time. Alone it is
 weak, because a program may let a segment take longer than its speeds say. So b at the nodes under load is enclosed: the least and the
@@ -25,11 +24,10 @@ from ...common.errors import PinpressError
 from ...common.quantities import Array
 from .motion_problem import Affine, Bounded, MotionProblem, RelaxedPower, segment_times
 from .program import InfeasibleError, Sizes, Solution, UnsolvedError, sizes_of, solve
+from .torque_curve import curve_tangents, curve_use
 
 MOST_ROUNDS, FEW_ROUNDS = 40, 3  # of tangents; a few where loads feel the speed, which have rounds of their own
 SETTLED = 1e-8  # relative change of the value that ends the rounds
-LATE, FAR_LATE = 1e-5, 1e-3  # shares by which a cycle is longer than asked for that end the rounds, and that are no answer
-SHORT = 1e-3  # share by which a cycle may be shorter than asked for
 KEPT = 1e-9  # share by which the power may be exceeded
 ENCLOSED = 8  # most rounds in which b is enclosed
 PROVED = 5e-4  # gap below which it is not enclosed more narrowly
@@ -47,13 +45,11 @@ class LocalLimits(NamedTuple):
     Attributes:
         power: largest power [W], or None.
         rate: largest rate of the torque at the crank [N m/s], or None.
-        time: time that a cycle takes at least, where the crank never rests [s], or None.
         proved: whether a bound for all motions within the power is looked for.
     """
 
     power: float | None
     rate: float | None
-    time: float | None
     proved: bool = True
 
 
@@ -79,26 +75,13 @@ def within_local_limits(
     Raises:
         PinpressError: no motion within the power or the rate was found.
     """
-    power, rate, time, proved = limits
+    power, proved = limits.power, limits.proved
     powerful = power is not None and powers(problem, free.b).max() > power * (1.0 + KEPT)
-    rough = rate is not None and torque_rates(problem, free.b).max() > rate * (1.0 + KEPT)
-    short = time is not None and segment_times(problem.coefficients, free.b).sum() < time * (1.0 - SHORT)
-    if not (powerful or rough or short):
+    if not exceeded(problem, free.b, limits):
         return free, problem, []
-    limits = limits if short else limits._replace(time=None)
-    words = [
-        *([f"a power of {power:.6g} W"] if powerful else []),
-        *([RATE.format(rate / problem.drive.ratio)] if rough and rate else []),
-        *([f"a cycle that takes {time:.6g} s and not less"] if short else []),
-    ]
+    words = words_of(problem, limits, free.b)
     them, are = ("them", "are") if len(words) > 1 else ("it", "is")
-    try:
-        answer, limited, settled = _by_tangents(problem, free, limits, optimum, " and ".join(words), start)
-    except PinpressError:
-        if not short:
-            raise
-        # none was found that takes its time: the faster one stays, and is said to be faster
-        return within_local_limits(problem, free, limits._replace(time=None), optimum, start)
+    answer, limited, settled = _by_tangents(problem, free, limits, optimum, " and ".join(words), start)
     if not powerful or power is None or not proved:
         gap = (answer.value - free.bound) / abs(answer.value)
         note = (
@@ -126,16 +109,11 @@ def _by_tangents(
     start: Array | None,
 ) -> tuple[Solution, MotionProblem, str]:
     """A motion within the limits, the best near it, its last convex problem, and in words that the rounds did not settle."""
-    power, rate, time = limits.power, limits.rate, limits.time
-    b = free.b if time is None else _even(problem, time)
-    b = start if start is not None else b if power is None else _slower(problem, b, power)
-    answer, limited, value, slower, late = None, problem, np.inf, 0, 0.0
+    b = start if start is not None else free.b if limits.power is None else _slower(problem, free.b, limits.power)
+    answer, limited, value, slower = None, problem, np.inf, 0
     settled = "" if start is not None else f"; {MOST_ROUNDS} rounds of tangents did not settle, and one near it may be better"
     for _ in range(MOST_ROUNDS if start is None else FEW_ROUNDS):
-        rows = [] if power is None else _power_tangents(problem, b, power)
-        rows += [] if rate is None else _rate_tangents(problem, b, rate)
-        rows += [] if time is None else [_time_tangent(problem, b, time)]
-        limited = replace(problem, bounds=(*problem.bounds, *rows), time=problem.time if time is None else None)
+        limited = replace(problem, bounds=(*problem.bounds, *tangents(problem, b, limits)))
         try:
             answer = optimum(limited)
         except PinpressError as error:
@@ -148,19 +126,39 @@ def _by_tangents(
                 f" {powers(problem, free.b).max():.6g} W, and its torque changes by"
                 f" {torque_rates(problem, free.b).max() / problem.drive.ratio:.6g} N m/s: allow more of it, or more time"
             ) from error
-        b, late = answer.b, 0.0
-        if time is not None:  # the tangents leave a motion slower than asked for; the next ones are drawn where it takes its time
-            taken = float(segment_times(problem.coefficients, b).sum())
-            late, b = taken / time - 1.0, b * (taken / time) ** 2
-        if abs(value - answer.value) <= SETTLED * abs(answer.value) and late <= LATE:
+        b = answer.b
+        if abs(value - answer.value) <= SETTLED * abs(answer.value):
             settled = ""
             break
         value = answer.value
     if answer is None:
         raise PinpressError(f"no motion within {words} was found near the last one, which does not prove that there is none")
-    if time is not None and late > FAR_LATE and start is None:
-        raise PinpressError(f"no motion that takes {time:.6g} s and not less was found near others")
     return answer, limited, settled
+
+
+def tangents(problem: MotionProblem, b: Array, limits: LocalLimits) -> list[Bounded]:
+    """Limits that are convex, and within these ones, by tangents at a motion."""
+    rows = [] if problem.drive.curve_torque is None else curve_tangents(problem, b)
+    rows += [] if limits.power is None else _power_tangents(problem, b, limits.power)
+    return rows + ([] if limits.rate is None else _rate_tangents(problem, b, limits.rate))
+
+
+def exceeded(problem: MotionProblem, b: Array, limits: LocalLimits) -> bool:
+    """Whether a motion exceeds one of the limits."""
+    return bool(words_of(problem, limits, b))
+
+
+def words_of(problem: MotionProblem, limits: LocalLimits, b: Array | None = None) -> list[str]:
+    """The limits in words, or those of them that a motion exceeds."""
+    power, rate, drive = limits.power, limits.rate, problem.drive
+    found = []
+    if power is not None and (b is None or powers(problem, b).max() > power * (1.0 + KEPT)):
+        found.append(f"a power of {power:.6g} W")
+    if drive.curve_torque is not None and (b is None or curve_use(problem, b).max() > 1.0 + KEPT):
+        found.append("a torque below the motor's curve")
+    if rate is not None and (b is None or torque_rates(problem, b).max() > rate * (1.0 + KEPT)):
+        found.append(RATE.format(rate / problem.drive.ratio))
+    return found
 
 
 def powers(problem: MotionProblem, b: Array) -> Array:
@@ -210,28 +208,6 @@ def _rate_tangents(problem: MotionProblem, b: Array, rate: float) -> list[Bounde
         quantity = Affine(before, middle, sign * (mean.fixed[second] - mean.fixed[first]), first, after, second + 1)
         found.append(Bounded(RATE.format(rate / problem.drive.ratio), level, rate / problem.drive.ratio, "N m/s", quantity))
     return found
-
-
-def _even(problem: MotionProblem, time: float) -> Array:
-    """An even speed that takes this time, where limits of b allow it."""
-    grid = problem.coefficients.grid
-    b = np.full(len(grid.angle), (float(np.abs(grid.step).sum()) / time) ** 2)
-    for each in problem.bounds:
-        if each.quantity is None:
-            b[each.nodes] = np.minimum(b[each.nodes], each.most)
-    if grid.legs.closed:
-        b[[0, -1]] = b[[0, -1]].min()
-    return b
-
-
-def _time_tangent(problem: MotionProblem, b: Array, time: float) -> Bounded:
-    """The tangent of the time, which is convex in b and so nowhere below it, is at least this time."""
-    speed, h = np.sqrt(b), np.abs(problem.coefficients.grid.step)
-    total = speed[1:] + speed[:-1]
-    slopes = [-h / (total**2 * each) for each in (speed[:-1], speed[1:])]
-    level = 2.0 * h / total - slopes[0] * b[:-1] - slopes[1] * b[1:]
-    quantity = Affine(-slopes[0], -slopes[1], 2.0 * time / len(h) - level, np.arange(len(h)))
-    return Bounded(f"least cycle time of {time:.6g} s", np.full(len(h), time), time, "s", quantity, total=True)
 
 
 def _slower(problem: MotionProblem, b: Array, power: float) -> Array:

@@ -66,6 +66,7 @@ class Bounded:
         equal: whether the quantity equals the bound.
         both: whether the negative quantity is bounded too.
         drag: part of c_i + c_{i+1} that is added to the quantity, in the sense of the crank's way: the drag of the drive.
+        by_speed: part of half of c_i + c_{i+1} that is added to the quantity and to its negative: a bound that falls with the speed.
         total: whether the sum of the quantity over the segments is bounded, by the first bound.
         length: of a vector of forces, quantities of its two further components; then its length is bounded.
     """
@@ -80,6 +81,7 @@ class Bounded:
     equal: bool = False
     both: bool = False
     drag: float = 0.0
+    by_speed: float = 0.0
     total: bool = False
     length: tuple[Affine, ...] = ()
 
@@ -220,11 +222,24 @@ def rest_below(problem: MotionProblem) -> float:
     return float(problem.coefficients.grid.legs.dwells[problem.below[last]].sum())
 
 
+def needed_time(problem: MotionProblem, cost: Figures) -> float:
+    """Time of a cycle with the pause that limits ask for: to feed, or to become cool [s]."""
+    time = cost.time if problem.below is None else max(cost.time, cost.below + problem.feed_time)
+    return time if problem.rms is None else max(time, cost.heat / problem.rms**2)
+
+
+def cycle_time(problem: MotionProblem, cost: Figures) -> float:
+    """Time of a cycle with its pause, where the path may have one: up to the time asked for, or where the time is minimised as short as
+    limits allow [s]."""
+    if problem.coefficients.grid.legs.closed:
+        return cost.time
+    if problem.time is None or "time" in problem.weights:
+        return needed_time(problem, cost)
+    return max(cost.time, problem.time)
+
+
 def objective(problem: MotionProblem, b: Array) -> float:
     """The objective of a motion, computed from b alone."""
     cost = figures(problem, b)
-    time = cost.time if problem.below is None else max(cost.time, cost.below + problem.feed_time)
-    if problem.rms is not None:
-        time = max(time, cost.heat / problem.rms**2)
-    parts = {"heat": cost.heat, "time": time, "energy": cost.energy, "peak": cost.peak}
+    parts = {"heat": cost.heat, "time": needed_time(problem, cost), "energy": cost.energy, "peak": cost.peak}
     return sum(weight * parts[name] for name, weight in problem.weights.items())

@@ -28,6 +28,7 @@ from ...common.quantities import Array
 from .motion_problem import Affine, Bounded, Index, MotionProblem, RelaxedPower, figures, objective, rest_below
 
 TOLERANCE = 1e-9  # that the solver aims at
+REACH = 1e4  # sizes of unknowns up to which dual variables must show that there is no motion
 EQUAL, AT_MOST, CONE = "equal", "at most", "cone"
 
 
@@ -64,7 +65,7 @@ def first_sizes(problem: MotionProblem) -> Sizes:
     grid, c = problem.coefficients.grid, problem.coefficients
     length, inertia = float(np.abs(grid.step).sum()), float(np.mean(c.inertia)) + problem.inertia
     if problem.time is None or problem.time <= problem.resting:
-        limits = [each.limit for each in problem.bounds if each.name.startswith("torque")]
+        limits = [each.limit for each in problem.bounds if each.name.startswith(("torque", "curve of torque"))]
         torque = problem.rms or (limits[0] if limits else float(np.sqrt(np.mean(c.inner_torque**2))) + inertia)
         speed = float(np.sqrt(torque * length / inertia))
     else:
@@ -334,6 +335,8 @@ class _Program:
             if each.drag:
                 way = self.problem.coefficients.grid.way[at]
                 entries += self.speeds(at, 0.5 * each.drag * sign * way * scale, rows)
+            if each.by_speed:
+                entries += self.speeds(at, 0.5 * each.by_speed * scale, rows)
             limit = (each.name, np.full(len(at), each.power), at, each.limit)
             self.add(AT_MOST, entries, 1.0 - sign * scale * each.quantity.fixed, limit)
 
@@ -418,7 +421,11 @@ class _Program:
 
 
 def solve(
-    problem: MotionProblem, sizes: Sizes, let_out: Callable[[str], bool] | None = None, extreme: tuple[int, float] | None = None
+    problem: MotionProblem,
+    sizes: Sizes,
+    let_out: Callable[[str], bool] | None = None,
+    extreme: tuple[int, float] | None = None,
+    tolerance: float = TOLERANCE,
 ) -> Solution:
     """The optimum, or with ``let_out`` the least share by which limits of these names must be let out.
 
@@ -427,6 +434,7 @@ def solve(
         sizes: by which it is scaled.
         let_out: whether a limit, by its name, may be let out.
         extreme: a node, and 1 or -1: in place of the objective, b there times this is minimised.
+        tolerance: that the solver aims at; value and bound are those of what it found, whatever it is.
 
     Raises:
         InfeasibleError: there is no motion within the limits.
@@ -454,10 +462,13 @@ def solve(
     matrix = sparse.csc_matrix((values, (rows, columns)), shape=(int(starts[-1]), program.width))
     bound = np.concatenate([block.bound for block in program.blocks])
     solution = clarabel.DefaultSolver(
-        sparse.csc_matrix((program.width, program.width)), cost / scale, matrix, bound, _cones(program.blocks), _settings()
+        sparse.csc_matrix((program.width, program.width)), cost / scale, matrix, bound, _cones(program.blocks), _settings(tolerance)
     ).solve()
     status = solution.status
     if status in (clarabel.SolverStatus.PrimalInfeasible, clarabel.SolverStatus.AlmostPrimalInfeasible):
+        z = _in_dual_cones(program.blocks, np.array(solution.z))
+        if not float(-bound @ z) > REACH * float(np.abs(matrix.T @ z).sum()):
+            raise UnsolvedError(f"{status}, which its dual variables do not prove")
         raise InfeasibleError
     x, z = np.array(solution.x), np.array(solution.z)
     if not (np.isfinite(x).all() and np.isfinite(z).all()):
@@ -473,14 +484,14 @@ def solve(
     return Solution(b, value, bound_, prices, where, share, parts)
 
 
-def _settings() -> object:
+def _settings(tolerance: float) -> object:
     import clarabel  # to save start-up time
 
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
     settings.equilibrate_enable = False  # unknowns and cones are scaled by their sizes
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
     return settings
 
 
@@ -517,12 +528,15 @@ def _prices(
     prices: dict[str, float] = {}
     where: dict[str, NDArray[np.bool_]] = {}
     parts: dict[str, float] = {}
+    rows: list[tuple[str, Index, Array]] = []
     for block, z in zip(program.blocks, duals, strict=True):
         if not block.name or block.slope is None or block.at is None:
             continue
         by_row = scale * z * block.slope
         parts[block.name] = parts.get(block.name, 0.0) + float(by_row.sum())
         prices[block.name] = prices.get(block.name, 0.0) + float(by_row.sum()) / block.unit_change
-        acts = where.setdefault(block.name, np.zeros(len(program.segments) + 1, bool))
-        acts[block.at[by_row > 1e-4 * max(by_row.sum(), 1e-300) / len(program.segments)]] = True
+        rows.append((block.name, block.at, by_row))
+    for name, at, by_row in rows:  # a limit may have several blocks, of which one acts
+        acts = where.setdefault(name, np.zeros(len(program.segments) + 1, bool))
+        acts[at[by_row > 1e-4 * max(parts[name], 1e-300) / len(program.segments)]] = True
     return prices, where, parts

@@ -141,7 +141,8 @@ def _plane(motion: ServoMotion, motor: CatalogueMotor | None, shown: Shown, movi
     else:
         top = (drive.top_speed or float(np.abs(motion.motor_speed).max())) / RPM
         if drive.peak_torque is not None:
-            lines.append(Line("peak torque", scale.factor * drive.peak_torque * np.array([1.0, 1.0, 0.0]), np.array([0.0, top, top])))
+            speed = np.array([0.0, *(each for each in drive.curve_speed or () if 0.0 < each < top * RPM), top * RPM])
+            lines.append(Line("peak torque", scale.factor * np.append(drive.peak_torque_at(speed), 0.0), np.append(speed / RPM, top)))
         if drive.rated_torque is not None:
             lines.append(Line("rated torque", np.full(2, scale.factor * drive.rated_torque), np.array([0.0, top])))
     mean = float(motion.weight @ np.abs(motion.motor_speed)) / motion.duration / RPM
@@ -214,8 +215,10 @@ def choice(found: MotorChoice, shown: Shown) -> Section:
     heads = ["motor", "", "ratio", "rms [N m]", "at [r/min]", "thermal [%]", "peak [%]", "speed [%]", "power [kW]"]
     rows = []
     for each in found.tried:
-        values = (each.rms_torque, each.mean_speed / RPM, 100 * each.thermal, 100 * each.peak, 100 * each.speed, 1e-3 * each.peak_power)
-        rows.append([each.motor, each.remark or "suffices", f"{each.ratio:g}", *(f"{value:.4g}" for value in values)])
+        known = (each.rms_torque, each.mean_speed / RPM, 100 * each.thermal)
+        of_motion = ((100, each.peak), (100, each.speed), (1e-3, each.peak_power))
+        values = [f"{value:.4g}" for value in known] + ["" if value is None else f"{by * value:.4g}" for by, value in of_motion]
+        rows.append([each.motor, each.remark or "suffices", f"{each.ratio:g}", *values])
     blocks: list[Block] = []
     if found.motor is not None and found.best is not None:
         blocks.append(_plane(found.best.motion, found.motor, shown, shown.motion is found.best.motion.motion))

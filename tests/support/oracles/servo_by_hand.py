@@ -1,5 +1,4 @@
-"""Best motions of a servo press found in other ways: by SLSQP in the squares of the speeds alone, and forwards and backwards in the phase
-plane. They share nothing with `pinpress.servo` but inverse dynamics."""
+"""Best motions of a servo press by SLSQP in the squares of the speeds alone; of `pinpress.servo` nothing is used, but inverse dynamics."""
 
 import numpy as np
 from scipy.optimize import minimize
@@ -94,21 +93,3 @@ def _torque(b, place, share, step):
     first, second = 0.5 * slope * (1.0 - share) - inertia / (2.0 * step), 0.5 * slope * share + inertia / (2.0 * step)
     after = np.append(b[1:], b[0])
     return first * b + second * after + fixed, first, second
-
-
-def least_time(press, angle, torque, most):
-    """Least time from rest to rest along angles (N + 1,), with torques up to ``torque`` and b at most ``most`` (N + 1,): as fast as
-    possible forwards from the start and backwards from the end, in kinetic energies. Works are summed by the trapezoidal rule, so that many
-    angles are needed."""
-    inertia, _, fixed = press.at(angle)
-    drag = np.concatenate([[0.0], np.cumsum(0.5 * (fixed[1:] + fixed[:-1]) * np.diff(angle))])
-    limit = 0.5 * inertia * most + drag
-    forwards, backwards = np.empty_like(angle), np.empty_like(angle)
-    forwards[0], backwards[-1] = drag[0], drag[-1]
-    for i, step in enumerate(np.diff(angle)):
-        forwards[i + 1] = min(forwards[i] + torque * step, limit[i + 1])
-    for i in range(len(angle) - 2, -1, -1):
-        backwards[i] = min(backwards[i + 1] + torque * (angle[i + 1] - angle[i]), limit[i])
-    b = np.maximum(2.0 * (np.minimum(forwards, backwards) - drag) / inertia, 0.0)
-    v = np.sqrt(b)
-    return float(np.sum(2.0 * np.diff(angle) / (v[1:] + v[:-1])))

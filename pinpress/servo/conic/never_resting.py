@@ -1,0 +1,275 @@
+"""Turns that must take their time: a crank that never rests and makes a stroke every T seconds.
+
+That a cycle takes at most T is convex, that it takes T is not. Mostly it is the same, for less time costs more. But where nothing limits
+the speed, a faster turn stores more energy and needs less heat for each stroke. Then the best motion that takes T is looked for here.
+
+It is found by tangents: the time, convex in b, is nowhere below its tangent at the last motion, so that each program's motion takes at
+least T, and the next is no worse. A coarse path is the first, from an even speed and from the motion that the proof leaves; finer ones
+begin with what it found. The crank is nowhere slower than a tenth of its mean speed, or of the limit there: without that, it would all but
+rest wherever resting costs nothing, and a `Stop` is the better question.
+
+It is proved by the mean speed: a turn that takes T has it somewhere, since its speed goes on steadily, and comes back to where it was. So
+in some segment it falls from the mean speed, or above, to it, or below. For each segment of the coarse path the best motion within T that
+does so there is a convex program, and the least of their bounds is one for all turns that take T.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.errors import PinpressError
+from ...common.quantities import Array
+from .coefficients import PathMotion
+from .local_limits import LocalLimits, tangents, words_of
+from .motion_problem import Affine, Bounded, MotionProblem, segment_times
+from .program import InfeasibleError, Sizes, Solution, UnsolvedError, first_sizes, sizes_of, solve
+
+SHORT = 1e-3  # share by which a cycle may be shorter than asked for
+LATE, FAR_LATE = 1e-4, 5e-4  # shares by which a cycle is longer than asked for that end the rounds, and that take some more
+SETTLED, NEARLY = 1e-4, 1e-3  # relative changes of the value that end the rounds, and above which the motion is said not to be settled
+SLOWEST = 0.1  # least speed of the crank, in its mean speed or the limit of speed there
+ROOM = 0.5  # share by which a program with such losses may be late, to the power of the round
+ROUGH, FINE, CLOSE = 1e-5, 1e-7, 1e-9  # tolerances of programs of the proof, whose bounds are far apart anyhow, and of rounds of tangents
+COARSE, FINER = 36, 4  # segments of the coarse path, and how many times as many the next one has
+MANY_ROUNDS, SOME_ROUNDS, FEW_ROUNDS = 40, 12, 3  # of tangents on the coarse path, the next one and the last; up to thrice as many
+
+
+class NoTurnError(PinpressError):
+    """No turn that takes its time was found."""
+
+
+class TimedTurn(NamedTuple):
+    """A motion that takes its time.
+
+    Attributes:
+        answer: the last program's solution.
+        limited: this program's problem.
+        change: relative change of the value in the last round.
+    """
+
+    answer: Solution
+    limited: MotionProblem
+    change: float
+
+    @property
+    def as_motion(self) -> PathMotion:
+        return PathMotion(self.limited.coefficients.grid.way_gone, self.answer.b)
+
+
+def is_shorter(problem: MotionProblem, b: Array, time: float) -> bool:
+    """Whether a motion takes less than this time [s]."""
+    return bool(segment_times(problem.coefficients, b).sum() < time * (1.0 - SHORT))
+
+
+def turn_in_time(
+    problem: MotionProblem, free: Solution, limits: LocalLimits, at: Callable[[int | None, PathMotion | None], MotionProblem]
+) -> tuple[Solution, MotionProblem, list[str]]:
+    """The best motion found that takes the problem's time, with a bound for all that do.
+
+    Args:
+        problem: the problem, with the most time of a cycle.
+        free: its optimum, a faster turn.
+        limits: limits that are not convex beside the time.
+        at: makes the problem anew with so many segments, or its own number, for motions about this one.
+
+    Returns:
+        as `within_local_limits`.
+
+    Raises:
+        NoTurnError: none was found.
+    """
+    assert problem.time is not None
+    time, size = problem.time, len(problem.coefficients.grid.step)
+    coarse = at(COARSE, None) if size > 2 * COARSE else problem
+    bound, passing = _passing_the_mean_speed(_never_resting(coarse))
+    found = None
+    starts = [_even(coarse), *([] if passing is None else [passing])]
+    if limits.power is not None or limits.rate is not None:  # an even speed may be far from what they allow
+        with contextlib.suppress(NoTurnError):
+            starts.append(_rounds(coarse, starts[0], LocalLimits(None, None, False), MANY_ROUNDS).answer.b)
+    for start in starts:
+        try:
+            turn = _rounds(coarse, start, limits, MANY_ROUNDS)
+        except NoTurnError:
+            continue
+        found = turn if found is None or turn.answer.value < found.answer.value else found
+    if found is None:
+        raise NoTurnError(
+            f"no turn that takes {time:.6g} s was found, which does not prove that there is none; a faster one needs least, of"
+            f" {segment_times(problem.coefficients, free.b).sum():.6g} s: give this time, wider limits, or path=servo.Stop(), which pauses"
+        )
+    if bound > found.answer.value + FINE * abs(found.answer.value):  # a program was said to have no motion, and has one
+        bound = -np.inf
+    gap = max(0.0, (found.answer.value - bound) / abs(found.answer.value))
+    if coarse is not problem:
+        if size > 2 * FINER * COARSE:
+            found = _refined(at(FINER * COARSE, found.as_motion), found, limits, SOME_ROUNDS)
+        found = _refined(at(None, found.as_motion), found, limits, FEW_ROUNDS)
+    _refuse_late(problem, found)
+    answer = found.answer
+    share = answer.value - gap * abs(answer.value)
+    answer = replace(answer, bound=max(share, free.bound) if np.isfinite(share) else free.bound)
+    segments = len(coarse.coefficients.grid.step)
+    proof = f"proved on a path of {segments} segments" if answer.bound > free.bound else "which the faster one proves"
+    return answer, found.limited, [_in_words(problem, free, found, answer.gap, limits, proof)]
+
+
+def turn_near(problem: MotionProblem, free: Solution, limits: LocalLimits, start: Array) -> tuple[Solution, MotionProblem, list[str]]:
+    """The best motion that takes the problem's time near one (N + 1,) that does about, with the bound of faster turns.
+
+    Args and errors are those of `turn_in_time`.
+    """
+    found = _rounds(problem, start, limits, FEW_ROUNDS)
+    _refuse_late(problem, found)
+    answer = replace(found.answer, bound=free.bound)
+    note = (
+        f"a turn that takes {problem.time:.6g} s is not convex: the motion is the best near it; a faster one, of"
+        f" {segment_times(problem.coefficients, free.b).sum():.4g} s, would need {100 * answer.gap:.2g} % less a stroke"
+    )
+    return answer, found.limited, [note]
+
+
+def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) -> TimedTurn:
+    """The motion by tangents, from one that is about the one looked for."""
+    assert problem.time is not None
+    whole, found, value, late = _never_resting(problem), None, np.inf, 0.0
+    b = _in_time(problem, b)
+    for k in range(3 * rounds):
+        rows = [_time_tangent(problem, b, problem.time), *tangents(problem, b, limits)]
+        limited = replace(whole, bounds=(*whole.bounds, *rows), time=None)
+        # losses that grow with the speed have a program count on a slower crank than that of its own motion, unless time presses
+        most_time = problem.time * (1.0 + max(ROOM**k, FAR_LATE)) if problem.drive.viscous or problem.drive.iron else None
+        answer = _solved(replace(limited, time=most_time, time_name=""), sizes_of(problem, b), FINE)
+        if not isinstance(answer, Solution):
+            break
+        found = TimedTurn(answer, limited, abs(value - answer.value) / abs(answer.value))
+        value = answer.value
+        late = float(segment_times(problem.coefficients, answer.b).sum()) / problem.time - 1.0
+        if (found.change <= SETTLED and late <= LATE) or (k + 1 >= rounds and late <= FAR_LATE):
+            break
+        b = _in_time(problem, answer.b)
+    if found is None:
+        raise NoTurnError(
+            f"no turn that takes {problem.time:.6g} s was found, which does not prove that there is none: give another time, wider limits,"
+            " or path=servo.Stop(), which pauses"
+        )
+    return found
+
+
+def _refuse_late(problem: MotionProblem, found: TimedTurn) -> None:
+    taken = float(segment_times(problem.coefficients, found.answer.b).sum())
+    if problem.time is not None and abs(taken / problem.time - 1.0) > SHORT:
+        raise NoTurnError(
+            f"no turn that takes {problem.time:.6g} s was found, which does not prove that there is none, but one of {taken:.6g} s: give"
+            " this time, or path=servo.Stop(), which pauses"
+        )
+
+
+def _refined(problem: MotionProblem, found: TimedTurn, limits: LocalLimits, most: int) -> TimedTurn:
+    """The motion on a finer path."""
+    way, b = found.as_motion
+    return _rounds(problem, np.interp(problem.coefficients.grid.way_gone, way, b), limits, most)
+
+
+def _in_time(problem: MotionProblem, b: Array) -> Array:
+    """A motion as slow or as fast everywhere as takes its time."""
+    assert problem.time is not None
+    return b * (float(segment_times(problem.coefficients, b).sum()) / problem.time) ** 2
+
+
+def _mean_square(problem: MotionProblem) -> float:
+    """Square of the mean speed [rad2/s2]."""
+    assert problem.time is not None
+    return float((np.abs(problem.coefficients.grid.step).sum() / problem.time) ** 2)
+
+
+def _most(problem: MotionProblem) -> Array:
+    """(N + 1,) b that limits of speed leave at the nodes, at both ends of a turn alike; infinite where there is none."""
+    most = np.full(len(problem.coefficients.grid.angle), np.inf)
+    for each in problem.bounds:
+        if each.quantity is None:
+            most[each.nodes] = np.minimum(most[each.nodes], each.most)
+    most[[0, -1]] = most[[0, -1]].min()
+    return most
+
+
+def _even(problem: MotionProblem) -> Array:
+    """An even speed, where limits of speed allow it."""
+    return np.minimum(_most(problem), _mean_square(problem))
+
+
+def _never_resting(problem: MotionProblem) -> MotionProblem:
+    """The problem with the least speed of a crank that never rests."""
+    n = len(problem.coefficients.grid.step)
+    least = SLOWEST**2 * np.minimum(_most(problem), _mean_square(problem))[:-1]
+    floor = Affine(-1.0 / least, np.zeros(n), np.full(n, 2.0), np.arange(n))
+    return replace(problem, bounds=(*problem.bounds, Bounded("", np.ones(n), 1.0, "", floor)))
+
+
+def _time_tangent(problem: MotionProblem, b: Array, time: float) -> Bounded:
+    """The tangent of the time, which is convex in b and so nowhere below it, is at least this time."""
+    speed, h = np.sqrt(b), np.abs(problem.coefficients.grid.step)
+    total = speed[1:] + speed[:-1]
+    slopes = [-h / (total**2 * each) for each in (speed[:-1], speed[1:])]
+    level = 2.0 * h / total - slopes[0] * b[:-1] - slopes[1] * b[1:]
+    quantity = Affine(-slopes[0], -slopes[1], 2.0 * time / len(h) - level, np.arange(len(h)))
+    return Bounded("", np.full(len(h), time), time, "s", quantity, total=True)
+
+
+def _passing_the_mean_speed(problem: MotionProblem) -> tuple[float, Array | None]:
+    """The least bound of all motions within the time whose speed falls past the mean speed in some segment, and the motion that has it."""
+    mean, most, sizes = _mean_square(problem), _most(problem), first_sizes(problem)
+    least, motion = np.inf, None
+    for k in np.flatnonzero(most[:-1] >= mean * (1.0 - 1e-9)).tolist():
+        before = Affine(np.array([-1.0 / mean]), np.zeros(1), np.array([2.0]), np.array([k]))
+        rows = Bounded("", np.ones(1), 1.0, "", before), Bounded("", np.array([mean]), 1.0, "", nodes=np.array([k + 1]))
+        passing = replace(problem, bounds=(*problem.bounds, *rows))
+        found = _solved(passing, sizes, ROUGH)
+        if not isinstance(found, Solution):  # that there is none is believed at a close tolerance alone
+            found = _solved(passing, first_sizes(problem), CLOSE)
+        if found is None:
+            continue
+        if isinstance(found, UnsolvedError):
+            return -np.inf, motion
+        sizes = sizes_of(problem, found.b)
+        if found.bound < least:
+            least, motion = found.bound, found.b
+    return (least, motion) if motion is not None else (-np.inf, None)
+
+
+def _solved(problem: MotionProblem, sizes: Sizes, tolerance: float) -> Solution | UnsolvedError | None:
+    """The optimum; None where the solver proved that there is none."""
+    failed: UnsolvedError | None = None
+    for times in (1.0, 3.0):
+        try:
+            return solve(problem, sizes.with_torques(times), tolerance=tolerance)
+        except InfeasibleError:
+            return None
+        except UnsolvedError as error:
+            failed = error
+    return failed
+
+
+def _in_words(problem: MotionProblem, free: Solution, found: TimedTurn, gap: float, limits: LocalLimits, proof: str) -> str:
+    b, faster = found.answer.b, segment_times(problem.coefficients, free.b).sum()
+    beside = words_of(problem, limits)
+    kept = f", with {' and '.join(beside)}," if beside else ""
+    slow = int(b.argmin())
+    floor = (
+        f"; it is slowest at crank angle {np.degrees(found.limited.coefficients.grid.angle[slow]):.4g} deg, a tenth of its mean speed or of"
+        " the limit there, below which a turn counts as a rest"
+        if b[slow] < 1.01 * SLOWEST**2 * _mean_square(problem)
+        else ""
+    )
+    settled = "" if found.change <= NEARLY else f"; rounds of tangents did not settle to less than {100 * found.change:.2g} %"
+    less = 100 * (1.0 - free.value / found.answer.value)
+    return (
+        f"a turn that takes {problem.time:.6g} s{kept} is not convex, since a faster one, of {faster:.4g} s, would need {less:.2g} % less"
+        f" a stroke: the motion is the best near it; of all turns in this time none is better by more than {100 * gap:.2g} %, {proof}"
+        f"{floor}{settled}"
+    )
