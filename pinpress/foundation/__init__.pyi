@@ -1,6 +1,6 @@
+from .free_decay import logarithmic_decrement as logarithmic_decrement
 from .mounted_press import MountedPress as MountedPress
 from .mounted_press import VibrationModes as VibrationModes
-from .mounted_press import logarithmic_decrement as logarithmic_decrement
 from .mounted_press import modes as modes
 from .mounted_press import mounted as mounted
 from .mounted_press import press_inertia as press_inertia

@@ -27,7 +27,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..common import tables
-from ..common.arguments import expect, finite_numbers, typed, whole_number
+from ..common.arguments import expect, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
 from ..common.quantities import Array, ComplexArray
@@ -307,28 +307,6 @@ def modes(system: MountedPress) -> VibrationModes:
         eigenvalues=eigenvalues,
         motion=tuple(_motion(system, shape) for shape in shapes.T),
     )
-
-
-def logarithmic_decrement(signal: Array) -> float:
-    """Mean logarithmic decrement of a decaying vibration [-].
-
-    The decrement is ln(peak / peak a period later), which is 2 pi z / sqrt(1 - z^2) at a damping ratio z. It is fitted by least squares to
-    the peaks of the absolute value, two a period.
-
-    Args:
-        signal: (n,) one component of a vibration, in equal steps of time.
-
-    Raises:
-        PinpressError: the signal is not an array (n,) of finite numbers, or has fewer than three peaks.
-    """
-    values = finite_numbers(signal)
-    if values is None or values.ndim != 1:
-        raise PinpressError("signal is no array (n,) of finite numbers: give one component of a vibration")
-    size = np.abs(values)
-    peaks = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
-    if len(peaks) < 3:
-        raise PinpressError(f"signal has {len(peaks)} peaks: give a vibration of two periods or more")
-    return float(-2 * np.polyfit(np.arange(len(peaks)), np.log(size[peaks]), 1)[0])
 
 
 def undamped(system: MountedPress) -> tuple[Array, Array]:

@@ -213,7 +213,21 @@ def test_logarithmic_decrement_of_a_decaying_vibration():
     ratio, w = 0.03, 50.0
     time = np.linspace(0.0, 2.0, 20001)
     signal = np.exp(-ratio * w * time) * np.cos(w * np.sqrt(1 - ratio**2) * time)
-    assert foundation.logarithmic_decrement(signal) == pytest.approx(2 * np.pi * ratio / np.sqrt(1 - ratio**2), rel=1e-3)
+    assert foundation.logarithmic_decrement(signal) == pytest.approx(2 * np.pi * ratio / np.sqrt(1 - ratio**2), rel=1e-9)
+
+
+def test_logarithmic_decrement_stands_noise_and_other_vibrations():
+    """Of a signal with 1 % noise, whose own peaks outnumber the vibration's by far, an offset and a faster vibration, each by its band."""
+    rng = np.random.default_rng(3)
+    time = np.arange(4000) / 1000.0
+    slow, fast = (np.exp(-ratio * w * time) * np.cos(w * np.sqrt(1 - ratio**2) * time) for ratio, w in ((0.075, 50.0), (0.02, 165.0)))
+    expected = [2 * np.pi * ratio / np.sqrt(1 - ratio**2) for ratio in (0.075, 0.02)]
+    assert foundation.logarithmic_decrement(slow + 0.01 * rng.normal(size=4000)) == pytest.approx(expected[0], rel=0.01)
+    both = 0.2 + slow + 0.5 * fast + 0.01 * rng.normal(size=4000)
+    for band, each in zip(((5.0, 12.0), (20.0, 40.0)), expected, strict=True):
+        assert foundation.logarithmic_decrement(both, rate=1000.0, band=band) == pytest.approx(each, rel=0.01)
+    with pytest.raises(PinpressError, match="stands out of the noise"):
+        foundation.logarithmic_decrement(rng.normal(size=4000))
 
 
 def test_modes_are_written(tmp_path):
@@ -251,7 +265,9 @@ PAD = {"length": 0.1, "width": 0.1, "thickness": 0.01}
         (lambda: foundation.Frame(**HEAVY | {"inertia": (1, 1, 3)}), "no body has this inertia"),
         (lambda: foundation.Frame(**HEAVY | {"inertia": np.eye(3) + np.eye(3, k=1)}), "symmetric"),
         (lambda: foundation.Frame(**HEAVY | {"centre": (0, 0, np.inf)}), "centre is"),
-        (lambda: foundation.logarithmic_decrement(np.arange(5.0)), "0 peaks"),
+        (lambda: foundation.logarithmic_decrement(np.arange(5.0)), "of 5 samples does not swing"),
+        (lambda: foundation.logarithmic_decrement(np.arange(50.0)), "shorter than two periods"),
+        (lambda: foundation.logarithmic_decrement(np.sin(np.arange(50.0)), rate=2.0, band=(0.5, 1.5)), "half the rate, 1 Hz"),
         (lambda: foundation.modes(None), "system is a NoneType"),
     ],
 )

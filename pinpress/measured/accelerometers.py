@@ -1,0 +1,256 @@
+"""Accelerometers on the frame of a press, and the runs that they recorded: accelerations in SI units in equal steps of time.
+
+    pp.measured.Accelerometer((0.9, 0, 1.2), "z", gain=98.1)  # of a channel in V: 98.1 m/s2 per V
+
+As in chapter 2 of Zhang 2007, each accelerometer sits at a point of the frame and measures along one direction.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import files
+from ..common.arguments import LARGEST, finite_numbers, numbers, suitable_numbers
+from ..common.errors import PinpressError, caution, shown
+from ..common.frozen import Frozen
+from ..common.quantities import GRAVITY, Array
+from .record_files import Channels, named_columns, parted, read
+from .records import UNEVEN, longest_rest, times_of
+
+FEWEST = 256  # samples of a record
+UNITS = {"m/s2": 1.0, "m/s^2": 1.0, "m/s²": 1.0, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3}
+ANGLES = {"rad": 1.0, "deg": np.pi / 180, "°": np.pi / 180, "turns": 2 * np.pi}
+DIRECTIONS = {
+    f"{sign}{axis}": tuple(float(size * (k == i)) for k in range(3))
+    for sign, size in (("", 1), ("+", 1), ("-", -1))
+    for i, axis in enumerate("xyz")
+}
+STUCK = 8  # samples in a row at the extreme, as where an amplifier is overdriven
+HEAVY = 1000.0 * GRAVITY  # acceleration above which a unit or a gain is doubted [m/s2]
+LARGEST_FILE = 10**6  # bytes of a file of points
+HEADS = ("channel", "x", "y", "z", "direction")  # columns of a file of points; part and gain may follow
+
+Source: TypeAlias = str | os.PathLike[str] | Mapping[str, ArrayLike]
+
+
+@dataclass(frozen=True)
+class Accelerometer(Frozen):
+    """Where an accelerometer sits, which way it measures, and what its column means.
+
+    Attributes:
+        point: (3,) its place in world axes [m]; on the crown of a frame of two parts ("crown", (x, y, z)), as for `foundation`.
+        direction: along which it measures positive: "x", "y", "z" or "-x", "-y", "-z", or a vector (3,) of any length.
+        gain: acceleration by one unit of its column, for a column in V [m/s2 per V]; None for a column in m/s2 or g.
+
+    Raises:
+        PinpressError: the point is not three finite numbers, the direction is none, or the gain is zero.
+    """
+
+    point: ArrayLike | tuple[str, ArrayLike]
+    direction: str | ArrayLike = "z"
+    gain: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.place.shape != (3,) or self.along.shape != (3,):
+            raise PinpressError(f"Accelerometer: point is {shown(self.point)}: give x, y, z [m], or ('crown', (x, y, z))")
+        if self.gain is not None:
+            suitable_numbers("Accelerometer: gain", self.gain, "m/s2 per V, not zero", suits=lambda gain: gain != 0)
+
+    @property
+    def on_crown(self) -> bool:
+        """Whether it sits on the crown of a frame of two parts."""
+        return isinstance(self.point, tuple) and len(self.point) == 2 and self.point[0] == "crown"
+
+    @property
+    def place(self) -> Array:
+        """(3,) its place in world axes [m]."""
+        found = finite_numbers(self.point[1] if self.on_crown else self.point)  # type: ignore[index]  # a pair
+        return np.empty(0) if found is None else found
+
+    @property
+    def along(self) -> Array:
+        """(3,) unit vector along which it measures."""
+        if isinstance(self.direction, str):
+            if self.direction not in DIRECTIONS:
+                raise PinpressError(
+                    f"Accelerometer: direction is {shown(self.direction)}: give one of {', '.join(DIRECTIONS)}, or a vector"
+                )
+            return np.array(DIRECTIONS[self.direction])
+        wanted = "a vector (3,), not zero"
+        vector = suitable_numbers("Accelerometer: direction", self.direction, wanted, (3,), lambda v: 0 < np.abs(v).max() < LARGEST)
+        return np.asarray(vector / np.linalg.norm(vector))
+
+    def row(self, parts: int) -> Array:
+        """(6 parts,) what it measures of an acceleration of one of each coordinate of a frame in 1 or 2 parts, see `MountedPress`."""
+        part, turning = int(self.on_crown and parts == 2), np.cross(self.place, self.along)
+        found = np.zeros(6 * parts)
+        found[6 * part : 6 * part + 6] = [*self.along, *turning]
+        return found
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class VibrationRun(Frozen):
+    """One record in equal steps of time, n samples. All arrays are read-only.
+
+    Attributes:
+        name: of the file.
+        time: (n,) times [s].
+        acceleration: (n, channels) accelerations along the accelerometers' directions, without their medians [m/s2].
+        angle: (n,) crank angle, continuous over all turns; None where nothing says it [rad].
+    """
+
+    name: str
+    time: Array
+    acceleration: Array
+    angle: Array | None
+
+    @property
+    def rate(self) -> float:
+        """Samples a second [Hz]."""
+        return float((len(self.time) - 1) / (self.time[-1] - self.time[0]))
+
+
+def points_of(file: str | os.PathLike[str]) -> dict[str, Accelerometer]:
+    """Accelerometers from a CSV file with the columns channel, x, y, z, direction and if need be part and gain.
+
+    Raises:
+        PinpressError: the file cannot be read, has no such columns, or a row is no accelerometer.
+    """
+    path = files.path_of("points", file)
+    try:
+        text = files.read(path, LARGEST_FILE).decode("utf-8-sig")
+    except (OSError, ValueError) as error:  # ValueError: also no text
+        raise PinpressError(f"{path} cannot be read: {files.reason(error)}") from None
+    rows = list(csv.DictReader(text.splitlines(), delimiter=";" if ";" in text.partition("\n")[0] else ",", skipinitialspace=True))
+    heads = {parted(name)[0]: name for name in (rows[0] if rows else ()) if name}
+    missing = [name for name in HEADS if name not in heads]
+    if missing:
+        raise PinpressError(f"{path}: no column {missing[0]!r}: a file of points has {', '.join(HEADS)}, and may have part and gain")
+    found = {}
+    for line, row in enumerate(rows, 2):
+        try:
+            place = tuple(float(row[heads[axis]]) for axis in "xyz")
+            gain = float(row[heads["gain"]]) if (row.get(heads.get("gain", "")) or "").strip() else None
+        except (TypeError, ValueError):
+            raise PinpressError(f"{path}:{line}: x, y, z and gain are {shown(list(row.values()))}: give numbers") from None
+        part = (row.get(heads.get("part", "")) or "bed").strip()
+        if part not in ("bed", "crown"):
+            raise PinpressError(f"{path}:{line}: part is {shown(part)}: give bed or crown")
+        found[row[heads["channel"]].strip()] = Accelerometer(
+            ("crown", place) if part == "crown" else place, row[heads["direction"]].strip(), gain
+        )
+    return found
+
+
+def run_of(
+    source: Source,
+    name: str,
+    sensors: Mapping[str, Accelerometer],
+    time: str | None,
+    crank: tuple[str | None, str | None, int],
+    speed: float | None,
+) -> VibrationRun:
+    """One run of `vibration`, whose errors it raises.
+
+    Args:
+        source: a file, or columns by name.
+        name: of the run, where it is no file.
+        sensors: accelerometers by column.
+        time: column of the time.
+        crank: columns of its angle and of its tacho, and pulses by turn.
+        speed: constant speed of the crank [rad/s].
+    """
+    angle, tacho, pulses = crank
+    wanted = [*sensors, *(each for each in (time, angle, tacho) if each is not None)]
+    if isinstance(source, Mapping):
+        if not all(isinstance(column, str) for column in source):
+            raise PinpressError(f"{name}: names of columns are {shown(list(source))}: give texts, such as 'A [m/s2]'")
+        table = named_columns(name, {column: numbers(f"{name}: {column}", values, (None,)) for column, values in source.items()})
+    else:
+        table, name = read(source, wanted), os.path.basename(os.fspath(source))
+    times = times_of(table, time)
+    _refuse_uneven(name, times)
+    accelerations = np.array([_acceleration(table, name, column, sensor) for column, sensor in sensors.items()]).T
+    crank_angle = None
+    if angle is not None:
+        found, unit = table.column(angle)
+        if unit not in ANGLES:
+            raise PinpressError(f"{name}: column {angle!r} is in {unit or 'no unit'}: give an angle in {', '.join(ANGLES)}, or tacho=")
+        crank_angle = np.unwrap(_finite(found, name, angle) * ANGLES[unit])
+    elif tacho is not None:
+        times, accelerations, crank_angle = _by_pulses(name, times, accelerations, _finite(table.column(tacho).values, name, tacho), pulses)
+    elif speed is not None:
+        crank_angle = speed * (times - times[0])
+    return VibrationRun(name, times, accelerations - np.median(accelerations, axis=0), crank_angle)
+
+
+def _acceleration(table: Channels, name: str, column: str, sensor: Accelerometer) -> Array:
+    """(n,) what a column says, in m/s2."""
+    found, unit = table.column(column)
+    if unit in UNITS:
+        if sensor.gain is not None:
+            raise PinpressError(
+                f"{name}: column {column!r} is in {unit}, and its accelerometer has a gain: leave the gain out, or name it in V"
+            )
+        factor = UNITS[unit]
+    elif sensor.gain is not None:
+        factor = sensor.gain * (1e-3 if unit == "mV" else 1.0)
+    else:
+        what = f"is in {unit}" if unit else "has no unit"
+        raise PinpressError(f"{name}: column {column!r} {what}: name it in one of {', '.join(UNITS)}, or give its Accelerometer a gain")
+    values = _finite(found, name, column)
+    rest = max(longest_rest(values, float(extreme))[0] for extreme in (values.max(), values.min()))
+    if not np.ptp(values):
+        caution(f"{name}: channel {column!r} is silent, {values[0]:.4g} in all samples: look at its cable, or leave it out")
+    elif rest >= STUCK and rest > 3 * max(longest_rest(values, float(np.median(values)))[0], 1):
+        caution(f"{name}: channel {column!r} stays at its extreme for {rest} samples, as where an amplifier is overdriven: lower its gain")
+    size = float(np.abs(factor * (values - np.median(values))).max())
+    if size > HEAVY:
+        caution(f"{name}: channel {column!r} reaches {size / GRAVITY:.4g} g: look at its unit, or at its gain, which is in m/s2 per V")
+    return np.asarray(factor * values)
+
+
+def _finite(values: Array, name: str, column: str) -> Array:
+    if not np.isfinite(values).all():
+        raise PinpressError(f"{name}: {column} has no number in sample {int(np.argmin(np.isfinite(values)))}: cut the record there")
+    return values
+
+
+def _refuse_uneven(name: str, times: Array) -> None:
+    """Raise PinpressError where samples are few, or not in equal steps."""
+    if len(times) < FEWEST:
+        raise PinpressError(f"{name}: {len(times)} samples: give {FEWEST} or more")
+    steps = np.diff(times)
+    if steps.min() <= 0 or steps.max() > 1.5 * np.median(steps) or steps.std() > UNEVEN * np.median(steps):
+        k = int(np.abs(steps - np.median(steps)).argmax())
+        raise PinpressError(
+            f"{name}: samples are not in equal steps of time: {steps[k]:.4g} s after {times[k]:.6g} s, elsewhere {np.median(steps):.4g} s;"
+            " cut the record there, or resample it"
+        )
+
+
+def _by_pulses(name: str, times: Array, accelerations: Array, signal: Array, pulses: int) -> tuple[Array, Array, Array]:
+    """Times, accelerations and crank angles between the first and the last pulse of a tacho."""
+    low, high = np.quantile(signal, (0.001, 0.999))
+    state, ends = np.full(len(signal), np.nan), (low + (high - low) * 0.35, low + (high - low) * 0.65)
+    state[signal <= ends[0]], state[signal >= ends[1]] = 0.0, 1.0  # between them the signal keeps its state, so that noise makes no pulses
+    known = np.flatnonzero(~np.isnan(state))
+    risen = np.flatnonzero(np.diff(state[known]) > 0)
+    if len(risen) < 4:
+        raise PinpressError(f"{name}: the tacho gives {len(risen)} pulses: record four or more, or give angle= or speed=")
+    first, last = known[risen], known[risen + 1]
+    middle, at_first, at_last = 0.5 * (low + high), signal[first], signal[last]
+    moments = times[first] + (middle - at_first) / (at_last - at_first) * (times[last] - times[first])
+    from scipy.interpolate import PchipInterpolator  # slow to import
+
+    within = (times >= moments[0]) & (times <= moments[-1])
+    turned = PchipInterpolator(moments, 2 * np.pi / pulses * np.arange(len(moments)))(times[within])
+    return times[within], accelerations[within], np.asarray(turned)

@@ -1,0 +1,180 @@
+"""Estimates with their deviations from whitened rows: Gauss and Newton's method for the prior, cones of real bodies, and two covariances.
+
+The equations are linear in masses, first moments and inertias about the joints, so that many rows are turned into one triangle at once;
+what is known before concerns mass, centre of mass and inertia about that (`prior`), in which they are not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.errors import PinpressError
+from ...common.quantities import Array
+from ..regressor import Parameter
+from .cones import Solved, within_cones
+from .prior import Unknowns
+from .weak_form import Rows, blocks
+
+BLOCKS = 60  # of time, whose sums of squares show how far rows depend on each other
+VAGUE = 30.0  # prior standard deviation of a loss, in rms torques that it makes alone
+STEPS = 20  # of Gauss and Newton
+SETTLED = 1e-4  # deviations by which an estimate may change in the last step
+PASSES = 12  # of the motor constant
+
+
+class Fit(NamedTuple):
+    """Estimates of all unknowns, in their units.
+
+    Attributes:
+        values: (unknowns,).
+        posterior: (unknowns, unknowns) covariance of the Gaussian posterior.
+        sandwich: (unknowns, unknowns) covariance by blocks of time.
+        learnt: trace of information / (information + prior).
+        misfit: square of the changes of masses and inertias by their prior deviations, and how many were learnt.
+        noise: by quantity the standard deviation of one sample.
+        weight: (unknowns,) rms torque that one unit of each makes, by the rms of what was measured.
+        constant: motor constant and its deviation; None where torques were measured.
+    """
+
+    values: Array
+    posterior: Array
+    sandwich: Array
+    learnt: float
+    misfit: tuple[float, float]
+    noise: Mapping[str, float]
+    weight: Array
+    constant: tuple[float, float] | None = None
+
+    @property
+    def deviation(self) -> Array:
+        """(unknowns,) the larger of both standard deviations."""
+        return np.sqrt(np.maximum(np.diag(self.posterior), np.diag(self.sandwich)))
+
+
+def fitted(unknowns: Unknowns, rows: Sequence[Rows], current: bool) -> Fit:
+    """Estimates from the rows of all runs; ``current``: whether these are currents in place of torques."""
+    names = list(dict.fromkeys(row.quantity for row in rows))
+    gathered = {name: [row for row in rows if row.quantity == name] for name in names}
+    joined = {
+        name: Rows(
+            name,
+            np.concatenate([row.columns for row in gathered[name]]),
+            np.concatenate([row.values for row in gathered[name]]),
+            np.concatenate([row.known for row in gathered[name]]),
+        )
+        for name in names
+    }
+    return _fitted_to_currents(unknowns, joined) if current else _fitted(unknowns, joined)
+
+
+def _fitted(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
+    inertial, count = unknowns.inertial, len(unknowns.parameters)
+    start = np.array([each.value for each in unknowns.parameters])
+    targets = {name: row.values - row.known - row.columns @ start for name, row in rows.items()}
+    torque = rows.get("torque")
+    rms = 1.0 if torque is None else float(np.sqrt((torque.values**2).mean()))
+    weight = np.zeros(count) if torque is None else np.sqrt((torque.columns**2).mean(axis=0)) / rms
+    losses = np.zeros(count)
+    losses[inertial:] = np.divide(1.0, weight[inertial:], out=np.zeros(count - inertial), where=weight[inertial:] > 0)
+    # Both in numbers about one: deviations of masses, and losses that make the rms torque alone.
+    moving = np.concatenate([np.concatenate([each.deviation for each in unknowns.bodies]) > 0, losses[inertial:] > 0])
+    deviation = np.where(np.arange(count) < inertial, 1.0, VAGUE)[moving]
+    change = np.zeros(count)
+
+    def turned(at: Array) -> tuple[Array, Array]:
+        """(unknowns,) values there, and (unknowns, k) their changes by the numbers that are looked for."""
+        values, spread = unknowns.at(at[:inertial])
+        whole = np.diag(losses)
+        whole[:inertial, :inertial] = spread
+        return np.concatenate([values, (losses * at)[inertial:]]), whole[:, moving]
+
+    noise = {name: _noise(row.columns @ turned(change)[1], targets[name]) for name, row in rows.items()}
+    system = np.concatenate([row.columns / noise[name] for name, row in rows.items()])
+    target = np.concatenate([targets[name] / noise[name] for name in rows])
+    sizes = np.linalg.norm(system, axis=0)
+    sizes[sizes == 0] = 1.0
+    orthogonal, triangle = np.linalg.qr(system / sizes)
+    short = orthogonal.T @ target
+    triangle = triangle * sizes
+    for _ in range(STEPS):
+        values, spread = turned(change)
+        solved = _solved(triangle @ spread, short - triangle @ (values - start), deviation, change[moving])
+        change[moving] += solved.change
+        if (np.abs(solved.change) <= SETTLED * np.sqrt(np.diag(solved.covariance))).all():
+            break
+    values, spread = turned(change)
+    found = within_cones(unknowns, values, spread, solved._replace(change=np.zeros(len(solved.change))))
+    posterior = spread @ solved.covariance @ spread.T
+    left = target - system @ (values - start)
+    sandwich = spread @ _sandwich(system @ spread, left, deviation, solved.covariance) @ spread.T
+    masses = np.flatnonzero(moving) < inertial
+    shares = 1 - np.diag(solved.covariance) / deviation**2
+    misfit = float((change[moving][masses] ** 2).sum()), float(shares[masses].sum())
+    return Fit(found, posterior, sandwich, float(shares.sum()), misfit, noise, weight)
+
+
+def _noise(matrix: Array, target: Array) -> float:
+    """Standard deviation of one sample, of what no choice of unknowns explains."""
+    sizes = np.linalg.norm(matrix, axis=0)
+    used = matrix[:, sizes > 0] / sizes[sizes > 0]
+    orthogonal, triangle = np.linalg.qr(used)
+    inner, values, _ = np.linalg.svd(triangle)  # of few numbers: rank and directions are those of all rows
+    directions = orthogonal @ inner[:, values > 1e-9 * values[0]]
+    left = target - directions @ (directions.T @ target)
+    freedom = max(len(target) - directions.shape[1], 1)
+    return max(float(np.sqrt((left**2).sum() / freedom)), 1e-13 * float(np.abs(target).max()), 1e-300)
+
+
+def _solved(system: Array, target: Array, deviation: Array, change: Array) -> Solved:
+    """One step of least squares of whitened rows, with priors about zero of what has changed so far."""
+    stacked = np.concatenate([system, np.diag(1 / deviation)])
+    orthogonal, triangle = np.linalg.qr(stacked)
+    inverse = np.linalg.solve(triangle, np.eye(len(triangle)))
+    return Solved(inverse @ (orthogonal.T @ np.concatenate([target, -change / deviation])), inverse @ inverse.T)
+
+
+def _sandwich(system: Array, left: Array, deviation: Array, covariance: Array) -> Array:
+    """Covariance by the sums of residuals x columns over blocks of time."""
+    block = blocks(len(left), BLOCKS)
+    starts = np.searchsorted(block, np.arange(block[-1] + 1))
+    sums = np.add.reduceat(system * left[:, None], starts, axis=0)
+    meat = sums.T @ sums + np.diag(1 / deviation**2)
+    return np.asarray(covariance @ meat @ covariance)
+
+
+def _fitted_to_currents(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
+    """`_fitted` of currents i = (columns @ x + known) / k. What 1/k is off by is one more unknown, whose column is the torque expected of
+    the last estimate: that measured would bring its noise in, and make k too small."""
+    torque, whole = rows["torque"], slice(0, -1)
+    estimate = np.array([each.value for each in unknowns.parameters])
+    expected = torque.columns @ estimate + torque.known
+    constant = float(expected @ expected / (expected @ torque.values))
+    if constant <= 0:
+        raise PinpressError("the currents have the other sign than the torque of this press: give the ratio with the other sign")
+    more = unknowns._replace(parameters=(*unknowns.parameters, Parameter("motor constant", "-", 0.0, 0.0)))
+    for _ in range(PASSES):
+        expected = torque.columns @ estimate + torque.known
+        scaled = {name: _beside(row, constant, expected) for name, row in rows.items()}
+        fit = _fitted(more, scaled)
+        estimate = fit.values[whole]
+        constant /= 1 + float(fit.values[-1])
+        if abs(fit.values[-1]) < SETTLED * fit.deviation[-1]:
+            break
+    return fit._replace(
+        values=fit.values[whole],
+        posterior=fit.posterior[whole, whole],
+        sandwich=fit.sandwich[whole, whole],
+        weight=fit.weight[whole],
+        noise={name: size / constant if name == "torque" else size for name, size in fit.noise.items()},
+        constant=(constant, constant * float(fit.deviation[-1])),
+    )
+
+
+def _beside(row: Rows, constant: float, expected: Array) -> Rows:
+    """Rows with the share by which the inverse of the motor constant is off as one more unknown."""
+    if row.quantity != "torque":
+        return Rows(row.quantity, np.column_stack([row.columns, np.zeros(len(row.values))]), row.values, row.known)
+    return Rows(row.quantity, np.column_stack([row.columns, expected]), constant * row.values, row.known)

@@ -1,0 +1,553 @@
+"""Natural frequencies, damping and shapes of a press from hits with a hammer on its frame at rest.
+
+After a hit the frame vibrates freely. What accelerometers measure then is a sum of decaying modes,
+
+    y(t) = sum over modes of 2 Re(shape x strength of the hit in the mode x exp(s t)),    s = -z w + i w sqrt(1 - z^2),
+
+with the same s and shape after all hits. The modes are found in two steps. The eigensystem realisation algorithm (Juang and Pappa 1985)
+takes a Hankel matrix of all hits side by side, cuts it to the rank that stands out of the noise (Gavish and Donoho 2014), and reads s off
+the shift of its rows. From there a Gauss-Newton method fits s, shapes and strengths to all samples. It uses that each mode has one shape,
+and gives standard deviations. Modes closer than their damping is wide are told apart by hits that excite them differently: one hit mixes
+them.
+
+The samples are filtered and thinned first, by a filter of finite length, after whose length a free vibration is one again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..common import tables
+from ..common.arguments import numbers, suitable_numbers, whole_number
+from ..common.errors import PinpressError, caution
+from ..common.quantities import RPM, Array, ComplexArray
+from ..common.results import Tabular
+from ..common.tables import Column
+from ..foundation.mounted_press import VibrationModes
+from .accelerometers import Accelerometer, VibrationRun
+
+Samples = NDArray[np.intp]
+THINNED = 5.0  # samples by period of the highest frequency after thinning
+SLOWEST = 2.56  # samples by period of the highest frequency that are needed, as recorders have them
+ABRUPT = 9.0  # energy after a hit by that before it, over half a period of the lowest frequency
+FAINT = 1e-4  # energy of a hit by that of the strongest, below which it is none
+ROWS, COLUMNS = 400, 600  # most rows of the Hankel matrix, and columns by hit
+MOST_DAMPED = 0.5  # damping ratio above which a root is no mode
+GROWING = 0.01  # a root that grows less than so by its size may be a hum, seen through noise
+HUMMING = 5e-4  # damping ratio below which a vibration is a hum, or that of a running machine, and no mode
+MOST_MODES = 60
+OUT_OF_NOISE = 4.0  # strengths of a mode by their standard deviations, root mean square, below which it is noise
+STEPS, FIRST_STEPS = 30, 4  # most steps of the Gauss-Newton method, and those before modes are left out
+SHORTEST = 1e-3  # share of a step below which shorter ones are not tried
+ROUNDING = 1e-13  # added to the diagonal of its normal equations, scaled to 1
+SETTLED = 1e-9  # relative change of the roots at which it ends
+MOSTLY_NOISE = 0.3  # share of the energy that no mode explains, above which the hits are doubted
+DOUBTED_MAC = 0.8  # below this a measured shape is hardly the calculated one
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredModes(Tabular):
+    """m modes found from hits, by rising frequency, and the calculated ones beside them. All arrays are read-only.
+
+    Attributes:
+        channels: names of the c channels.
+        hits: (h,) times of the hits, run after run [s].
+        natural_frequency: (m,) natural frequencies, those that the modes would have without damping [rad/s].
+        natural_frequency_deviation: (m,) their standard deviations by the noise [rad/s].
+        damping_ratio: (m,) damping divided by critical damping [-].
+        damping_ratio_deviation: (m,) their standard deviations by the noise [-].
+        shapes: (c, m) complex shapes as the channels show them, the largest element 1.
+        energy_share: (m,) shares of the modes in the energy of the measured vibration [-].
+        noise: share of the energy that no mode explains [-].
+        beside: calculated modes; None where none were given.
+        partner: (m,) number of the calculated mode that is meant, -1 where there is none.
+        mac: (m, n) modal assurance criterion of each measured with each of n calculated shapes at the accelerometers, 1 where they agree.
+    """
+
+    channels: tuple[str, ...]
+    hits: Array
+    natural_frequency: Array
+    natural_frequency_deviation: Array
+    damping_ratio: Array
+    damping_ratio_deviation: Array
+    shapes: ComplexArray
+    energy_share: Array
+    noise: float
+    beside: VibrationModes | None
+    partner: tuple[int, ...]
+    mac: Array
+
+    @property
+    def title(self) -> str:
+        found = ", ".join(f"{w / (2 * np.pi):.4g}" for w in self.natural_frequency)
+        return f"MeasuredModes: {found} Hz, of {len(self.hits)} hits and {len(self.channels)} channels"
+
+    @property
+    def logarithmic_decrement(self) -> Array:
+        """(m,) logarithmic decrements [-]."""
+        return np.asarray(2 * np.pi * self.damping_ratio / np.sqrt(1 - self.damping_ratio**2))
+
+    def columns(self) -> dict[str, Column]:
+        """A row for each mode: frequency and damping, and beside them those calculated, with the agreement of the shapes."""
+        columns: dict[str, Column] = {
+            "frequency [Hz]": self.natural_frequency / (2 * np.pi),
+            "frequency_deviation [Hz]": self.natural_frequency_deviation / (2 * np.pi),
+            "damping_ratio [-]": self.damping_ratio,
+            "damping_ratio_deviation [-]": self.damping_ratio_deviation,
+            "logarithmic_decrement [-]": self.logarithmic_decrement,
+            "energy_share [-]": self.energy_share,
+        }
+        if self.beside is None:
+            return columns
+        theirs = [None if k < 0 else k for k in self.partner]
+        frequency = [None if k is None else float(self.beside.natural_frequency[k]) / (2 * np.pi) for k in theirs]
+        return columns | {
+            "motion": [None if k is None else self.beside.motion[k] for k in theirs],
+            "calculated_frequency [Hz]": frequency,
+            "calculated_damping_ratio [-]": [None if k is None else float(self.beside.damping_ratio[k]) for k in theirs],
+            "mac [-]": [None if k is None else float(self.mac[i, k]) for i, k in enumerate(theirs)],
+        }
+
+    def __str__(self) -> str:
+        hits = (
+            f"{len(self.hits)} hit{'s' * (len(self.hits) > 1)}, {len(self.channels)} channels, {100 * self.noise:.2g} % of the energy noise"
+        )
+        rows = [["frequency", "speed", "damping ratio", *(["calculated", "off by", "damping", "MAC", "motion"] if self.beside else [])]]
+        for k, (w, ratio) in enumerate(zip(self.natural_frequency, self.damping_ratio, strict=True)):
+            frequency = f"{w / (2 * np.pi):.3f} ± {2 * self.natural_frequency_deviation[k] / (2 * np.pi):.1g} Hz"
+            row = [frequency, f"{w / RPM:.1f} per min", f"{ratio:.4f} ± {2 * self.damping_ratio_deviation[k]:.1g}"]
+            if self.beside is not None:
+                row += self._calculated(self.beside, k)
+            rows.append(row)
+        return "\n".join([f"Measured modes: {hits}", *tables.fitted(rows), *(f"  {line}" for line in self.doubts)])
+
+    def _calculated(self, beside: VibrationModes, mode: int) -> list[str]:
+        place = self.partner[mode]
+        if place < 0:
+            return ["none", "", "", "", ""]
+        theirs = beside.natural_frequency[place]
+        off = 100 * (theirs / self.natural_frequency[mode] - 1)
+        shown = [f"{theirs / (2 * np.pi):.3f} Hz", f"{off:+.2f} %", f"{beside.damping_ratio[place]:.4f}"]
+        return [*shown, f"{self.mac[mode, place]:.3f}", beside.motion[place]]
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is unsure about these modes, each as a sentence."""
+        found = []
+        for one, other in self._close():
+            frequencies = " and ".join(f"{self.natural_frequency[k] / (2 * np.pi):.4g}" for k in (one, other))
+            found.append(
+                f"{frequencies} Hz are closer than their damping is wide: {len(self.hits)} hit mixes their shapes; hit elsewhere too"
+            )
+        if self.beside is not None:
+            for k, place in enumerate(self.partner):
+                if place >= 0 and self.mac[k, place] < DOUBTED_MAC:
+                    frequency = self.natural_frequency[k] / (2 * np.pi)
+                    found.append(f"{frequency:.4g} Hz has hardly the shape of {self.beside.motion[place]!r}: MAC {self.mac[k, place]:.2f}")
+        for w in self.natural_frequency[self.damping_ratio < HUMMING]:
+            found.append(f"{w / (2 * np.pi):.4g} Hz does not die away: it is a hum, or a machine that runs nearby, and no mode")
+        if self.noise > MOSTLY_NOISE:
+            found.append(
+                f"{100 * self.noise:.2g} % of what was measured after the hits is no free vibration of these modes: look at the times of"
+                " the hits, or give a band with fewer or with all modes"
+            )
+        return tuple(found)
+
+    def _close(self) -> list[tuple[int, int]]:
+        """Pairs of modes that fewer hits than modes cannot tell apart."""
+        w, width = self.natural_frequency, self.damping_ratio * self.natural_frequency
+        pairs = [(k, k + 1) for k in range(len(w) - 1) if w[k + 1] - w[k] < width[k] + width[k + 1]]
+        return pairs if len(self.hits) < 2 else []
+
+
+class _Decays(NamedTuple):
+    """Free vibrations after hits.
+
+    Attributes:
+        values: (n, channels) for each hit, thinned.
+        step: time between samples [s].
+        hits: (h,) times of the hits [s].
+        colour: by how much the noise in the band exceeds its mean over all frequencies, in its variance.
+    """
+
+    values: tuple[Array, ...]
+    step: float
+    hits: Array
+    colour: float
+
+
+class _Model(NamedTuple):
+    """Decaying modes.
+
+    Attributes:
+        roots: (m,) s [1/s].
+        shapes: (channels, m).
+        strengths: (m, hits).
+    """
+
+    roots: ComplexArray
+    shapes: ComplexArray
+    strengths: ComplexArray
+
+
+def hit_modes(
+    runs: Sequence[VibrationRun],
+    accelerometers: Mapping[str, Accelerometer],
+    beside: VibrationModes | None,
+    band: tuple[float, float] | None,
+    count: int | None,
+    hits: ArrayLike | None,
+) -> MeasuredModes:
+    """Modes from hits, see `VibrationRecord.modes`."""
+    low, high = _band(runs, beside, band)
+    wanted = None if count is None else whole_number("count", count, 1, MOST_MODES)
+    decays = _free_vibrations(runs, low, high, hits)
+    roots = _realised(decays, low, high, wanted)
+    model, deviations, noise = _fitted(decays, roots, wanted)
+    order = np.argsort(np.abs(model.roots))
+    model, deviations = _Model(model.roots[order], model.shapes[:, order], model.strengths[order]), deviations[order]
+    partner, mac = _beside(model, accelerometers, beside)
+    size = np.abs(model.roots)
+    found = MeasuredModes(
+        channels=tuple(accelerometers),
+        hits=decays.hits,
+        natural_frequency=size,
+        natural_frequency_deviation=deviations[:, 0],
+        damping_ratio=-model.roots.real / size,
+        damping_ratio_deviation=deviations[:, 1],
+        shapes=model.shapes,
+        energy_share=_energy_share(decays, model),
+        noise=noise,
+        beside=beside,
+        partner=partner,
+        mac=mac,
+    )
+    for pair in found._close():
+        caution(f"modes {pair[0] + 1} and {pair[1] + 1}: {found.doubts[0]}")
+        break
+    return found
+
+
+def _band(runs: Sequence[VibrationRun], beside: VibrationModes | None, band: tuple[float, float] | None) -> tuple[float, float]:
+    """Lowest and highest frequency [Hz]."""
+    rate = min(run.rate for run in runs)
+    if band is None:
+        if beside is None:
+            raise PinpressError("neither beside nor band is given: say which frequencies you look for, band=(2, 40) [Hz]")
+        ends = np.array([0.5 * beside.natural_frequency[0], 1.3 * beside.natural_frequency[-1]]) / (2 * np.pi)
+    else:
+        ends = suitable_numbers("band", band, "lowest and highest frequency, both positive [Hz]", (2,), lambda f: 0 < f[0] < f[1])
+    if rate < SLOWEST * ends[1]:
+        raise PinpressError(
+            f"{rate:.6g} samples a second do not carry {ends[1]:.4g} Hz: sample at {SLOWEST * ends[1]:.4g} Hz or more, or give a lower band"
+        )
+    return float(ends[0]), float(ends[1])
+
+
+# ------------------------------------------------------------------------------------------------------------------------- free vibrations
+
+
+def _free_vibrations(runs: Sequence[VibrationRun], low: float, high: float, hits: ArrayLike | None) -> _Decays:
+    """The parts of all runs after hits, filtered and thinned; raises PinpressError where there is none."""
+    rate = runs[0].rate
+    if any(abs(run.rate - rate) > 1e-3 * rate for run in runs):
+        raise PinpressError("the runs are sampled at different rates: give modes of each alone")
+    if hits is not None and len(runs) > 1:
+        raise PinpressError(f"hits are given for {len(runs)} runs: give the times of one run, or leave them out to have them found")
+    thinning = max(1, int(rate / (THINNED * high)))
+    weights = _low_pass(rate, high, thinning)
+    values, times = [], []
+    for run in runs:
+        starts = _hits(run, low) if hits is None else _given(run, hits)
+        ends = np.append(starts[1:], len(run.time))
+        for start, end in zip(starts, ends, strict=True):
+            part = run.acceleration[start + int(np.ceil(0.5 * rate / high)) : end - len(weights)]
+            if len(part) - len(weights) >= 3 * rate / low:
+                values.append(_filtered(part, weights)[::thinning])
+                times.append(run.time[start])
+    if not values:
+        raise PinpressError(f"no hit is followed by three periods of {low:.4g} Hz alone: hit less often, and record longer")
+    return _Decays(tuple(values), thinning / rate, np.array(times), float(1 / (thinning * (weights**2).sum())))
+
+
+def _low_pass(rate: float, high: float, thinning: int) -> Array:
+    """Weights of a filter of finite length that passes the band and stops what thinning would fold into it; of sum 1."""
+    if thinning == 1:
+        return np.ones(1)
+    stop = rate / thinning - high
+    count = int(np.ceil(3.3 * rate / (stop - high))) | 1
+    place = np.arange(count) - count // 2
+    cut = (high + stop) / rate
+    weights = np.sinc(cut * place) * np.hamming(count)
+    return np.asarray(weights / weights.sum())
+
+
+def _filtered(values: Array, weights: Array) -> Array:
+    from scipy.signal import fftconvolve  # slow to import
+
+    return values if len(weights) == 1 else np.asarray(fftconvolve(values, weights[:, None], mode="valid", axes=0))
+
+
+def _given(run: VibrationRun, hits: ArrayLike) -> Samples:
+    moments = np.sort(numbers("hits", hits, (None,), unit="s"))
+    outside = (moments < run.time[0]) | (moments > run.time[-1])
+    if not len(moments) or outside.any():
+        raise PinpressError(f"hits: give times from {run.time[0]:.6g} to {run.time[-1]:.6g} s, at least one")
+    return np.searchsorted(run.time, moments).astype(np.intp)
+
+
+def _hits(run: VibrationRun, low: float) -> Samples:
+    """Samples at which hits begin: the energy jumps up."""
+    from scipy.signal import find_peaks  # slow to import
+
+    half = max(2, round(0.5 * run.rate / low))
+    energy = np.concatenate([[0.0], np.cumsum((run.acceleration**2).sum(axis=1))])
+    count = len(run.time)
+    place = np.arange(count)
+    after = energy[np.minimum(place + half, count)] - energy[place]
+    before = energy[place] - energy[np.maximum(place - half, 0)]
+    jump = np.log((after + FAINT * after.max()) / (before + FAINT * after.max()))
+    jump[: min(half, count) // 8] = 0.0  # nothing is known of the time before
+    peaks, _ = find_peaks(jump, height=np.log(ABRUPT), distance=half)
+    peaks = peaks[after[peaks] > 10 * FAINT * after.max()]
+    if not len(peaks):
+        raise PinpressError(
+            f"{run.name}: no hit stands out: record the frame at rest and hit it with a soft hammer, or give the times, hits=[1.2, 9.5]"
+        )
+    return np.asarray(peaks, dtype=np.intp)
+
+
+# ----------------------------------------------------------------------------------------------------------------------------------- modes
+
+
+def _realised(decays: _Decays, low: float, high: float, wanted: int | None) -> ComplexArray:
+    """Roots s of the modes in the band by the eigensystem realisation algorithm."""
+    channels = decays.values[0].shape[1]
+    shortest = min(map(len, decays.values))
+    reach = 0.5 / (low * decays.step)  # half a period of the lowest frequency
+    rows = int(np.clip(reach, 48 / channels, max(ROWS / channels, 2)))
+    apart = max(1, min(round(reach / rows), shortest // (2 * rows)))
+    rows = max(2, min(rows, shortest // (2 * apart)))
+    starts = apart * np.arange(rows)
+    hankel, shifted = (
+        np.vstack([np.hstack([part[k + shift : k + shift + _columns(part, starts)].T for part in decays.values]) for k in starts])
+        for shift in (0, 1)
+    )
+    left, sizes, right = np.linalg.svd(hankel, full_matrices=False)
+    order = _rank(sizes, hankel.shape)
+    if wanted is not None:
+        order = max(order, 2 * wanted + 2)
+    order = min(order, 2 * MOST_MODES, int((sizes > 1e-12 * sizes[0]).sum()))
+    root = np.sqrt(sizes[:order])
+    advance = (left[:, :order] / root).T @ shifted @ (right[:order].T / root)
+    multipliers = np.linalg.eigvals(advance).astype(complex)
+    roots = np.log(multipliers[np.abs(multipliers) > 0]) / decays.step
+    size = np.abs(roots)
+    within = (roots.imag > 0) & (size >= 2 * np.pi * low) & (size <= 2 * np.pi * high)
+    within &= (roots.real < GROWING * size) & (-roots.real < MOST_DAMPED * size)
+    if not within.any():
+        raise PinpressError(f"no mode between {low:.4g} and {high:.4g} Hz stands out of the noise: hit harder, or give another band")
+    return np.asarray(np.minimum(roots.real, 0.0)[within] + 1j * roots.imag[within])
+
+
+def _columns(part: Array, starts: Samples) -> int:
+    return min(len(part) - int(starts[-1]) - 1, COLUMNS)
+
+
+def _rank(sizes: Array, shape: tuple[int, ...]) -> int:
+    """Number of singular values above the noise (Gavish and Donoho 2014, unknown noise)."""
+    ratio = min(shape) / max(shape)
+    return int((sizes > (0.56 * ratio**3 - 0.95 * ratio**2 + 1.82 * ratio + 1.43) * np.median(sizes)).sum())
+
+
+def _fitted(decays: _Decays, roots: ComplexArray, wanted: int | None) -> tuple[_Model, Array, float]:
+    """The model that fits all samples best, standard deviations (m, 2) of frequencies and damping ratios, and the share of noise.
+
+    Modes that do not stand out of the noise are left out, the faintest first.
+    """
+    model, scale = _separate(decays, roots), np.ones(decays.values[0].shape[1])
+    while True:  # few steps are enough to see which modes are noise
+        model, distinct, _ = _weighted(decays, model, scale, FIRST_STEPS)
+        dropped = _dropped(model, distinct, wanted)
+        if not len(dropped):
+            break
+        kept = np.delete(np.arange(len(distinct)), dropped)
+        model = _Model(model.roots[kept], model.shapes[:, kept], model.strengths[kept])
+    noise = np.sqrt(np.mean([(part**2).mean(axis=0) for part in _residual(decays, model)], axis=0))
+    if noise.max() > 0:
+        scale = np.maximum(noise, 0.1 * np.median(noise))
+    model, distinct, covariance = _weighted(decays, model, scale, STEPS)
+    if distinct.max() < OUT_OF_NOISE:
+        raise PinpressError("no mode stands out of the noise: hit harder, or give another band")
+    rest = sum(float((part**2).sum()) for part in _residual(decays, model))
+    biggest = np.abs(model.shapes).argmax(axis=0), np.arange(len(model.roots))
+    unit = model.shapes[biggest]
+    model = _Model(model.roots, model.shapes / unit, model.strengths * unit[:, None])
+    return model, _deviations(model.roots, covariance), rest / sum(float((part**2).sum()) for part in decays.values)
+
+
+def _weighted(decays: _Decays, model: _Model, scale: Array, steps: int) -> tuple[_Model, Array, Array]:
+    """The best model where channels count by their noise ``scale`` (channels,), the strengths of its modes by their deviations, and the
+    covariance of the unknowns."""
+    whitened = decays._replace(values=tuple(part / scale for part in decays.values))
+    best, covariance = _gauss_newton(whitened, model._replace(shapes=model.shapes / scale[:, None]), steps)
+    return best._replace(shapes=best.shapes * scale[:, None]), _distinct(best, covariance), covariance
+
+
+def _dropped(model: _Model, distinct: Array, wanted: int | None) -> list[int]:
+    """Modes that are left out next: those that are noise; of two close ones, which hide each other's strength, the fainter alone."""
+    least = OUT_OF_NOISE if wanted is None else np.inf
+    most = len(distinct) - (1 if wanted is None else wanted)
+    found: list[int] = np.flatnonzero(-model.roots.real > MOST_DAMPED * np.abs(model.roots)).tolist()[:most]
+    if found:
+        return found
+    for mode in np.argsort(distinct).tolist():
+        apart = [abs(model.roots[mode] - model.roots[other]) > 3 * abs(model.roots[mode].real + model.roots[other].real) for other in found]
+        if distinct[mode] < least and len(found) < most and all(apart):
+            found.append(mode)
+    return found
+
+
+def _separate(decays: _Decays, roots: ComplexArray) -> _Model:
+    """A first model: amplitudes of each channel after each hit by linear least squares, and the nearest product of shape and strength."""
+    count = len(roots)
+    amplitudes = []
+    for part in decays.values:
+        waves = np.exp(np.outer(decays.step * np.arange(len(part)), roots))
+        found = np.linalg.lstsq(np.hstack([waves.real, -waves.imag]), part, rcond=None)[0]
+        amplitudes.append(found[:count] + 1j * found[count:])
+    left, sizes, right = np.linalg.svd(np.moveaxis(np.array(amplitudes), 0, 2), full_matrices=False)  # by mode: channels x hits
+    return _Model(roots, np.asarray(left[:, :, 0].T), np.asarray(sizes[:, :1] * right[:, 0, :]))
+
+
+def _residual(decays: _Decays, model: _Model) -> list[Array]:
+    found = []
+    for hit, part in enumerate(decays.values):
+        waves = np.exp(np.outer(decays.step * np.arange(len(part)), model.roots)) * model.strengths[:, hit]
+        found.append(part - (waves @ model.shapes.T).real)
+    return found
+
+
+def _gauss_newton(decays: _Decays, model: _Model, steps: int) -> tuple[_Model, Array]:
+    """The best model after so many steps at most, and the covariance matrix of its unknowns, in the order of `_equations`."""
+    cost = np.inf
+    shortened, step, trial = 1.0, np.zeros(0), model
+    for _ in range(steps):
+        matrix, missed, rest = _equations(decays, trial)
+        tried = float(missed @ missed) + rest
+        if tried > cost * (1 + 1e-12):
+            if shortened < SHORTEST:
+                break
+            shortened *= 0.25
+            trial = _moved(model, shortened * step)
+            continue
+        settled = cost < np.inf and np.abs(trial.roots - model.roots).max() <= SETTLED * np.abs(trial.roots).max()
+        model, cost, shortened = trial, min(cost, tried), 1.0
+        sizes = np.linalg.norm(matrix, axis=0)
+        normal = (matrix / sizes).T @ (matrix / sizes) + np.diag(np.full(len(sizes), ROUNDING))
+        step = np.linalg.solve(normal, (matrix / sizes).T @ missed) / sizes
+        if settled:
+            break
+        trial = _moved(model, step)
+    samples = sum(part.size for part in decays.values)
+    spread = decays.colour * cost / max(samples - len(sizes), 1)
+    return model, spread * np.linalg.inv(normal) / np.outer(sizes, sizes)
+
+
+def _equations(decays: _Decays, model: _Model) -> tuple[Array, Array, float]:
+    """Derivatives of the model by its unknowns, what it misses, and the squares that no small change of the roots can reach.
+
+    Both are in an orthonormal basis of the waves and of their derivatives by the roots, which makes them short. The unknowns are, each as
+    real and imaginary part: roots; shapes, mode by mode without the largest element; strengths, mode by mode.
+    """
+    channels, modes = model.shapes.shape
+    free = _free(model)
+    blocks, missed, rest = [], [], 0.0
+    for hit, part in enumerate(decays.values):
+        times = decays.step * np.arange(len(part))[:, None]
+        waves = np.exp(times * model.roots)
+        slopes = times * waves
+        basis = np.linalg.qr(np.hstack([waves.real, waves.imag, slopes.real, slopes.imag]))[0]
+        seen, wave, slope = basis.T @ part, basis.T @ waves, basis.T @ slopes
+        rest += float((part**2).sum() - (seen**2).sum())
+        by_root = np.einsum("kj,cj,j->kcj", slope, model.shapes, model.strengths[:, hit])
+        by_shape = np.zeros((len(seen), channels, len(free)), dtype=complex)
+        for place, (mode, channel) in enumerate(free):
+            by_shape[:, channel, place] = wave[:, mode] * model.strengths[mode, hit]
+        by_strength = np.zeros((len(seen), channels, modes, len(decays.values)), dtype=complex)
+        by_strength[:, :, :, hit] = np.einsum("kj,cj->kcj", wave, model.shapes)
+        columns = np.concatenate([by_root, by_shape, by_strength.reshape(len(seen), channels, -1)], axis=2).reshape(seen.size, -1)
+        blocks.append(np.stack([columns.real, -columns.imag], axis=2).reshape(seen.size, -1))
+        missed.append((seen - ((wave * model.strengths[:, hit]) @ model.shapes.T).real).ravel())
+    return np.vstack(blocks), np.concatenate(missed), max(rest, 0.0)
+
+
+def _free(model: _Model) -> list[tuple[int, int]]:
+    """Mode and channel of the elements of shapes that are unknowns: the largest of each is held, as only products with strengths count."""
+    largest = np.abs(model.shapes).argmax(axis=0)
+    return [(mode, channel) for mode in range(len(largest)) for channel in range(len(model.shapes)) if channel != largest[mode]]
+
+
+def _moved(model: _Model, step: Array) -> _Model:
+    """The model after a step of its unknowns; roots stay those of swinging that dies away."""
+    change = step[0::2] + 1j * step[1::2]
+    modes, free = len(model.roots), _free(model)
+    shapes = model.shapes.copy()
+    for (mode, channel), each in zip(free, change[modes : modes + len(free)], strict=True):
+        shapes[channel, mode] += each
+    roots = model.roots + change[:modes]
+    roots = np.minimum(roots.real, -1e-9 * np.abs(model.roots)) + 1j * np.maximum(roots.imag, 1e-3 * np.abs(model.roots))
+    return _Model(roots, shapes, model.strengths + change[modes + len(free) :].reshape(modes, -1))
+
+
+def _distinct(model: _Model, covariance: Array) -> Array:
+    """(m,) strengths of each mode by their standard deviations, root mean square over the hits."""
+    modes, hits = model.strengths.shape
+    begin = 2 * (modes + len(_free(model)))
+    found = []
+    for mode in range(modes):
+        own = slice(begin + 2 * hits * mode, begin + 2 * hits * (mode + 1))
+        strength = np.stack([model.strengths[mode].real, model.strengths[mode].imag], axis=1).ravel()
+        found.append(float(np.sqrt(max(strength @ np.linalg.pinv(covariance[own, own], hermitian=True) @ strength, 0.0) / (2 * hits))))
+    return np.array(found)
+
+
+def _deviations(roots: ComplexArray, covariance: Array) -> Array:
+    """(m, 2) standard deviations of natural frequency [rad/s] and damping ratio."""
+    found = []
+    for k, root in enumerate(roots):
+        size = abs(root)
+        by_part = np.array([[root.real, root.imag], [-(root.imag**2) / size**2, root.real * root.imag / size**2]]) / size
+        found.append(np.sqrt(np.maximum(np.diag(by_part @ covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] @ by_part.T), 0.0)))
+    return np.array(found)
+
+
+def _energy_share(decays: _Decays, model: _Model) -> Array:
+    """(m,) shares of the modes in their energy."""
+    energy = np.zeros(len(model.roots))
+    for hit, part in enumerate(decays.values):
+        decay = np.exp(2 * np.outer(decays.step * np.arange(len(part)), model.roots.real)).sum(axis=0)
+        energy += decay * np.abs(model.strengths[:, hit]) ** 2 * (np.abs(model.shapes) ** 2).sum(axis=0)
+    return np.asarray(energy / energy.sum())
+
+
+def _beside(model: _Model, accelerometers: Mapping[str, Accelerometer], beside: VibrationModes | None) -> tuple[tuple[int, ...], Array]:
+    """Number of the calculated mode of each measured one, and the modal assurance criterion of all pairs."""
+    if beside is None:
+        return (-1,) * len(model.roots), np.zeros((len(model.roots), 0))
+    from scipy.optimize import linear_sum_assignment  # slow to import
+
+    coordinates = len(beside.shapes)
+    seen = np.array([sensor.row(coordinates // 6) for sensor in accelerometers.values()]) @ beside.shapes
+    lengths = np.outer(np.linalg.norm(model.shapes, axis=0), np.linalg.norm(seen, axis=0))
+    products = np.abs(model.shapes.conj().T @ seen)
+    mac = np.divide(products, lengths, out=np.zeros_like(products), where=lengths > 0) ** 2
+    apart = np.abs(np.log(np.abs(model.roots)[:, None] / beside.natural_frequency))
+    mine, theirs = linear_sum_assignment(1 - mac + apart)  # few accelerometers do not tell shapes apart, but frequencies do
+    partner = dict(zip(mine.tolist(), theirs.tolist(), strict=True))
+    return tuple(partner.get(k, -1) for k in range(len(model.roots))), mac

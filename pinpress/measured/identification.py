@@ -1,0 +1,499 @@
+"""What a press really is: masses, friction, balance cylinder and motor constant from records, with intervals that hold.
+
+    found = pp.measured.identify(press, runs, friction=("crank", "pins", "slide_guide"), cylinder=True)
+    print(found)
+    found.press  # a Linkage, for pp.write_urdf
+
+Least squares over the weak equations of all runs (`weak_form`), rows for what the description of the press says beforehand, and the cones
+within which masses and inertias are those of real bodies (Wensing 2017).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import number, positive, typed
+from ..common.errors import PinpressError, UnknownNameError, caution
+from ..common.frozen import FrozenMapping
+from ..common.quantities import Array
+from ..common.results import Record, Records, Tabular
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..kinematics.motion import Motion, moved
+from ..linkage.linkage import Linkage
+from ..loads.link import Friction, Load, PointForce
+from .estimates.base_parameters import base_parameters
+from .estimates.least_squares import Fit, fitted
+from .estimates.prior import Losses, Unknowns, unknowns_of
+from .estimates.weak_form import Rows, SmoothAngle, quantities, smoothed
+from .records import MeasuredRun
+from .regressor import (
+    PIN,
+    InertialEquations,
+    loss_columns,
+    loss_parameters,
+    refuse_losses,
+    slide_rates,
+)
+
+WIDE = 1.96  # standard deviations of a 95 % interval
+PASSES = 4  # of forces in bearings, by which friction is
+STEP = 1e-3  # deviations by which masses are changed for slopes of friction
+ROUNDING = 1e-6  # of its deviation, below which a value is shown as 0
+EACH = 3  # of so many points one is taken for them
+SETTLED = 1e-4  # share of its own deviation by which an estimate may change from pass to pass
+HIDDEN = 0.3  # of the rms torque: a loss whose deviation makes as much is not known
+DISAGREEING = 2.5  # ratio of the two deviations of a known parameter from which on they are said to disagree
+UNLIKELY = 1e-4  # probability below which masses are said to be off by more than the prior
+COARSE = 4000  # fewest counts a turn of the crank at which noise of the encoder is small
+EVEN = 0.05  # spread of speeds over all runs below which they are one
+_NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
+
+
+@dataclass(frozen=True, repr=False)
+class IdentifiedParameter(Record, units={}):
+    """One parameter of a press before and after.
+
+    Attributes:
+        name: of it, such as "slide mass", "rod moment x" (first moment of mass about the joint), "crank friction".
+        unit: of its numbers.
+        before: as described; None of a loss.
+        value: as identified.
+        low: lower end of the 95 % interval.
+        high: upper end.
+        posterior: standard deviation by the noise of the records and the prior.
+        sandwich: standard deviation by how residuals really scatter over time; the interval is of the larger.
+        doubt: standard deviation by that before; near 1 nothing was learnt. None where nothing was known before.
+    """
+
+    name: str
+    unit: str
+    before: float | None
+    value: float
+    low: float
+    high: float
+    posterior: float
+    sandwich: float
+    doubt: float | None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class IdentifiedPress(Tabular):
+    """A press as its records show it. Arrays are read-only.
+
+    Attributes:
+        press: the press with the masses found; `pinpress.write_urdf` writes it.
+        parameters: all unknowns with their 95 % intervals.
+        base_parameters: the sums of masses and inertias that torques determine without anything known before.
+        learnt: number of parameters that the records tell, beside the prior: the trace of information / (information + prior) [-].
+        friction: friction of bearings and guide, for `pinpress.inverse_dynamics`; pins have the radii given,
+            else a twentieth of the size of the linkage.
+        losses: what the records say of crank, gibs and cylinder, by name, see ``parameters``.
+        motor_constant: torque at the crank by current [N m/A]; None where torques were measured.
+        motor_constant_interval: its 95 % interval; None where torques were measured.
+        noise: standard deviation of one sample by quantity [N m, A, N].
+        covariance: (parameters, parameters) of the posterior, in their units.
+    """
+
+    press: Linkage
+    parameters: Records[IdentifiedParameter]
+    base_parameters: Records[IdentifiedParameter]
+    learnt: float
+    friction: Mapping[str, Friction]
+    losses: Mapping[str, float]
+    motor_constant: float | None
+    motor_constant_interval: tuple[float, float] | None
+    noise: Mapping[str, float]
+    covariance: Array
+
+    @property
+    def title(self) -> str:
+        return f"IdentifiedPress {self.press.name}: {self.learnt:.1f} of {len(self.parameters)} parameters learnt"
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Name of a parameter -> its value, in its unit."""
+        return FrozenMapping({each.name: each.value for each in self.parameters})
+
+    @property
+    def intervals(self) -> Mapping[str, tuple[float, float]]:
+        """Name of a parameter -> ends of its 95 % interval, in its unit."""
+        return FrozenMapping({each.name: (each.low, each.high) for each in self.parameters})
+
+    def torque(self, motion: Motion, loads: Sequence[Load] = ()) -> Array:
+        """(n,) torque at the crank that this press asks for, friction and balance cylinder included [N m].
+
+        Args:
+            motion: of the press, from `pinpress.cycle` or `servo_cycle`.
+            loads: process loads and others.
+        """
+        losses = self.losses
+        rate, height = slide_rates(self.press, motion)
+        if self.press.slide is not None and losses.get("cylinder force") is not None:
+            force = losses["cylinder force"] + losses["cylinder stiffness"] * height
+            loads = [*loads, PointForce(self.press.slide, force[:, None] * self.press.slide_direction)]
+        torque = inverse_dynamics(self.press, motion, loads, friction=self.friction, bearings=()).driving_torque
+        sign = np.sign(motion.crank_speed)
+        resisting = losses.get("crank friction", 0.0) + losses.get("gibs friction", 0.0) * np.abs(rate)
+        return np.asarray(torque + resisting * sign + losses.get("crank viscous friction", 0.0) * motion.crank_speed)
+
+    def columns(self) -> dict[str, tables.Column]:
+        """The parameters as columns."""
+        return self.parameters.columns()
+
+    def __str__(self) -> str:
+        rows = [["", "before", "found", "95 % interval", "", "doubt"]]
+        for each in self.parameters:
+            before = "" if each.before is None else f"{each.before:.5g}"
+            doubt = "" if each.doubt is None else f"{each.doubt:.2f}"
+            value = 0.0 if abs(each.value) < ROUNDING * each.posterior else each.value
+            rows.append([each.name, before, f"{value:.5g} {each.unit}", f"{each.low:.5g}", f"{each.high:.5g}", doubt])
+        lines = [self.title, *tables.fitted(rows)]
+        if self.motor_constant is not None and self.motor_constant_interval is not None:
+            low, high = self.motor_constant_interval
+            lines.append(f"  motor constant at the crank {self.motor_constant:.5g} N m/A, {low:.5g} to {high:.5g}")
+        lines.append(f"  noise of a sample: {', '.join(f'{name} {size:.3g}' for name, size in self.noise.items())}")
+        lines.append("  doubt is the standard deviation by that before: what is near 1 was not learnt from these records")
+        return "\n".join(lines)
+
+
+@typed
+def identify(
+    press: Linkage,
+    runs: Sequence[MeasuredRun],
+    *,
+    prior: float | Mapping[str, float] = 0.2,
+    friction: Sequence[str] = ("crank", "slide_guide"),
+    cylinder: bool = False,
+    radii: Mapping[str, float] | None = None,
+    drive_inertia: float = 0.0,
+    loads: Sequence[Load] = (),
+) -> IdentifiedPress:
+    """Find masses, inertias, friction, balance cylinder and motor constant of a press from records of it running idle.
+
+    Measure two minutes in all, at three speeds or more, or with a servo motion whose speed changes by a third with a period that is not in
+    step with the stroke. Where runs have currents in place of torques, the motor constant is found too; it is as exact as a known mass that
+    was fastened to a link for one run, ``MeasuredRun(..., added_mass={"slide": 200.0})``, makes it.
+
+    Args:
+        press: the press as described, with one crank.
+        runs: records of it without process force.
+        prior: relative standard deviation of masses and inertias as described; or by name of a link or parameter, the others 0.2.
+        friction: what resists: "crank" (constant and viscous torque on the crank), "pins" (one coefficient for all pins), "slide_guide"
+            (coefficient by the guide's force), "gibs" (a constant force on the slide).
+        cylinder: whether a balance cylinder carries the slide, force + stiffness x height above bottom dead centre.
+        radii: of the pins by their names [m]; by default coefficient x radius of all pins, one number, is found [m].
+        drive_inertia: of motor and gears at the crank, which the description of the crank does not include [kg m2].
+        loads: springs and other known forces that act in all runs.
+
+    Raises:
+        PinpressError: several drivers; a record shorter than one stroke and a half, or without torque; currents beside torques; a prior
+            or a friction that makes no sense; a press without a slide with friction of its guide.
+        UnknownNameError: a link, pin or kind of friction that does not exist.
+
+    Warns:
+        PinpressWarning: all runs are at one speed; a loss that hides behind others; an encoder that is too coarse; masses that are off by
+            more than the prior allows; two standard deviations of a parameter that disagree.
+    """
+    refuse_losses(press, friction, cylinder)
+    wanted = Losses(tuple(friction), cylinder, checked_radii(press, radii))
+    unknowns = unknowns_of(press, prior, wanted)
+    records = checked_runs(press, runs)
+    _doubt_runs(records)
+    smooth = [smoothed(run) for run in records]
+    known = _Known(checked_inertia(drive_inertia), tuple(loads))
+    fixed = [_fixed_rows(unknowns.equations, run, each, known) for run, each in zip(records, smooth, strict=True)]
+    current = records[0].current is not None
+    start = np.array([each.value for each in unknowns.parameters])
+    rows = [row for parts in zip(smooth, fixed, strict=True) for row in _with_losses(unknowns, start, *parts, wanted, {})]
+    fit, slopes = fitted(unknowns, rows, current), [dict[str, Array]() for _ in smooth]
+    for step in range(PASSES if {"pins", "slide_guide"} & set(friction) else 0):  # with the forces in bearings of what was found
+        if step == 0:
+            slopes = [_friction_slopes(unknowns, fit.values, each, wanted) for each in smooth]
+        parts_of_runs = zip(smooth, fixed, strict=True)
+        rows = [
+            row for parts, own in zip(parts_of_runs, slopes, strict=True) for row in _with_losses(unknowns, fit.values, *parts, wanted, own)
+        ]
+        last, fit = fit, fitted(unknowns, rows, current)
+        if (np.abs(fit.values - last.values) <= SETTLED * fit.deviation).all():
+            break
+    _doubt_fit(unknowns, fit)
+    return _result(unknowns, fit, unknowns.equations.pressed(fit.values[: unknowns.inertial]), wanted)
+
+
+class _Known(NamedTuple):
+    """What acts beside the unknowns: inertia of the drive [kg m2] and loads."""
+
+    inertia: float
+    loads: tuple[Load, ...]
+
+
+class _Parts(NamedTuple):
+    """Of one quantity of a run: rows by masses and inertias, what was measured, and what is known of it."""
+
+    quantity: str
+    columns: Array
+    values: Array
+    known: Array
+
+
+def checked_runs(press: Linkage, runs: Sequence[MeasuredRun], for_torque: bool = True) -> list[MeasuredRun]:
+    """The runs as a list; raises PinpressError where they cannot be used together."""
+    found = list(runs)
+    if not found:
+        raise PinpressError("there are no runs: give records, [pp.measured.record(...)]")
+    for run in found:
+        if not isinstance(run, MeasuredRun):
+            raise PinpressError(f"a run is a {type(run).__name__}: give what measured.record returns, or a MeasuredRun")
+        for link in run.added_mass:
+            if link not in press.links:
+                raise UnknownNameError("link", link, press.links)
+        if for_torque and not quantities(run):
+            raise PinpressError(f"{run.name} has no torque: name its column, record(..., torque='motor [N m]')")
+    currents = [run.current is not None for run in found]
+    if any(currents) and not all(currents):
+        odd = found[currents.index(not currents[0])]
+        raise PinpressError(f"{odd.name} and {found[0].name} have a torque and a current; give all runs in one of them")
+    return found
+
+
+def checked_inertia(drive_inertia: float) -> float:
+    """What turns with the crank and is not in the press, as a number; raises PinpressError where it makes no sense."""
+    inertia = number("drive_inertia", drive_inertia, "kg m2")
+    if inertia < 0:
+        raise PinpressError(
+            f"drive_inertia is {inertia:g}: give the inertia of motor, gears and flywheel at the crank, not negative [kg m2]"
+        )
+    return positive("drive_inertia", inertia, "kg m2") if inertia else 0.0
+
+
+def checked_radii(press: Linkage, radii: Mapping[str, float] | None) -> Mapping[str, float] | None:
+    """The radii of pins as numbers; raises PinpressError or UnknownNameError where they make no sense."""
+    if radii is None:
+        return None
+    for name in radii:
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+    return {name: positive(f"radius of {name}", radius, "m") for name, radius in radii.items()}
+
+
+def _fixed_rows(equations: InertialEquations, run: MeasuredRun, smooth: SmoothAngle, known: _Known) -> list[_Parts]:
+    """The rows of a run that do not depend on what is found."""
+    measured, found = quantities(run), []
+    coefficients = equations.coefficients(smooth.angle, tuple(measured))
+    added = _added(equations, run)
+    for name, values in measured.items():
+        columns = smooth.equations(coefficients[name])
+        extra = columns @ added
+        if name == "torque" and known.inertia:
+            extra = extra + smooth.equations(_constant_inertia(smooth.angle, known.inertia))[:, 0]
+        if name == "torque" and known.loads:
+            motion = moved(equations.press, equations.press.branch, smooth.angle, smooth.speed, 0.0 * smooth.angle, None, "auto")
+            plain, loaded = (inverse_dynamics(equations.press, motion, loads, bearings=()) for loads in ((), known.loads))
+            extra = extra + smooth.integrals((loaded.driving_torque - plain.driving_torque)[:, None])[:, 0]
+        rows = columns, smooth.measured(values), extra
+        found.append(_Parts(name, *(rows if name == "torque" else map(smooth.without_offset, rows))))
+    return found
+
+
+def _constant_inertia(angle: Array, inertia: float) -> Any:
+    from .regressor import Coefficients  # beside its only use
+
+    one = np.ones((len(angle), 1))
+    return Coefficients(inertia * one, 0 * one, 0 * one, 0.5)
+
+
+def _added(equations: InertialEquations, run: MeasuredRun) -> Array:
+    """(inertial,) parameters of masses that were fastened to links."""
+    added, starts = np.zeros(len(equations.parameters)), np.cumsum([0, *(basis.shape[1] for basis in equations.bases)])
+    model = equations.press.model
+    for link, mass in run.added_mass.items():
+        frame = model.frames[model.getFrameId(link)]
+        if frame.parentJoint == 0:
+            continue  # on the frame of the press it makes no torque
+        at, basis = frame.placement.translation, equations.bases[frame.parentJoint - 1]
+        tensor = mass * (at @ at * np.eye(3) - np.outer(at, at))
+        ten = np.array([mass, *(mass * at), tensor[0, 0], tensor[0, 1], tensor[1, 1], tensor[0, 2], tensor[1, 2], tensor[2, 2]])
+        own = ten if basis.shape[1] == 10 else _plane_part(basis, ten)
+        added[starts[frame.parentJoint - 1] : starts[frame.parentJoint]] += own
+    return added
+
+
+def _plane_part(basis: Array, ten: Array) -> Array:
+    """The four parameters in the plane of the ten of a mass at a point."""
+    first, second = basis[1:4, 1] @ ten[1:4], basis[1:4, 2] @ ten[1:4]
+    return np.array([ten[0], first, second, (first**2 + second**2) / ten[0]])
+
+
+def loss_rows(press: Linkage, smooth: SmoothAngle, losses: Losses, cylinder: tuple[float, float] = (0.0, 0.0)) -> Array:
+    """(rows, losses) of a run by its losses; forces in bearings are those of this press with this cylinder."""
+    angle, speed, acceleration = smooth.angle, smooth.speed, smooth.acceleration
+    friction, there = losses.friction, losses.cylinder
+    return smooth.integrals(loss_columns(press, angle, speed, acceleration, friction, there, radii=losses.radii, cylinder_load=cylinder))
+
+
+def _with_losses(
+    unknowns: Unknowns, at: Array, smooth: SmoothAngle, parts: list[_Parts], losses: Losses, slopes: Mapping[str, Array]
+) -> list[Rows]:
+    """The rows of a run with those of losses beside them, whose forces in bearings are linear in masses and cylinder about these values."""
+    inertial, rows = unknowns.inertial, []
+    press = unknowns.equations.pressed(at[:inertial]) if at[inertial:].any() else unknowns.equations.press
+    lost = loss_rows(press, smooth, losses, _cylinder(at, losses))
+    names = [each.name for each in unknowns.parameters]
+    changing = sum((at[names.index(name)] * each for name, each in slopes.items()), np.zeros(1))
+    for part in parts:
+        # Friction is between links, and the cylinder stands on the frame: nothing of them reaches the foundation.
+        more = lost if part.quantity == "torque" else np.zeros((len(part.values), lost.shape[1]))
+        columns, known = np.concatenate([part.columns, more], axis=1), part.known
+        if part.quantity == "torque" and slopes:
+            columns, known = columns + changing, known - changing @ at
+        rows.append(Rows(part.quantity, columns, part.values, known))
+    return rows
+
+
+def _cylinder(values: Array, losses: Losses) -> tuple[float, float]:
+    """Force and stiffness of the balance cylinder among the unknowns."""
+    return (float(values[-2]), float(values[-1])) if losses.cylinder else (0.0, 0.0)
+
+
+def _friction_slopes(unknowns: Unknowns, at: Array, smooth: SmoothAngle, losses: Losses) -> dict[str, Array]:
+    """(rows, unknowns) by which the torque of friction in pins and in the guide changes with masses and cylinder, at these values, by a
+    unit of each such unknown."""
+    inertial = unknowns.inertial
+    by_force = [name for name in losses.friction if name in ("pins", "slide_guide")]
+    some = slice(None, None, EACH)
+    points = smooth.angle[some], smooth.speed[some], smooth.acceleration[some]
+
+    def friction(values: Array) -> Array:
+        press, cylinder = unknowns.equations.pressed(values[:inertial]), _cylinder(values, losses)
+        return loss_columns(press, *points, by_force, False, radii=losses.radii, cylinder_load=cylinder)
+
+    plain, spread = friction(at), unknowns.at(np.zeros(inertial))[1]
+    moving = np.abs(spread).max(axis=0) > 0
+    by_deviation = [(friction(at + STEP * np.append(step, np.zeros(len(at) - inertial))) - plain) / STEP for step in spread[:, moving].T]
+    found = np.zeros((len(by_force), len(points[0]), len(at)))
+    found[:, :, :inertial] = np.stack(by_deviation, axis=-1).swapaxes(0, 1) @ np.linalg.pinv(spread[:, moving])
+    if losses.cylinder:
+        weight = 9.81 * sum(each.mass for each in unknowns.equations.press.model.inertias)
+        for k, size in ((-2, weight), (-1, weight / unknowns.equations.press.size)):
+            step = np.zeros(len(at))
+            step[k] = STEP * size
+            found[:, :, k] = ((friction(at + step) - plain) / (STEP * size)).T
+    where, there = np.arange(len(smooth.angle)), np.arange(len(smooth.angle))[some]
+    names = [each.name for each in loss_parameters(by_force, False, losses.radii is not None)]
+    return {
+        name: smooth.integrals(np.stack([np.interp(where, there, column) for column in each.T], axis=1))
+        for name, each in zip(names, found, strict=True)
+    }
+
+
+# ---------------------------------------------------------------------------------------------------------------------------- what is said
+
+
+def _doubt_runs(runs: Sequence[MeasuredRun]) -> None:
+    """Warn of records from which little can be learnt."""
+    speeds = np.abs([run.speeds for run in runs])
+    if np.ptp(speeds) < EVEN * speeds.max():
+        caution(
+            f"all runs are at {30 / math.pi * speeds.mean():.4g} r/min: friction and inertia of the crank are then told from nothing but"
+            " the description; measure at two more speeds, or with a speed that changes by a third in 2.6 strokes"
+        )
+    for run in runs:
+        step = run.resolution
+        if step is not None and 2 * math.pi / step < COARSE:
+            caution(
+                f"{run.name}: the angle has {2 * math.pi / step:.0f} steps a turn of the crank, whose noise is not small: measure it at the"
+                f" motor, record(..., angle_ratio=), or with an encoder of {2 * COARSE} counts or more"
+            )
+
+
+def _doubt_fit(unknowns: Unknowns, fit: Fit) -> None:
+    """Warn of estimates that do not say what they seem to say."""
+    from scipy.special import chdtrc  # to save start-up time
+
+    deviation, by_noise = unknowns.deviation, np.sqrt(np.diag(fit.posterior))
+    losses = range(unknowns.inertial, len(unknowns.parameters))
+    hidden = [unknowns.parameters[k].name for k in losses if by_noise[k] * fit.weight[k] > HIDDEN]
+    if hidden:
+        caution(
+            f"{', '.join(hidden)}: these records do not tell it from the others; leave it out, or measure at other speeds, so that what"
+            " grows with the speed is told from what does not"
+        )
+    changed, learnt = fit.misfit
+    if learnt > 0 and chdtrc(learnt, changed) < UNLIKELY:
+        caution(
+            f"masses and inertias differ from the description by {math.sqrt(changed / learnt):.2g} times the prior: give a larger prior, or"
+            " look for what the press has and its description has not"
+        )
+    known = [k for k in range(unknowns.inertial) if 0 < by_noise[k] < 0.5 * deviation[k]] + list(losses)
+    scatter = np.sqrt(np.maximum(np.diag(fit.sandwich), 0.0))
+    apart = [unknowns.parameters[k].name for k in known if scatter[k] > DISAGREEING * by_noise[k]]
+    if apart:
+        caution(
+            f"{', '.join(apart[:4])}{' and others' if len(apart) > 4 else ''}: residuals scatter more than noise does, so intervals by"
+            " blocks of time are wider: something moves the press that is in no column, or the encoder is coarse"
+        )
+
+
+def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> IdentifiedPress:
+    by_noise, by_blocks = (np.sqrt(np.maximum(np.diag(each), 0.0)) for each in (fit.posterior, fit.sandwich))
+    width = WIDE * fit.deviation
+    records, before_sd = [], unknowns.deviation
+    for k, each in enumerate(unknowns.parameters):
+        value, inertial = float(fit.values[k]), k < unknowns.inertial
+        if inertial and not before_sd[k]:
+            continue
+        never_negative = each.name.endswith("mass") or "friction" in each.name or each.name.endswith((" I", " xx", " yy", " zz"))
+        low = value - width[k]
+        records.append(
+            IdentifiedParameter(
+                each.name,
+                each.unit,
+                each.value if inertial else None,
+                value,
+                float(max(low, 0.0) if never_negative else low),
+                float(value + width[k]),
+                float(by_noise[k]),
+                float(by_blocks[k]),
+                float(fit.deviation[k] / before_sd[k]) if inertial else None,
+            )
+        )
+    bases = base_parameters(unknowns.equations)
+    before = bases.matrix @ unknowns.equations.values
+    sums = []
+    for k, name in enumerate(bases.names):
+        row = bases.matrix[k]
+        own, other = (float(np.sqrt(max(row @ c[: len(row), : len(row)] @ row, 0.0))) for c in (fit.posterior, fit.sandwich))
+        value, wide = float(row @ fit.values[: len(row)]), WIDE * max(own, other)
+        spread = float(np.linalg.norm(row @ unknowns.at(np.zeros(len(row)))[1]))
+        doubt = max(own, other) / spread if spread else None
+        sums.append(IdentifiedParameter(name, bases.units[k], float(before[k]), value, value - wide, value + wide, own, other, doubt))
+    found = {each.name: float(fit.values[k]) for k, each in enumerate(unknowns.parameters) if k >= unknowns.inertial}
+    friction: dict[str, Friction] = {}
+    turning = [name for name, axis in zip(press.joints, press.axes, strict=True) if axis.turns]
+    pins = [*turning, *(loop.name for loop in press.loops if loop.type != "fixed")]
+    if "pins friction" in found:
+        radii = losses.radii or dict.fromkeys(pins, PIN * press.size)
+        share = found["pins friction"] / (1.0 if losses.radii else PIN * press.size)
+        friction |= {name: Friction(share, radius=radius) for name, radius in radii.items()}
+    if "slide guide friction" in found:
+        friction[press.joints[press.slide_guide.joint]] = Friction(found["slide guide friction"])
+    constant = fit.constant
+    kept = [k for k in range(len(unknowns.parameters)) if k >= unknowns.inertial or before_sd[k] > 0]
+    return IdentifiedPress(
+        press,
+        Records(IdentifiedParameter, records),
+        Records(IdentifiedParameter, sums),
+        fit.learnt,
+        friction,
+        {name: value for name, value in found.items() if name not in ("pins friction", "slide guide friction")},
+        None if constant is None else constant[0],
+        None if constant is None else (constant[0] - WIDE * constant[1], constant[0] + WIDE * constant[1]),
+        fit.noise,
+        fit.posterior[np.ix_(kept, kept)],
+    )

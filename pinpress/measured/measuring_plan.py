@@ -1,0 +1,356 @@
+"""Which motions to measure, and how long each, so that a record tells most of a press.
+
+    motions = pp.measured.measuring_motions(press, [30 * pp.RPM, 50 * pp.RPM, 70 * pp.RPM])
+    print(pp.measured.plan(press, motions, noise=1400.0, time=24.0, cylinder=True))
+
+What a motion tells is the information matrix of its torque, the mean of Y'Y over its time by the variance of the noise, where Y are the
+columns of `regressor`. Motions that share the time add theirs, to the prior of masses and inertias:
+
+    deviations^2 = diagonal of (prior + time x sum of share x information)^-1.
+
+The shares that make the sum of squares of relative deviations least are a convex problem (an A-optimal experiment). The multiplicative
+algorithm (Torsney 1983) solves it, and the slope of the sum at its answer bounds how much better any other shares can be.
+
+At one constant speed the inertia of the crank makes no torque, and constant and viscous friction are one. Where the speed swings in step
+with the stroke, all is one function of the crank angle; a swing whose period is 2.6 strokes parts them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import tables
+from ..common.arguments import number, numbers, positive, typed, whole_number
+from ..common.errors import PinpressError, UnknownNameError, caution, shown
+from ..common.frozen import FrozenMapping
+from ..common.quantities import RPM, Array
+from ..common.results import Tabular
+from ..common.tables import Column
+from ..kinematics.motion import Motion
+from ..kinematics.servo_motion import servo_cycle
+from ..linkage.linkage import Linkage
+from .regressor import LOSSES, Parameter, inertial_equations, loss_columns, loss_parameters, refuse_losses
+
+STATES = 72  # of a stroke of `measuring_motions`
+PRIOR = 0.2  # relative standard deviation of masses and inertias, as of `identify`
+LOSS = 0.05  # share of the rms torque that a loss is expected to make where nothing is said
+FASTEST = 1e4  # speed of a crank [rad/s]
+DOUBT = 2.0  # relative standard deviation of losses as expected
+LEARNT = 0.9  # deviation by that before, above which a parameter of the masses was not learnt
+KNOWN = 1.0  # half of a 95 % interval by the value, above which a loss is not known
+WIDE = 1.96  # standard deviations of half a 95 % interval
+GAP = 1e-3  # relative distance to the optimum at which shares are good enough
+STEPS = 20_000  # most steps of the multiplicative algorithm
+SHARED = 0.005  # shares below this are left out
+EVEN = 1e-3  # relative change of a speed that counts as constant
+IN_STEP = 0.05  # change of the speed at one angle by its whole change, below which it swings in step with the stroke
+_NONE_GIVEN: Mapping[str, float] = FrozenMapping({})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuringPlan(Tabular):
+    """How long to measure each of m motions. All arrays are read-only.
+
+    Attributes:
+        press_name: name of the press.
+        motions: names of the motions.
+        share: (m,) their shares of the time, together 1 [-].
+        time: time in all [s].
+        parameters: names of the p parameters that are wanted.
+        sizes: (p,) what deviations are compared with: expected values of losses, values of masses and inertias, of first moments mass x
+            radius of gyration, in their units.
+        deviation: (p,) standard deviations after the plan, in their units.
+        deviation_alone: (m, p) standard deviations after the whole time with one motion.
+        unknown: for each motion, names of parameters that it leaves unknown.
+        why: for each motion, why it does; empty where it leaves little.
+        gap: how much less, relative, the sum of squares of relative deviations can be at most with other shares [-].
+    """
+
+    press_name: str
+    motions: tuple[str, ...]
+    share: Array
+    time: float
+    parameters: tuple[str, ...]
+    sizes: Array
+    deviation: Array
+    deviation_alone: Array
+    unknown: tuple[tuple[str, ...], ...]
+    why: tuple[str, ...]
+    gap: float
+
+    @property
+    def title(self) -> str:
+        return (
+            f"MeasuringPlan of {self.press_name}: {self.time:g} s of {np.count_nonzero(self.share)} motions, worst 95 % interval"
+            f" ±{100 * self.worst:.3g} %"
+        )
+
+    @property
+    def interval(self) -> Array:
+        """(p,) half of each 95 % interval by the parameter's size [-]."""
+        return np.asarray(WIDE * self.deviation / self.sizes)
+
+    @property
+    def interval_alone(self) -> Array:
+        """(m, p) the same after the whole time with one motion [-]."""
+        return np.asarray(WIDE * self.deviation_alone / self.sizes)
+
+    @property
+    def worst(self) -> float:
+        """The largest of ``interval`` [-]."""
+        return float(self.interval.max())
+
+    def columns(self) -> dict[str, Column]:
+        """A row for each motion: its share and time, its worst interval when it is measured alone, and what it leaves unknown."""
+        return {
+            "motion": list(self.motions),
+            "share [-]": self.share,
+            "time [s]": self.share * self.time,
+            "worst_interval_alone [-]": self.interval_alone.max(axis=1),
+            "leaves_unknown": [", ".join(each) for each in self.unknown],
+        }
+
+    def __str__(self) -> str:
+        rows = [["motion", "measure", "alone: worst", "leaves unknown"]]
+        for k, name in enumerate(self.motions):
+            seconds = f"{self.share[k] * self.time:.1f} s" if self.share[k] else "-"
+            left = ", ".join(self.unknown[k][:4]) + (f" and {len(self.unknown[k]) - 4} more" if len(self.unknown[k]) > 4 else "")
+            rows.append([name, seconds, f"±{100 * self.interval_alone[k].max():.3g} %", left or "nothing"])
+        reasons = []
+        for why in dict.fromkeys(each for each in self.why if each):
+            these = [name for name, each in zip(self.motions, self.why, strict=True) if each == why]
+            reasons += [f"  {', '.join(these)}:", f"    {why}"]
+        found = [["after the plan", "95 % interval"]]
+        found += [[name, f"±{100 * each:.3g} %"] for name, each in zip(self.parameters, self.interval, strict=True)]
+        proof = f"  no other shares make the sum of squares less by more than {100 * self.gap:.2g} %"
+        return "\n".join([self.title, *tables.fitted_words(rows), *reasons, *tables.fitted_words(found), proof])
+
+
+@typed
+def measuring_motions(
+    press: Linkage, speeds: ArrayLike, *, swing: float = 0.3, strokes: ArrayLike = (2.6,), count: int = 13
+) -> Mapping[str, Motion]:
+    """Motions among which `plan` chooses: each speed by itself, and swinging about it.
+
+    Args:
+        press: the press.
+        speeds: (s,) speeds of the crank, positive [rad/s].
+        swing: share by which the speed swings up and down.
+        strokes: periods of the swings in strokes. Ones that divide a stroke, or are a whole number of strokes, tell little.
+        count: strokes that are looked at.
+
+    Returns:
+        Name -> motion.
+
+    Raises:
+        PinpressError: a number is out of its range; as `servo_cycle`.
+    """
+    found: dict[str, Motion] = {}
+    wanted = numbers("speeds", speeds, (None,), unit="rad/s")
+    if not len(wanted) or not ((wanted > 0) & (wanted < FASTEST)).all():
+        raise PinpressError(f"speeds is {shown(speeds)}: give positive speeds of the crank [rad/s]")
+    share = number("swing", swing)
+    if not 0 <= share < 1:
+        raise PinpressError(f"swing is {share:g}: give a share of the speed from 0 to below 1")
+    turns, periods = whole_number("count", count, 2, 200), numbers("strokes", strokes, (None,))
+    for speed in wanted:
+        plain = f"{speed / RPM:.4g} r/min"
+        time = np.arange(turns * STATES) / STATES * 2 * np.pi / speed
+        found[plain] = servo_cycle(press, speed * time, speed=np.full(len(time), speed), acceleration=np.zeros(len(time)), time=time)
+        for each in periods if share else ():
+            rate = speed / positive("strokes", each, "-", 1e3)
+            angle = speed * time - share * speed / rate * (np.cos(rate * time) - 1)
+            faster, change = speed * (1 + share * np.sin(rate * time)), share * speed * rate * np.cos(rate * time)
+            name = f"{plain} ±{100 * share:.3g} % in {each:g} strokes"
+            found[name] = servo_cycle(press, angle, speed=faster, acceleration=change, time=time)
+    return FrozenMapping(found)
+
+
+@typed
+def plan(
+    press: Linkage,
+    motions: Mapping[str, Motion],
+    *,
+    noise: float,
+    time: float = 24.0,
+    rate: float = 500.0,
+    prior: float = PRIOR,
+    friction: Sequence[str] = ("crank", "gibs"),
+    cylinder: bool = False,
+    expected: Mapping[str, float] = _NONE_GIVEN,
+    wanted: Sequence[str] | None = None,
+) -> MeasuringPlan:
+    """Share the time of a measurement among motions so that most is known of the press afterwards.
+
+    Args:
+        press: the press as described, with one crank.
+        motions: motions that the drive can make, by name; `measuring_motions` makes some.
+        noise: standard deviation of a sample of the torque at the crank [N m].
+        time: time of measuring in all [s].
+        rate: samples a second [Hz].
+        prior: relative standard deviation of masses and inertias as described.
+        friction: what resists, as of `identify`: "crank", "pins", "slide_guide", "gibs".
+        cylinder: whether there is a balance cylinder.
+        expected: about what losses are, give or take twice as much, by name ("crank friction": 800.0), in their units; by default each
+            makes 5 % of the torque.
+        wanted: names of parameters that matter; by default all losses, and masses and inertias that these motions tell at all.
+
+    Raises:
+        PinpressError: there is no motion, one of another press, or a number is out of its range.
+        UnknownNameError: there is no such parameter.
+
+    Warns:
+        PinpressWarning: a wanted parameter stays unknown whatever the shares are.
+    """
+    if not motions or not all(isinstance(name, str) and isinstance(each, Motion) for name, each in motions.items()):
+        raise PinpressError(f"motions is {shown(motions)}: give motions by name, measuring_motions(press, speeds)")
+    if not all(isinstance(name, str) for name in friction):
+        raise PinpressError(f"friction is {shown(friction)}: name what resists, of {', '.join(LOSSES)}")
+    refuse_losses(press, friction, cylinder)
+    seconds, scatter = positive("time", time, "s"), positive("noise", noise, "N m")
+    samples = positive("rate", rate, "Hz") / scatter**2
+    task = _task(press, motions, (tuple(friction), cylinder), positive("prior", prior, "-", 10.0), expected)
+    information = seconds * samples * task.information
+    chosen = _chosen(task, information, wanted)
+    weights = np.zeros(len(task.sizes))
+    weights[chosen] = 1 / task.sizes[chosen] ** 2
+    share, gap = _shares(task.before, information, weights)
+    alone = np.array([_deviations(task.before + each) for each in information])
+    after = _deviations(task.before + np.tensordot(share, information, 1))
+    names = tuple(task.parameters[k].name for k in chosen)
+    unknown = tuple(tuple(name for name, left in zip(names, _left(task, each, chosen), strict=True) if left) for each in alone)
+    never = [name for name, left in zip(names, _left(task, after, chosen), strict=True) if left]
+    if never:
+        caution(f"{', '.join(never)}: these motions do not tell it, however long they are measured: give others, or leave it out of wanted")
+    return MeasuringPlan(
+        press_name=press.name,
+        motions=tuple(motions),
+        share=share,
+        time=seconds,
+        parameters=names,
+        sizes=task.sizes[chosen],
+        deviation=after[chosen],
+        deviation_alone=alone[:, chosen],
+        unknown=unknown,
+        why=tuple(_why(press, motion) if left else "" for motion, left in zip(motions.values(), unknown, strict=True)),
+        gap=gap,
+    )
+
+
+class _Task(NamedTuple):
+    """What is looked for, p parameters.
+
+    Attributes:
+        parameters: masses and inertias, then losses.
+        inertial: how many are masses and inertias.
+        sizes: (p,) of the parameters; 0 of what a press does not have.
+        prior: relative standard deviation of masses and inertias before.
+        before: (p, p) information before.
+        information: (m, p, p) of each motion, by sample of unit noise.
+    """
+
+    parameters: tuple[Parameter, ...]
+    inertial: int
+    sizes: Array
+    prior: float
+    before: Array
+    information: Array
+
+
+def _task(
+    press: Linkage, motions: Mapping[str, Motion], losses: tuple[tuple[str, ...], bool], prior: float, expected: Mapping[str, float]
+) -> _Task:
+    equations = inertial_equations(press)
+    more = loss_parameters(*losses, False)
+    parameters = (*equations.parameters, *more)
+    inertial, rms, information = len(equations.parameters), [], []
+    for name, motion in motions.items():
+        if motion.linkage != press.name or motion.crank_angle.ndim != 1:
+            raise PinpressError(f"motion {name!r} is one of {motion.linkage}, not of {press.name}")
+        columns = equations.columns(motion)
+        angle, speed, acceleration = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
+        columns = np.hstack([columns, loss_columns(press, angle, speed, acceleration, *losses)])
+        duration = np.gradient(motion.time) if len(motion.time) > 1 else np.ones(1)
+        weight = (duration / duration.sum())[:, None]
+        information.append(columns.T @ (weight * columns))
+        torque = columns[:, :inertial] @ equations.values
+        rms.append((np.sqrt(weight[:, 0] @ torque**2), np.sqrt((weight * columns**2).sum(axis=0))))
+    sizes = np.array([each.size for each in equations.parameters] + [0.0] * len(more))
+    for name in expected:
+        if name not in [each.name for each in more]:
+            raise UnknownNameError("loss", name, [each.name for each in more])
+    for k, each in enumerate(more, inertial):
+        usual = max(LOSS * torque / column[k] for torque, column in rms if column[k] > 0)
+        sizes[k] = positive(f"expected {each.name}", expected[each.name], each.unit) if each.name in expected else usual
+    doubts = sizes * np.where(np.arange(len(sizes)) < inertial, prior, DOUBT)
+    before = np.diag(1 / np.where(doubts > 0, doubts, 1.0) ** 2)
+    return _Task(parameters, inertial, sizes, prior, before, np.array(information))
+
+
+def _chosen(task: _Task, information: Array, wanted: Sequence[str] | None) -> list[int]:
+    """Places of the parameters that matter."""
+    names = [each.name for each in task.parameters]
+    if wanted is None:
+        together = _deviations(task.before + information.mean(axis=0))
+        learnt = [k for k in range(task.inertial) if task.sizes[k] > 0 and together[k] < LEARNT * task.prior * task.sizes[k]]
+        return [*learnt, *range(task.inertial, len(names))]
+    found = list(wanted)
+    for name in found:
+        if not isinstance(name, str) or name not in names or task.sizes[names.index(name)] == 0:
+            raise UnknownNameError("parameter", name, [name for name, size in zip(names, task.sizes, strict=True) if size > 0])
+    if not found:
+        raise PinpressError("wanted is empty: name one parameter or more")
+    return [names.index(name) for name in found]
+
+
+def _shares(before: Array, information: Array, weights: Array) -> tuple[Array, float]:
+    """Shares that make the weighted sum of variances least, and how much less, relative, it can be at most."""
+    scale = 1 / np.sqrt(np.diag(before + information.sum(axis=0)))
+    start, parts, matter = scale[:, None] * before * scale, scale[:, None] * information * scale, weights * scale**2
+    share = np.full(len(parts), 1 / len(parts))
+    for _ in range(STEPS):
+        inverse = np.linalg.inv(start + np.tensordot(share, parts, 1))
+        sensitive = inverse * matter @ inverse
+        value = float(matter @ np.diag(inverse))
+        slopes = np.tensordot(parts, sensitive, 2)  # how much the sum falls by a share
+        gap = float(slopes.max() - share @ slopes) / value
+        if gap < GAP:
+            break
+        share = share * np.sqrt(np.maximum(slopes, 0.0))
+        share /= share.sum()
+    kept = np.where(share >= SHARED, share, 0.0)
+    kept /= kept.sum()
+    rounded = float(matter @ np.diag(np.linalg.inv(start + np.tensordot(kept, parts, 1))))
+    return kept, max(1 - (1 - gap) * value / rounded, 0.0)
+
+
+def _deviations(information: Array) -> Array:
+    scale = 1 / np.sqrt(np.diag(information))
+    return np.asarray(scale * np.sqrt(np.diag(np.linalg.inv(scale[:, None] * information * scale))))
+
+
+def _left(task: _Task, deviation: Array, chosen: Sequence[int]) -> list[bool]:
+    """Whether each of the chosen parameters is left unknown."""
+    return [
+        bool(deviation[k] > LEARNT * task.prior * task.sizes[k]) if k < task.inertial else bool(WIDE * deviation[k] > KNOWN * task.sizes[k])
+        for k in chosen
+    ]
+
+
+def _why(press: Linkage, motion: Motion) -> str:
+    """Why a motion leaves something unknown."""
+    speed = motion.crank_speed
+    change = float(np.ptp(speed))
+    if change <= EVEN * np.abs(speed).max():
+        return "at one speed friction that grows with it is one with friction that does not, and the crank's inertia makes no torque"
+    places = np.floor(np.mod(motion.crank_angle, 2 * np.pi) / (2 * np.pi) * 36).astype(int)
+    spread = max(float(np.ptp(speed[places == each])) for each in np.unique(places))
+    slope = float(np.abs(np.gradient(speed, motion.crank_angle)).max()) * 2 * np.pi / 36
+    if spread <= IN_STEP * change + slope and press.period_turns == 1:
+        return "the speed swings in step with the stroke, so that all is one function of the crank angle"
+    return ""

@@ -1,0 +1,210 @@
+"""Stiffness and damping of the mounts of a press, fitted to measured natural frequencies.
+
+    fitted = pp.measured.fit_mounts(system, record.modes(beside=pp.foundation.modes(system)))
+    pp.foundation.modes(fitted.system)
+
+Rubber is hard to know from a catalogue: its stiffness for vibrations may be off by a factor of two. Each measured frequency and damping
+ratio is an equation for factors on the stiffness along x, y and z, shared by all mounts (and by all columns of a frame in two parts), and
+for the loss. They are solved by bounded least squares in the logarithms of the factors; the model is that of `foundation`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import expect, typed
+from ..common.errors import PinpressError, caution, shown
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..common.tables import Column
+from ..foundation.mounted_press import MountedPress, modes, with_mounts
+from ..foundation.mounts import Mount
+from .hit_modes import MeasuredModes
+
+FACTOR = 20.0  # largest factor on a stiffness, and the smallest is 1 by it
+LOSS = (1e-4, 1.0)  # range of the loss factor
+AT_BOUND = 1e-3  # logarithm of a factor from its bound, below which it rests on it
+MODEL = 1e-3  # what the model of a rigid frame is trusted to say of a frequency, relative, beside the noise of the measurement
+MODEL_LOSS = 1e-3  # and of a damping ratio
+UNSEEN = 3.0  # factor by which the interval of a stiffness is wide where the modes do not show it
+DAMPING = ("loss_factor", "viscous")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FittedMounts(Tabular):
+    """Mounts whose natural frequencies are those measured, made by `fit_mounts`. All arrays are read-only.
+
+    Attributes:
+        system: the press on these mounts.
+        names: what was fitted: "stiffness of mounts along x", ..., "loss factor of mounts".
+        values: (k,) factors on the stiffness given, or on viscous dampers; the loss factor itself [-].
+        intervals: (k, 2) lowest and highest value at 95 %, by noise and by what the model leaves over, the wider of the two [-].
+        measured: the modes that they were fitted to.
+        frequency: (m,) natural frequencies of the fitted system, by measured mode [rad/s].
+        damping_ratio: (m,) its damping ratios, by measured mode [-].
+    """
+
+    system: MountedPress
+    names: tuple[str, ...]
+    values: Array
+    intervals: Array
+    measured: MeasuredModes
+    frequency: Array
+    damping_ratio: Array
+
+    @property
+    def title(self) -> str:
+        off = np.abs(self.frequency / self.measured.natural_frequency - 1).max()
+        return f"FittedMounts of {self.system.press.name}: {len(self.names)} values, frequencies to {100 * off:.2g} %"
+
+    def columns(self) -> dict[str, Column]:
+        """A row for each value: its name, the value, and the ends of its interval."""
+        return {"name": list(self.names), "value [-]": self.values, "low [-]": self.intervals[:, 0], "high [-]": self.intervals[:, 1]}
+
+    def __str__(self) -> str:
+        rows = [["", "value", "95 % interval"]]
+        for name, value, (low, high) in zip(self.names, self.values, self.intervals, strict=True):
+            unseen = "   the modes do not show it" if high > UNSEEN * low else ""
+            rows.append([name, f"{value:.4f}", f"{low:.4f} to {high:.4f}{unseen}"])
+        lines = [f"{self.system.press.name}: mounts fitted to {len(self.frequency)} measured modes", *tables.fitted_words(rows)]
+        modes_rows = [["motion", "measured", "fitted", "damping ratio", "fitted"]]
+        beside = self.measured.beside
+        for k, (ours, ratio) in enumerate(zip(self.frequency, self.damping_ratio, strict=True)):
+            motion = beside.motion[self.measured.partner[k]] if beside is not None and self.measured.partner[k] >= 0 else ""
+            theirs = self.measured.natural_frequency[k] / (2 * np.pi)
+            pair = [f"{theirs:.3f} Hz", f"{ours / (2 * np.pi):.3f} Hz", f"{self.measured.damping_ratio[k]:.4f}", f"{ratio:.4f}"]
+            modes_rows.append([motion, *pair])
+        return "\n".join([*lines, *tables.fitted(modes_rows)])
+
+
+@typed
+def fit_mounts(system: MountedPress, measured: MeasuredModes, *, damping: str = "loss_factor") -> FittedMounts:
+    """Fit stiffness and damping of the mounts of a press to measured modes.
+
+    Stiffnesses along x, y and z are multiplied by a factor each, for all mounts alike, and for all columns of a frame in two parts alike.
+    The mounts' static stiffness stays, where it is given.
+
+    Args:
+        system: the press on the mounts as they are thought to be.
+        measured: modes of hits, laid beside those of this system: ``record.modes(beside=foundation.modes(system))``.
+        damping: "loss_factor": one loss factor for all mounts, and one for all columns, is found; "viscous": a factor on their dampers.
+
+    Raises:
+        PinpressError: the modes were not laid beside those of the system, fewer frequencies than stiffnesses were measured, or the mounts
+            have no dampers to be multiplied.
+
+    Warns:
+        PinpressWarning: a value rests on its bound, because the model cannot have the measured frequencies.
+    """
+    expect("measured", measured, MeasuredModes, "vibration(...).modes(beside=...)")
+    if not isinstance(damping, str) or damping not in DAMPING:
+        raise PinpressError(f"damping is {shown(damping)}: give one of {', '.join(DAMPING)}")
+    if measured.beside is None or len(measured.beside.shapes) != 6 * system.parts:
+        raise PinpressError("the measured modes are not laid beside those of this system: modes(beside=foundation.modes(system))")
+    places = np.array(measured.partner)
+    seen = np.flatnonzero(places >= 0)
+    names, start, low, high = _unknowns(system, damping)
+    if len(seen) < 3 * system.parts:
+        raise PinpressError(
+            f"{len(seen)} modes with partners were measured, for {3 * system.parts} stiffnesses: hit the frame in other directions too"
+        )
+    return _least_squares(system, measured, (names, start, low, high))
+
+
+def _unknowns(system: MountedPress, damping: str) -> tuple[tuple[str, ...], Array, Array, Array]:
+    """Names of the unknowns, where their logarithms start, and their bounds."""
+    names: list[str] = []
+    values, low, high = [], [], []
+    for what, springs in (("mounts", system.mounts), ("columns", system.uprights)):
+        if not springs:
+            continue
+        for i, axis in enumerate("xyz"):
+            if any(spring.stiffness[i] > 0 for spring in springs):
+                names.append(f"stiffness of {what} along {axis}")
+                values.append(1.0)
+                low.append(1 / FACTOR)
+                high.append(FACTOR)
+        if damping == "viscous":
+            if not any(np.any(spring.damping) for spring in springs):
+                raise PinpressError(f"the {what} have no dampers to be multiplied: give Mount(damping=...), or damping='loss_factor'")
+            names.append(f"dampers of {what}")
+            values.append(1.0)
+            low.append(1 / FACTOR)
+            high.append(FACTOR)
+        else:
+            names.append(f"loss factor of {what}")
+            values.append(float(np.clip(np.mean([spring.loss_factor for spring in springs]), 0.01, 0.5)))
+            low.append(LOSS[0])
+            high.append(LOSS[1])
+    return tuple(names), np.log(values), np.log(low), np.log(high)
+
+
+def _changed(system: MountedPress, names: tuple[str, ...], values: Array) -> MountedPress:
+    """The system with changed springs."""
+    given = dict(zip(names, values.tolist(), strict=True))
+
+    def spring(one: Mount, what: str) -> Mount:
+        stiffness = tuple(k * given.get(f"stiffness of {what} along {axis}", 1.0) for k, axis in zip(one.stiffness, "xyz", strict=True))
+        dampers = tuple(c * given.get(f"dampers of {what}", 1.0) for c in one.damping)
+        loss = given.get(f"loss factor of {what}", one.loss_factor)
+        return replace(one, stiffness=stiffness, damping=dampers, loss_factor=loss)
+
+    mounts = [spring(one, "mounts") for one in system.mounts]
+    return with_mounts(replace(system, uprights=tuple(spring(one, "columns") for one in system.uprights)), mounts)
+
+
+def _least_squares(system: MountedPress, measured: MeasuredModes, unknowns: tuple[tuple[str, ...], Array, Array, Array]) -> FittedMounts:
+    """The fit in logarithms of the unknowns."""
+    from scipy.optimize import least_squares, linear_sum_assignment  # slow to import
+    from scipy.stats import t as student  # slow to import
+
+    names, start, low, high = unknowns
+    seen = np.flatnonzero(np.array(measured.partner) >= 0)
+    frequency, ratio = measured.natural_frequency[seen], measured.damping_ratio[seen]
+    scatter = np.hypot(measured.natural_frequency_deviation[seen] / frequency, MODEL)
+    scatter_of_ratio = np.hypot(measured.damping_ratio_deviation[seen], MODEL_LOSS)
+    assert measured.beside is not None  # checked before
+    shapes = measured.beside.shapes[:, np.array(measured.partner)[seen]]
+
+    def calculated(logarithms: Array) -> tuple[Array, Array]:
+        """Frequencies and damping ratios of the modes whose shapes are nearest to those first laid beside the measured ones."""
+        found = modes(_changed(system, names, np.exp(logarithms)))
+        products = np.abs(found.shapes.T @ system.mass @ shapes)
+        mine, theirs = linear_sum_assignment(-(products**2))
+        places = mine[np.argsort(theirs)]
+        return found.natural_frequency[places], found.damping_ratio[places]
+
+    def missed(logarithms: Array) -> Array:
+        ours, damped = calculated(logarithms)
+        return np.concatenate([np.log(ours / frequency) / scatter, (damped - ratio) / scatter_of_ratio])
+
+    best = least_squares(missed, start, bounds=(low, high), x_scale=0.1, diff_step=1e-4)
+    values = np.exp(best.x)
+    left = max(len(best.fun) - len(names), 1)
+    wider = max(1.0, 2 * best.cost / left)
+    information = best.jac.T @ best.jac
+    deviation = np.sqrt(wider * np.diag(np.linalg.pinv(information, hermitian=True)))
+    deviation[np.diag(information) < 1e-12] = np.inf
+    half = float(student.ppf(0.975, left)) * deviation
+    intervals = np.exp(np.clip(best.x[:, None] + np.array([-1.0, 1.0]) * half[:, None], low[:, None], high[:, None]))
+    for name, logarithm, one, other in zip(names, best.x, low, high, strict=True):
+        if min(logarithm - one, other - logarithm) < AT_BOUND:
+            caution(
+                f"{name} rests on its bound, {np.exp(logarithm):.4g}: the model cannot have the measured frequencies; look at the masses"
+            )
+    ours, damped = calculated(best.x)
+    kept = replace(
+        measured,
+        natural_frequency=frequency,
+        natural_frequency_deviation=measured.natural_frequency_deviation[seen],
+        damping_ratio=ratio,
+        damping_ratio_deviation=measured.damping_ratio_deviation[seen],
+        shapes=measured.shapes[:, seen],
+        energy_share=measured.energy_share[seen],
+        partner=tuple(int(measured.partner[k]) for k in seen),
+        mac=measured.mac[seen],
+    )
+    return FittedMounts(_changed(system, names, values), names, values, intervals, kept, ours, damped)

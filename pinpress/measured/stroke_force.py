@@ -1,0 +1,478 @@
+"""The force of the process over the height of the slide, from what the drive measures: the press itself as the sensor.
+
+    found = pp.measured.identify(press, idle_runs)  # or the press as described, with friction=
+    run = pp.measured.record("blanking.csv", "crank [rad]", "motor [N m]", ratio=20.7)
+    force = pp.measured.process_force(found, run, np.linspace(0.0, 0.012, 13), drive_inertia=2000.0)
+
+    sensor = pp.measured.force_sensor(found, heights, drive_inertia=2000.0)  # worked out once, then stroke by stroke
+    for stroke in sensor.strokes(run): ...
+
+Power is what crank and slide share: with the crank's angle q and speed w, the torque of the drive on the crank is
+
+    torque = d/dt ((J + A) w) - A' w^2 / 2 + C + friction - F z',
+
+where J turns with the crank (motor, gears, flywheel), A(q) is the inertia of the links at the crank, C(q) their weight, and z(q) the height
+of the slide with z' = dz/dq. The force F, upwards on the slide positive, is linear between heights and zero above the highest. The equation
+is multiplied with B-splines phi over time and integrated by parts twice,
+
+    integral of phi torque dt = integral of phi'' (J q + G) dt + integral of phi (C - A' w^2 / 2 + friction - F z') dt
+
+with G the integral of A over q, so that the angle is never differentiated where it matters: the flywheel's torque is a second difference of
+the angle, whose noise is known. Rows are made independent by the covariance of both noises, and F follows by least squares with its
+covariance. Friction under the force found is taken by inverse dynamics, in a few passes.
+
+In a press that springs, force over angle holds, but the slide is higher than the angle says by force / stiffness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import tables
+from ..common.arguments import expect, numbers, positive, typed
+from ..common.errors import PinpressError, caution, shown
+from ..common.frozen import Frozen
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..common.tables import Column
+from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
+from ..kinematics.motion import moved
+from ..linkage.linkage import Linkage
+from ..loads.link import Friction, PointForce
+from .identification import IdentifiedPress, checked_inertia
+from .records import MeasuredRun
+from .regressor import InertialEquations, inertial_equations, slide_rates
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
+
+STATES = 1440  # of a turn, between which coefficients are splines
+APART = 2  # samples between the middles of two B-splines
+SPEED_KNOTS = 24  # of the spline by which the speed is known, a turn
+PASSES = 3  # of friction under the force found
+MOST_HEIGHTS = 2000
+NOISELESS = 1e-5  # least noise by the largest torque: so exact are sums over samples
+FEWEST = 40  # samples of a stroke that is judged
+EDGED = 1.5  # ratio of residuals under force to those without, above which a force has edges between the heights
+UNLIKE = 2.0  # ratio of residuals without force to noise above which the model of the press is doubted
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredForce(Tabular):
+    """The process force of a stroke, or of several equal ones. All arrays are read-only.
+
+    Attributes:
+        name: of the run.
+        heights: (k,) heights above bottom dead centre by the crank angle, rising [m].
+        force: (k,) forces on the slide on its way down, upwards positive: those that resist the stroke [N].
+        deviation: (k,) their standard deviations [N].
+        covariance: (k, k) of the forces [N2].
+        slide_height: (k,) heights at which the slide really is, higher by force / stiffness [m]; ``heights`` for a rigid press.
+        work: work of the force over the stroke, what the slide gave [J].
+        work_deviation: its standard deviation [J].
+        noise: standard deviation of a sample of the torque [N m].
+        misfit: residuals while the force acts, by those that noise makes, root mean square [-].
+        idle_misfit: the same while no force acts [-].
+    """
+
+    name: str
+    heights: Array
+    force: Array
+    deviation: Array
+    covariance: Array
+    slide_height: Array
+    work: float
+    work_deviation: float
+    noise: float
+    misfit: float
+    idle_misfit: float
+
+    @property
+    def title(self) -> str:
+        k = int(self.force.argmax())
+        return (
+            f"MeasuredForce {self.name}: at most {1e-3 * self.force[k]:.4g} ± {1e-3 * 2 * self.deviation[k]:.2g} kN, at"
+            f" {1e3 * self.heights[k]:.4g} mm, work {self.work:.4g} ± {2 * self.work_deviation:.2g} J"
+        )
+
+    @property
+    def interval(self) -> Array:
+        """(k, 2) lowest and highest force at 95 % [N]."""
+        return np.asarray(self.force[:, None] + np.array([-1.96, 1.96]) * self.deviation[:, None])
+
+    @property
+    def edges(self) -> bool:
+        """Whether residuals say that the force has edges which straight lines between these heights do not have."""
+        return self.misfit > EDGED * max(self.idle_misfit, 1.0)
+
+    def __str__(self) -> str:
+        rows = [["height", "force", "95 % interval"]]
+        for height, force, (low, high) in zip(self.heights, self.force, self.interval, strict=True):
+            rows.append([f"{1e3 * height:.4g} mm", f"{1e-3 * force:.4g} kN", f"{1e-3 * low:.4g} to {1e-3 * high:.4g} kN"])
+        lines = [self.title, *tables.fitted(rows), f"  residuals by noise: {self.misfit:.2f} under force, {self.idle_misfit:.2f} without"]
+        if self.edges:
+            lines.append("  the force has edges between these heights: set them closer where it changes")
+        return "\n".join(lines)
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "height [m]", "force [N]"
+
+    def columns(self) -> dict[str, Column]:
+        """A row for each height: height, force, its deviation, and where the slide really is."""
+        return {
+            "height [m]": self.heights,
+            "force [N]": self.force,
+            "deviation [N]": self.deviation,
+            "slide_height [m]": self.slide_height,
+        }
+
+
+class _Coefficients(NamedTuple):
+    """Periodic splines over the crank angle: inertia A [kg m2], weight C [N m], height z above bottom dead centre [m]; and the period."""
+
+    inertia: CubicSpline
+    weight: CubicSpline
+    height: CubicSpline
+    period: float
+
+    def summed(self, angle: Array) -> Array:
+        """(n,) integral of A from angle 0 on [kg m2 rad]."""
+        whole, rest = np.divmod(angle, self.period)
+        integral = self.inertia.antiderivative()
+        return np.asarray(whole * integral(self.period) + integral(rest))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ProcessForceSensor(Frozen):
+    """A press as a sensor of its process force, made by `force_sensor`. It has no state: every stroke is measured by itself.
+
+    Attributes:
+        press: the press.
+        heights: (k,) heights above bottom dead centre between which the force is linear, rising [m].
+        identified: what records said of the press, its friction and balance cylinder; None where it is as described.
+        friction: friction of bearings and guides of a press as described.
+        drive_inertia: what turns with the crank and is not in the press, at the crank [kg m2].
+        stiffness: of the press between crank and die [N/m]; None: rigid.
+    """
+
+    press: Linkage
+    heights: Array
+    identified: IdentifiedPress | None
+    friction: Mapping[str, Friction]
+    drive_inertia: float
+    stiffness: float | None
+    _coefficients: _Coefficients
+
+    def force(self, run: MeasuredRun) -> MeasuredForce:
+        """The force of a run of one stroke, or of several with the same tool and blank.
+
+        Args:
+            run: of the crank angle and the torque of the drive at the crank.
+
+        Raises:
+            PinpressError: the run has no torque, no way down through all heights, or is sampled too slowly for them.
+
+        Warns:
+            PinpressWarning: residuals say that the force has edges between the heights, or that the press is not as it is described.
+        """
+        expect("run", run, MeasuredRun, "measured.record")
+        return _measured(self, run)
+
+    def strokes(self, run: MeasuredRun) -> Iterator[MeasuredForce]:
+        """The force of each whole stroke of a run, from one top of the angle to the next.
+
+        Raises:
+            PinpressError: as `force`.
+        """
+        expect("run", run, MeasuredRun, "measured.record")
+        period = self._coefficients.period
+        phase = np.floor((run.angle - self._top) / period)
+        for turn in range(int(phase.min()), int(phase.max()) + 1):
+            within = phase == turn
+            times = run.time[within]
+            if len(times) >= FEWEST and np.ptp(run.angle[within]) > 0.98 * period:
+                yield self.force(run.between(float(times[0]), float(times[-1])))
+
+    @property
+    def _top(self) -> float:
+        angles = np.linspace(0.0, self._coefficients.period, STATES, endpoint=False)
+        return float(angles[int(np.argmax(self._coefficients.height(angles)))])
+
+
+@typed
+def force_sensor(
+    press: Linkage | IdentifiedPress,
+    heights: ArrayLike,
+    *,
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+    drive_inertia: float = 0.0,
+    stiffness: float | None = None,
+) -> ProcessForceSensor:
+    """Make a press a sensor of its process force.
+
+    Args:
+        press: the press with one crank and a slide: what `identify` found, with its friction and cylinder, or a press as described.
+        heights: (k,) heights above bottom dead centre between which the force is linear [m]; above the highest there is none. Close ones
+            follow edges, such as where a blank breaks, wide ones have less noise.
+        friction: friction of bearings and guides of a press as described, as of `inverse_dynamics`.
+        drive_inertia: of all that turns with the crank and is not in the press: motor, gears, flywheel, each times its ratio squared
+            [kg m2].
+        stiffness: of the press between crank and die, by which the slide lags behind the crank under force [N/m]; by default it is rigid.
+
+    Raises:
+        PinpressError: the press has no slide, several drivers, or one that slides; heights are not rising, or outside the stroke; a number
+            is out of its range.
+    """
+    identified = press if isinstance(press, IdentifiedPress) else None
+    press = press.press if isinstance(press, IdentifiedPress) else press
+    if identified is not None and friction:
+        raise PinpressError("friction is given beside an identified press, which has its own: leave it out")
+    equations = inertial_equations(press)
+    if press.slide is None:
+        raise PinpressError(f"{press.name} has no slide, so that no process force acts: name it, load(..., slide=...)")
+    if press.period_turns is None:
+        raise PinpressError(f"the crank of {press.name} does not turn fully: a sensor of forces needs whole strokes")
+    coefficients = _coefficients_of(press, equations)
+    knots = numbers("heights", heights, (None,), unit="m")
+    stroke = float(coefficients.height(np.linspace(0.0, coefficients.period, STATES)).max())
+    if not 2 <= len(knots) <= MOST_HEIGHTS or not (np.diff(knots) > 0).all():
+        raise PinpressError(f"heights is {shown(heights)}: give 2 to {MOST_HEIGHTS} rising heights above bottom dead centre [m]")
+    if knots[0] < -1e-9 * stroke or knots[-1] >= stroke:
+        raise PinpressError(
+            f"heights reach from {knots[0]:.6g} to {knots[-1]:.6g} m; the slide of {press.name} moves from 0 to {stroke:.6g} m above bottom"
+            " dead centre: give heights within its stroke, in m"
+        )
+    inertia = checked_inertia(drive_inertia)
+    spring = None if stiffness is None else positive("stiffness", stiffness, "N/m")
+    return ProcessForceSensor(press, knots, identified, dict(friction), inertia, spring, coefficients)
+
+
+@typed
+def process_force(
+    press: Linkage | IdentifiedPress,
+    run: MeasuredRun,
+    heights: ArrayLike,
+    *,
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+    drive_inertia: float = 0.0,
+    stiffness: float | None = None,
+) -> MeasuredForce:
+    """The process force over the height from a run of one stroke or several equal ones: ``force_sensor(...).force(run)``.
+
+    Args:
+        press: as of `force_sensor`.
+        run: of the crank angle and the torque of the drive at the crank.
+        heights: as of `force_sensor`.
+        friction: as of `force_sensor`.
+        drive_inertia: as of `force_sensor`.
+        stiffness: as of `force_sensor`.
+
+    Raises:
+        PinpressError: as `force_sensor` and `ProcessForceSensor.force`.
+    """
+    return force_sensor(press, heights, friction=friction, drive_inertia=drive_inertia, stiffness=stiffness).force(run)
+
+
+def _coefficients_of(press: Linkage, equations: InertialEquations) -> _Coefficients:
+    from scipy.interpolate import CubicSpline  # slow to import
+
+    period = 2 * np.pi * (press.period_turns or 1)
+    angles = np.linspace(0.0, period, STATES * (press.period_turns or 1) + 1)
+    found = equations.coefficients(angles)["torque"]
+    motion = moved(press, press.branch, angles, 1.0, 0.0, None, press.engine())
+    columns = np.stack([found.inertia @ equations.values, found.weight @ equations.values, slide_rates(press, motion)[1]])
+    columns[:, -1] = columns[:, 0]
+    inertia, weight, height = (CubicSpline(angles, column, bc_type="periodic") for column in columns)
+    return _Coefficients(inertia, weight, height, period)
+
+
+# -------------------------------------------------------------------------------------------------------------------------- least squares
+
+
+class _Smooth(NamedTuple):
+    """The crank in each sample, by a spline: speeds [rad/s] and accelerations [rad/s2], (n,), and the angle's noise [rad]."""
+
+    speed: Array
+    acceleration: Array
+    noise: float
+
+
+class _Weights(NamedTuple):
+    """Weights of the equations of a run.
+
+    Attributes:
+        plain: (m,) of samples around the middle of a row: phi dt.
+        twice: (m,) phi'' dt.
+        factor: banded Cholesky factor of the covariance of rows, in units of the torque's noise.
+    """
+
+    plain: Array
+    twice: Array
+    factor: Array
+
+    def of(self, values: Array, twice: bool = False) -> Array:
+        """(rows, ...) integrals of samples (n, ...) with phi, or with phi''."""
+        weights = self.twice if twice else self.plain
+        windows = np.lib.stride_tricks.sliding_window_view(values, len(weights), axis=0)[::APART]
+        return np.asarray(windows @ weights)
+
+    def independent(self, rows: Array) -> Array:
+        """Rows (rows, ...) whose noise is even and independent."""
+        from scipy.linalg.lapack import dtbtrs  # slow to import
+
+        return np.asarray(dtbtrs(self.factor, rows.reshape(len(rows), -1), uplo="L")[0].reshape(rows.shape))
+
+
+def _measured(sensor: ProcessForceSensor, run: MeasuredRun) -> MeasuredForce:
+    """The force of a run, see `ProcessForceSensor.force`."""
+    if run.torque is None:
+        raise PinpressError(f"{run.name}: no torque was measured: name its column, or give the constant, record(..., motor_constant=)")
+    if len(run.time) < FEWEST:
+        raise PinpressError(f"{run.name}: {len(run.time)} samples are too few for a stroke: sample faster")
+    smooth, noise = _smooth(run), _noise(run.torque)
+    inertia, weight, height = (spline(run.angle) for spline in sensor._coefficients[:3])
+    weights = _weights(run, (smooth.noise / noise) * (sensor.drive_inertia + inertia))
+    basis = _hats(sensor.heights, height)
+    rate = sensor._coefficients.height(run.angle, 1)
+    basis[rate * smooth.speed >= 0] = 0.0  # on the way up
+    columns = weights.of(-basis * rate[:, None])
+    _refuse_unseen(sensor, run, columns)
+    momentum = sensor.drive_inertia * run.angle + sensor._coefficients.summed(run.angle)
+    idle = weight - 0.5 * sensor._coefficients.inertia(run.angle, 1) * smooth.speed**2
+    without = weights.of(run.torque - idle) - weights.of(momentum - momentum[0], twice=True)
+    independent = weights.independent(columns) / noise
+    acting = (columns != 0).any(axis=1)
+    force = np.zeros(len(sensor.heights))
+    rubs = bool(sensor.friction) or sensor.identified is not None
+    for _ in range(PASSES if rubs else 1):
+        lost = weights.of(_losses(sensor, run, smooth, basis @ force)) if rubs else 0.0
+        known = weights.independent(without - lost) / noise
+        force, covariance = _least_squares(independent, known)
+    residual = known - independent @ force
+    return _result(sensor, run, force, covariance, (residual, acting), noise)
+
+
+def _smooth(run: MeasuredRun) -> _Smooth:
+    """Speed and acceleration of the crank by a quintic spline."""
+    from scipy.interpolate import make_lsq_spline  # slow to import
+
+    time = run.time - run.time[0]
+    pieces = int(np.clip(run.strokes * SPEED_KNOTS, 4, len(time) // 4))
+    knots = np.concatenate([np.zeros(5), np.linspace(0.0, time[-1], pieces + 1), np.full(5, time[-1])])
+    spline = make_lsq_spline(time, run.angle, knots, k=5)
+    steps = np.diff(run.angle, 3)
+    rough = float(1.4826 * np.median(np.abs(steps)) / np.sqrt(20.0))  # of white noise alone, whatever the crank does
+    counted = run.resolution
+    return _Smooth(spline(time, 1), spline(time, 2), max(rough, 0.0 if counted is None else counted / np.sqrt(12.0), 1e-12))
+
+
+def _noise(samples: Array) -> float:
+    """Standard deviation of even noise in samples that change slowly between them, edges left aside."""
+    found = float(1.4826 * np.median(np.abs(np.diff(samples, 3))) / np.sqrt(20.0))
+    return max(found, NOISELESS * float(np.abs(samples).max()), np.finfo(float).tiny)
+
+
+def _weights(run: MeasuredRun, arm: Array) -> _Weights:
+    """Cubic B-splines over the samples; ``arm``: (n,) noise of the angle by that of the torque, times the inertia that turns."""
+    from scipy.linalg import cholesky_banded  # slow to import
+
+    interval = (run.time[-1] - run.time[0]) / (len(run.time) - 1)
+    place = np.arange(-2 * APART + 1, 2 * APART) / APART
+    near, far = np.abs(place), np.clip(2 - np.abs(place), 0.0, None)
+    plain = np.where(near < 1, (4 - 6 * near**2 + 3 * near**3) / 6, far**3 / 6) * interval
+    twice = np.where(near < 1, 3 * near - 2, far) / (APART * interval) ** 2 * interval
+    rows = (len(run.time) - len(plain)) // APART + 1
+    local = arm[len(plain) // 2 :: APART][:rows]
+    bands = np.zeros((4, rows))
+    for k in range(4):
+        shift = k * APART
+        if shift < len(plain):
+            bands[k, : rows - k] = plain[shift:] @ plain[: len(plain) - shift]
+            bands[k, : rows - k] += (twice[shift:] @ twice[: len(plain) - shift]) * local[: rows - k] * local[k:]
+    return _Weights(plain, twice, cholesky_banded(bands, lower=True))
+
+
+def _hats(heights: Array, at: Array) -> Array:
+    """(n, k) shares of each of the heights in a force that is linear between them, and zero above."""
+    place = np.clip(np.searchsorted(heights, at, side="right") - 1, 0, len(heights) - 2)
+    share = np.clip((at - heights[place]) / (heights[place + 1] - heights[place]), 0.0, 1.0)
+    found = np.zeros((len(at), len(heights)))
+    inside = np.flatnonzero(at <= heights[-1])
+    found[inside, place[inside]], found[inside, place[inside] + 1] = 1 - share[inside], share[inside]
+    return found
+
+
+def _refuse_unseen(sensor: ProcessForceSensor, run: MeasuredRun, columns: Array) -> None:
+    """Raise PinpressError where no sample says anything of a height."""
+    missing = np.flatnonzero(np.count_nonzero(columns, axis=0) < 2)
+    if len(missing):
+        raise PinpressError(
+            f"{run.name}: no samples on the way down between the heights around {sensor.heights[missing[0]]:.6g} m: give heights further"
+            f" apart, sample faster than {1 / run.sampling:.4g} Hz, or record the whole stroke"
+        )
+
+
+def _losses(sensor: ProcessForceSensor, run: MeasuredRun, smooth: _Smooth, force: Array) -> Array:
+    """(n,) torque of friction under a process force (n,), and of a balance cylinder [N m]."""
+    press = sensor.press
+    motion = moved(press, press.branch, run.angle, smooth.speed, smooth.acceleration, None, press.engine())
+    loads = [PointForce(press.slide, force[:, None] * press.slide_direction)] if force.any() else []  # type: ignore[arg-type]  # it has one
+    without = inverse_dynamics(press, motion, loads, bearings=()).driving_torque
+    if sensor.identified is not None:
+        return sensor.identified.torque(motion, loads) - without
+    return np.asarray(inverse_dynamics(press, motion, loads, friction=sensor.friction, bearings=()).driving_torque - without)
+
+
+def _least_squares(columns: Array, known: Array) -> tuple[Array, Array]:
+    """Forces and their covariance for noise of 1."""
+    sizes = np.linalg.norm(columns, axis=0)
+    left, values, right = np.linalg.svd(columns / sizes, full_matrices=False)
+    if values[-1] < 1e-9 * values[0]:
+        raise PinpressError("the samples do not part the forces at these heights: give heights further apart, or sample faster")
+    back = (right.T / values) / sizes[:, None]
+    return np.asarray(back @ (left.T @ known)), np.asarray(back @ back.T)
+
+
+def _result(
+    sensor: ProcessForceSensor, run: MeasuredRun, force: Array, covariance: Array, left: tuple[Array, Array], noise: float
+) -> MeasuredForce:
+    """The force with its band, which is widened where residuals are larger than noise."""
+    residual, active = left
+    acting = active.astype(bool)
+    rest = residual[~acting]
+    idle_misfit = float(np.sqrt((rest**2).mean())) if len(rest) > FEWEST // 2 else 1.0
+    free = max(int(np.count_nonzero(acting)) - len(force), 1)
+    misfit = float(np.sqrt((residual[acting] ** 2).sum() / free))
+    covariance = covariance * max(1.0, misfit, idle_misfit) ** 2
+    steps = np.diff(sensor.heights)
+    lengths = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+    found = MeasuredForce(
+        name=run.name,
+        heights=sensor.heights,
+        force=force,
+        deviation=np.sqrt(np.diag(covariance)),
+        covariance=covariance,
+        slide_height=sensor.heights + (0.0 if sensor.stiffness is None else force / sensor.stiffness),
+        work=float(lengths @ force),
+        work_deviation=float(np.sqrt(lengths @ covariance @ lengths)),
+        noise=noise,
+        misfit=misfit,
+        idle_misfit=idle_misfit,
+    )
+    if idle_misfit > UNLIKE:
+        caution(
+            f"{run.name}: where no force acts the press takes another torque than it is described to take, by {idle_misfit:.3g} times the"
+            " noise: identify it from a run without a blank, and give its friction and drive_inertia"
+        )
+    if found.edges:
+        caution(
+            f"{run.name}: residuals under force are {misfit:.3g} times the noise: the force has edges between heights"
+            f" {1e3 * steps.min():.3g} mm apart, where it jumps or breaks; set them closer there"
+        )
+    return found

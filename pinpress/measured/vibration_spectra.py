@@ -1,0 +1,216 @@
+"""Spectra of measured vibrations: densities over the frequency, and amplitudes by order over the speed of the crank.
+
+An order is a frequency divided by the crank's: the first order is what happens once a turn. Windows of whole turns, resampled in equal
+steps of the crank angle, show orders as sharp lines while the speed changes; a natural frequency stands where it is in hertz, so that it
+passes through the orders as the speed rises.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import number, whole_number
+from ..common.errors import PinpressError, UnknownNameError
+from ..common.quantities import RPM, Array
+from ..common.results import Tabular
+from .accelerometers import VibrationRun
+
+WINDOWS = 8  # windows side by side in the default resolution; half-overlapping ones are about twice as many
+CARRIED = 0.8  # share of half the sampling rate up to which recorders keep amplitudes
+STANDING_OUT = 4.0  # a peak that is named has at least this many times the density of the valleys beside it
+FAINT = 0.02  # share of the largest amplitude below which an order is not named
+NAMED = 6  # most lines and orders named in words
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectra(Tabular):
+    """Spectral densities of all channels, k lines. All arrays are read-only.
+
+    Attributes:
+        channels: their names.
+        frequency: (k,) [Hz].
+        density: (k, channels) power spectral density of the acceleration, whose integral over the frequency is the mean square
+            [m2/s4/Hz].
+        windows: how many windows were averaged; a density has a relative standard deviation of about 1 / sqrt(windows).
+    """
+
+    channels: tuple[str, ...]
+    frequency: Array
+    density: Array
+    windows: int
+
+    @property
+    def title(self) -> str:
+        resolution = self.frequency[1] - self.frequency[0]
+        size = f"lines {resolution:.4g} Hz apart to {self.frequency[-1]:.5g} Hz"
+        return f"Spectra: {len(self.channels)} channels, {size}, {self.windows} windows"
+
+    @property
+    def rms(self) -> Array:
+        """(channels,) root mean square of the acceleration [m/s2]."""
+        return np.asarray(np.sqrt(self.density.sum(axis=0) * (self.frequency[1] - self.frequency[0])))
+
+    @property
+    def lines(self) -> Array:
+        """(up to 6,) frequencies of peaks in the density summed over all channels, the strongest first [Hz]."""
+        from scipy.signal import find_peaks  # slow to import
+
+        whole = self.density.sum(axis=1)
+        peaks, _ = find_peaks(np.log(np.maximum(whole, np.finfo(float).tiny)), prominence=np.log(STANDING_OUT))
+        return np.asarray(self.frequency[peaks[np.argsort(-whole[peaks])][:NAMED]])
+
+    def __str__(self) -> str:
+        rows = [["channel", "rms", "strongest line"]]
+        for k, (name, rms) in enumerate(zip(self.channels, self.rms, strict=True)):
+            rows.append([name, f"{rms:.4g} m/s2", f"{self.frequency[1 + self.density[1:, k].argmax()]:.4g} Hz"])
+        lines = ", ".join(f"{line:.4g}" for line in self.lines)
+        return "\n".join([self.title, *tables.fitted(rows), f"  peaks: {lines + ' Hz' if lines else 'none'}"])
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "frequency [Hz]", *(f"{name} [m2/s4/Hz]" for name in self.channels)
+
+    def columns(self) -> dict[str, Array]:
+        """Frequency, and the density of each channel."""
+        return {"frequency [Hz]": self.frequency} | {f"{name} [m2/s4/Hz]": self.density[:, k] for k, name in enumerate(self.channels)}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OrderSpectra(Tabular):
+    """Amplitudes by order in w windows, by rising speed. All arrays are read-only.
+
+    Attributes:
+        channels: names of the channels.
+        speed: (w,) mean speed of the crank in each window [rad/s].
+        order: (o,) orders, from 1 / turns on [-].
+        amplitude: (w, o, channels) amplitudes of the acceleration, peak values of a sine [m/s2].
+        turns: turns of the crank in a window.
+    """
+
+    channels: tuple[str, ...]
+    speed: Array
+    order: Array
+    amplitude: Array
+    turns: int
+
+    @property
+    def title(self) -> str:
+        low, high = self.speed[0] / RPM, self.speed[-1] / RPM
+        return (
+            f"OrderSpectra: {len(self.speed)} windows of {self.turns} turns, {low:.4g} to {high:.4g} r/min, orders up to {self.order[-1]:g}"
+        )
+
+    def of(self, channel: str, order: float) -> Array:
+        """(w,) amplitudes of one order over the speed [m/s2].
+
+        Args:
+            channel: its name.
+            order: a multiple of 1 / turns.
+
+        Raises:
+            PinpressError: the order is not among those resolved.
+            UnknownNameError: there is no such channel.
+        """
+        if channel not in self.channels:
+            raise UnknownNameError("channel", channel, self.channels)
+        place = int(np.abs(self.order - number("order", order)).argmin())
+        if abs(self.order[place] - order) > 1e-9:
+            raise PinpressError(f"order {order:g} is not resolved: give a multiple of {1 / self.turns:g} up to {self.order[-1]:g}")
+        return np.asarray(self.amplitude[:, place, self.channels.index(channel)])
+
+    def __str__(self) -> str:
+        rows = [["channel", "order", "largest", "at"]]
+        for k, name in enumerate(self.channels):
+            largest = self.amplitude[:, :, k].max(axis=0)
+            beside = np.pad(largest, 1)
+            peaks = np.flatnonzero((largest > beside[:-2]) & (largest >= beside[2:]))  # a window spreads a line over its neighbours
+            peaks = peaks[largest[peaks] > FAINT * largest.max()]
+            for place in sorted(peaks[np.argsort(-largest[peaks])][: NAMED // 2]):
+                window = int(self.amplitude[:, place, k].argmax())
+                frequency = self.order[place] * self.speed[window] / (2 * np.pi)
+                where = f"{self.speed[window] / RPM:.4g} r/min, {frequency:.4g} Hz"
+                rows.append([name, f"{self.order[place]:g}", f"{largest[place]:.4g} m/s2", where])
+        return "\n".join([self.title, *tables.fitted(rows)])
+
+    def columns(self) -> dict[str, Array]:
+        """A row for each window and order: speed, order, frequency, and the amplitude of each channel."""
+        speed, order = (each.ravel() for each in np.meshgrid(self.speed, self.order, indexing="ij"))
+        columns = {"speed [rad/s]": speed, "order [-]": order, "frequency [Hz]": order * speed / (2 * np.pi)}
+        return columns | {f"{name} [m/s2]": self.amplitude[:, :, k].ravel() for k, name in enumerate(self.channels)}
+
+
+def spectra(runs: Sequence[VibrationRun], channels: tuple[str, ...], resolution: float | None) -> Spectra:
+    """Spectral densities, see `VibrationRecord.spectra`."""
+    from scipy.signal import welch  # slow to import
+
+    rate = runs[0].rate
+    for run in runs:
+        if abs(run.rate - rate) > 1e-3 * rate:
+            raise PinpressError(f"{run.name} is sampled at {run.rate:.6g} Hz, {runs[0].name} at {rate:.6g} Hz: give spectra of each alone")
+    shortest = min(len(run.time) for run in runs)
+    wanted = WINDOWS * rate / shortest if resolution is None else number("resolution", resolution, "Hz", positive=True)
+    length = round(rate / wanted)
+    if not 8 <= length <= shortest:
+        raise PinpressError(
+            f"resolution {wanted:g} Hz asks for windows of {length} samples; the shortest run has {shortest}: give {rate / shortest:.3g} to"
+            f" {rate / 8:.3g} Hz"
+        )
+    counts = [2 * (len(run.time) // length) - 1 for run in runs]
+    found = [welch(run.acceleration, rate, nperseg=length, axis=0) for run in runs]
+    density = sum(count * part for count, (_, part) in zip(counts, found, strict=True)) / sum(counts)
+    return Spectra(channels, found[0][0], np.asarray(density), sum(counts))
+
+
+def order_spectra(runs: Sequence[VibrationRun], channels: tuple[str, ...], orders: float, turns: int) -> OrderSpectra:
+    """Amplitudes by order, see `VibrationRecord.order_spectra`."""
+    highest, turns = number("orders", orders, positive=True), whole_number("turns", turns, 2, 10_000)
+    speeds, amplitudes = [], []
+    for run in runs:
+        for speed, amplitude in _windows(run, highest, turns):
+            speeds.append(speed)
+            amplitudes.append(amplitude)
+    rising = np.argsort(speeds)
+    kept = int(highest * turns + 1e-9)
+    return OrderSpectra(
+        channels, np.array(speeds)[rising], np.arange(1, kept + 1) / turns, np.array(amplitudes)[rising, 1 : kept + 1], turns
+    )
+
+
+def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float, Array]]:
+    """Mean speed and amplitudes (orders, channels) of each window of a run."""
+    from scipy.interpolate import make_interp_spline  # slow to import
+
+    if run.angle is None:
+        raise PinpressError(f"{run.name}: nothing says where the crank is: give angle=, tacho= or speed= to vibration")
+    angle = run.angle if run.angle[-1] > run.angle[0] else -run.angle
+    if not (np.diff(angle) > 0).all():
+        moment = run.time[int(np.argmin(np.diff(angle)))]
+        raise PinpressError(f"{run.name}: the crank turns back or rests at {moment:.6g} s: give a run in which it keeps turning")
+    count = int((angle[-1] - angle[0]) / (2 * np.pi * turns))
+    if count < 1:
+        turned = (angle[-1] - angle[0]) / (2 * np.pi)
+        raise PinpressError(
+            f"{run.name}: {turned:.4g} turns of the crank, less than a window of {turns}: give turns= less, or a longer run"
+        )
+    fastest = float((np.diff(angle) / np.diff(run.time)).max())
+    needed = 2 / CARRIED * highest * fastest / (2 * np.pi)
+    if run.rate < needed:
+        raise PinpressError(
+            f"{run.name}: order {highest:g} at {fastest / RPM:.4g} r/min is {highest * fastest / (2 * np.pi):.4g} Hz;"
+            f" {run.rate:.6g} samples a second do not carry it: sample at {needed:.4g} Hz, or give fewer orders"
+        )
+    slowest = (angle[-1] - angle[0]) / (run.time[-1] - run.time[0])
+    points = 1 << int(np.ceil(np.log2(max(run.rate * 2 * np.pi / min(slowest, fastest) * 2, 8 * highest))))
+    resampled = make_interp_spline(angle, np.column_stack([run.acceleration, run.time]), k=3)
+    window = np.hanning(turns * points + 1)[:-1, None]
+    found = []
+    for k in range(count):
+        begin = angle[0] + 2 * np.pi * turns * k
+        values = resampled(begin + 2 * np.pi / points * np.arange(turns * points + 1))
+        lines = np.fft.rfft(window * (values[:-1, :-1] - values[:-1, :-1].mean(axis=0)), axis=0)
+        found.append((2 * np.pi * turns / (values[-1, -1] - values[0, -1]), 2 * np.abs(lines) / window.sum()))
+    return [(float(speed), amplitude[: int(highest * turns + 1e-9) + 1]) for speed, amplitude in found]

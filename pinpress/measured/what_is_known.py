@@ -1,0 +1,192 @@
+"""What records can teach of a press, before anybody looks for it: which sums torque and shaking force determine, and how much is learnt.
+
+print(pp.measured.identifiability(press, runs, friction=("crank", "gibs"), cylinder=True))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import number, typed
+from ..common.errors import PinpressError
+from ..common.quantities import Array
+from ..common.results import Record, Records, Tabular
+from ..engines.planar.engine import PlanarEngine
+from ..linkage.linkage import Linkage
+from .estimates.base_parameters import base_parameters
+from .estimates.least_squares import VAGUE
+from .estimates.prior import Losses, Unknowns, unknowns_of
+from .estimates.weak_form import smoothed
+from .identification import checked_radii, checked_runs, loss_rows
+from .records import MeasuredRun
+from .regressor import refuse_losses
+
+KNOWN = 0.3  # doubt below which a parameter counts as known from the records
+LEAST_NOISE = 1e-9  # shares of the largest torque, below which rounding counts
+
+
+@dataclass(frozen=True, repr=False)
+class LearntParameter(Record):
+    """How much is learnt of a parameter.
+
+    Attributes:
+        name: of it.
+        torque: standard deviation after the torques were measured by that before, 0 for fully known, 1 for nothing learnt; of a loss, of
+            which nothing is known before, its deviation in rms torques of the press.
+        shaking: the same where shaking force and moment are measured too.
+    """
+
+    name: str
+    torque: float
+    shaking: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class IdentifiableParameters(Tabular):
+    """What can be known of a press.
+
+    Attributes:
+        press_name: name of the press.
+        columns_in_torque: masses and inertias that the torque depends on.
+        rank: sums of them that it determines, at speeds that change.
+        columns_in_shaking: masses and inertias that torque, shaking force and moment depend on.
+        shaking_rank: sums of them that these determine.
+        sums: those that the torque determines, in words.
+        parameters: how much is learnt of each from these runs.
+        learnt: number of parameters learnt by torque, the trace of information / (information + prior) [-].
+        shaking_learnt: the same by torque, shaking force and moment [-].
+    """
+
+    press_name: str
+    columns_in_torque: int
+    rank: int
+    columns_in_shaking: int
+    shaking_rank: int
+    sums: tuple[str, ...]
+    parameters: Records[LearntParameter]
+    learnt: float
+    shaking_learnt: float
+
+    @property
+    def title(self) -> str:
+        return (
+            f"IdentifiableParameters of {self.press_name}: torque determines {self.rank} sums of {self.columns_in_torque} masses and"
+            f" inertias, with shaking force and moment {self.shaking_rank} of {self.columns_in_shaking}"
+        )
+
+    def columns(self) -> dict[str, tables.Column]:
+        """How much is learnt of each parameter, as columns."""
+        return self.parameters.columns()
+
+    def __str__(self) -> str:
+        lines = [self.title, "  sums that torque determines, whatever is known before:", *(f"    {each}" for each in self.sums)]
+        if not self.parameters:
+            return "\n".join(lines)
+        lines.append(
+            f"  these runs teach {self.learnt:.1f} of {len(self.parameters)} parameters by torque, {self.shaking_learnt:.1f} with shaking"
+            " force;"
+        )
+        lines.append("  doubt that is left, 1 for nothing learnt:")
+        rows = [["", "torque", "and shaking force"]]
+        rows += [[each.name, f"{each.torque:.3f}", f"{each.shaking:.3f}"] for each in self.parameters]
+        return "\n".join([*lines, *tables.fitted(rows, "    ")])
+
+
+@typed
+def identifiability(
+    press: Linkage,
+    runs: Sequence[MeasuredRun] = (),
+    *,
+    prior: float | Mapping[str, float] = 0.2,
+    friction: Sequence[str] = ("crank", "slide_guide"),
+    cylinder: bool = False,
+    radii: Mapping[str, float] | None = None,
+    noise: float = 0.01,
+) -> IdentifiableParameters:
+    """Which masses, inertias and losses of a press records can reveal, by torque and by shaking force beside it.
+
+    Args:
+        press: the press as described, with one crank.
+        runs: records, of which times and angles alone are looked at: ``MeasuredRun(time, angle)`` will do for runs that are planned; none:
+            only what is determined at all is found.
+        prior: as of `identify`.
+        friction: as of `identify`.
+        cylinder: as of `identify`.
+        radii: as of `identify`.
+        noise: standard deviation of one sample by the largest torque, force or moment of the press in these runs.
+
+    Raises:
+        PinpressError: as `identify`, but for the torque, which need not be there; a noise that is not positive.
+        UnknownNameError: a link, pin or kind of friction that does not exist.
+    """
+    refuse_losses(press, friction, cylinder)
+    losses = Losses(tuple(friction), cylinder, checked_radii(press, radii))
+    unknowns = unknowns_of(press, prior, losses)
+    share = number("noise", noise, positive=True)
+    if share < LEAST_NOISE:
+        raise PinpressError(f"noise is {share:g}: give it as a share of the largest torque that is measured, such as 0.01")
+    records = checked_runs(press, runs, for_torque=False) if len(runs) else []
+    shaking = shaking_quantities(press)
+    alone = base_parameters(unknowns.equations)
+    beside = base_parameters(unknowns.equations, ("torque", *shaking))
+    parameters, learnt = [], (0.0, 0.0)
+    if records:
+        doubts, learnt = _learnt(unknowns, records, losses, share, shaking)
+        parameters = [LearntParameter(each.name, *pair) for each, pair in zip(unknowns.parameters, doubts, strict=True) if pair is not None]
+    return IdentifiableParameters(
+        press.name, alone.columns, len(alone.names), beside.columns, len(beside.names), alone.names,
+        Records(LearntParameter, parameters), *learnt,
+    )  # fmt: skip
+
+
+def shaking_quantities(press: Linkage) -> tuple[str, ...]:
+    """Forces and moments on the foundation that tell something of a press: of a planar one those in its plane."""
+    engine = press.engine()
+    if not isinstance(engine, PlanarEngine):
+        return tuple(f"{kind} {axis}" for kind in ("force", "moment") for axis in "xyz")
+    normal = np.abs(engine.plane.normal)
+    forces = [f"force {axis}" for axis, part in zip("xyz", normal, strict=True) if part < 1 - 1e-9]
+    return (*forces, *(f"moment {axis}" for axis, part in zip("xyz", normal, strict=True) if part > 1 - 1e-12))
+
+
+def _learnt(
+    unknowns: Unknowns, runs: Sequence[MeasuredRun], losses: Losses, share: float, shaking: Sequence[str]
+) -> tuple[list[tuple[float, float] | None], tuple[float, float]]:
+    """Doubts of all unknowns by torque and by torque and shaking force, None of what is fixed; and how many are learnt."""
+    equations, inertial, count = unknowns.equations, unknowns.inertial, len(unknowns.parameters)
+    matrices: dict[str, list[Array]] = {name: [] for name in ("torque", *shaking)}
+    largest = dict.fromkeys(matrices, 0.0)
+    for run in runs:
+        smooth = smoothed(run)
+        found = equations.coefficients(smooth.angle, tuple(matrices))
+        for name, each in found.items():
+            rows = smooth.equations(each) if name == "torque" else smooth.without_offset(smooth.equations(each))
+            more = loss_rows(equations.press, smooth, losses) if name == "torque" else np.zeros((len(rows), count - inertial))
+            matrices[name].append(np.concatenate([rows, more], axis=1))
+            values = each.columns(smooth.speed, smooth.acceleration) @ equations.values
+            largest[name] = max(largest[name], float(np.abs(values).max()))
+    whole = {name: np.concatenate(parts) for name, parts in matrices.items()}
+    spread = unknowns.at(np.zeros(inertial))[1]
+    rms = float(np.sqrt(((whole["torque"][:, :inertial] @ equations.values) ** 2).mean()))
+    weight = np.sqrt((whole["torque"][:, inertial:] ** 2).mean(axis=0)) / rms
+    turned = np.diag(np.concatenate([np.ones(inertial), np.divide(1, weight, out=np.zeros_like(weight), where=weight > 0)]))
+    turned[:inertial, :inertial] = spread
+    moving = np.abs(turned).max(axis=0) > 0
+    turned, wide = turned[:, moving], np.where(np.flatnonzero(moving) < inertial, 1.0, VAGUE)
+    before = np.sqrt((turned[:inertial] ** 2).sum(axis=1))
+    information, doubts, learnt = np.diag(1 / wide**2), [], []
+    for names in (("torque",), tuple(shaking)):
+        for name in names:
+            scaled = whole[name] @ turned / (share * largest[name])
+            information = information + scaled.T @ scaled
+        covariance = np.linalg.inv(information)
+        learnt.append(float((1 - np.diag(covariance) / wide**2).sum()))
+        after = np.sqrt(np.diag(turned @ covariance @ turned.T))
+        doubts.append(np.concatenate([after[:inertial] / np.where(before > 0, before, 1.0), after[inertial:] * weight]))
+    pairs = [(float(a), float(b)) for a, b in zip(*doubts, strict=True)]
+    there = [*(before > 0), *(weight > 0)]
+    return [pair if known else None for pair, known in zip(pairs, there, strict=True)], (learnt[0], learnt[1])

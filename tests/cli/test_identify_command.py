@@ -1,0 +1,48 @@
+"""`pinpress identify`: what it prints and writes is what the library gives; what it says of wrong words."""
+
+from pathlib import Path
+
+import pytest
+from support.texts import shipped
+
+import pinpress as pp
+from pinpress.cli.main import main
+
+RECORDS = [Path(__file__).resolve().parents[2] / "docs" / "records" / f"{strokes}.csv" for strokes in (21, 42, 63)]
+COLUMNS = ["--angle", "crank [deg]", "--torque", "motor [N m]", "--ratio", "20.7"]
+
+
+def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
+    """The slide of these records has 7640 kg, 8 % more than described."""
+    press = shipped("zxn2_3000b")
+    arguments = [*map(str, RECORDS), *COLUMNS, "--friction", "crank,gibs", "--cylinder", "--prior", "0.15", "--out", str(tmp_path / "out")]
+    assert main(["identify", "zxn2_3000b", *arguments]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    runs = [pp.measured.record(file, "crank [deg]", "motor [N m]", ratio=20.7) for file in RECORDS]
+    options = {"prior": 0.15, "friction": ("crank", "gibs"), "cylinder": True}
+    found = pp.measured.identify(press, runs, **options)
+    for part in (found, pp.measured.identifiability(press, runs, **options), *(run.title for run in runs), "starts anew"):
+        assert str(part) in out
+    low, high = found.intervals["slide mass"]
+    assert low < 7640 < high
+    assert (tmp_path / "out" / "parameters.csv").read_text().startswith("name,unit,before")
+    again = pp.load(tmp_path / "out" / "identified.urdf")
+    joint = again.joints.index("slide_guide") + 1
+    assert again.model.inertias[joint].mass == pytest.approx(found.values["slide mass"], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--friction", "pin"], "did you mean 'pins'"),
+        (["--torque", "engine"], "no column in"),
+        (["--added", "22.csv:slide=200"], "names no record: write RECORD:LINK=KG, as in --added 21.csv:slide=200"),
+        (["--added", "21.csv:slide=heavy"], "the mass is no number"),
+    ],
+)
+def test_wrong_words(capsys, words, said):
+    assert main(["identify", "zxn2_3000b", str(RECORDS[0]), *COLUMNS, *words]) == 2
+    out, err = capsys.readouterr()
+    assert said in err
+    assert out == ""

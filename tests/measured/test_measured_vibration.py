@@ -1,0 +1,226 @@
+"""Vibrations measured by accelerometers: spectra, orders, modes from hits, mounts fitted to them, against systems of which all is known."""
+
+import numpy as np
+import pytest
+from support import hammer_hits
+from support.hammer_hits import BEGIN, RATE, SENSORS, columns, standing
+
+from pinpress import RPM, PinpressError, PinpressWarning, UnknownNameError, foundation, measured
+
+ONE = {"A [m/s2]": measured.Accelerometer((0.0, 0.0, 1.0), "x")}
+TIME = np.arange(20_000) / 1000.0
+
+
+def one(values, **more):
+    """A record of one channel at 1000 Hz."""
+    return measured.vibration({"time [s]": TIME[: len(values)], "A [m/s2]": values}, ONE, **more)
+
+
+# --------------------------------------------------------------------------------------------------------------------------------- reading
+
+
+def test_units_gains_and_directions(tmp_path):
+    """A column in V with a gain, one in g, and the same in m/s2 are one acceleration; a file of points says what a mapping does."""
+    wave = np.sin(2 * np.pi * 8 * TIME[:2000])
+    table = {"t [ms]": 1000 * TIME[:2000], "a [V]": wave, "b [g]": wave, "c [m/s2]": 9.80665 * wave}
+    points = {
+        "a [V]": measured.Accelerometer((1, 2, 3), "-y", gain=9.80665),
+        "b [g]": measured.Accelerometer(("crown", (1, 2, 3)), (0, 0, 2)),
+        "c [m/s2]": measured.Accelerometer((1, 2, 3), "x"),
+    }
+    record = measured.vibration(table, points)
+    np.testing.assert_allclose(record.runs[0].acceleration, 9.80665 * np.column_stack([wave] * 3), atol=1e-12)
+    assert record.runs[0].rate == pytest.approx(1000.0)
+    np.testing.assert_array_equal([sensor.along for sensor in record.accelerometers.values()], [(0, -1, 0), (0, 0, 1), (1, 0, 0)])
+    (tmp_path / "points.csv").write_text(
+        "channel,x [m],y [m],z [m],direction,part,gain\na [V],1,2,3,-y,,9.80665\nb [g],1,2,3,z,crown,\nc [m/s2],1,2,3,x,bed,\n"
+    )
+    np.savetxt(tmp_path / "run.csv", np.column_stack(list(table.values())), delimiter=",", header=",".join(table), comments="", fmt="%.12g")
+    same = measured.vibration(tmp_path / "run.csv", tmp_path / "points.csv")
+    np.testing.assert_allclose(same.runs[0].acceleration, record.runs[0].acceleration, atol=1e-9)
+    assert same.accelerometers["b"].on_crown
+    assert "crown 1, 2, 3 m" in str(same)
+
+
+def test_an_accelerometer_reads_the_motion_of_its_point():
+    """A turn about x by 1 moves a point at (1, 2, 3) by (0, -3, 2)."""
+    sensor = measured.Accelerometer(("crown", (1.0, 2.0, 3.0)), "z")
+    np.testing.assert_array_equal(sensor.row(2), [0, 0, 0, 0, 0, 0, 0, 0, 1, 2, -1, 0])
+    np.testing.assert_array_equal(measured.Accelerometer((1.0, 2.0, 3.0), "-y").row(1), [0, -1, 0, 3, 0, -1])
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: measured.Accelerometer((0, 0), "z"), r"point is \(0, 0\)"),
+        (lambda: measured.Accelerometer((0, 0, 0), "w"), "direction is 'w': give one of x, y, z"),
+        (lambda: measured.Accelerometer((0, 0, 0), "z", gain=0.0), "gain is 0.0"),
+        (lambda: measured.vibration({"time [s]": TIME, "A [V]": TIME}, {"A [V]": ONE["A [m/s2]"]}), "is in V: name it in one of m/s2"),
+        (lambda: measured.vibration({"time [s]": TIME, "A": TIME}, {"A": ONE["A [m/s2]"]}), "has no unit"),
+        (lambda: measured.vibration({"time [s]": TIME, "B [g]": TIME}, ONE), "no column in run 1 of the name 'A'"),
+        (lambda: measured.vibration({"time [s]": TIME**1.2, "A [m/s2]": TIME}, ONE), "not in equal steps"),
+        (lambda: measured.vibration({"time [s]": TIME, "A [m/s2]": np.sin(TIME)}, {}), "points is {}"),
+        (lambda: one(np.sin(TIME), speed=3.0, tacho="A"), "several of angle, tacho and speed"),
+        (lambda: one(np.sin(TIME), speed=-3.0), "speed is -3.0: give one positive speed"),
+        (lambda: one(np.sin(TIME), tacho="A [m/s2]", pulses=0), "pulses is 0"),
+        (lambda: one(np.sin(TIME)).order_spectra(), "nothing says where the crank is"),
+        (lambda: one(np.sin(TIME), speed=2.0).order_spectra(turns=8), "6.366 turns of the crank, less than a window of 8"),
+        (lambda: one(np.sin(TIME), speed=300.0).order_spectra(12), "is 573 Hz; 1000 samples a second do not carry it"),
+        (lambda: one(np.sin(TIME)).spectra(1e-3), "resolution 0.001 Hz asks for windows of 1000000 samples"),
+        (lambda: one(np.sin(TIME)).modes(), "neither beside nor band"),
+        (lambda: one(np.sin(TIME)).modes(band=(5, 450)), "1000 samples a second do not carry 450 Hz"),
+        (lambda: one(np.sin(50 * TIME)).modes(band=(2, 50)), "no hit stands out"),
+        (lambda: one(np.sin(TIME)).modes(band=(5, 50), hits=[30.0]), "give times from 0 to 19.999 s"),
+        (lambda: one(np.sin(TIME)).decrement("B", (5, 50)), "no channel 'B'"),
+    ],
+)
+def test_records_that_cannot_be_used_are_named(make, says):
+    with pytest.raises(PinpressError, match=says):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        (np.zeros(1000), "silent, 0 in all samples"),
+        (np.clip(np.sin(50 * TIME), -0.7, 0.7), "stays at its extreme for"),
+        (1e5 * np.sin(50 * TIME), "look at its unit, or at its gain"),
+    ],
+)
+def test_doubtful_channels_are_warned_of(values, says):
+    with pytest.warns(PinpressWarning, match=says):
+        one(values)
+
+
+# --------------------------------------------------------------------------------------------------------------------------------- spectra
+
+
+def test_densities_hold_the_mean_square_and_lines_stand_where_they_are():
+    """Parseval: a sine of amplitude 2 and noise of 0.5 have the mean square 2.25."""
+    rng = np.random.default_rng(1)
+    found = one(2 * np.sin(2 * np.pi * 37 * TIME) + 0.5 * rng.normal(size=len(TIME))).spectra(0.5)
+    assert found.rms[0] == pytest.approx(1.5, rel=0.02)
+    assert found.lines[0] == pytest.approx(37.0)
+    np.testing.assert_allclose(np.diff(found.frequency), 0.5)
+    assert found.density[300:, 0].mean() == pytest.approx(0.25 / 500, rel=0.05)
+
+
+@pytest.mark.parametrize("how", ["angle", "tacho"])
+def test_orders_stay_sharp_while_the_speed_changes(how):
+    """A run-up from 150 to 450 r/min: amplitudes 1 and 0.3 at orders 1 and 2.5, and a vibration at 20 Hz that is no order."""
+    speed = RPM * (150 + 15 * TIME)
+    angle = np.cumsum(speed) / 1000.0
+    values = np.sin(angle) + 0.3 * np.cos(2.5 * angle + 0.2)
+    columns = {"time [s]": TIME, "A [m/s2]": values, "crank [deg]": np.degrees(angle) % 360, "tacho [V]": 5.0 * (np.sin(angle) > 0)}
+    record = measured.vibration(columns, ONE, **({"angle": "crank [deg]"} if how == "angle" else {"tacho": "tacho"}))
+    found = record.order_spectra(4, turns=8)
+    tolerance = 2e-3 if how == "angle" else 0.02  # between pulses a sample long the angle is a guess
+    np.testing.assert_allclose(found.of("A", 1), 1.0, rtol=tolerance)
+    np.testing.assert_allclose(found.of("A", 2.5), 0.3, rtol=10 * tolerance)
+    assert found.of("A", 3.5).max() < 0.01
+    assert (np.diff(found.speed) > 0).all()
+    assert found.speed[0] / RPM == pytest.approx(150 + 15 * 1.45, rel=0.05)
+    with pytest.raises(PinpressError, match=r"order 2\.3 is not resolved: give a multiple of 0\.125"):
+        found.of("A", 2.3)
+
+
+def test_given_speeds_lay_runs_beside_each_other():
+    runs = [{"time [s]": TIME, "A [m/s2]": size * np.sin(speed * TIME)} for size, speed in ((1.0, 20.0), (4.0, 40.0))]
+    found = measured.vibration(runs, ONE, speed=[20.0, 40.0]).order_spectra(3, turns=10)
+    np.testing.assert_allclose(found.of("A", 1), np.where(found.speed < 30, 1.0, 4.0), rtol=1e-3)
+    assert "OrderSpectra" in str(found)
+    with pytest.raises(PinpressError, match="or 2, one for each run"):
+        measured.vibration(runs, ONE, speed=[20.0, 30.0, 40.0])
+
+
+# ----------------------------------------------------------------------------------------------------------------------------------- modes
+
+
+def test_modes_of_a_press_are_found_from_three_hits():
+    """All six modes, the first two of them closer than their damping is wide: frequencies to 0.02 %, damping to 1e-4, shapes to 0.998."""
+    record = measured.vibration(columns(), SENSORS)
+    exact = foundation.modes(standing())
+    found = record.modes(beside=exact)
+    np.testing.assert_allclose(found.hits, [BEGIN / RATE, 2 * BEGIN / RATE + 8, 3 * BEGIN / RATE + 16], atol=0.05)
+    np.testing.assert_allclose(found.natural_frequency, exact.natural_frequency, rtol=2e-4)
+    np.testing.assert_allclose(found.damping_ratio, hammer_hits.free(0)[1], atol=1e-4)
+    assert found.partner == (0, 1, 2, 3, 4, 5)
+    assert found.mac[range(6), range(6)].min() > 0.998
+    assert found.energy_share.sum() == pytest.approx(1.0)
+    assert "rocking about y" in str(found)
+    assert found.doubts == ()
+
+
+@pytest.mark.exhaustive
+def test_deviations_of_modes_are_those_of_many_records():
+    exact = foundation.modes(standing())
+    errors = []
+    for seed in range(60):
+        found = measured.vibration(columns(noise=0.1, seed=seed), SENSORS).modes(beside=exact)
+        errors.append((found.natural_frequency - exact.natural_frequency) / found.natural_frequency_deviation)
+        errors.append((found.damping_ratio - hammer_hits.free(0)[1]) / found.damping_ratio_deviation)
+    spread = np.sqrt(np.mean(np.square(errors)))
+    assert 0.85 < spread < 1.15  # 720 errors: 3 %
+    assert np.abs(errors).max() < 5
+
+
+def test_without_noise_modes_are_exact():
+    found = measured.vibration(columns(noise=0.0), SENSORS).modes(
+        band=(2, 30), hits=[BEGIN / RATE, 2 * BEGIN / RATE + 8, 3 * BEGIN / RATE + 16]
+    )
+    np.testing.assert_allclose(found.natural_frequency, foundation.modes(standing()).natural_frequency, rtol=1e-6)
+    assert found.beside is None
+    assert found.partner == (-1,) * 6
+    assert "calculated" not in str(found)
+
+
+def test_a_soft_hammer_a_hum_and_a_frame_that_bends():
+    """Blows of 12 ms, a hum at 50 Hz, a bending mode at 90 Hz and 2 % noise: all six modes, the bending one, and the hum by its name."""
+    table, rng = columns(noise=0.02, seed=3, seconds=4.0), np.random.default_rng(0)
+    time, pulse, w = table["time [s]"], np.hanning(7) / np.hanning(7).sum(), 2 * np.pi * 90
+    bending = np.zeros(len(time))
+    for begin, size in ((BEGIN, 1.0), (2 * BEGIN + 2000, -0.6), (3 * BEGIN + 4000, 0.8)):
+        bending[begin:] += size * np.exp(-0.01 * w * (time[begin:] - time[begin])) * np.sin(w * (time[begin:] - time[begin]))
+    for name in SENSORS:
+        hum = 0.05 * rng.normal() * np.sin(2 * np.pi * 50 * time + rng.normal())
+        table[name] = np.convolve(table[name], pulse)[: len(time)] + rng.normal() * bending + hum + 0.1 * rng.normal()
+    found = measured.vibration(table, SENSORS).modes(band=(2, 120))
+    expected = [*foundation.modes(standing()).natural_frequency, 2 * np.pi * 50, w]
+    np.testing.assert_allclose(found.natural_frequency, expected, rtol=2e-3)
+    np.testing.assert_allclose(found.damping_ratio, [*(hammer_hits.free(0)[1],) * 6, 0.0, 0.01], atol=2e-3)
+    assert found.doubts == ("50 Hz does not die away: it is a hum, or a machine that runs nearby, and no mode",)
+
+
+def test_one_hit_does_not_tell_close_modes_apart():
+    with pytest.warns(PinpressWarning, match="are closer than their damping is wide: 1 hit mixes their shapes"):
+        measured.vibration(columns(blows=(0,), noise=1e-3), SENSORS).modes(band=(2, 30))
+
+
+def test_decrement_of_one_channel_in_a_band():
+    """The band holds the mode of 23.9 Hz alone; its neighbour at 19.5 Hz is left out."""
+    record = measured.vibration(columns(blows=(2,), noise=1e-3), SENSORS)
+    ratio = hammer_hits.free(0)[1]
+    start = BEGIN / RATE + 0.05
+    assert record.decrement("Bz", (22, 26), start=start) == pytest.approx(2 * np.pi * ratio, rel=0.15)
+    with pytest.raises(UnknownNameError):
+        record.decrement("Fz", (18, 21))
+
+
+# ---------------------------------------------------------------------------------------------------------------------------------- mounts
+
+
+def test_mounts_are_fitted_to_measured_frequencies():
+    """Pads of 60 Shore A that were thought to be of 70: the factors on their stiffness are known, and so is the loss."""
+    thought, real = standing(70.0, 0.03), standing()
+    found = measured.vibration(columns(), SENSORS).modes(beside=foundation.modes(thought))
+    fitted = measured.fit_mounts(thought, found)
+    expected = [*np.divide(real.mounts[0].stiffness, thought.mounts[0].stiffness), 2 * hammer_hits.free(0)[1]]
+    np.testing.assert_allclose(fitted.values, expected, rtol=0.01)
+    assert ((fitted.intervals[:, 0] < expected) & (expected < fitted.intervals[:, 1])).all()
+    np.testing.assert_allclose(fitted.frequency, found.natural_frequency, rtol=1e-3)
+    np.testing.assert_allclose(foundation.modes(fitted.system).natural_frequency, foundation.modes(real).natural_frequency, rtol=1e-3)
+    assert "stiffness of mounts along z" in str(fitted)
+    with pytest.raises(PinpressError, match="have no dampers to be multiplied"):
+        measured.fit_mounts(thought, found, damping="viscous")
+    with pytest.raises(PinpressError, match="damping is 'rubber'"):
+        measured.fit_mounts(thought, found, damping="rubber")

@@ -1,0 +1,144 @@
+"""Plans of measuring: what motions tell, against least squares of their samples, and shares of the time against any others."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from support.texts import shipped
+
+import pinpress as pp
+from pinpress import RPM, PinpressError, PinpressWarning
+from pinpress.measured import measuring_motions, plan
+from pinpress.measured.regressor import inertial_equations, loss_columns
+
+PRESS = "zxn2_3000b"
+WANTED = ["crank friction", "crank viscous friction", "gibs friction", "cylinder stiffness", "crank I", "slide mass"]
+EXPECTED = {
+    "crank friction": 1500.0,
+    "crank viscous friction": 200.0,
+    "gibs friction": 5000.0,
+    "cylinder force": 8e4,
+    "cylinder stiffness": 5e4,
+}
+
+
+@cache
+def motions():
+    return dict(measuring_motions(shipped(PRESS), [30 * RPM, 50 * RPM, 70 * RPM], strokes=(1.0, 2.6)))
+
+
+def planned(names, **more):
+    return plan(
+        shipped(PRESS), {name: motions()[name] for name in names}, noise=1380.0, cylinder=True, expected=EXPECTED, wanted=WANTED, **more
+    )
+
+
+def test_deviations_are_those_of_least_squares():
+    """A record of 26 strokes at 500 Hz, sampled anew: rows of the samples beside those of the prior."""
+    press, speed, swing = shipped(PRESS), 50 * RPM, 50 * RPM / 2.6
+    seconds = 26 * 2 * np.pi / speed
+    time = np.arange(round(500 * seconds)) / 500
+    angle = speed * time - 0.3 * speed / swing * (np.cos(swing * time) - 1)
+    state = angle, speed * (1 + 0.3 * np.sin(swing * time)), 0.3 * speed * swing * np.cos(swing * time)
+    equations = inertial_equations(press)
+    columns = equations.coefficients(angle)["torque"].columns(*state[1:])
+    columns = np.hstack([columns, loss_columns(press, *state, ("crank", "gibs"), True)]) / 1380.0
+    sizes = [0.2 * each.size for each in equations.parameters] + [2 * each for each in EXPECTED.values()]
+    covariance = np.linalg.inv(columns.T @ columns + np.diag(np.divide(1.0, sizes) ** 2))
+    names = [each.name for each in equations.parameters] + list(EXPECTED)
+    found = planned(["50 r/min ±30 % in 2.6 strokes"], time=seconds)
+    np.testing.assert_allclose(found.deviation, [np.sqrt(covariance[k, k]) for k in map(names.index, WANTED)], rtol=0.01)
+
+
+def small():
+    return shipped("crank_slide"), {"even": pp.cycle(shipped("crank_slide"), 7.0, points=24)}
+
+
+def test_what_single_motions_leave_unknown():
+    """One speed tells neither kind of friction from the other, nor does one that swings with the stroke; a period of 2.6 strokes does."""
+    with pytest.warns(PinpressWarning, match="crank friction, crank viscous friction, crank I: these motions do not tell it"):
+        even = planned(["70 r/min"])
+    assert even.worst > 2.0
+    assert even.unknown[0] == ("crank friction", "crank viscous friction", "crank I")
+    assert "at one speed friction" in str(even)
+    with pytest.warns(PinpressWarning, match="do not tell it"):
+        in_step = planned(["50 r/min ±30 % in 1 strokes"])
+    assert in_step.worst == pytest.approx(1.82, abs=0.02)
+    assert "in step with the stroke" in in_step.why[0]
+    free = planned(["50 r/min ±30 % in 2.6 strokes"])
+    assert free.worst == pytest.approx(0.258, abs=0.005)
+    assert free.unknown == ((),)
+    assert free.why == ("",)
+
+
+def test_shares_are_the_best_there_are():
+    """No other shares, drawn at random, make the sum of squares of relative deviations less than the proof allows."""
+    found = planned(list(motions()))
+    assert found.gap < 2e-3
+    assert found.share.sum() == pytest.approx(1.0)
+    best = (found.interval**2).sum()
+    assert best < (found.interval_alone**2).sum(axis=1).min()
+    rng = np.random.default_rng(5)
+    for _ in range(6):
+        two = rng.choice(len(motions()), 2, replace=False)
+        part = {name: motions()[name] for name in np.array(list(motions()))[two]}
+        other = plan(shipped(PRESS), part, noise=1380.0, cylinder=True, expected=EXPECTED, wanted=["slide mass"])
+        assert other.worst >= 0  # of two motions the best shares for another aim are shares for this one too
+        pair = planned_for(other.share, list(part))
+        assert pair >= best * (1 - found.gap)
+
+
+def planned_for(share, names):
+    """Sum of squares of intervals for given shares, from the times in which each motion is measured."""
+    information = 0.0
+    for each, name in zip(share, names, strict=True):
+        information = information + each * informed(name)
+    press = shipped(PRESS)
+    sizes = np.array([0.2 * each.size for each in inertial_equations(press).parameters] + [2 * each for each in EXPECTED.values()])
+    covariance = np.linalg.inv(information + np.diag(1 / sizes**2))
+    names = [each.name for each in inertial_equations(press).parameters] + list(EXPECTED)
+    places = [names.index(name) for name in WANTED]
+    true = np.array([*(each.size for each in inertial_equations(press).parameters), *EXPECTED.values()])
+    return float((1.96**2 * np.diag(covariance)[places] / true[places] ** 2).sum())
+
+
+@cache
+def informed(name):
+    """(p, p) information of 24 s of a motion at 500 Hz."""
+    press, motion = shipped(PRESS), motions()[name]
+    states = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
+    columns = np.hstack([inertial_equations(press).columns(motion), loss_columns(press, *states, ("crank", "gibs"), True)])
+    return 24 * 500 / 1380.0**2 * columns.T @ columns / len(columns)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: measuring_motions(shipped(PRESS), [-3.0]), "give positive speeds"),
+        (lambda: measuring_motions(shipped(PRESS), [3.0], swing=1.0), "swing is 1"),
+        (lambda: plan(shipped(PRESS), {}, noise=1.0), "motions is {}"),
+        (lambda: plan(shipped("crank_slide"), motions(), noise=1.0), "is one of zxn2_3000b, not of crank_slide"),
+        (lambda: planned(["70 r/min"], time=0.0), "time is 0.0"),
+        (lambda: plan(*small(), noise=1.0, expected={"cranck friction": 3.0}), "no loss 'cranck friction', did you mean"),
+        (lambda: plan(*small(), noise=1.0, wanted=[]), "wanted is empty"),
+        (lambda: plan(*small(), noise=1.0, wanted=["slid mass"]), "no parameter 'slid mass'"),
+    ],
+)
+def test_plans_that_make_no_sense_are_named(make, says):
+    with pytest.raises(PinpressError, match=says):
+        make()
+
+
+def test_motions_are_named_and_swing():
+    found = measuring_motions(shipped(PRESS), [5.0], swing=0.2, strokes=(2.6, 3.4))
+    assert list(found) == ["47.75 r/min", "47.75 r/min ±20 % in 2.6 strokes", "47.75 r/min ±20 % in 3.4 strokes"]
+    for name, motion in found.items():
+        assert np.ptp(motion.crank_speed) == pytest.approx(0.0 if "±" not in name else 2.0, rel=0.01)
+        np.testing.assert_allclose(np.gradient(motion.crank_angle, motion.time)[5:-5], motion.crank_speed[5:-5], rtol=2e-3)
+
+
+def test_default_aims_are_what_can_be_told():
+    found = plan(shipped("crank_slide"), measuring_motions(shipped("crank_slide"), [7.0], count=4), noise=5.0)
+    assert {"crank friction", "crank viscous friction", "gibs friction"} <= set(found.parameters)
+    assert len(found.parameters) < 12
+    assert pp.measured.MeasuringPlan is type(found)
