@@ -15,8 +15,8 @@ from support.generators.small_linkages import two_cranks
 from support.in_browser import data_in
 
 import pinpress as pp
-from pinpress.cli import part_specs
 from pinpress.cli.main import main
+from pinpress.cli.words import part_specs
 from pinpress.visual.reports.blocks import Line, covered
 
 SPEED = 70 * pp.RPM

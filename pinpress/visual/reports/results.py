@@ -24,7 +24,14 @@ from ...servo.motion_optimum import MotionOptimum
 from ...servo.sizing import EnergyStore, MotorChoice
 from ...simulation.elastic.elastic_run import ElasticRun
 from ...simulation.run import Run
-from . import balancing, driving, elastic_motion, elasticity, foundation, ratings, servo
+from ...tolerances.accuracy_budget import AccuracyBudget
+from ...tolerances.allocation import AllocatedTolerances
+from ...tolerances.clearances import SlidePlay
+from ...tolerances.clearances_over_speed import DeadCentresInClearances
+from ...tolerances.dead_centre_scatter import DeadCentreScatter
+from ...tolerances.points import SlideParallelism
+from ...tolerances.temperatures import HeatShift
+from . import balancing, driving, elastic_motion, elasticity, foundation, ratings, servo, tolerances
 from .blocks import Section
 from .shown import Shown
 
@@ -51,6 +58,13 @@ MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     MotionComparison: servo.comparison,
     MotorChoice: servo.choice,
     EnergyStore: servo.energy_store,
+    DeadCentreScatter: tolerances.dead_centres,
+    AllocatedTolerances: tolerances.allocated,
+    SlidePlay: tolerances.play,
+    DeadCentresInClearances: tolerances.over_speeds,
+    HeatShift: tolerances.heat,
+    AccuracyBudget: tolerances.budget,
+    SlideParallelism: tolerances.parallelism,
 }
 
 

@@ -1,0 +1,243 @@
+"""`pinpress tolerances`: how exact the bottom dead centre of a press is, which dimension decides, and the cheapest tolerances."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from ..common.errors import PinpressError
+from ..common.files import make_folder
+from ..common.quantities import RPM
+from ..dynamics.inputs import Inputs, of_press, stated
+from .words.options import add_out_option, add_press_options, load_press, print_inputs, say_written
+from .words.units import quantity, read_quantity
+
+if TYPE_CHECKING:
+    from ..linkage.linkage import Linkage
+    from ..tolerances.accuracy_budget import AccuracyBudget
+    from ..tolerances.allocation import AllocatedTolerances
+    from ..tolerances.dead_centre_scatter import DeadCentreScatter
+    from ..tolerances.dimension_table import DimensionTable
+
+Key = TypeVar("Key", str, float)
+SAMPLES = 100_000
+QUANTITIES = {"height": "bottom dead centre", "top": "top dead centre", "stroke": "the stroke"}
+EPILOG = """\
+--dimensions is a table, a CSV file with these columns, of which the first two are needed:
+  dimension           length E F: between two pins of a link; angle C D E: between two arms of a link;
+                      position A x: of a pin or guide in the frame; position E x rocker: in another link
+  tolerance           +/- of the dimension
+  unit                mm (where there is none), um, m; of angles deg, rad
+  shape, sd           normal (where there is none), uniform or truncated; standard deviation, by default a third
+  name                in results
+  cost                at this tolerance; half of it costs twice as much (where there is none: 1)
+  smallest, largest   tolerances that can be made (where there are none: a tenth and the tenfold)
+or a YAML file with a list of such entries, - {dimension: length E F, tolerance: 0.05}.
+
+--budget 10,50,70 adds what moves bottom dead centre at these speeds against the first one, at which the die is set: --clearance F=50um
+for each bearing, --stiffness E=3e9 for each that yields, --warm rod=10 for each link that is warmer by so many kelvins, --process 500kN.
+
+numbers are in SI units, lengths in m, also with a unit of their own: 50um.
+e.g. pinpress tolerances zxn2_3000b --dimensions docs/zxn2_dimensions.csv --within 50um --force 6mm=3000kN --target height=50um --out out
+"""
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Put `tolerances` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "tolerances",
+        help="how exact bottom dead centre and stroke are, which dimension decides, and the cheapest tolerances",
+        description="Close a sample of presses with dimensions that scatter, and print how exact their dead centres are: the band of\n"
+        "99.73 % of the presses, the worst corners, the dimensions by their shares. With --target the cheapest tolerances are\n"
+        "found, and proved to be so. With --budget the bottom dead centre by clearances, springs and heat over the speed. With\n"
+        "--out it also writes dimensions.csv, with --target allocated.csv, with --budget budget.csv, and where Matplotlib is\n"
+        "installed tolerances.png and budget.png.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    option("--dimensions", type=Path, required=True, metavar="TABLE", help="dimensions with their tolerances, CSV or YAML, see below")
+    option("--within", type=quantity("m"), metavar="M", help="largest deviation of bottom dead centre; prints how many presses keep it")
+    option(
+        "--force", action="append", default=[], metavar="H=N", help="force at a height above bottom dead centre: the crank's torque there"
+    )
+    option(
+        "--speed",
+        action="append",
+        default=[],
+        metavar="H=RPM",
+        help="crank speed at a height: the slide's speed there; both on the way down",
+    )
+    option(
+        "--target",
+        action="append",
+        default=[],
+        metavar="QUANTITY=M",
+        help="largest deviation for 3 standard deviations of height (bottom dead centre), top or stroke: the cheapest tolerances; may be"
+        " given once for each",
+    )
+    _add_budget_options(parser)
+    option("--samples", type=int, default=SAMPLES, metavar="N", help="number of presses (default: %(default)s)")
+    option("--seed", type=int, default=0, metavar="N", help="of the random numbers (default: %(default)s)")
+    add_press_options(parser)
+    add_out_option(parser, "the files")
+    parser.set_defaults(run=run)
+
+
+def _add_budget_options(parser: argparse.ArgumentParser) -> None:
+    """The options of the accuracy budget."""
+    option = parser.add_argument
+    option("--budget", metavar="RPM,RPM", help="crank speeds of the accuracy budget; the press is set at the first one, idle and cold")
+    option("--clearance", action="append", default=[], metavar="BEARING=M", help="radial clearance of a bearing; of a guide on each side")
+    option("--stiffness", action="append", default=[], metavar="BEARING=N/m", help="stiffness of a bearing")
+    option("--warm", action="append", default=[], metavar="LINK=K", help="by how much a link, or the frame, is warmer than when it was set")
+    option("--expansion", type=quantity("1/K"), metavar="1/K", help="linear expansion of all links (default: steel, 12e-6)")
+    option("--table", type=quantity("m"), metavar="M", help="place of the table in world coordinates, where the frame is warm")
+    option("--face", type=quantity("m"), metavar="M", help="place of the slide's face from its origin, where the slide is warm")
+    option("--process", type=quantity("N"), default=0.0, metavar="N", help="force on the slide at bottom dead centre in production")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print what tolerances make of the press, and write the files.
+
+    Raises:
+        PinpressError: an option or the table is at fault, presses cannot be closed, a target cannot be kept, or writing fails.
+    """
+    from ..tolerances.allocation import allocate  # both to save start-up time, that of all other commands
+    from ..tolerances.dead_centre_scatter import bottom_dead_centre
+    from ..tolerances.dimension_table import read_dimensions
+
+    forces, speeds = _by_height("--force", options.force, "N", 1.0), _by_height("--speed", options.speed, "r/min", RPM)
+    targets = _named("--target", options.target, _quantity, "m", 1.0, "height=50um")
+    press = load_press(options)
+    table = read_dimensions(press, options.dimensions)
+    found = bottom_dead_centre(press, table.parts, forces=forces, speeds=speeds, samples=options.samples, seed=options.seed)
+    budgeted = _budgeted(press, found, options)
+    allocated = allocate(press, table.parts, table.costs, targets, table.bounds) if targets else None
+    within = None if options.within is None else found.within(options.within)
+    if options.out is not None:
+        make_folder(options.out)
+    print(found)
+    if within is not None:
+        print(f"  within {1e6 * options.within:g} um at bottom dead centre: {100 * within:.4g} % of the presses")
+    if allocated is not None:
+        print(f"\n{allocated}")
+    if budgeted is not None:
+        print(f"\n{budgeted}")
+    print_inputs([*of_press(press), *_in_words(options, table), stated()])
+    if options.out is not None:
+        _write(found, allocated, budgeted, options)
+    return 0
+
+
+def _budgeted(press: Linkage, machining: DeadCentreScatter, options: argparse.Namespace) -> AccuracyBudget | None:
+    """The accuracy budget that the options ask for; None for none.
+
+    Raises:
+        PinpressError: one of its options without --budget, or one that is at fault.
+    """
+    words = {name: getattr(options, name) for name in ("clearance", "stiffness", "warm")}
+    if options.budget is None:
+        if given := [f"--{name}" for name in words if words[name]]:
+            raise PinpressError(f"{', '.join(given)} belong to the accuracy budget: give its speeds too, --budget 10,70")
+        return None
+    from ..elasticity.springs import Stiffness  # both to save start-up time
+    from ..tolerances.accuracy_budget import budget
+    from ..tolerances.temperatures import STEEL, Temperatures
+
+    try:
+        speeds = [RPM * read_quantity(text, "r/min") for text in options.budget.split(",")]
+    except ValueError as error:
+        raise PinpressError(
+            f"--budget {options.budget} is {error}: give speeds with commas between them, as in --budget 10,50,70"
+        ) from None
+    clearance = _named("--clearance", words["clearance"], str, "m", 1.0, "F=50um")
+    stiffness = _named("--stiffness", words["stiffness"], str, "N/m", 1.0, "E=3e9")
+    rises = _named("--warm", words["warm"], str, "K", 1.0, "rod=10")
+    expansion = STEEL if options.expansion is None else options.expansion
+    return budget(
+        press,
+        speeds=speeds,
+        clearance=clearance or None,
+        stiffness=Stiffness(stiffness) if stiffness else None,
+        temperatures=Temperatures(rises, expansion, options.table, options.face) if rises else None,
+        process=options.process,
+        machining=machining,
+    )
+
+
+def _in_words(options: argparse.Namespace, table: DimensionTable) -> Inputs:
+    """The dimensions, the sample and what was asked, as `print_inputs` takes them."""
+    asked = ("force", "speed", "target", "clearance", "stiffness", "warm")
+    return [
+        ("dimensions", f"{len(table.parts)} of {options.dimensions}"),
+        ("sample", f"{options.samples} presses, seed {options.seed}"),
+        *((option, ", ".join(given)) for option in asked if (given := getattr(options, option))),
+        *([("budget at", f"{options.budget} r/min, process {options.process:g} N")] if options.budget else []),
+    ]
+
+
+def _by_height(option: str, words: Sequence[str], unit: str, factor: float) -> dict[float, float]:
+    """Forces or speeds by heights, from words such as ``6mm=3000kN``."""
+    example = {"N": "6mm=3000kN", "r/min": "50mm=70rpm"}[unit]
+    return _named(option, words, lambda text: read_quantity(text, "m"), unit, factor, example)
+
+
+def _quantity(text: str) -> str:
+    if text not in QUANTITIES:
+        raise ValueError
+    return text
+
+
+def _named(option: str, words: Sequence[str], key: Callable[[str], Key], unit: str, factor: float, example: str) -> dict[Key, float]:
+    """Numbers by what stands before their equals signs.
+
+    Raises:
+        PinpressError: Words that are not so, or something given twice.
+    """
+    found: dict[Key, float] = {}
+    for text in words:
+        before, _, after = text.partition("=")
+        try:
+            name, value = key(before), factor * read_quantity(after, unit)
+        except ValueError:
+            raise PinpressError(f"{option} {text}: write it as in {option} {example}; {_known(option)}") from None
+        if name in found:
+            raise PinpressError(f"{option} {text}: {before} is given twice")
+        found[name] = value
+    return found
+
+
+def _known(option: str) -> str:
+    if option == "--target":
+        return "there are " + ", ".join(f"{name} ({words})" for name, words in QUANTITIES.items())
+    words = {"--clearance": "a bearing, and its clearance", "--stiffness": "a bearing, and its stiffness", "--warm": "a link, and kelvins"}
+    return words.get(option, "a height above bottom dead centre, and what acts there")
+
+
+def _write(
+    found: DeadCentreScatter, allocated: AllocatedTolerances | None, budgeted: AccuracyBudget | None, options: argparse.Namespace
+) -> None:
+    """Write the files and say so."""
+    folder, names = options.out, ["dimensions.csv"]
+    found.to_csv(folder / "dimensions.csv")
+    if allocated is not None:
+        allocated.to_csv(folder / "allocated.csv")
+        names.append("allocated.csv")
+    if budgeted is not None:
+        budgeted.to_csv(folder / "budget.csv")
+        names.append("budget.csv")
+    if importlib.util.find_spec("matplotlib") is None:
+        print(f"\nwrote {', '.join(str(folder / name) for name in names)}; for the diagram: pip install 'pinpress[plots]'")
+        return
+    from ..plots import press_accuracy, slide_accuracy, style  # slow to import
+
+    pictures = {"tolerances.png": press_accuracy.tolerances(found.height, options.within)}
+    if budgeted is not None:
+        pictures["budget.png"] = slide_accuracy.budget(budgeted)
+    for name, figure in pictures.items():
+        style.save(figure, folder / name)
+    say_written(folder, [*names, *pictures])

@@ -1,0 +1,16 @@
+"""How exact a press is: what the tolerances of its dimensions make of its bottom dead centre, and which dimension decides.
+
+    rod = pp.tolerances.link_length(press, "E", "F", 50e-6)
+    shaft = pp.tolerances.pin_position(press, "A", "x", 100e-6, shape="uniform")
+    found = pp.tolerances.bottom_dead_centre(press, [rod, shaft])
+    print(found)  # the band of 99.73 % of the presses, worst cases, the dimensions with their shares
+    found.within(50e-6)  # share of the presses whose bottom dead centre is within 0.05 mm
+
+A `Dimension` is a direction in which pivots are moved, with its tolerance. Nothing is approximated but where it says so: each of 100 000
+presses is closed with its own lengths. `play`, `heat` and `budget` say what clearances, temperatures and springs add while the press runs,
+`parallelism` how a slide on several points tilts.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,288 @@
+"""The accuracy of bottom dead centre as one table: machining, clearances, springs and heat, over speed, process and temperature.
+
+    tol = pp.tolerances
+    print(tol.budget(
+        press,
+        speeds=[10 * pp.RPM, 70 * pp.RPM],
+        clearance=dict.fromkeys("ABCDEF", 50e-6),
+        stiffness=springs,
+        process=5e5,
+        temperatures=tol.Temperatures({"rocker": 10.0, "rod": 10.0}),
+        machining=tol.bottom_dead_centre(press, parts),
+    ))
+
+The height of the die is set while the press turns slowly, idle and cold. It runs at another speed, then with the force of the process,
+then warm. What moves the bottom dead centre from the first of these conditions to the others is its rise. Machining makes no rise: it is
+what the setting takes away, and differs from press to press.
+
+GB/T 29548-2024 tests the change of the bottom dead centre of an idle press in three phases: it speeds up from its initial state to its
+largest speed (3.2), warms at 80 % of that (3.3), and runs on warm (3.4). With ``speeds=[slow, largest, 0.8 * largest]`` the first two are
+differences of rises here, idle and "idle, warm". Its terms were at hand, its permissible values were not, and none are built in.
+
+In every condition the slide stands at z + p + d over the crank angle, with the rigid press's z, its place p in the clearances (see `play`)
+and the deflection d of its springs (`elasticity.slide_deflection`, quasi-static); the least of these near the rigid dead centre is the dead
+centre that counts. Heat is added to it. All parts are of first order, so that they add.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common.arguments import LARGEST, number, numbers, typed
+from ..common.errors import PinpressError
+from ..common.quantities import Array, DriverCoordinate
+from ..common.results import Record, Records, Tabular
+from ..common.tables import Column
+from ..elasticity.slide_under_load import slide_deflection
+from ..elasticity.springs import Stiffness
+from ..kinematics.servo_motion import servo_cycle
+from ..kinematics.slide_path import dead_centres
+from ..linkage.linkage import Linkage
+from ..loads.link import Load, PointForce
+from .clearances import KNOWN_TO, GuideClearance, play
+from .clearances_over_speed import SLOWEST
+from .dead_centre_scatter import DeadCentreScatter
+from .temperatures import Temperatures, heat
+
+WINDOW = np.radians(6.0)  # on both sides of the rigid dead centre, where that of the press is looked for [rad]
+STATES = 121  # in this window: half a step of 0.05 deg moves a slide by less than 1e-6 of the crank radius
+PARTS = ("clearances", "springs", "heat")
+SOFTEST = 0.5  # deflection as a share of the stroke above which springs are no small deflection
+NEGLIGIBLE = 5e-8  # what is not printed [m]
+
+
+@dataclass(frozen=True, repr=False)
+class BottomCondition(
+    Record,
+    units=dict.fromkeys(("clearances", "springs", "crank", "heat", "shift", "lowest", "highest", "rise"), "m") | {"speed": "rad/s"},
+):
+    """Bottom dead centre of a press in one condition, against that of the rigid press without clearances.
+
+    Attributes:
+        speed: of the crank [rad/s].
+        condition: "idle", "process" or "process, warm", and the like.
+        clearances: share of the clearances [m].
+        springs: share of the springs [m].
+        crank: what is left because the slide is lowest aside of the rigid dead centre [m].
+        heat: share of the heat [m].
+        shift: sum of all shares, positive upwards [m].
+        lowest: lowest value that the sum may have, with undetermined bearings and stiffnesses at their ends [m].
+        highest: highest value, likewise [m].
+        rise: its difference from the first condition, in which the press is set [m].
+    """
+
+    speed: float
+    condition: str
+    clearances: float
+    springs: float
+    crank: float
+    heat: float
+    shift: float
+    lowest: float
+    highest: float
+    rise: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AccuracyBudget(Tabular):
+    """What moves the bottom dead centre of a press. Positive shifts are upwards.
+
+    Attributes:
+        press_name: name of the press.
+        coordinate: what the coordinate of the driver is.
+        conditions: bottom dead centre in every condition, that in which the press is set first.
+        machining: scatter of the bottom dead centre with the dimensions of the press; None where it was not given.
+    """
+
+    press_name: str
+    coordinate: DriverCoordinate
+    conditions: Records[BottomCondition]
+    machining: DeadCentreScatter | None
+
+    @property
+    def worst(self) -> BottomCondition:
+        """The condition with the largest rise."""
+        return max(self.conditions, key=lambda each: abs(each.rise))
+
+    @property
+    def largest_rise(self) -> float:
+        """Largest rise of bottom dead centre, positive upwards [m]."""
+        return self.worst.rise
+
+    @property
+    def decides(self) -> str:
+        """What makes most of the largest rise: "clearances", "springs" or "heat"."""
+        return max(PARTS, key=lambda part: abs(self._change(part)))
+
+    def _change(self, part: str) -> float:
+        """What a part adds to the largest rise [m]."""
+        return float(getattr(self.worst, part) - getattr(self.conditions[0], part))
+
+    @property
+    def title(self) -> str:
+        return f"AccuracyBudget of {self.press_name}: bottom dead centre rises by {self.largest_rise:+.4g} m at most"
+
+    def __str__(self) -> str:
+        unit, size = self.coordinate.shown_speed
+        heads = [part for part in PARTS if any(getattr(each, part) for each in self.conditions)]
+        heads += ["crank"] * any(abs(each.crank) > NEGLIGIBLE for each in self.conditions)
+        rows = [[unit, "condition", *heads, "sum", "from", "to", "rise"]]
+        for each in self.conditions:
+            values = [*(getattr(each, head) for head in heads), each.shift, each.lowest, each.highest, each.rise]
+            rows.append([f"{each.speed / size:.4g}", each.condition, *(f"{1e3 * value:+.4f}" for value in values)])
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = [f"{self.press_name}: bottom dead centre in mm, positive upwards; rise: from the first line, in which the press is set"]
+        for first, condition, *cells in rows:
+            places = "".join(f"  {cell:>{width}}" for cell, width in zip(cells, widths[2:], strict=True))
+            lines.append(f"  {first:>{widths[0]}}  {condition:{widths[1]}}{places}")
+        if self.machining is not None:
+            low, high = self.machining.height.band()
+            lines.append(f"  machining: {1e3 * low:+.4f} to {1e3 * high:+.4f} mm in 99.73 % of presses, which the setting takes away")
+        if abs(self.largest_rise) > NEGLIGIBLE:
+            where = f"{self.worst.speed / size:.4g} {unit}, {self.worst.condition}"
+            most = f"{1e3 * self._change(self.decides):+.4f} mm by {self.decides}"
+            lines.append(f"  largest rise {1e3 * self.largest_rise:+.4f} mm at {where}: most of it, {most}")
+        return "\n".join(lines)
+
+    def columns(self) -> dict[str, Column]:
+        """A row for each condition."""
+        return self.conditions.columns()
+
+
+@typed
+def budget(
+    press: Linkage,
+    *,
+    speeds: ArrayLike,
+    clearance: Mapping[str, float | GuideClearance] | None = None,
+    stiffness: Stiffness | None = None,
+    temperatures: Temperatures | None = None,
+    loads: Sequence[Load] = (),
+    process: float = 0.0,
+    machining: DeadCentreScatter | None = None,
+    known_to: float = KNOWN_TO,
+    stiffness_known_to: float = 0.1,
+) -> AccuracyBudget:
+    """Find what moves the bottom dead centre of a press over speed, process and temperature.
+
+    Args:
+        press: a press with one crank and a slide.
+        speeds: (S,) speeds of the crank [rad/s]; the press is set at the first one.
+        clearance: of its bearings, as of `play`; None: without.
+        stiffness: of its parts, as of `elasticity.compliance`; None: rigid.
+        temperatures: of its links when it is warm, as of `heat`; None: it stays cold.
+        loads: that always act, such as a balance cylinder.
+        process: force of the process on the slide at bottom dead centre in production, as coining leaves it; positive resists the working
+            stroke [N]. 0 where it has let go by then, as in blanking.
+        machining: what `bottom_dead_centre` has found; it is shown beside the rest.
+        known_to: share to which masses and loads are known, as of `play` [-].
+        stiffness_known_to: share to which stiffnesses are known, all at their worst at once [-].
+
+    Raises:
+        PinpressError: neither clearance nor stiffness nor temperatures are given; speeds that are no finite numbers other than zero; the
+            slide is lowest further than 6 degrees from the rigid dead centre; the driver slides; and as `play`, `heat` and
+            `elasticity.slide_deflection`.
+        UnknownNameError: as these.
+        SingularityError: the linkage locks.
+    """
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the budget is that of a press with one crank")
+    press.refuse_sliding_driver("the budget is that of a crank's bottom dead centre")
+    if clearance is None and stiffness is None and temperatures is None:
+        raise PinpressError("nothing moves the dead centre: give clearance, stiffness or temperatures")
+    given = np.atleast_1d(numbers("speeds", speeds, unit="rad/s"))
+    if given.ndim != 1 or not len(given) or not np.all(np.abs(given) >= SLOWEST):
+        raise PinpressError("speeds: give (S,) speeds of the crank other than zero, that at which the press is set first [rad/s]")
+    doubt = number("stiffness_known_to", stiffness_known_to, "-")
+    if not 0.0 <= doubt < 1.0:
+        raise PinpressError(f"stiffness_known_to is {doubt:g}: give a share from 0 to below 1, 0.1 where stiffnesses are known to 10 %")
+    force = number("process", process, "N")
+    if not abs(force) <= LARGEST:
+        raise PinpressError(f"process is {force:g} N: give the force at bottom dead centre [N], {LARGEST:g} at most")
+    warm = 0.0 if temperatures is None else heat(press, temperatures).bottom_shift
+    place = dead_centres(press).bottom_angle
+    angles = place + np.linspace(-WINDOW, WINDOW, STATES)
+    found: list[BottomCondition] = []
+    for speed in map(float, given):
+        idle = _Bottom.of(press, angles, speed, loads, clearance, stiffness, known_to, doubt)
+        states = [("idle", idle, 0.0)]
+        if force:
+            pushed = PointForce(str(press.slide), force * press.slide_direction)
+            loaded = _Bottom.of(press, angles, speed, [*loads, pushed], clearance, stiffness, known_to, doubt)
+            states.append(("process", loaded, 0.0))
+        if temperatures is not None:
+            states.append((f"{states[-1][0]}, warm", states[-1][1], warm))
+        for condition, bottom, added in states:
+            shift = bottom.clearances + bottom.springs + bottom.crank + added
+            found.append(
+                BottomCondition(
+                    speed=speed,
+                    condition=condition,
+                    clearances=bottom.clearances,
+                    springs=bottom.springs,
+                    crank=bottom.crank,
+                    heat=added,
+                    shift=shift,
+                    lowest=bottom.lowest + added,
+                    highest=bottom.highest + added,
+                    rise=shift - found[0].shift if found else 0.0,
+                )
+            )
+    return AccuracyBudget(press.name, press.driver_coordinates[0], Records(BottomCondition, found), machining)
+
+
+@dataclass(frozen=True)
+class _Bottom:
+    """The lowest place of the slide in one condition, by parts, with its band [m]."""
+
+    clearances: float
+    springs: float
+    crank: float
+    lowest: float
+    highest: float
+
+    @staticmethod
+    def of(
+        press: Linkage,
+        angles: Array,
+        speed: float,
+        loads: Sequence[Load],
+        clearance: Mapping[str, float | GuideClearance] | None,
+        stiffness: Stiffness | None,
+        known_to: float,
+        stiffness_known_to: float,
+    ) -> _Bottom:
+        motion = servo_cycle(press, angles if speed > 0 else angles[::-1], speed=speed)
+        rigid = motion.slide_position - motion.slide_position[STATES // 2]
+        nothing = np.zeros(STATES)
+        offset = low = high = deflection = doubt = nothing
+        if clearance is not None:
+            placed = play(press, motion, clearance, loads, known_to=known_to)
+            offset, low, high = placed.offset, placed.lowest, placed.highest
+        if stiffness is not None:
+            deflected = slide_deflection(press, motion, stiffness, loads=loads)
+            deflection = deflected.deflection
+            stroke = dead_centres(press).stroke
+            if np.abs(deflection).max() > SOFTEST * stroke:
+                raise PinpressError(
+                    f"the springs of {press.name} yield by {1e3 * np.abs(deflection).max():.3g} mm at {speed:.5g} rad/s, with a stroke of"
+                    f" {1e3 * stroke:.3g} mm: check stiffnesses [N/m], speed and loads"
+                )
+            doubt = stiffness_known_to * np.sum([np.abs(part) for part in deflected.parts.values()], axis=0)
+        at = int((rigid + offset + deflection).argmin())
+        if at in (0, STATES - 1):
+            raise PinpressError(
+                f"the slide of {press.name} is lowest further than 6 deg from its rigid bottom dead centre at {speed:.5g} rad/s: check"
+                " stiffnesses and loads"
+            )
+        return _Bottom(
+            clearances=float(offset[at]),
+            springs=float(deflection[at]),
+            crank=float(rigid[at]),
+            lowest=float((rigid + low + deflection - doubt).min()),
+            highest=float((rigid + high + deflection + doubt).min()),
+        )

@@ -1,0 +1,272 @@
+"""The cheapest tolerances that keep what is asked of the dead centres, proved to be the cheapest.
+
+A dimension with the tolerance t_i costs k_i T_i / t_i: k_i at its present tolerance T_i, and twice as much at half of it. The variance of a
+quantity with gradient g is sum (g_i r_i t_i)^2, with the share r_i of the tolerance that is the dimension's standard deviation. With
+s_i t_i >= 1, a cone, the sum of k_i T_i s_i is least under one cone more for each quantity: a convex program, whose dual solution proves
+its optimum. Where no bound acts and one quantity is asked for, t_i is in proportion to (k_i T_i / (g_i r_i)^2)^(1/3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import number, positive, suitable_numbers, typed
+from ..common.conic_program import AT_MOST, CONE, PROVED, InfeasibleError, Optimum, Rows, minimise
+from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..common.tables import Column
+from ..linkage.linkage import Linkage
+from .dead_centre_scatter import dead_centre_gradients
+from .dimensions import Dimension, checked_dimensions, correlation_matrix
+from .scatter import written_tolerance
+
+QUANTITIES = ("height", "top", "stroke")
+FINEST, COARSEST = 0.1, 10.0  # bounds of a tolerance that has none, in multiples of the present one
+SLACK = 1e-6  # share of a target below which it is used up, and of a bound below which a tolerance is at it
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AllocatedTolerances(Tabular):
+    """The cheapest tolerances of k dimensions. All arrays are read-only.
+
+    Attributes:
+        press: name of the press.
+        parts: the k dimensions with these tolerances, for `bottom_dead_centre`.
+        before: (k,) their tolerances before [m, of an angle rad].
+        bounds: (k, 2) smallest and largest tolerances [m or rad].
+        costs: (k,) of the dimensions, in the unit of the costs that were given.
+        value: cost of all dimensions.
+        bound: no tolerances within the bounds that keep the targets cost less; computed from the dual solution.
+        cost_before: cost of the tolerances before, whether or not they keep the targets.
+        cost_alike: cost where all tolerances are changed by one factor until the targets are kept; None where that leaves the bounds.
+        targets: quantity -> largest deviation that is asked for [m].
+        reached: quantity -> deviation with these tolerances, as many standard deviations as were asked for [m].
+        prices: quantity -> by how much the cost falls where its target is larger, per metre [unit of the costs per m].
+    """
+
+    press: str
+    parts: tuple[Dimension, ...]
+    before: Array
+    bounds: Array
+    costs: Array
+    value: float
+    bound: float
+    cost_before: float
+    cost_alike: float | None
+    targets: Mapping[str, float]
+    reached: Mapping[str, float]
+    prices: Mapping[str, float]
+
+    @property
+    def tolerances(self) -> Array:
+        """(k,) the tolerances [m or rad]."""
+        return np.array([part.tolerance for part in self.parts])
+
+    @property
+    def gap(self) -> float:
+        """By how much the cost can be above the least one, as a share of it."""
+        return max(self.value - self.bound, 0.0) / self.value
+
+    @property
+    def title(self) -> str:
+        return f"AllocatedTolerances of {self.press}: cost {tables.cell(self.value)}, proved to {max(self.gap, PROVED):.1g}"
+
+    def columns(self) -> dict[str, Column]:
+        """The dimensions with their tolerances and costs as (k,) columns."""
+        return {
+            "dimension": [part.name for part in self.parts],
+            "unit": [part.unit for part in self.parts],
+            "tolerance": self.tolerances,
+            "before": self.before,
+            "smallest": self.bounds[:, 0],
+            "largest": self.bounds[:, 1],
+            "cost": self.costs,
+        }
+
+    def __str__(self) -> str:
+        lines = [self.title]
+        compared = f"before {tables.cell(self.cost_before)}"
+        if self.cost_alike is not None:
+            compared += f", all tolerances changed alike {tables.cell(self.cost_alike)}"
+        lines.append(f"  {'cost otherwise':16}{compared}")
+        for name, target in self.targets.items():
+            used = "used up" if self.reached[name] > (1.0 - SLACK) * target else "not used up"
+            lines.append(f"  {name:16}{1e6 * self.reached[name]:.1f} um of {1e6 * target:.1f} um, {used}")
+        return "\n".join([*lines, *(line.rstrip() for line in tables.fitted(self.rows()))])
+
+    def rows(self) -> list[list[str]]:
+        """Cells of a table: dimension, tolerance, tolerance before, cost, and which bound it is at."""
+        rows = [["dimension", "tolerance", "before", "cost", ""]]
+        for part, before, cost, ends in zip(self.parts, self.before, self.costs, self.bounds, strict=True):
+            earlier = written_tolerance(replace(part, tolerance=before, shape="normal", sd=None))
+            rows.append([part.name, written_tolerance(part), earlier, f"{cost:.4g}", _at_bound(part.tolerance, ends)])
+        return rows
+
+
+def _at_bound(tolerance: float, ends: Array) -> str:
+    if tolerance <= ends[0] * (1.0 + SLACK):
+        return "smallest"
+    return "largest" if tolerance >= ends[1] * (1.0 - SLACK) else ""
+
+
+@typed
+def allocate(
+    press: Linkage,
+    parts: Sequence[Dimension],
+    cost: Mapping[str, float] | None,
+    targets: Mapping[str, float],
+    bounds: Mapping[str, Sequence[float]] | None = None,
+    *,
+    deviations: float = 3.0,
+    correlation: Mapping[tuple[str, str], float] | None = None,
+) -> AllocatedTolerances:
+    """The cheapest tolerances that keep the scatter of the dead centres within targets: `allocate(press, parts, None, {"height": 50e-6})`.
+
+    A tolerance that is half as wide costs twice as much. Shapes of the dimensions stay as they are: where a tolerance is changed, the
+    standard deviation and measured deviations change with it. Only the scatter counts, not the mean of measured deviations.
+
+    Args:
+        press: a planar press with one driver.
+        parts: its dimensions with their present tolerances.
+        cost: name of a dimension -> its cost at the present tolerance, in any unit; those that are not named cost 1. None: all cost 1.
+        targets: "height" (bottom dead centre), "top" or "stroke" -> largest deviation, in both directions [m].
+        bounds: name of a dimension -> smallest and largest tolerance [m, of an angle rad]; by default a tenth and the tenfold of the
+            present one.
+        deviations: number of standard deviations that a target holds for: 3 are 99.73 % of the presses where the quantity is normal.
+        correlation: as of `bottom_dead_centre`.
+
+    Raises:
+        PinpressError: as `bottom_dead_centre`; no target, or one that is missed with the smallest tolerances: then by how much; bounds
+            that are exchanged; a cost or target that is not positive.
+        UnknownNameError: a dimension or quantity that there is not.
+    """
+    checked = checked_dimensions(press, parts)
+    tied = correlation_matrix(checked, correlation)
+    present = np.array([part.tolerance for part in checked])
+    prices = _costs(checked, cost)
+    limits, ends = _targets(targets), _bounds(checked, {} if bounds is None else bounds)
+    sure = positive("deviations", deviations, "-", 100.0)
+
+    bottom, top = dead_centre_gradients(press, checked)
+    gradients = {"height": bottom, "top": top, "stroke": top - bottom}
+    ratios = np.array([part.standard_deviation for part in checked]) / present
+    values, vectors = np.linalg.eigh(tied)
+    root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
+    spreads = {name: sure * root * (gradients[name] * ratios * present) / limit for name, limit in limits.items()}
+    if not correlation:
+        _refuse_missed(checked, limits, spreads, ends[:, 0] / present)
+
+    optimum = _cheapest(prices / prices.sum(), list(spreads.values()), ends / present[:, None], limits)
+    factors = np.clip(optimum.x[: len(checked)], *(ends / present[:, None]).T)
+    chosen = tuple(_with_tolerance(part, float(factor)) for part, factor in zip(checked, factors, strict=True))
+    reached = {name: limit * float(np.linalg.norm(spreads[name] @ factors)) for name, limit in limits.items()}
+    costs, scale = prices / factors, float(prices.sum())
+    # the first dual variable of a target's cone is what a share more of the target saves
+    saved = {name: scale * float(each[0]) / limits[name] for name, each in zip(limits, optimum.prices[-len(limits) :], strict=True)}
+    alike = (
+        1.0 / max(float(np.linalg.norm(spread.sum(axis=1))) for spread in spreads.values()) if any(map(np.any, spreads.values())) else 1.0
+    )
+    inside = ((ends[:, 0] <= alike * present) & (alike * present <= ends[:, 1])).all()
+    return AllocatedTolerances(
+        press.name,
+        chosen,
+        present,
+        ends,
+        costs,
+        float(costs.sum()),
+        scale * optimum.bound,
+        scale,
+        scale / alike if inside else None,
+        limits,
+        reached,
+        saved,
+    )
+
+
+def _costs(parts: Sequence[Dimension], cost: Mapping[str, float] | None) -> Array:
+    """Costs (k,) at the present tolerances."""
+    names = [part.name for part in parts]
+    _refuse_unknown(cost or {}, "dimension", names)
+    return np.array([number(f"cost of {name}", (cost or {}).get(name, 1.0), positive=True) for name in names])
+
+
+def _targets(targets: Mapping[str, float]) -> dict[str, float]:
+    if not targets:
+        raise PinpressError(f"targets is empty: give one or more of {', '.join(QUANTITIES)}, e.g. {{'height': 50e-6}}")
+    _refuse_unknown(targets, "quantity", QUANTITIES)
+    return {name: number(f"target of {name}", value, "m", positive=True) for name, value in targets.items()}
+
+
+def _bounds(parts: Sequence[Dimension], bounds: Mapping[str, Sequence[float]]) -> Array:
+    """Smallest and largest tolerances (k, 2) [m or rad]."""
+    if not isinstance(bounds, Mapping):
+        raise PinpressError(f"bounds is {shown(bounds)}: give a mapping, bounds={{name: (smallest, largest)}}")
+    _refuse_unknown(bounds, "dimension", [part.name for part in parts])
+    found = np.array([[FINEST * part.tolerance, COARSEST * part.tolerance] for part in parts])
+    for k, part in enumerate(parts):
+        if part.name in bounds:
+            wanted = f"smallest and largest tolerance [{part.unit}], positive and rising"
+            rising = lambda ends: (ends[0] > 0) & (ends[1] > ends[0])  # noqa: E731  a name for what it tells
+            found[k] = suitable_numbers(f"bounds of {part.name}", bounds[part.name], wanted, (2,), rising)
+    return found
+
+
+def _refuse_unknown(given: Mapping[str, object], kind: str, known: Sequence[str]) -> None:
+    for name in given:
+        if name not in known:
+            raise UnknownNameError(kind, name, known)
+
+
+def _refuse_missed(parts: Sequence[Dimension], limits: Mapping[str, float], spreads: Mapping[str, Array], smallest: Array) -> None:
+    """Raise PinpressError where targets are missed with the smallest tolerances."""
+    missed = []
+    for name, limit in limits.items():
+        least = limit * float(np.linalg.norm(spreads[name] @ smallest))
+        if least > limit:
+            part = parts[int(np.argmax(np.linalg.norm(spreads[name] * smallest, axis=0)))]
+            by = 1e6 * (least - limit)
+            missed.append(
+                f"{name} misses its target of {1e6 * limit:.4g} um by {by:.4g} um with the smallest tolerances; {part.name} adds most"
+            )
+    if missed:
+        raise PinpressError(f"{'; '.join(missed)}: give smaller lower bounds, or larger targets")
+
+
+def _cheapest(prices: Array, spreads: Sequence[Array], ends: Array, limits: Mapping[str, float]) -> Optimum:
+    """The optimum in the factors u of the present tolerances and s >= 1 / u.
+
+    Args:
+        prices: (k,) shares of the cost.
+        spreads: (k, k) each: the length of its product with u is the share of a target that is used up.
+        ends: (k, 2) smallest and largest factors.
+        limits: targets, for messages.
+    """
+    count = len(prices)
+    one, none = np.eye(count), np.zeros((count, count))
+    rows = [
+        Rows(AT_MOST, np.hstack([one, none]) / ends[:, 1:], np.ones(count)),
+        Rows(AT_MOST, np.hstack([-one, none]) / ends[:, :1], -np.ones(count)),
+    ]
+    for k in range(count):
+        u, s = np.hstack([one[k], none[k]]), np.hstack([none[k], one[k]])
+        rows.append(Rows(CONE, -np.array([u + s, 0.0 * u, s - u]), np.array([0.0, 2.0, 0.0])))
+    for spread in spreads:
+        coefficients = np.vstack([np.zeros(2 * count), np.hstack([-spread, none])])
+        rows.append(Rows(CONE, coefficients, np.hstack([1.0, np.zeros(count)])))
+    try:
+        return minimise(np.hstack([np.zeros(count), prices]), rows)
+    except InfeasibleError as error:
+        raise PinpressError(
+            f"no tolerances within the bounds keep {', '.join(limits)}: give smaller lower bounds, or larger targets"
+        ) from error
+
+
+def _with_tolerance(part: Dimension, factor: float) -> Dimension:
+    """A dimension whose tolerance and scatter are wider by a factor."""
+    shape = part.shape if isinstance(part.shape, str) else factor * np.asarray(part.shape)
+    return replace(part, tolerance=factor * part.tolerance, shape=shape, sd=None if part.sd is None else factor * part.sd)

@@ -1,0 +1,159 @@
+"""What clearances do to the dead centres over the speed, and from which speed on the forces of bearings reverse.
+
+    print(tolerances.play_over_speeds(press, {"E": 50e-6, "F": 50e-6}, speed=[20 * pp.RPM, 70 * pp.RPM]))
+
+At a crank angle every force of a press that turns at constant speed w is F0 + w^2 F2, where F2 comes from inertia, and F0 from weights and
+loads that do not depend on the speed. So the speed at which a force is across the direction in which it would move the slide (see
+`clearances`) is the root of a quadratic equation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import tables
+from ..common.arguments import numbers, typed
+from ..common.errors import PinpressError
+from ..common.frozen import FrozenMapping
+from ..common.quantities import Array, DriverCoordinate
+from ..common.results import Tabular
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..kinematics.motion import cycle
+from ..linkage.linkage import Linkage
+from ..loads.link import Load
+from .clearances import KNOWN_TO, ROUNDING, UNMOVED, GuideClearance, contacts_of, crossings, play
+from .virtual_work import unit_forces
+
+SLOWEST = 1e-6  # squares of slower speeds lose meaning beside weights [rad/s or m/s]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DeadCentresInClearances(Tabular):
+    """What the clearances do to the dead centres over S speeds. All arrays are read-only.
+
+    Attributes:
+        press_name: name of the press.
+        coordinate: what the coordinate of the driver is.
+        speed: (S,) constant speeds of the crank [rad/s], largest speeds of a driver that slides [m/s].
+        bottom_shift: (S,) lowest place of the slide in its clearances less that without them [m].
+        bottom_lowest: (S,) lowest value that it may have where bearings are undetermined [m].
+        bottom_highest: (S,) highest value, likewise [m].
+        top_shift: (S,) highest place of the slide in its clearances less that without them [m].
+        reversals: (S,) number of forces that reverse within a period.
+        reversing_speed: name of a bearing -> lowest speed at which its force reverses, 0 where it does so at standstill; without those
+            whose forces never do. Empty where a load depends on the speed [rad/s].
+    """
+
+    press_name: str
+    coordinate: DriverCoordinate
+    speed: Array
+    bottom_shift: Array
+    bottom_lowest: Array
+    bottom_highest: Array
+    top_shift: Array
+    reversals: Array
+    reversing_speed: Mapping[str, float]
+
+    @property
+    def title(self) -> str:
+        low, high = self.bottom_shift.min(), self.bottom_shift.max()
+        what = f"DeadCentresInClearances of {self.press_name}: {len(self.speed)} speeds"
+        return f"{what}, bottom dead centre {low:+.4g} to {high:+.4g} m off"
+
+    def __str__(self) -> str:
+        unit, size = self.coordinate.shown_speed
+        rows = [[unit, "bottom dead centre", "from", "to", "top dead centre", "reversals"]]
+        for k, speed in enumerate(self.speed):
+            places = (self.bottom_shift[k], self.bottom_lowest[k], self.bottom_highest[k], self.top_shift[k])
+            rows.append([f"{speed / size:.4g}", *(f"{1e3 * place:+.4f} mm" for place in places), str(int(self.reversals[k]))])
+        lines = [f"{self.press_name}: the slide in its clearances over the speed", *tables.fitted(rows)]
+        found = sorted(self.reversing_speed.items(), key=lambda item: item[1])
+        return "\n".join(lines + [tables.entry(f"{name} reverses", f"{speed / size:.4g}", unit, "and above") for name, speed in found])
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return next(iter(self.columns())), "bottom_shift [m]", "bottom_lowest [m]", "bottom_highest [m]"
+
+    def columns(self) -> dict[str, Array]:
+        """A row for each speed."""
+        return {
+            "{} [{}]".format(*self.coordinate.heads[1]): self.speed,
+            "bottom_shift [m]": self.bottom_shift,
+            "bottom_lowest [m]": self.bottom_lowest,
+            "bottom_highest [m]": self.bottom_highest,
+            "top_shift [m]": self.top_shift,
+            "reversals": self.reversals,
+        }
+
+
+@typed
+def play_over_speeds(
+    press: Linkage,
+    clearance: Mapping[str, float | GuideClearance],
+    *,
+    speed: ArrayLike,
+    loads: Sequence[Load] = (),
+    known_to: float = KNOWN_TO,
+) -> DeadCentresInClearances:
+    """Find what clearances do to the dead centres of a press at constant speeds, and from which speed on the forces of its bearings
+    reverse.
+
+    Args:
+        press: a press with one driver and a slide.
+        clearance: as of `play`.
+        speed: (S,) speeds of the crank, or one number [rad/s]; the largest speeds of a driver that slides [m/s].
+        loads: as of `play`.
+        known_to: as of `play`.
+
+    Raises:
+        UnknownNameError: as `play`.
+        PinpressError: as `play` and `cycle`, or speeds that are no finite numbers other than zero.
+    """
+    if len(press.drivers) > 1:
+        raise PinpressError(
+            f"{press.name} has {len(press.drivers)} drivers: give their motion to play, servo_cycle(press, angles, speed=...)"
+        )
+    speeds = np.atleast_1d(numbers("speed", speed, unit=f"{press.driver_coordinates[0].unit}/s"))
+    if speeds.ndim != 1 or not len(speeds) or not np.all(np.abs(speeds) >= SLOWEST):
+        raise PinpressError("speed: give (S,) speeds other than zero [rad/s]; servo_cycle and play serve a press at standstill")
+    found = [play(press, cycle(press, float(w)), clearance, loads, known_to=known_to) for w in speeds]
+    return DeadCentresInClearances(
+        press_name=press.name,
+        coordinate=press.driver_coordinates[0],
+        speed=speeds,
+        bottom_shift=np.array([each.bottom_shift for each in found]),
+        bottom_lowest=np.array([each.bottom_band[0] for each in found]),
+        bottom_highest=np.array([each.bottom_band[1] for each in found]),
+        top_shift=np.array([each.top_shift for each in found]),
+        reversals=np.array([len(each.reversals) for each in found]),
+        reversing_speed=FrozenMapping(_reversing_speeds(press, clearance, float(speeds[np.abs(speeds).argmax()]), loads)),
+    )
+
+
+def _reversing_speeds(
+    press: Linkage, clearance: Mapping[str, float | GuideClearance], fastest: float, loads: Sequence[Load]
+) -> dict[str, float]:
+    """Lowest speeds at which forces reverse: F0 and F2 follow from two speeds, and a third one shows whether loads depend on the speed."""
+    speeds = np.array([0.5, 0.75, 1.0]) * fastest
+    motions = [cycle(press, float(speed)) for speed in speeds]
+    unit = unit_forces(press, motions[0])
+    found = [inverse_dynamics(press, motion, loads) for motion in motions]
+    contacts = [[each for name in clearance for each in contacts_of(press, unit, name, clearance[name], one)] for one in found]
+    slow, between, fast = (np.array([contact.force for contact in of_speed]) for of_speed in contacts)
+    inertia = (fast - slow) / (speeds[2] ** 2 - speeds[0] ** 2)
+    rest = slow - speeds[0] ** 2 * inertia
+    if np.abs(rest + speeds[1] ** 2 * inertia - between).max() > ROUNDING * np.abs([slow, fast]).max():
+        return {}
+    lowest = {}
+    for contact, constant, by_squared_speed in zip(contacts[0], rest, inertia, strict=True):
+        along, growing = (np.einsum("nk,nk->n", contact.unit, force) for force in (constant, by_squared_speed))
+        changes = (np.linalg.norm(contact.unit, axis=1) > UNMOVED) & (along * growing < 0)
+        if crossings(motions[0], contact.unit, constant):
+            lowest[contact.name] = 0.0
+        elif np.any(changes):
+            lowest[contact.name] = float(np.sqrt((-along[changes] / growing[changes]).min()))
+    return lowest

@@ -1,0 +1,382 @@
+"""The scatter of a press's dead centres with its dimensions: gradients, shares, worst cases, and every press of a sample.
+
+At a dead centre the slide stands still, so that the crank angle drops out of first order: the derivative of its height is the one at fixed
+crank angle. At a height h above bottom dead centre the crank angle follows, and the slide's travel per angle, z', to which torque and speed
+are in proportion, has the derivative dz'/dx - z''/z' (dz/dx - dz_b/dx).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common import tables
+from ..common.arguments import number, typed
+from ..common.errors import PinpressError, caution
+from ..common.numerics import bracketed_roots
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..common.tables import Column
+from ..derivatives.motion import motion_derivatives
+from ..kinematics.motion import motion_through_change_points
+from ..kinematics.slide_path import TurningPoints, turning_points
+from ..linkage.linkage import Linkage
+from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
+from .scatter import Scatter, scatter
+from .shapes import Ended, Ending, Shapes, followed_to
+
+SAMPLES = 100_000
+REACH = 3.0  # multiples of what first order says by which turning points may lie apart that could become the outermost one
+GRID = 181  # crank angles of a stroke among which a height is looked for
+UNMOVED = 1e-12  # derivatives of the slide's place and travel below which a dimension moves nothing
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DeadCentreScatter(Tabular):
+    """The dead centres of n presses that are built after one drawing. All arrays are read-only.
+
+    Attributes:
+        press: name of the press.
+        parts: the k dimensions that scatter.
+        height: of the slide at bottom dead centre [m].
+        top: of the slide at top dead centre [m].
+        stroke: distance between the dead centres [m].
+        torques: height above the press's own bottom dead centre -> crank torque that the force there takes on the way down [N m].
+        speeds: height above the press's own bottom dead centre -> speed of the slide there on the way down [m/s].
+        deviations: (k, n) of the dimensions of every press from the nominal ones [m or rad].
+    """
+
+    press: str
+    parts: tuple[Dimension, ...]
+    height: Scatter
+    top: Scatter
+    stroke: Scatter
+    torques: Mapping[float, Scatter]
+    speeds: Mapping[float, Scatter]
+    deviations: Array
+
+    @property
+    def gradient(self) -> Array:
+        """(k,) derivatives of the height at bottom dead centre [m per m, of an angle m/rad]."""
+        return self.height.gradient
+
+    @property
+    def share(self) -> Array:
+        """(k,) shares of its variance."""
+        return self.height.share
+
+    @property
+    def worst_case(self) -> float:
+        """Its worst case, to first order [m]."""
+        return self.height.worst_case
+
+    def within(self, limit: float, upper: float | None = None) -> float:
+        """Share of the presses whose bottom dead centre is within a limit [m], see `Scatter.within`."""
+        return self.height.within(limit, upper)
+
+    @property
+    def quantities(self) -> tuple[Scatter, ...]:
+        """All that was asked for: bottom dead centre first."""
+        return (self.height, self.top, self.stroke, *self.torques.values(), *self.speeds.values())
+
+    @property
+    def title(self) -> str:
+        return (
+            f"DeadCentreScatter of {self.press}: {len(self.parts)} dimensions, {self.deviations.shape[1]} presses, bottom dead centre at"
+            f" {tables.cell(self.height.nominal)} {self.height.unit}"
+        )
+
+    def columns(self) -> dict[str, Column]:
+        """The dimensions with tolerance, gradients and shares as (k,) columns."""
+        found: dict[str, Column] = {
+            "dimension": [part.name for part in self.parts],
+            "tolerance": np.array([part.tolerance for part in self.parts]),
+            "tolerance_unit": [part.unit for part in self.parts],
+        }
+        for each in self.quantities:
+            head = each.quantity.replace(" ", "_")
+            found |= {f"{head}_gradient [{each.unit} per unit]": each.gradient, f"{head}_share": each.share}
+        return found
+
+    def __str__(self) -> str:
+        lines = [self.title]
+        for each in self.quantities:
+            lines += [each.quantity, *each.summary()]
+        return "\n".join([*lines, f"{self.height.quantity}: what decides", *self.height.ranking()])
+
+
+@typed
+def bottom_dead_centre(
+    press: Linkage,
+    parts: Sequence[Dimension],
+    *,
+    forces: Mapping[float, float] | None = None,
+    speeds: Mapping[float, float] | None = None,
+    correlation: Mapping[tuple[str, str], float] | None = None,
+    samples: int = SAMPLES,
+    seed: int = 0,
+) -> DeadCentreScatter:
+    """How exact the bottom dead centre of a press is, with the stroke and all that belongs to it: the scatter with the press's dimensions.
+
+    Every press of a sample is closed with lengths of its own and followed to its own dead centres, as `dead_centres` of the `reshaped`
+    linkage finds them. Gradients and shares are those of first order.
+
+    Args:
+        press: a planar press with one driver, with nominal dimensions.
+        parts: the dimensions that scatter.
+        forces: height above bottom dead centre [m] -> force of the process on the slide there [N], for `DeadCentreScatter.torques`:
+            of the crank that turns forwards, without friction, weights and inertia.
+        speeds: height above bottom dead centre [m] -> speed of the crank [rad/s], negative where it turns backwards, for
+            `DeadCentreScatter.speeds`.
+        correlation: (name, name) -> coefficient of correlation between two normal dimensions. All others are independent.
+        samples: number of presses in the sample.
+        seed: of the random numbers; the same one draws the same presses.
+
+    Raises:
+        PinpressError: the press is not planar, has several drivers or no dead centres; no dimension, one that is none or given twice, or
+            that opens bearings which hold each other, as single ones of presses with several points do; presses of the sample cannot be
+            closed; a height that is not within the stroke.
+        UnknownNameError: a bearing, link or dimension that there is not.
+
+    Warns:
+        PinpressWarning: a tolerance is larger than a tenth of its link, or than 0.1 rad; a dimension does not move the slide.
+    """
+    checked = checked_dimensions(press, parts)
+    tied = correlation_matrix(checked, correlation)
+    drawn = drawn_deviations(checked, tied, samples, seed)
+    points, shapes = turning_points(press), Shapes.of(press, checked)
+    bottom, top = (_outermost(shapes, checked, points, drawn, upwards) for upwards in (False, True))
+    _doubt_effects(checked, [bottom, top])
+    asked = [_Travel.on_the_way_down(shapes, checked, bottom, *each) for each in _asked(press, forces or {}, speeds or {})]
+
+    stroke = top.gradient - bottom.gradient
+    gradients = [bottom.gradient, top.gradient, stroke, *(each.gradient for each in asked)]
+    tolerances = np.array([part.tolerance for part in checked])
+    corners = np.array([sign * np.sign(gradient) * tolerances for gradient in gradients for sign in (-1.0, 1.0)])
+    everything = np.concatenate([drawn, corners.T], axis=1)
+    low, high = bottom.positions(shapes, everything), top.positions(shapes, everything)
+    values = [low, high, high - low, *(each.values(shapes, everything, low) for each in asked)]
+    heads = [
+        ("bottom dead centre", "m", bottom.nominal),
+        ("top dead centre", "m", top.nominal),
+        ("stroke", "m", top.nominal - bottom.nominal),
+    ]
+    heads += [(each.quantity, each.unit, each.nominal) for each in asked]
+    count = drawn.shape[1]
+    found = [
+        scatter(*head, checked, gradient, tied, each[:count], each[count + 2 * k : count + 2 * k + 2])
+        for k, (head, gradient, each) in enumerate(zip(heads, gradients, values, strict=True))
+    ]
+    by_height = [{each.height: one for each, one in zip(asked, found[3:], strict=True) if each.unit == unit} for unit in ("N m", "m/s")]
+    return DeadCentreScatter(press.name, checked, found[0], found[1], found[2], by_height[0], by_height[1], drawn)
+
+
+# ------------------------------------------------------------------------------------------------------------------------- the dead centres
+
+
+class _Local(NamedTuple):
+    """The nominal press at a crank angle, and what k dimensions change there at this angle.
+
+    Attributes:
+        start: (nv,) joint coordinates.
+        position: of the slide [m].
+        rate: its derivative z' by the crank angle [m/rad].
+        second: its second derivative z''.
+        position_slopes: (k,) derivatives of the position by the dimensions.
+        rate_slopes: (k,) of the derivative by the crank angle.
+    """
+
+    start: Array
+    position: float
+    rate: float
+    second: float
+    position_slopes: Array
+    rate_slopes: Array
+
+    @staticmethod
+    def at(press: Linkage, parts: Sequence[Dimension], angle: float) -> _Local:
+        """Raises PinpressError where a dimension opens bearings that hold each other."""
+        motion = motion_through_change_points(press, np.array([angle]), 1.0)
+        moved = motion_derivatives(press, motion, [part.direction for part in parts])
+        slopes = [np.concatenate([each.slide_position, each.slide_velocity]) for each in moved if each.slide_position is not None]
+        by_position, by_rate = np.array(slopes).T
+        of_slide = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
+        position, rate, second = (float(each[0]) for each in of_slide)
+        return _Local(motion.joint_position[0], position, rate, second, by_position, by_rate)
+
+
+class _DeadCentre(NamedTuple):
+    """The outermost place of the slide.
+
+    Attributes:
+        nominal: its position there [m].
+        angle: of the crank [rad].
+        gradient: (k,) derivatives of the position by the dimensions.
+        moves: (k,) whether a dimension moves the slide beside it.
+        endings: the turning points that can be the outermost ones in a press of the sample.
+        upwards: whether it is the upper one.
+    """
+
+    nominal: float
+    angle: float
+    gradient: Array
+    moves: NDArray[np.bool_]
+    endings: tuple[Ending, ...]
+    upwards: bool
+
+    def positions(self, shapes: Shapes, deviations: Array) -> Array:
+        """Slide position (n,) of presses with deviations (k, n) there [m].
+
+        Raises:
+            PinpressError: some of these presses cannot be closed there.
+        """
+        where = f"at {'top' if self.upwards else 'bottom'} dead centre"
+        found = [_sound(followed_to(shapes, deviations, ending), shapes, deviations, where).position for ending in self.endings]
+        return np.asarray(np.max(found, axis=0) if self.upwards else np.min(found, axis=0))
+
+
+def dead_centre_gradients(press: Linkage, parts: Sequence[Dimension]) -> tuple[Array, Array]:
+    """Derivatives (k,) of the slide's position at bottom and at top dead centre by the dimensions of a planar press, per unit of each.
+
+    Raises:
+        PinpressError: the press is not planar, or has no slide, several drivers or no dead centres; a dimension opens bearings that hold
+            each other, as it does at presses with several points.
+    """
+    points = turning_points(press)
+    places = [points.places[points.first_of_the_farthest(upwards)] for upwards in (False, True)]
+    bottom, top = (_Local.at(press, parts, float(place)).position_slopes for place in places)
+    return bottom, top
+
+
+def _outermost(shapes: Shapes, parts: Sequence[Dimension], points: TurningPoints, drawn: Array, upwards: bool) -> _DeadCentre:
+    """A dead centre of the nominal press, with the other turning points that can be outermost where dimensions deviate as in a sample."""
+    first = points.first_of_the_farthest(upwards)
+    local = _Local.at(shapes.press, parts, float(points.places[first]))
+    reach = REACH * float(np.abs(local.position_slopes) @ np.abs(drawn).max(axis=1))
+    behind = (points.positions[first] - points.positions) * (1.0 if upwards else -1.0)
+    others = [int(k) for k in np.flatnonzero(behind <= reach) if k != first]
+    endings = []
+    for k in (first, *others):
+        at = local if k == first else _Local.at(shapes.press, parts, float(points.places[k]))
+        if k < points.limits:
+            endings.append(Ending(at.start, np.zeros(len(parts)), "held"))
+        else:
+            endings.append(Ending(at.start, -at.rate_slopes / at.second, "dead centre"))
+    size = shapes.press.size
+    moves = (np.abs(local.position_slopes) > UNMOVED * size) | (np.abs(local.rate_slopes) > UNMOVED * size)
+    return _DeadCentre(local.position, float(points.places[first]), local.position_slopes, moves, tuple(endings), upwards)
+
+
+def _sound(ended: Ended, shapes: Shapes, deviations: Array, where: str) -> Ended:
+    """The presses at an end; raises PinpressError where some of them did not come there."""
+    lost = np.flatnonzero(~ended.sound)
+    if len(lost):
+        first = ", ".join(f"{value:.3g}" for value in deviations[:, lost[0]])
+        raise PinpressError(
+            f"{len(lost)} of {deviations.shape[1]} presses, worst corners among them, cannot be closed {where}, or not as"
+            f" {shapes.press.name} is assembled; the first of them deviates by {first} [m or rad]: make the tolerances smaller"
+        )
+    return ended
+
+
+def _doubt_effects(parts: Sequence[Dimension], ends: Sequence[_DeadCentre]) -> None:
+    """Warn of dimensions that move the slide nowhere."""
+    for part, *moves in zip(parts, *(end.moves for end in ends), strict=True):
+        if not any(moves):
+            caution(f"dimension {part.name!r} moves the slide at neither dead centre: leave it out, or give another direction")
+
+
+# ----------------------------------------------------------------------------------------------------------- torque and speed at a height
+
+
+class _Travel(NamedTuple):
+    """Torque or speed at a height above bottom dead centre: both are in proportion to the slide's travel per crank angle, z'.
+
+    Attributes:
+        quantity: what it is, in words.
+        unit: of the quantity.
+        height: above the press's own bottom dead centre [m].
+        factor: of the quantity in z'.
+        nominal: its nominal value.
+        gradient: (k,) derivatives of the quantity by the dimensions.
+        start: (nv,) joint coordinates of the nominal press.
+        angle_slopes: (k,) derivatives of the crank angle there.
+    """
+
+    quantity: str
+    unit: str
+    height: float
+    factor: float
+    nominal: float
+    gradient: Array
+    start: Array
+    angle_slopes: Array
+
+    @staticmethod
+    def on_the_way_down(
+        shapes: Shapes, parts: Sequence[Dimension], bottom: _DeadCentre, unit: str, height: float, by: float, backwards: bool
+    ) -> _Travel:
+        """The quantity of the nominal press; ``by``: force [N] or speed of the crank [rad/s].
+
+        Raises:
+            PinpressError: the slide does not come down from so high.
+        """
+        at = _Local.at(shapes.press, parts, _angle_at(shapes.press, bottom, height, backwards))
+        angle_slopes = -(at.position_slopes - bottom.gradient) / at.rate
+        rate_slopes = at.rate_slopes + at.second * angle_slopes
+        what = "torque" if unit == "N m" else "speed"
+        factor = -by if unit == "N m" else -abs(by) * (-1.0 if backwards else 1.0)  # the slide goes down
+        quantity = f"{what} at {1e3 * height:g} mm"
+        return _Travel(quantity, unit, height, factor, factor * at.rate, factor * rate_slopes, at.start, angle_slopes)
+
+    def values(self, shapes: Shapes, deviations: Array, low: Array) -> Array:
+        """The quantity (n,) of presses with deviations (k, n) and bottom dead centres ``low`` (n,) [m].
+
+        Raises:
+            PinpressError: some of these presses cannot be closed there.
+        """
+        ended = followed_to(shapes, deviations, Ending(self.start, self.angle_slopes, "height", low + self.height))
+        where = f"{1e3 * self.height:g} mm above bottom dead centre"
+        return self.factor * _sound(ended, shapes, deviations, where).rate
+
+
+def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float, float]) -> Iterator[tuple[str, float, float, bool]]:
+    """Unit of the quantity, height, force or speed of the crank, and whether it turns backwards."""
+    if (forces or speeds) and not press.driver_coordinates[0].turns:
+        raise PinpressError(f"driver {press.driver!r} of {press.name} slides: torque and speed at a height are those of a crank")
+    for what, unit, given in (("forces", "N", forces), ("speeds", "rad/s", speeds)):
+        for height, value in given.items():
+            above = number(f"height of {what}", height, "m", positive=True)
+            by = number(f"{what} at {above:g} m", value, unit)
+            if not by:
+                raise PinpressError(f"{what} at {above:g} m is 0 {unit}: give another value, or leave it out")
+            yield ("N m" if what == "forces" else "m/s"), above, by, what == "speeds" and by < 0.0
+
+
+def _angle_at(press: Linkage, bottom: _DeadCentre, height: float, backwards: bool) -> float:
+    """Crank angle at which the slide is so high above bottom dead centre, on the way down."""
+    points = turning_points(press)
+    turn = 2 * np.pi * points.turns
+    before = (points.places - bottom.angle) % turn if backwards else (bottom.angle - points.places) % turn
+    way = float(before[(before > 1e-9) & (before < turn - 1e-9)].min())
+    along = np.linspace(0.0, -way if not backwards else way, GRID) + bottom.angle
+    target = bottom.nominal + height
+    highest = float(motion_through_change_points(press, along, 1.0).slide_position.max())
+    if not target < highest:
+        start = 1e3 * (highest - bottom.nominal)
+        raise PinpressError(
+            f"a height of {1e3 * height:.6g} mm is above the stroke: the slide of {press.name} comes down from {start:.6g} mm above bottom"
+            " dead centre; give lower ones"
+        )
+
+    def ahead(angle: Array) -> tuple[Array, Array]:
+        motion = motion_through_change_points(press, angle, 1.0)
+        return motion.slide_position - target, motion.slide_velocity
+
+    above = int(np.argmax(motion_through_change_points(press, along, 1.0).slide_position >= target))
+    ends = np.sort(along[above - 1 : above + 1])
+    return float(bracketed_roots(ahead, ends[:1], ends[1:], absolute=1e-14)[0])

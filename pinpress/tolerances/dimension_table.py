@@ -1,0 +1,192 @@
+"""Dimensions of a press from a table, as CSV or YAML: a row for each, in the words and units of a drawing.
+
+    dimension,       tolerance, unit, shape,   cost, smallest, largest
+    length E F,      0.05,      mm,   normal,  12,   0.02,     0.2
+    position A x,    0.1
+    angle C D E,     0.01,      deg,  uniform
+
+The same in YAML is a list, ``- {dimension: length E F, tolerance: 0.05, cost: 12}``. Only the first two columns are needed.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common import files
+from ..common.arguments import typed
+from ..common.errors import PinpressError, shown, suggestion
+from ..common.results import Tabular
+from ..common.tables import Column
+from ..linkage.linkage import Linkage
+from .dimensions import Dimension, checked_dimensions, link_length, pin_angle, pin_position
+
+HEADS = ("dimension", "tolerance", "unit", "shape", "sd", "name", "cost", "smallest", "largest")
+LENGTHS = {"mm": 1e3, "um": 1e6, "µm": 1e6, "m": 1.0}  # of them in a metre: 50 / 1e6 is 5e-05, 50 * 1e-6 is not
+ANGLES = {"deg": 180 / math.pi, "rad": 1.0}
+WORDS = "write 'length E F', 'angle C D E', 'position A x', or 'position E x rocker' for a pin in another link than the frame"
+LARGEST_FILE = 1 << 20  # [bytes]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DimensionTable(Tabular):
+    """What a table says of the dimensions of a press.
+
+    Attributes:
+        parts: the dimensions, for `bottom_dead_centre`.
+        costs: name of a dimension -> its cost at this tolerance, for `allocate`; those without one are left out.
+        bounds: name of a dimension -> its smallest and largest tolerance [m, of an angle rad]; those without both are left out.
+    """
+
+    parts: tuple[Dimension, ...]
+    costs: Mapping[str, float]
+    bounds: Mapping[str, tuple[float, float]]
+
+    @property
+    def title(self) -> str:
+        return f"DimensionTable: {len(self.parts)} dimensions, {len(self.costs)} with a cost, {len(self.bounds)} with bounds"
+
+    def columns(self) -> dict[str, Column]:
+        """The dimensions with tolerance, unit and shape as (k,) columns."""
+        return {
+            "dimension": [part.name for part in self.parts],
+            "tolerance": np.array([part.tolerance for part in self.parts]),
+            "unit": [part.unit for part in self.parts],
+            "shape": [part.shape if isinstance(part.shape, str) else "measured" for part in self.parts],
+        }
+
+
+@typed
+def read_dimensions(press: Linkage, path: str | os.PathLike[str]) -> DimensionTable:
+    """The dimensions of a table, a CSV or YAML file (.yaml, .yml) with these columns or keys, of which the first two are needed:
+
+        dimension  ``length E F``: `link_length`; ``angle C D E``: `pin_angle`; ``position A x``: `pin_position` in the frame,
+                   ``position E x rocker`` in another link
+        tolerance  +/- of the dimension
+        unit       of tolerance, sd, smallest and largest: mm (that of lengths where there is none), um, m; deg (that of angles), rad
+        shape      normal (where there is none), uniform or truncated
+        sd         standard deviation of a normal or truncated one
+        name       in results, where it is to be another one
+        cost       at this tolerance, for `allocate`
+        smallest, largest  tolerances that can be made, for `allocate`
+
+    Raises:
+        PinpressError: the file cannot be read, is no such table, or a row is no dimension of this press; with the row.
+    """
+    name = files.path_of("path", path)
+    rows = _yaml_rows(name) if name.lower().endswith((".yaml", ".yml")) else _csv_rows(name)
+    if not rows:
+        raise PinpressError(f"{name} has no dimension: {WORDS}, each with its tolerance")
+    parts, costs, bounds = [], {}, {}
+    for place, row in rows:
+        try:
+            part, per = _dimension(press, row)
+            if row.get("cost"):
+                costs[part.name] = _number(row, "cost")
+            ends = [_number(row, end) / per for end in ("smallest", "largest") if row.get(end)]
+            if len(ends) == 1:
+                raise PinpressError("one bound is given: give smallest and largest, or neither")
+            if ends:
+                bounds[part.name] = (ends[0], ends[1])
+        except PinpressError as error:
+            raise PinpressError(f"{name}, {place}: {error}") from None
+        parts.append(part)
+    try:
+        return DimensionTable(checked_dimensions(press, parts), costs, bounds)
+    except PinpressError as error:
+        raise PinpressError(f"{name}: {error}") from None
+
+
+def _csv_rows(name: str) -> list[tuple[str, dict[str, str]]]:
+    """Every row with its place and its cells by their heads."""
+    wanted = f"give a CSV file with the heads {', '.join(HEADS[:2])} and, if wanted, {', '.join(HEADS[2:])}"
+    try:
+        text = files.read(name, LARGEST_FILE).decode("utf-8-sig")
+        rows = [
+            (k, [cell.strip() for cell in row])
+            for k, row in enumerate(csv.reader(text.splitlines(), skipinitialspace=True), 1)
+            if any(map(str.strip, row))
+        ]
+    except (OSError, ValueError, csv.Error) as error:
+        reason = files.reason(error) if isinstance(error, OSError) else "it is no table"
+        raise PinpressError(f"{name} cannot be read ({reason}): {wanted}") from None
+    if not rows:
+        raise PinpressError(f"{name} is empty: {wanted}")
+    (_, heads), *found = rows
+    if len(heads) == 1 and ";" in heads[0]:
+        raise PinpressError(f"{name} has semicolons between its cells: save it with commas, and decimals after a point")
+    _refuse_heads(f"{name}: column", heads)
+    for line, cells in found:
+        if len(cells) > len(heads):
+            raise PinpressError(f"{name}, line {line}: {len(cells)} cells under {len(heads)} heads: write decimals after a point")
+    return [(f"line {line}", dict(zip(heads, cells, strict=False))) for line, cells in found]
+
+
+def _yaml_rows(name: str) -> list[tuple[str, dict[str, str]]]:
+    """Every entry of a list in YAML, with its place and its values as text."""
+    import yaml  # only tables in this format need it
+
+    wanted = "give a list of entries, - {dimension: length E F, tolerance: 0.05}"
+    try:
+        listed = yaml.load(files.read(name, LARGEST_FILE).decode("utf-8-sig"), Loader=yaml.BaseLoader)
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
+        reason = files.reason(error) if isinstance(error, OSError) else "it is no YAML"
+        raise PinpressError(f"{name} cannot be read ({reason}): {wanted}") from None
+    if not isinstance(listed, list):
+        raise PinpressError(f"{name} is no list: {wanted}")
+    rows = []
+    for k, entry in enumerate(listed, 1):
+        if not isinstance(entry, dict) or not all(isinstance(cell, str) for cell in (*entry, *entry.values())):
+            raise PinpressError(f"{name}, entry {k}: it is no mapping of texts and numbers: {wanted}")
+        _refuse_heads(f"{name}, entry {k}: key", list(entry))
+        rows.append((f"entry {k}", {key: cell.strip() for key, cell in entry.items()}))
+    return rows
+
+
+def _refuse_heads(place: str, heads: list[str]) -> None:
+    """Raise PinpressError where heads are unknown, given twice or missing."""
+    for head in heads:
+        if head not in HEADS:
+            raise PinpressError(f"{place} {shown(head)} is none{suggestion(head, HEADS)}; write some of {', '.join(HEADS)}")
+        if heads.count(head) > 1:
+            raise PinpressError(f"{place} {head!r} is there twice: write it once")
+    for head in HEADS[:2]:
+        if head not in heads:
+            raise PinpressError(f"{place} {head!r} is missing: every dimension needs its words and a tolerance")
+
+
+def _dimension(press: Linkage, row: Mapping[str, str]) -> tuple[Dimension, float]:
+    """The dimension of a row, and how many of its units are 1 in SI units."""
+    kind, *names = row["dimension"].split() or [""]
+    units = ANGLES if kind == "angle" else LENGTHS
+    unit = row.get("unit") or next(iter(units))
+    if unit not in units:
+        raise PinpressError(f"unit {unit!r} is none of {'an angle' if units is ANGLES else 'a length'}: write one of {', '.join(units)}")
+    per = units[unit]
+    tolerance = _number(row, "tolerance") / per
+    shape, name = row.get("shape") or "normal", row.get("name") or None
+    sd = _number(row, "sd") / per if row.get("sd") else None
+    if kind == "length" and len(names) == 2:
+        return link_length(press, names[0], names[1], tolerance, name=name, shape=shape, sd=sd), per
+    if kind == "angle" and len(names) == 3:
+        return pin_angle(press, names[0], names[1], names[2], tolerance, name=name, shape=shape, sd=sd), per
+    if kind == "position" and len(names) in (2, 3):
+        link = names[2] if len(names) == 3 else None
+        return pin_position(press, names[0], names[1], tolerance, link=link, name=name, shape=shape, sd=sd), per
+    raise PinpressError(f"{shown(row['dimension'])} is no dimension: {WORDS}")
+
+
+def _number(row: Mapping[str, str], head: str) -> float:
+    try:
+        value = float(row.get(head, ""))
+    except ValueError:
+        remedy = "write decimals after a point" if "," in row.get(head, "") else "write a number, its unit in the column unit"
+        raise PinpressError(f"{head} {row.get(head, '')!r} is no number: {remedy}") from None
+    if not math.isfinite(value) or value <= 0.0:
+        raise PinpressError(f"{head} is {row[head]}: give a positive number")
+    return value

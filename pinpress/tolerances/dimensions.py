@@ -1,0 +1,469 @@
+"""Dimensions of a press that scatter: which pivots each of them moves, how far, and how it is distributed.
+
+A deviation d of a dimension moves its pivots by d times the dimension's direction, on straight lines: an angle is one to first order only,
+its pivot leaves the arc by half the arm times the square of the angle (0.02 um at an arm of 0.5 m and an angle of 0.01 deg).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common.arguments import number, numbers, suitable_numbers, typed, whole_number
+from ..common.errors import PinpressError, UnknownNameError, caution, shown
+from ..common.frozen import Frozen
+from ..common.parameters import set_field
+from ..common.quantities import Array
+from ..derivatives.motion import Pivots, directed
+from ..linkage.linkage import Linkage
+
+SHAPES = ("normal", "uniform", "truncated")
+DEVIATIONS = 3.0  # standard deviations to which a tolerance is taken where none is given
+LARGE = 0.1  # tolerance, as a share of the lengths of its links, that is hardly meant
+STEEP = 0.1  # tolerance of an angle that is hardly meant [rad]
+MOST_SAMPLES = 10**7
+LEAST_MEASURED = 2
+FLAT = 1e-12  # share of the largest moment by which rounding may make a correlation matrix indefinite
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+@dataclass(frozen=True, eq=False)
+class Dimension(Frozen):
+    """A dimension of a press with its tolerance: ``Dimension("EF", {("F", "rod"): (1, 0, 0)}, 50e-6)``.
+
+    Attributes:
+        name: as results call it.
+        direction: (bearing, link) -> (3,) derivative of the bearing's position in the link's own frame by the dimension, as
+            `derivatives.motion_derivatives` takes it [-, of an angle m/rad].
+        tolerance: the dimension is the nominal one +/- this [m, of an angle rad]. Where the tolerances of a drawing are not symmetric,
+            take their middle for the press and half of their width.
+        shape: "normal"; "uniform", all deviations within the tolerance alike; "truncated", normal within the tolerance and none beyond it;
+            or the deviations (n,) that were measured, one of which is drawn for each press.
+        sd: standard deviation of a normal dimension, of a truncated one before it is cut; None: a third of the tolerance.
+        unit: of the dimension, "m" or "rad".
+    """
+
+    name: str
+    direction: Pivots
+    tolerance: float
+    shape: str | ArrayLike = "normal"
+    sd: float | None = None
+    unit: str = "m"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise PinpressError(f"name of a dimension is {shown(self.name)}: give a text such as 'EF'")
+        if self.unit not in ("m", "rad"):
+            raise PinpressError(f"dimension {self.name!r}: unit is {shown(self.unit)}: give 'm' or 'rad'")
+        set_field(self, "direction", self._checked_direction())
+        set_field(self, "tolerance", self._size("tolerance", self.tolerance))
+        if isinstance(self.shape, str):
+            if self.shape not in SHAPES:
+                raise PinpressError(
+                    f"shape of {self.name!r} is {shown(self.shape)}: give {', '.join(map(repr, SHAPES))} or measured deviations (n,)"
+                )
+        else:
+            set_field(self, "shape", self._checked_sample())
+        if self.sd is not None:
+            if not isinstance(self.shape, str) or self.shape == "uniform":
+                raise PinpressError(
+                    f"dimension {self.name!r}: sd is given, but uniform and measured dimensions have their own: leave it out"
+                )
+            set_field(self, "sd", self._size("sd", self.sd))
+        super().__post_init__()
+
+    @property
+    def standard_deviation(self) -> float:
+        """That of the dimension as it is drawn [m or rad]."""
+        if not isinstance(self.shape, str):
+            return float(np.std(np.asarray(self.shape)))
+        if self.shape == "uniform":
+            return self.tolerance / math.sqrt(3.0)
+        sd: float = self.sd or self.tolerance / DEVIATIONS
+        return sd if _is_normal(self) else sd * _shortened(self.tolerance / sd)
+
+    @property
+    def mean(self) -> float:
+        """Mean deviation [m or rad]; 0 but for measured ones."""
+        return 0.0 if isinstance(self.shape, str) else float(np.mean(np.asarray(self.shape)))
+
+    def draw(self, generator: np.random.Generator, samples: int) -> Array:
+        """Deviations (samples,) of that many presses [m or rad]."""
+        if not isinstance(self.shape, str):
+            return generator.choice(np.asarray(self.shape), samples)
+        if self.shape == "uniform":
+            return generator.uniform(-self.tolerance, self.tolerance, samples)
+        sd = self.sd or self.tolerance / DEVIATIONS
+        if self.shape == "normal":
+            return sd * generator.standard_normal(samples)
+        from scipy.special import ndtr, ndtri  # to save start-up time
+
+        end = float(ndtr(self.tolerance / sd))
+        cut = sd * ndtri(generator.uniform(1.0 - end, end, samples))
+        return np.asarray(np.clip(cut, -self.tolerance, self.tolerance))
+
+    def _size(self, what: str, value: object) -> float:
+        return number(f"{what} of dimension {self.name!r}", value, self.unit, positive=True)
+
+    def _checked_direction(self) -> dict[tuple[str, str], Array]:
+        what = f"direction of dimension {self.name!r}"
+        if not isinstance(self.direction, Mapping) or not self.direction:
+            raise PinpressError(
+                f"{what} is {shown(self.direction)}: give {{(bearing, link): (x, y, z)}}, derivatives in the link's own frame"
+            )
+        checked = {}
+        for key, values in self.direction.items():
+            if not (isinstance(key, tuple) and len(key) == 2 and all(isinstance(each, str) for each in key)):
+                raise PinpressError(f"{what}: {shown(key)} is no pair of names: write (bearing, link)")
+            checked[key] = suitable_numbers(f"{what}: {shown(key)}", values, "three finite numbers, in the link's own frame", (3,))
+        if not any(vector.any() for vector in checked.values()):
+            raise PinpressError(f"{what} moves nothing: give a derivative other than (0, 0, 0)")
+        return checked
+
+    def _checked_sample(self) -> Array:
+        what = f"measured deviations of dimension {self.name!r}"
+        sample = numbers(what, self.shape, (None,), unit=self.unit)
+        if len(sample) < LEAST_MEASURED or not np.ptp(sample):
+            raise PinpressError(f"{what} are {shown(sample.tolist())}: give at least two that differ")
+        largest = float(np.abs(sample).max())
+        if largest > 100.0 * self.tolerance:
+            caution(
+                f"{what} reach {largest:g} {self.unit}, with a tolerance of {self.tolerance:g} {self.unit}: give deviations from the"
+                f" nominal dimension, in {self.unit}"
+            )
+        return sample
+
+
+def _shortened(limit: float) -> float:
+    """Standard deviation of a standard normal variable that is cut at +/- limit."""
+    if limit < 1e-3:  # nearly uniform, where the difference below cancels
+        return limit / math.sqrt(3.0)
+    inside = math.erf(limit / math.sqrt(2.0))
+    return math.sqrt(1.0 - math.sqrt(2.0 / math.pi) * limit * math.exp(-0.5 * limit * limit) / inside)
+
+
+# ------------------------------------------------------------------------------------------------------ dimensions by names of pins
+
+
+@typed
+def link_length(
+    press: Linkage,
+    first: str,
+    second: str,
+    tolerance: float,
+    *,
+    name: str | None = None,
+    shape: str | ArrayLike = "normal",
+    sd: float | None = None,
+) -> Dimension:
+    """The distance between two pins of a link, of a planar press in its plane: the second pin moves away from
+    the first one, and all other pins of the link stay.
+
+    Args:
+        press: the press.
+        first: a pin of the link, or a bearing in the frame.
+        second: another pin of the same link.
+        tolerance: +/- of the distance [m].
+        name: of the dimension; None: the names of both pins.
+        shape: as of `Dimension`.
+        sd: as of `Dimension`.
+
+    Raises:
+        UnknownNameError: the press has no such bearing.
+        PinpressError: no link has both pins, they are in one place, or one is a guide.
+    """
+    body = _common_body(press, first, second)
+    arm = _arm(press, body, first, second)
+    along = arm / np.linalg.norm(arm)
+    return Dimension(_joined(first, second) if name is None else name, _moved_pin(press, body, second, along), tolerance, shape, sd)
+
+
+@typed
+def pin_angle(
+    press: Linkage,
+    first: str,
+    vertex: str,
+    second: str,
+    tolerance: float,
+    *,
+    name: str | None = None,
+    shape: str | ArrayLike = "normal",
+    sd: float | None = None,
+) -> Dimension:
+    """The angle between two arms of a link: the second pin moves square to its arm from the vertex, all other pins of the link stay. It
+    moves on a straight line, which is an angle to first order.
+
+    Args:
+        press: the press, a planar one.
+        first: pin at the end of the first arm.
+        vertex: pin where the arms meet.
+        second: pin at the end of the second arm.
+        tolerance: +/- of the angle [rad].
+        name: of the dimension; None: "angle" and the names of the pins.
+        shape: as of `Dimension`.
+        sd: as of `Dimension`.
+
+    Raises:
+        UnknownNameError: the press has no such bearing.
+        PinpressError: no link has all three pins, two of them are in one place, one is a guide, or the press is not planar.
+    """
+    body = _common_body(press, first, vertex, second)
+    one, other = (_arm(press, body, vertex, pin) for pin in (first, second))
+    normal = _normal(press, body)
+    if normal is None:
+        raise PinpressError(f"pin_angle is for planar presses, which {press.name} is not: give a Dimension with its direction")
+    away = np.cross(normal, other) * (1.0 if np.cross(one, other) @ normal >= 0 else -1.0)  # the angle grows
+    return Dimension(
+        f"angle {_joined(first, vertex, second)}" if name is None else name,
+        _moved_pin(press, body, second, away),
+        tolerance,
+        shape,
+        sd,
+        unit="rad",
+    )
+
+
+@typed
+def pin_position(
+    press: Linkage,
+    bearing: str,
+    axis: str | Sequence[float],
+    tolerance: float,
+    *,
+    link: str | None = None,
+    name: str | None = None,
+    shape: str | ArrayLike = "normal",
+    sd: float | None = None,
+) -> Dimension:
+    """The place of a pin or guide in a link, in the frame by default; all other pins of the link stay.
+
+    Args:
+        press: the press.
+        bearing: the pin or guide; a guide is moved as a line.
+        axis: "x", "y" or "z", or (3,) of any length: along which it moves, in the link's own frame; that of the frame is the world's.
+        tolerance: +/- of the place [m].
+        link: the link in which it moves; None: the frame.
+        name: of the dimension; None: the bearing's name and the axis.
+        shape: as of `Dimension`.
+        sd: as of `Dimension`.
+
+    Raises:
+        UnknownNameError: the press has no such bearing or link.
+        PinpressError: the bearing is not on this link, or cannot be moved in it; an axis that is none.
+    """
+    if isinstance(axis, str):
+        if axis not in AXES:
+            raise PinpressError(f"axis is {shown(axis)}: give 'x', 'y', 'z' or three numbers")
+        along, called = np.array(AXES[axis]), axis
+    else:
+        given = suitable_numbers("axis", axis, "'x', 'y', 'z' or three numbers that are not all zero", (3,), lambda found: np.any(found))
+        along = given / np.abs(given).max()  # squares of very large ones overflow
+        along, called = along / np.linalg.norm(along), f"({', '.join(f'{part:g}' for part in given)})"
+    where = press.root if link is None else link
+    _refuse_unknown("bearing", bearing, press.bearings)
+    _refuse_unknown("link", where, press.links)
+    directed(press, {(bearing, where): along})  # refuses links that the bearing is not on
+    called = f"{bearing} {called}" if link is None else f"{bearing} {called} in {link}"
+    return Dimension(called if name is None else name, {(bearing, where): along}, tolerance, shape, sd)
+
+
+def _common_body(press: Linkage, *pins: str) -> int:
+    """The body that has all these pins."""
+    bodies: list[set[int]] = []
+    for pin in pins:
+        _refuse_unknown("bearing", pin, press.bearings)
+        bodies.append(_ends(press, press.bearings.index(pin)))
+        place = press.bearings.index(pin)
+        if place < len(press.joints) and not press.axes[place].turns:
+            raise PinpressError(f"{pin!r} is a guide, no pin: its place is pin_position(press, {pin!r}, 'x', ...)")
+    if len(set(pins)) < len(pins):
+        raise PinpressError(f"a pin is named twice in {', '.join(pins)}: name pins that differ")
+    common = set.intersection(*bodies)
+    if not common:
+        which = "; ".join(
+            f"{pin} joins {' and '.join(press.link_of(body) for body in sorted(ends))}" for pin, ends in zip(pins, bodies, strict=True)
+        )
+        raise PinpressError(f"no link has the pins {', '.join(pins)}: {which}")
+    return min(common)
+
+
+def _refuse_unknown(kind: str, name: object, known: Sequence[str]) -> None:
+    if not isinstance(name, str) or name not in known:
+        raise UnknownNameError(kind, name, known)
+
+
+def _ends(press: Linkage, bearing: int) -> set[int]:
+    """The two bodies that a bearing joins."""
+    if bearing < len(press.joints):
+        return {int(press.model.parents[bearing + 1]), bearing + 1}
+    loop = press.loops[bearing - len(press.joints)]
+    return {int(loop.joint1), int(loop.joint2)}
+
+
+def _frame(press: Linkage, body: int) -> Any:
+    """Placement of the first link of a body in the body's frame."""
+    import pinocchio as pin  # to save start-up time
+
+    return press.model.frames[press.model.getFrameId(press.link_of(body), pin.BODY)].placement
+
+
+def _position(press: Linkage, body: int, bearing: str) -> Array:
+    """Position (3,) of a bearing in the frame of the body's first link [m]."""
+    place = press.bearings.index(bearing)
+    if place < len(press.joints):
+        point = press.model.jointPlacements[place + 1].translation if press.model.parents[place + 1] == body else np.zeros(3)
+    else:
+        loop = press.loops[place - len(press.joints)]
+        point = loop.point1 if loop.joint1 == body else loop.point2
+    return np.array(_frame(press, body).actInv(point))
+
+
+def _moved_pin(press: Linkage, body: int, bearing: str, by: Array) -> dict[tuple[str, str], Array]:
+    """The direction that moves one pin of a link. The origin of the link's frame cannot be moved in it: all others move the other way."""
+    link, origin = press.link_of(body), body - 1
+    if not body or bearing != press.joints[origin]:
+        return {(bearing, link): by}
+    others = [each for place, each in enumerate(press.bearings) if place != origin and body in _ends(press, place)]
+    return {(other, link): -by for other in others}
+
+
+def _arm(press: Linkage, body: int, first: str, second: str) -> Array:
+    """From one pin to another (3,), in the frame of the body's first link [m]; of a planar press in its plane."""
+    arm = _position(press, body, second) - _position(press, body, first)
+    normal = _normal(press, body)
+    if normal is not None:
+        arm -= (arm @ normal) * normal
+    if not arm.any():
+        raise PinpressError(f"the pins {first} and {second} are in one place: give a Dimension with the direction in which one moves")
+    return arm
+
+
+def _normal(press: Linkage, body: int) -> Array | None:
+    """Normal (3,) of the plane of a planar press in the frame of a body's first link; None in space."""
+    axes = press.engine().turning_axes(body)
+    return _frame(press, body).rotation.T @ axes[0] if len(axes) == 1 else None
+
+
+def _joined(*pins: str) -> str:
+    return "".join(pins) if all(len(pin) == 1 for pin in pins) else "-".join(pins)
+
+
+# ------------------------------------------------------------------------------------------------------------------------ all dimensions
+
+
+def checked_dimensions(press: Linkage, parts: Sequence[Dimension]) -> tuple[Dimension, ...]:
+    """The dimensions of a press, each once.
+
+    Raises:
+        PinpressError: there are none, one is no `Dimension`, or two have one name; a link that the bearing is not on, or in which it cannot
+            be moved.
+        UnknownNameError: a bearing or link that the linkage does not have.
+
+    Warns:
+        PinpressWarning: a tolerance is larger than a tenth of its link, or than 0.1 rad.
+    """
+    found = tuple(parts)
+    for each in found:
+        if not isinstance(each, Dimension):
+            raise PinpressError(f"parts has a {type(each).__name__}: give Dimensions, as link_length(press, ...) makes them")
+    names = [each.name for each in found]
+    if not found:
+        raise PinpressError("parts is empty: give the dimensions that scatter, parts=[tolerances.link_length(press, ...), ...]")
+    if len(set(names)) < len(names):
+        twice = ", ".join(sorted({name for name in names if names.count(name) > 1}))
+        raise PinpressError(f"dimensions are given twice: {twice}; give each once, or other names")
+    for each in found:
+        directed(press, each.direction)
+        _doubt_size(press, each)
+    return found
+
+
+def _doubt_size(press: Linkage, part: Dimension) -> None:
+    """Warn of a tolerance that is hardly meant."""
+    if part.unit == "rad":
+        if part.tolerance > STEEP:
+            caution(f"dimension {part.name!r} has a tolerance of {part.tolerance:g} rad: give it in rad, not in degrees")
+        return
+    moved = max(float(np.linalg.norm(vector)) for vector in part.direction.values())
+    length = min(_extent(press, link) for _, link in part.direction)
+    if part.tolerance * moved > LARGE * length:
+        caution(
+            f"dimension {part.name!r} has a tolerance of {part.tolerance:g} m, beside {length:.3g} m between the pins of its link: in"
+            f" m it is {part.tolerance:g}e-3 if mm are meant"
+        )
+
+
+def _extent(press: Linkage, link: str) -> float:
+    """Largest distance between two bearings of a link [m]; the size of the linkage where it has one alone."""
+    import pinocchio as pin  # to save start-up time
+
+    body = int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)
+    points = [_position(press, body, name) for place, name in enumerate(press.bearings) if body in _ends(press, place)]
+    return max((float(np.linalg.norm(one - other)) for one in points for other in points), default=0.0) or press.size
+
+
+def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[str, str], float] | None) -> Array:
+    """Coefficients (k, k) of correlation between dimensions.
+
+    Args:
+        parts: the dimensions.
+        correlation: (name, name) -> coefficient, between normal dimensions; pairs that are not named are independent.
+
+    Raises:
+        UnknownNameError: there is no such dimension.
+        PinpressError: a key that is no pair, one that is given twice, a coefficient beyond +/- 1, a dimension that is not normal, or
+            coefficients that contradict each other.
+    """
+    names, result = [part.name for part in parts], np.eye(len(parts))
+    for pair, value in (correlation or {}).items():
+        if not (isinstance(pair, tuple) and len(pair) == 2) or pair[0] == pair[1]:
+            raise PinpressError(f"correlation: {shown(pair)} is no pair of names: write (dimension, dimension)")
+        for name in pair:
+            _refuse_unknown("dimension", name, names)
+            if not _is_normal(parts[names.index(name)]):
+                raise PinpressError(
+                    f"correlation: dimension {name!r} is not normal: give what it shares with {pair[1 - pair.index(name)]!r} as a dimension"
+                    " of its own, which moves the pivots of both"
+                )
+        place = names.index(pair[0]), names.index(pair[1])
+        if result[place]:
+            raise PinpressError(f"correlation: {shown(pair)} is given twice: give each pair once")
+        result[place] = result[place[::-1]] = suitable_numbers(
+            f"correlation of {pair[0]} and {pair[1]}", value, "a number from -1 to 1", suits=lambda found: abs(found) <= 1.0
+        )
+    if correlation and np.linalg.eigvalsh(result)[0] < -FLAT * len(parts):
+        raise PinpressError(
+            "correlation: the coefficients contradict each other (their matrix has a negative eigenvalue): make them smaller"
+        )
+    return result
+
+
+def _is_normal(part: Dimension) -> bool:
+    return isinstance(part.shape, str) and part.shape == "normal"
+
+
+def drawn_deviations(parts: Sequence[Dimension], correlation: Array, samples: int, seed: int) -> Array:
+    """Deviations (k, samples) of the dimensions from the nominal ones [m or rad].
+
+    Args:
+        parts: the k dimensions.
+        correlation: (k, k) from `correlation_matrix`.
+        samples: number of presses.
+        seed: of the random numbers: the same one gives the same presses.
+    """
+    count = whole_number("samples", samples, 2, MOST_SAMPLES)
+    generator = np.random.default_rng(whole_number("seed", seed, 0, 2**63 - 1))
+    drawn = np.array([part.draw(generator, count) for part in parts])
+    if not np.array_equal(correlation, np.eye(len(parts))):
+        values, vectors = np.linalg.eigh(correlation)
+        root = vectors * np.sqrt(np.maximum(values, 0.0)) @ vectors.T
+        scale = np.array([part.standard_deviation for part in parts])[:, None]
+        tied = np.abs(correlation).sum(axis=1) > 1.0
+        mixed = root[np.ix_(tied, tied)] @ (drawn[tied] / scale[tied])
+        drawn[tied] = scale[tied] * mixed
+    return drawn

@@ -1,0 +1,316 @@
+"""Parallelism of a slide that hangs on several points, and which dimension decides.
+
+    tol = pp.tolerances
+    chains = {
+        side: [tol.link_length(press, "O", f"P2_{side}", 10e-6), tol.link_length(press, f"P2_{side}", f"P4_{side}", 20e-6)]
+        for side in ("front", "back")
+    }
+    tol.parallelism(press, {f"P4_{side}": parts for side, parts in chains.items()})
+
+Every point is a crank-slide of its own, of which a chain of rods leads from the crank to the slide. The other rods would hold a rigid slide
+in its place too, so that lengths which differ would jam. The height of a point is therefore that which its own chain alone gives it, by
+virtual work with a unit force on the slide that this chain carries alone (see `virtual_work`), exact to first order in the dimensions.
+With the heights z_i at the places x_i, y_i of the points the slide takes the height h and the slopes s, t for which
+
+    sum of k (h + s x_i + t y_i - z_i)^2 + kappa (s^2 + t^2)
+
+is least: with points of the stiffness k, in guides of the stiffness kappa against turning. Two points at -b and b have the slope
+(z_1 - z_2) / 2b times 2 k b^2 / (2 k b^2 + kappa). Without guides the slope follows the points. Four points lie in no plane in general:
+what a plane leaves of their heights is forced into the slide, its rods and their bearings.
+
+Permissible slopes are numbers that the caller gives. The grades of standards such as JIS B 6402 are not built in, because their texts were
+not at hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import positive, typed
+from ..common.errors import PinpressError, UnknownNameError
+from ..common.quantities import Array, DriverCoordinate
+from ..common.results import Tabular
+from ..derivatives.motion import directed
+from ..kinematics.motion import Motion, bearing_points, poses
+from ..kinematics.servo_motion import servo_cycle
+from ..kinematics.slide_path import dead_centres
+from ..linkage.linkage import Linkage
+from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
+from .scatter import Scatter, scatter
+from .virtual_work import UnitForces, unit_forces
+
+ROUNDING = 1e-12  # share of the largest gradient below which one is zero
+STATES = 120  # crank angles of a period
+SOFT = 1.0  # stiffness of the points that are left out, beside which all others are rigid [N/m]
+ALONE = 1e-6  # force of a point that is left out, as a share of that of the one that carries
+ONE_PLACE = 1e-9  # distance of points as a share of the linkage's size below which they are one
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SlideParallelism(Tabular):
+    """Slopes of a slide on m points against the table. All arrays are read-only.
+
+    Slopes are in m/m, along two directions square to the guide. The columns are n crank angles.
+
+    Attributes:
+        press_name: name of the press.
+        coordinate: what the coordinate of the driver is.
+        points: names of the bearings on which the slide hangs.
+        places: (m, 2) of the points along both directions, from the slide's origin [m].
+        directions: (2, 3) these directions as unit vectors in world axes; of a planar press that in its plane and that across it.
+        crank_angle: (n,) crank angles [rad]; of a driver that slides its positions [m].
+        slope_sd: (n, 2) standard deviations of the slopes, to first order [-].
+        slopes: the scatter of both slopes at bottom dead centre, with the shares of the dimensions.
+        misfit_sd: (m,) standard deviations of what a plane leaves of the points' heights at bottom dead centre [m].
+        point_force_sd: (m,) of the forces on the points by that and by the guides [N]; None without stiffnesses.
+        guide_moment_sd: (2,) of the moments of the guides that hold the slide against both slopes [N m]; None without stiffnesses.
+    """
+
+    press_name: str
+    coordinate: DriverCoordinate
+    points: tuple[str, ...]
+    places: Array
+    directions: Array
+    crank_angle: Array
+    slope_sd: Array
+    slopes: tuple[Scatter, Scatter]
+    misfit_sd: Array
+    point_force_sd: Array | None
+    guide_moment_sd: Array | None
+
+    def within(self, permissible: float) -> float:
+        """Share of the sample's presses whose slopes at bottom dead centre are permissible in both directions [-].
+
+        Args:
+            permissible: largest slope [m/m], as the standard or the customer has it.
+
+        Raises:
+            PinpressError: it is not positive.
+        """
+        limit = positive("permissible", permissible, "-")
+        return float(np.mean(np.maximum(*(np.abs(slope.deviation) for slope in self.slopes)) <= limit))
+
+    @property
+    def title(self) -> str:
+        sd = " and ".join(f"{1e6 * slope.first_order_sd:.4g}" for slope in self.slopes)
+        return f"SlideParallelism of {self.press_name}: {len(self.points)} points up to {self._span:.4g} m apart, slopes of sd {sd} um/m"
+
+    @property
+    def _span(self) -> float:
+        """Largest distance of two points [m]."""
+        return float(max(np.linalg.norm(one - other) for one in self.places for other in self.places))
+
+    def __str__(self) -> str:
+        lines = [f"{self.press_name}: the slide on {', '.join(self.points)} at bottom dead centre"]
+        lines += [line for slope in self.slopes if slope.worst_case for line in str(slope).splitlines()]
+        if not any(slope.worst_case for slope in self.slopes):
+            lines.append("  no dimension tilts the slide")
+        if self.misfit_sd.max() > 1e-3 * ONE_PLACE:
+            lines.append(tables.entry("forced into the slide", f"{1e6 * self.misfit_sd.max():.2f}", "um", "sd of a point off the plane"))
+        if self.point_force_sd is not None and self.guide_moment_sd is not None:
+            lines.append(tables.entry("force on a point", f"{1e-3 * self.point_force_sd.max():.4g}", "kN", "sd"))
+            lines.append(tables.entry("moment on the guides", f"{1e-3 * self.guide_moment_sd.max():.4g}", "kN m", "sd"))
+        return "\n".join(lines)
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return tuple(self.columns())
+
+    def columns(self) -> dict[str, Array]:
+        """A row for each crank angle: standard deviations of both slopes."""
+        names = "{} [{}]".format(*self.coordinate.heads[0]), "first_slope_sd [-]", "second_slope_sd [-]"
+        return dict(zip(names, (self.crank_angle, *self.slope_sd.T), strict=True))
+
+
+@typed
+def parallelism(
+    press: Linkage,
+    parts: Mapping[str, Sequence[Dimension]],
+    *,
+    point_stiffness: float | None = None,
+    guide_stiffness: float | None = None,
+    correlation: Mapping[tuple[str, str], float] | None = None,
+    samples: int = 100_000,
+    seed: int = 0,
+) -> SlideParallelism:
+    """Find the slopes of a slide on several points by the tolerances of the dimensions of their chains.
+
+    Args:
+        press: a press with one driver whose slide hangs on at least two points that stand apart.
+        parts: name of a point, the bearing of a rod on the slide -> dimensions of its own chain. One that moves what chains share, such as
+            the place of the shaft, moves it for this point alone: the shaft is then askew. Where it is named under several points, by the
+            same name, it moves all of them alike.
+        point_stiffness: stiffness of every point [N/m]; None: points are rigid beside the guides.
+        guide_stiffness: stiffness of the guides against turning of the slide, in both directions [N m/rad]; None: they let it turn. Give
+            both stiffnesses, or none.
+        correlation: between dimensions, as of `bottom_dead_centre`.
+        samples: number of presses that are drawn.
+        seed: of the random numbers.
+
+    Raises:
+        UnknownNameError: a bearing or dimension that there is not.
+        PinpressError: the slide hangs on one point, or not all points are named; a chain does not hold the slide alone; two dimensions have
+            one name; a stiffness alone, or not positive; the press has several drivers or no dead centres.
+    """
+    if (point_stiffness is None) != (guide_stiffness is None):
+        raise PinpressError(
+            "point_stiffness and guide_stiffness belong together: a stiff guide holds a slide on soft points; give both, or none"
+        )
+    stiffness = None if point_stiffness is None else positive("point_stiffness", point_stiffness, "N/m")
+    turning = 0.0 if guide_stiffness is None else positive("guide_stiffness", guide_stiffness, "N m/rad")
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: parallelism is that of a slide with one")
+    bottom = dead_centres(press).bottom_angle
+    if press.driver_coordinates[0].turns:
+        angles = np.linspace(0.0, 2 * np.pi * press.period_turns, STATES, endpoint=False)
+    else:
+        angles = np.linspace(press.branch.angles[0], press.branch.angles[-1], STATES)
+    motion = servo_cycle(press, np.append(angles, bottom), speed=0.0)
+    points = _points(press, motion, parts)
+    dimensions = _each_once(press, parts)
+    places, directions = _places(press, motion, points)
+    heights = np.zeros((len(points), len(dimensions), len(angles) + 1))
+    for i, point in enumerate(points):
+        alone = _carried_alone(press, motion, points, point)
+        names = [part.name for part in parts[point]]
+        for k, part in enumerate(dimensions):
+            if part.name in names:
+                heights[i, k] = alone.shift(directed(press, part.direction))
+    fit = _Fit.of(places, stiffness, turning)
+    slopes = np.einsum("si,ikn->nsk", fit.slopes, heights)
+    tied = correlation_matrix(dimensions, correlation)
+    sd = np.array([part.standard_deviation for part in dimensions])
+    covariance = tied * np.outer(sd, sd)
+    drawn = drawn_deviations(dimensions, tied, samples, seed)
+    at_bottom, bottom_heights = slopes[-1], heights[:, :, -1]
+    at_bottom = np.where(np.abs(at_bottom) > ROUNDING * np.abs(at_bottom).max(), at_bottom, 0.0)
+    left, forces = fit.misfit @ bottom_heights, fit.forces @ bottom_heights
+
+    def _slope(k: int) -> Scatter:
+        """The scatter of one slope at bottom dead centre."""
+        name = f"slope along ({', '.join(f'{part + 0.0:.3g}' for part in directions[k].round(3))})"
+        worst = float(np.abs(at_bottom[k]) @ np.array([part.tolerance for part in dimensions]))
+        return scatter(name, "m/m", 0.0, dimensions, at_bottom[k].copy(), tied, at_bottom[k] @ drawn, np.array([-worst, worst]))
+
+    return SlideParallelism(
+        press_name=press.name,
+        coordinate=press.driver_coordinates[0],
+        points=points,
+        places=places,
+        directions=directions,
+        crank_angle=angles,
+        slope_sd=np.sqrt(np.einsum("nsk,kl,nsl->ns", slopes[:-1], covariance, slopes[:-1])),
+        slopes=(_slope(0), _slope(1)),
+        misfit_sd=_deviations(left, covariance),
+        point_force_sd=None if stiffness is None else _deviations(forces, covariance),
+        guide_moment_sd=None if stiffness is None else turning * _deviations(at_bottom, covariance),
+    )
+
+
+def _deviations(rows: Array, covariance: Array) -> Array:
+    """Standard deviations of linear combinations (r, k) of dimensions."""
+    return np.asarray(np.sqrt(np.maximum(np.einsum("rk,kl,rl->r", rows, covariance, rows), 0.0)))
+
+
+class _Fit(NamedTuple):
+    """How a slide follows the heights of its m points.
+
+    Attributes:
+        slopes: (2, m) slopes by the heights [1/m].
+        misfit: (m, m) what the plane leaves of the heights, of points that carry no guide [-].
+        forces: (m, m) forces on the points by the heights [N/m].
+    """
+
+    slopes: Array
+    misfit: Array
+    forces: Array
+
+    @staticmethod
+    def of(places: Array, stiffness: float | None, turning: float) -> _Fit:
+        """The least squares of the module; ``turning`` is 0 without stiffness."""
+        columns = np.column_stack([np.ones(len(places)), places - places.mean(axis=0)])  # about the middle, which keeps its height
+        free = np.linalg.pinv(columns, rcond=ONE_PLACE)
+        if stiffness is None:
+            fitted = free
+        else:
+            held = np.diag([0.0, turning, turning])
+            fitted = np.linalg.solve(stiffness * columns.T @ columns + held, stiffness * columns.T)
+        left = np.eye(len(places)) - columns @ fitted
+        spread = np.ptp(places, axis=0)
+        fitted[1:][spread <= ONE_PLACE * spread.max()] = 0.0  # points on a line hold no slope across it
+        return _Fit(fitted[1:], np.eye(len(places)) - columns @ free, (stiffness or 0.0) * left)
+
+
+# ----------------------------------------------------------------------------------------------------------------------------- points
+
+
+def _points(press: Linkage, motion: Motion, parts: Mapping[str, Sequence[Dimension]]) -> tuple[str, ...]:
+    """The bearings through which the drive carries the slide, all of which must be named."""
+    body = press.slide_guide.joint + 1
+    on_slide = [name for name, parent in zip(press.joints, list(press.model.parents)[1:], strict=True) if parent == body]
+    on_slide += [loop.name for loop in press.loops if body in (loop.joint1, loop.joint2)]
+    forces = unit_forces(press, motion).force
+    found = tuple(name for name in press.bearings if name in on_slide and np.abs(forces[name]).max() > ALONE)
+    for name in parts:
+        if name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+    if len(found) < 2:
+        raise PinpressError(f"the slide of {press.name} hangs on one point, {', '.join(found)}: parallelism is that of slides on several")
+    if set(parts) != set(found):
+        raise PinpressError(
+            f"the slide of {press.name} hangs on {', '.join(found)}: give the dimensions of each of these points, parts={{point: [...]}},"
+            " an empty list where all are exact"
+        )
+    return found
+
+
+def _each_once(press: Linkage, parts: Mapping[str, Sequence[Dimension]]) -> tuple[Dimension, ...]:
+    """The dimensions of all chains. One that several points name is one dimension."""
+    found: dict[str, Dimension] = {}
+    for point, of_chain in parts.items():
+        if isinstance(of_chain, Dimension) or not isinstance(of_chain, Sequence):
+            raise PinpressError(f"parts of {point!r} is no list: give the dimensions of its chain, {{{point!r}: [...]}}")
+        for part in checked_dimensions(press, of_chain) if len(of_chain) else ():
+            if found.setdefault(part.name, part) is not part:
+                raise PinpressError(
+                    f"two dimensions are named {part.name!r}: give them names by their points, or the same dimension to several points"
+                )
+    if not found:
+        raise PinpressError("parts has no dimensions: give those of the chains, as tolerances.link_length makes them")
+    return tuple(found.values())
+
+
+def _places(press: Linkage, motion: Motion, points: Sequence[str]) -> tuple[Array, Array]:
+    """Places (m, 2) of points from the slide's origin along two directions, and these directions (2, 3)."""
+    up = press.slide_direction
+    if len(press.engine().directions) == 2:
+        across = np.cross(press.engine().turning_axes()[0], up)
+    else:
+        across = np.eye(3)[int(np.abs(up).argmin())]
+        across = across - (across @ up) * up
+    across = across / np.linalg.norm(across)
+    across = across * np.sign(across[np.abs(across).argmax()])
+    other = np.cross(up, across)
+    directions = np.array([across, other * np.sign(other[np.abs(other).argmax()])])
+    at = poses(press, motion.joint_position[-1:])
+    origin = at.position[press.slide_guide.joint + 1][0]
+    everywhere = bearing_points(press, at)[:, 0]
+    places = np.array([directions @ (everywhere[press.bearings.index(point)] - origin) for point in points])
+    apart = min(np.linalg.norm(one - other) for k, one in enumerate(places) for other in places[:k])
+    if not apart > ONE_PLACE * press.size:
+        raise PinpressError(f"two of the points {', '.join(points)} of {press.name} are above each other, so that they hold no slope")
+    return places, directions
+
+
+def _carried_alone(press: Linkage, motion: Motion, points: Sequence[str], point: str) -> UnitForces:
+    """The forces of 1 N on the slide that one point carries: all others are soft, and the rest is rigid."""
+    alone = unit_forces(press, motion, stiffness={other: SOFT for other in points if other != point})
+    others = max(float(np.abs(alone.force[other]).max()) for other in points if other != point)
+    if not others < ALONE * float(np.abs(alone.force[point]).max()):
+        raise PinpressError(f"point {point!r} of {press.name} does not hold the slide without the others: it is no chain of its own")
+    return alone

@@ -1,0 +1,229 @@
+"""How far a warm press moves its bottom dead centre.
+
+    warm = tolerances.Temperatures({"rocker": 10.0, "rod": 10.0, "frame": 4.0}, table=-1.88)
+    tolerances.heat(press, warm).bottom_shift
+
+A link that is warmer by dT grows by a dT in all directions (a: coefficient of linear expansion), and so do the distances of its pins. The
+frame carries bearings and guides away from its table. To first order in a dT, which is some 1e-4, the slide moves as virtual work says, see
+`virtual_work`. What counts is the height of the slide's face above the table: where all parts are equally warm it grows in proportion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import pinocchio as pin
+
+from ..common import tables
+from ..common.arguments import number, typed
+from ..common.errors import PinpressError, UnknownNameError, caution, shown
+from ..common.frozen import Frozen, FrozenMapping
+from ..common.parameters import parameter
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..derivatives.motion import Displacements, nowhere
+from ..kinematics.servo_motion import servo_cycle
+from ..kinematics.slide_path import dead_centres
+from ..linkage.linkage import Linkage
+from .virtual_work import unit_forces
+
+STEEL = 12e-6  # linear expansion of structural steel up to 100 degrees Celsius, EN 1993-1-1:2005, 3.2.6 [1/K]
+HOTTEST = 100.0  # rise of a temperature that is hardly meant [K]
+LARGEST_EXPANSION = 1e-4  # metals have 1e-5 to 3e-5 [1/K]
+
+
+@dataclass(frozen=True, eq=False)
+class Temperatures(Frozen):
+    """By how much parts of a press are warmer than when the press was measured or set.
+
+    Attributes:
+        rise: name of a link -> rise of its temperature [K]; negative where it is colder. The frame is one of them.
+        expansion: coefficient of linear expansion, of all links or by their names; links without a name are of steel [1/K]. The default is
+            that of structural steel in EN 1993-1-1, 3.2.6; grey cast iron has about 1e-5.
+        table: place of the table in world coordinates along `Linkage.slide_direction`, from which the frame grows away; needed where the
+            frame is warm [m].
+        face: place of the slide's face, or of the die that is fixed to it, from the slide's origin along the same direction, so that it is
+            negative below the origin; needed where the slide is warm [m].
+    """
+
+    rise: Mapping[str, float]
+    expansion: float | Mapping[str, float] = STEEL
+    table: float | None = field(default=None, metadata=parameter("m"))
+    face: float | None = field(default=None, metadata=parameter("m"))
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.rise, Mapping) or not self.rise:
+            raise PinpressError(
+                f"Temperatures: rise is {shown(self.rise)}: give a mapping, name of a link: rise [K], such as {{'rod': 10.0}}"
+            )
+        for name, value in self.rise.items():
+            kelvins = number(f"Temperatures: rise of {shown(name)}", value, "K")
+            if abs(kelvins) > HOTTEST:
+                caution(
+                    f"Temperatures: rise of {shown(name)} is {kelvins:g} K: give by how much the link is warmer than when the press was"
+                    " set, not its temperature"
+                )
+        coefficients = self.expansion if isinstance(self.expansion, Mapping) else {"all links": self.expansion}
+        for name, value in coefficients.items():
+            if not 0.0 <= number(f"Temperatures: expansion of {name}", value, "1/K") <= LARGEST_EXPANSION:
+                raise PinpressError(f"Temperatures: expansion of {name} is {value:g} 1/K: steel has 1.2e-5, aluminium 2.4e-5")
+        for name, place in (("table", self.table), ("face", self.face)):
+            if place is not None:
+                number(f"Temperatures: {name}", place, "m")
+        super().__post_init__()
+
+    def of(self, link: str) -> float:
+        """Coefficient of a link [1/K]."""
+        return self.expansion.get(link, STEEL) if isinstance(self.expansion, Mapping) else self.expansion
+
+    def times(self, share: float) -> Temperatures:
+        """The same with a share of the rises."""
+        return Temperatures({name: share * value for name, value in self.rise.items()}, self.expansion, self.table, self.face)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HeatShift(Tabular):
+    """What warm links do to the dead centres of a press. Shifts are those of the slide's face against the table, positive upwards.
+
+    Attributes:
+        press_name: name of the press.
+        rise: name of a link -> rise of its temperature [K].
+        bottom_by_link: name of a warm link -> its share of the shift of bottom dead centre [m].
+        top_by_link: name of a warm link -> its share of the shift of top dead centre [m].
+        bottom_per_kelvin: name of a link -> shift of bottom dead centre by a kelvin, also of links that are not warm, but without frame and
+            slide where their table or face is not known [m/K].
+    """
+
+    press_name: str
+    rise: Mapping[str, float]
+    bottom_by_link: Mapping[str, float]
+    top_by_link: Mapping[str, float]
+    bottom_per_kelvin: Mapping[str, float]
+
+    @property
+    def bottom_shift(self) -> float:
+        """Shift of bottom dead centre [m]."""
+        return float(sum(self.bottom_by_link.values()))
+
+    @property
+    def top_shift(self) -> float:
+        """Shift of top dead centre [m]."""
+        return float(sum(self.top_by_link.values()))
+
+    @property
+    def title(self) -> str:
+        return f"HeatShift of {self.press_name}: bottom dead centre {self.bottom_shift:+.4g} m off"
+
+    def __str__(self) -> str:
+        rows = [
+            [name, f"{self.rise[name]:+.4g} K", f"{1e3 * self.bottom_by_link[name]:+.4f} mm", f"{1e3 * self.top_by_link[name]:+.4f} mm"]
+            for name in sorted(self.bottom_by_link, key=lambda link: -abs(self.bottom_by_link[link]))
+        ]
+        rows.append(["all", "", f"{1e3 * self.bottom_shift:+.4f} mm", f"{1e3 * self.top_shift:+.4f} mm"])
+        lines = [f"{self.press_name}: heat", *tables.fitted([["warm link", "rise", "bottom dead centre", "top dead centre"], *rows])]
+        steepest = max(self.bottom_per_kelvin, key=lambda link: abs(self.bottom_per_kelvin[link]))
+        decides = tables.entry("decides", f"{1e6 * self.bottom_per_kelvin[steepest]:+.4g}", "um/K", steepest)
+        return "\n".join([*lines, decides])
+
+    def columns(self) -> dict[str, object]:  # type: ignore[override]  # words and numbers
+        """A row for each link whose shift by a kelvin is known."""
+        names = list(self.bottom_per_kelvin)
+        return {
+            "link": names,
+            "rise [K]": [self.rise.get(name, 0.0) for name in names],
+            "bottom_shift [m]": [self.bottom_by_link.get(name, 0.0) for name in names],
+            "top_shift [m]": [self.top_by_link.get(name, 0.0) for name in names],
+            "bottom_per_kelvin [m/K]": [self.bottom_per_kelvin[name] for name in names],
+        }
+
+
+@typed
+def heat(press: Linkage, temperatures: Temperatures) -> HeatShift:
+    """Find how far warm links and a warm frame move the dead centres of a press.
+
+    Where parallel rods hold the slide and are not equally warm, the slide takes their mean; see `parallelism` for its tilt.
+
+    Args:
+        press: a press with one driver and a slide, in a plane or in space.
+        temperatures: of its links.
+
+    Raises:
+        UnknownNameError: the press has no such link.
+        PinpressError: links that are welded together have different temperatures; the frame is warm and the table not given, or the slide
+            is warm and its face not given; the press has several drivers, no slide or no dead centres.
+    """
+    rises = _by_body(press, temperatures.rise)
+    coefficients = _by_body(press, temperatures.expansion) if isinstance(temperatures.expansion, Mapping) else {}
+    frame, slide = 0, press.slide_guide.joint + 1
+    if rises.get(frame) and temperatures.table is None:
+        raise PinpressError(f"{press.root!r} of {press.name} is warm and grows away from its table: give Temperatures(..., table=...) [m]")
+    if rises.get(slide) and temperatures.face is None:
+        raise PinpressError(f"{press.slide!r} of {press.name} is warm: give the place of its face, Temperatures(..., face=...) [m]")
+    if len(press.drivers) > 1:
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: heat moves the dead centres of a press with one")
+    ends = dead_centres(press)
+    unit = unit_forces(press, servo_cycle(press, [ends.bottom_angle, ends.top_angle], speed=0.0))
+    found: dict[str, Array] = {}
+    for body in range(press.model.njoints):
+        if (body == frame and temperatures.table is None) or (body == slide and temperatures.face is None):
+            continue
+        shift = unit.shift(_grown(press, body))
+        if body == frame:
+            shift = shift - np.float64(temperatures.table)
+        elif body == slide:
+            place = press.model.frames[press.model.getFrameId(press.slide, pin.BODY)].placement.translation
+            up = press.model.jointPlacements[slide].rotation.T @ press.slide_direction
+            shift = shift + float(place @ up) + np.float64(temperatures.face)
+        found[_named(press, body, temperatures)] = coefficients.get(body, temperatures.of("")) * shift
+    warm = {name: value for name, value in temperatures.rise.items() if value}
+    return HeatShift(
+        press_name=press.name,
+        rise=FrozenMapping(dict(temperatures.rise)),
+        bottom_by_link=FrozenMapping({name: value * float(found[name][0]) for name, value in warm.items()}),
+        top_by_link=FrozenMapping({name: value * float(found[name][1]) for name, value in warm.items()}),
+        bottom_per_kelvin=FrozenMapping({name: float(slopes[0]) for name, slopes in found.items()}),
+    )
+
+
+def _grown(press: Linkage, body: int) -> Displacements:
+    """Displacements of the pivots of a body that grows by its own size, away from the origin of its frame."""
+    moved = nowhere(press)
+    for joint, parent in enumerate(list(press.model.parents)[1:]):
+        if parent == body:
+            moved.joints[joint] = press.model.jointPlacements[joint + 1].translation
+    for k, loop in enumerate(press.loops):
+        for side, (carrier, point) in enumerate(((loop.joint1, loop.point1), (loop.joint2, loop.point2))):
+            if carrier == body:
+                moved.ends[k, side] = point
+    return moved
+
+
+def _by_body(press: Linkage, by_link: Mapping[str, float]) -> dict[int, float]:
+    """Values of links by the Pinocchio joints whose bodies they are on.
+
+    Raises:
+        UnknownNameError: the press has no such link.
+        PinpressError: links that are welded together have different values.
+    """
+    found: dict[int, float] = {}
+    for name, value in by_link.items():
+        if name not in press.links:
+            raise UnknownNameError("link", name, press.links)
+        body = _body(press, name)
+        if found.get(body, value) != value:
+            raise PinpressError(
+                f"{shown(name)} of {press.name} is welded to a link with another value: give both the same, or name one of them"
+            )
+        found[body] = value
+    return found
+
+
+def _body(press: Linkage, link: str) -> int:
+    return int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)
+
+
+def _named(press: Linkage, body: int, temperatures: Temperatures) -> str:
+    """The name by which a body is warm, else that of its first link."""
+    return next((name for name in temperatures.rise if _body(press, name) == body), press.link_of(body))

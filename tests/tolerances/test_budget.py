@@ -1,0 +1,78 @@
+"""The parts of the accuracy budget by hand, and beside the elastic press that is simulated."""
+
+import numpy as np
+import pytest
+from support import texts
+
+import pinpress as pp
+from pinpress import tolerances as tol
+
+RPM = pp.RPM
+
+
+@pytest.fixture(scope="module")
+def crank_slide():
+    """Rod and crank weigh nothing: at bottom dead centre all pins carry the slide's 100 kg, with its acceleration."""
+    return texts.load(texts.without_mass(texts.shipped("crank_slide").text.decode(), "rod", "crank"))
+
+
+def test_every_part_of_a_crank_slide_by_hand(crank_slide):
+    speeds, pins = np.array([1.0, 20.0]), {"O": 1e-5, "P": 2e-5, "W": 3e-5}
+    found = tol.budget(
+        crank_slide,
+        speeds=speeds,
+        clearance=pins,
+        stiffness=pp.elasticity.Stiffness({"O": 1e8, "W": 2e8}),
+        temperatures=tol.Temperatures({"rod": 20.0, "crank": 10.0}, 1e-5),
+        process=1e4,
+        stiffness_known_to=0.2,
+    )
+    assert [each.condition for each in found.conditions] == ["idle", "process", "process, warm"] * 2
+    compliance, heat = 1 / 1e8 + 1 / 2e8, -1e-5 * (20.0 * 0.4 + 10.0 * 0.1)
+    weights = -100 * (9.81 + speeds**2 * 0.1 * 1.25)
+    idle, process, warm = (found.conditions[k::3] for k in range(3))
+    for k, weight in enumerate(weights):
+        assert idle[k].clearances == pytest.approx(-6e-5)
+        assert idle[k].springs == pytest.approx(weight * compliance)
+        assert process[k].springs == pytest.approx((1e4 + weight) * compliance)
+        assert process[k].clearances == pytest.approx(6e-5)
+        assert warm[k].heat == pytest.approx(heat)
+        assert warm[k].shift == pytest.approx(6e-5 + (1e4 + weight) * compliance + heat)
+        assert warm[k].highest - warm[k].shift == pytest.approx(0.2 * (1e4 + weight) * compliance)
+        assert warm[k].rise == pytest.approx(warm[k].shift - idle[0].shift)
+    assert found.worst == process[0]
+    assert found.decides == "springs"
+    assert "+0.1" in str(found).splitlines()[-1]
+
+
+def test_springs_over_speed_are_those_of_the_elastic_dead_centre():
+    press, speeds = texts.shipped("zxn2_3000b"), np.array([10.0, 70.0]) * RPM
+    springs = pp.elasticity.Stiffness(dict.fromkeys("ABCDEF", 2e9), shaft=3e7, frame=4e9)
+    found = tol.budget(press, speeds=speeds, stiffness=springs)
+    exact = pp.elasticity.dead_centre_shift(press, springs, speed=speeds)
+    assert [each.shift for each in found.conditions] == pytest.approx(exact.position - exact.rigid_position, abs=2e-9)
+    assert found.largest_rise == pytest.approx(exact.shift[1] - exact.shift[0], abs=2e-9)
+
+
+def test_a_budget_without_rise_shows_machining_and_what_is_lowest(crank_slide):
+    machining = tol.bottom_dead_centre(crank_slide, [tol.link_length(crank_slide, "P", "W", 1e-5)], samples=5000)
+    backwards = tol.budget(crank_slide, speeds=[-2.0], clearance={"W": 1e-5}, machining=machining)
+    assert backwards.conditions[0].shift == pytest.approx(-1e-5)
+    assert "machining: -0.0" in str(backwards)
+    assert "largest rise" not in str(backwards)
+    assert backwards.columns()["rise [m]"] == [0.0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({}, "give clearance, stiffness or temperatures"),
+        ({"clearance": {"W": 1e-5}, "speeds": [0.0]}, "speeds of the crank other than zero"),
+        ({"clearance": {"W": 1e-5}, "stiffness_known_to": 10.0}, "stiffness_known_to is 10"),
+        ({"stiffness": pp.elasticity.Stiffness({"W": 1e9}), "process": "much"}, "process"),
+        ({"stiffness": pp.elasticity.Stiffness({"W": 1e3})}, r"yield by .* mm at 1 rad/s, with a stroke of 200 mm: check stiffnesses"),
+    ],
+)
+def test_budgets_that_cannot_be_are_refused(crank_slide, arguments, said):
+    with pytest.raises(pp.PinpressError, match=said):
+        tol.budget(crank_slide, **{"speeds": [1.0], **arguments})

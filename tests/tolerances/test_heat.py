@@ -1,0 +1,72 @@
+"""Heat moves the dead centres as links that are longer do, and a press that is warm throughout grows in proportion."""
+
+import numpy as np
+import pytest
+from support import texts
+from support.generators.spatial_crank_slide import SPATIAL
+
+import pinpress as pp
+from pinpress import tolerances
+from pinpress.derivatives import pivot_positions, reshaped
+
+
+@pytest.fixture(scope="module")
+def six_bar():
+    return texts.shipped("zxn2_3000b")
+
+
+def grown(press, rise, expansion):
+    """The press with every pivot of its warm links away from the link's origin."""
+    at = pivot_positions(press)
+    return reshaped(press, {key: at[key] * (1 + expansion * rise[key[1]]) for key in at if key[1] in rise})
+
+
+def test_warm_links_move_dead_centres_as_longer_ones_do(six_bar):
+    rise = {"rocker": 10.0, "rod": 10.0, "crank": -3.0, "coupler": 5.0}
+    found = tolerances.heat(six_bar, tolerances.Temperatures(rise, 11.5e-6))
+    before, after = pp.dead_centres(six_bar), pp.dead_centres(grown(six_bar, rise, 11.5e-6))
+    assert found.bottom_shift == pytest.approx(after.bottom_position - before.bottom_position, abs=5e-8)  # of second order
+    assert found.top_shift == pytest.approx(after.top_position - before.top_position, rel=2e-3)
+    barely = tolerances.heat(six_bar, tolerances.Temperatures(rise, 11.5e-7)).bottom_shift
+    assert barely == pytest.approx(pp.dead_centres(grown(six_bar, rise, 11.5e-7)).bottom_position - before.bottom_position, abs=5e-10)
+    assert sum(found.bottom_by_link[name] for name in ("rocker", "rod")) == pytest.approx(-0.110e-3, abs=1e-6)
+    assert found.bottom_by_link["rod"] == pytest.approx(10.0 * found.bottom_per_kelvin["rod"])
+
+
+@pytest.mark.parametrize("press", [texts.shipped("zxn2_3000b"), texts.shipped("jf75g_125_two_point"), texts.load(SPATIAL)])
+def test_a_press_that_is_warm_throughout_grows_in_proportion(press):
+    """Its height above the table too; that of parallel rods does not depend on how they share forces."""
+    table, face = -2.0, -0.6
+    rise = dict.fromkeys(press.links, 10.0)
+    found = tolerances.heat(press, tolerances.Temperatures(rise, 1e-5, table=table, face=face))
+    ends = pp.dead_centres(press)
+    assert found.bottom_shift == pytest.approx(1e-4 * (ends.bottom_position + face - table))
+    assert found.top_shift == pytest.approx(1e-4 * (ends.top_position + face - table))
+
+
+def test_materials_by_link_and_a_report_that_names_what_decides(six_bar):
+    steel = tolerances.heat(six_bar, tolerances.Temperatures({"rod": 10.0, "frame": 10.0}, table=-1.88))
+    mixed = tolerances.heat(six_bar, tolerances.Temperatures({"rod": 10.0, "frame": 10.0}, {"frame": 1e-5}, table=-1.88))
+    assert mixed.bottom_by_link["rod"] == steel.bottom_by_link["rod"]
+    assert mixed.bottom_by_link["frame"] == pytest.approx(steel.bottom_by_link["frame"] / 1.2)
+    assert steel.bottom_by_link["rod"] == pytest.approx(-12e-5 * 0.48, rel=1e-3)
+    assert str(steel).splitlines()[-1].split() == ["decides", "+21.36", "um/K", "frame"]
+    assert steel.columns()["link"] == list(steel.bottom_per_kelvin)
+    assert "slide" not in steel.bottom_per_kelvin
+
+
+def test_heat_that_cannot_be_is_refused_by_name(six_bar):
+    Temperatures = tolerances.Temperatures
+    with pytest.raises(pp.PinpressError, match=r"grows away from its table: give Temperatures\(..., table"):
+        tolerances.heat(six_bar, Temperatures({"frame": 5.0}))
+    with pytest.raises(pp.PinpressError, match="'slide' of zxn2_3000b is warm: give the place of its face"):
+        tolerances.heat(six_bar, Temperatures({"slide": 5.0}))
+    with pytest.raises(pp.UnknownNameError, match="no link 'rods'"):
+        tolerances.heat(six_bar, Temperatures({"rods": 5.0}))
+    with pytest.raises(pp.PinpressError, match=r"rise is \{\}"):
+        Temperatures({})
+    with pytest.raises(pp.PinpressError, match=r"expansion of all links is 12 1/K: steel has 1\.2e-5"):
+        Temperatures({"rod": 5.0}, 12.0)
+    with pytest.warns(pp.PinpressWarning, match=r"'rod' is 303\.15 K: give by how much the link is warmer"):
+        Temperatures({"rod": 303.15})
+    assert np.isclose(Temperatures({"rod": 5.0}).times(0.5).rise["rod"], 2.5)

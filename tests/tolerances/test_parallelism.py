@@ -1,0 +1,177 @@
+"""Slopes of slides on two and four points, against chains of their own, closed forms and least squares by hand."""
+
+import numpy as np
+import pytest
+from support import texts
+
+import pinpress as pp
+from pinpress import tolerances as tol
+from pinpress.derivatives import pivot_positions, reshaped
+
+HALF = 0.3  # from the middle of the two-point press to its points [m]
+
+
+@pytest.fixture(scope="module")
+def two_points():
+    return texts.shipped("jf75g_125_two_point")
+
+
+def chain(press, side):
+    """Radius, rod, height of the shaft and indexing of the throw of one point."""
+    pin, point = f"P2_{side}", f"P4_{side}"
+    return [
+        tol.link_length(press, "O", pin, 10e-6, name=f"r {side}"),
+        tol.link_length(press, pin, point, 20e-6, name=f"rod {side}"),
+        tol.pin_position(press, "O", "z", 10e-6, name=f"shaft {side}"),
+        tol.Dimension(f"index {side}", {(pin, "crank"): (0.0, 0.0, 0.015)}, np.radians(0.02), unit="rad"),
+    ]
+
+
+def chains(press):
+    return {f"P4_{side}": chain(press, side) for side in ("front", "back")}
+
+
+@pytest.fixture(scope="module")
+def found(two_points):
+    return tol.parallelism(two_points, chains(two_points), samples=20_000)
+
+
+def test_two_points_have_the_slopes_of_crank_slides(found):
+    along, across = found.slopes
+    assert (along.first_order_sd, across.first_order_sd) == pytest.approx((0.0, 19.245e-6), rel=1e-4)
+    assert across.sd == pytest.approx(19.245e-6, rel=0.02)
+    assert found.slope_sd[30, 1] == pytest.approx(18.06e-6, rel=1e-3)  # a quarter of a turn after bottom dead centre
+    assert across.worst_case == pytest.approx(2 * 40e-6 / (2 * HALF))
+    assert found.within(2 * 19.245e-6) == pytest.approx(0.9545, abs=0.006)
+    assert share(across, "rod front") == pytest.approx(1 / 3)
+    assert share(across, "index back") == pytest.approx(0.0, abs=1e-12)
+
+
+def share(slope, name):
+    return slope.share[[part.name for part in slope.parts].index(name)]
+
+
+def gradient(found, name):
+    """Derivatives (2,) of both slopes by a dimension."""
+    return [slope.gradient[[part.name for part in slope.parts].index(name)] for slope in found.slopes]
+
+
+def test_a_point_moves_as_a_press_with_its_chain_alone(two_points, found):
+    """The press with one rod has the same lengths: what moves its slide tilts the other one."""
+    single, by = texts.shipped("jf75g_125"), 1e-5
+    pivots, centres = pivot_positions(single), pp.dead_centres(single)
+    longer = {
+        "r": {("P2", "crank"): pivots["P2", "crank"] + [by, 0, 0]},
+        "rod": {("P4", "main_rod"): pivots["P4", "main_rod"] + [by, 0, 0]},
+        "shaft": {("O", "frame"): pivots["O", "frame"] + [0, 0, by]},
+    }
+    for name, moved in longer.items():
+        change = pp.dead_centres(reshaped(single, moved)).bottom_position - centres.bottom_position
+        assert gradient(found, f"{name} back")[1] == pytest.approx(change / by / (2 * HALF), rel=1e-4)
+        assert gradient(found, f"{name} front")[1] == pytest.approx(-change / by / (2 * HALF), rel=1e-4)
+
+
+def test_guides_hold_the_slope_of_soft_points(two_points, found):
+    k, turning = 1e9, 1e8
+    held = tol.parallelism(two_points, chains(two_points), point_stiffness=k, guide_stiffness=turning, samples=100)
+    share = 2 * k * HALF**2 / (2 * k * HALF**2 + turning)
+    assert held.slopes[1].first_order_sd == pytest.approx(share * found.slopes[1].first_order_sd)
+    assert held.guide_moment_sd[1] == pytest.approx(turning * held.slopes[1].first_order_sd)
+    assert held.point_force_sd == pytest.approx(held.guide_moment_sd[1] / (2 * HALF))
+    assert found.point_force_sd is None
+    assert found.misfit_sd.max() < 1e-12
+
+
+def test_a_dimension_of_several_points_moves_them_alike(two_points):
+    shaft = tol.pin_position(two_points, "O", "z", 1e-5)
+    rod = tol.link_length(two_points, "P2_front", "P4_front", 2e-5)
+    found = tol.parallelism(two_points, {"P4_front": [shaft, rod], "P4_back": [shaft]}, samples=100)
+    assert gradient(found, "O z") == pytest.approx([0, 0], abs=1e-9)
+    assert share(found.slopes[1], "P2_front-P4_front") == pytest.approx(1.0)
+
+
+BODY = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+WIDTH, DEPTH = 0.4, 0.25
+
+
+def four_point_text():
+    """Two cranks that gears turn against each other, at x = -WIDTH and WIDTH, with rods at y = -DEPTH and DEPTH."""
+    links, joints, loops = [], [], []
+    for side, x in (("left", -WIDTH), ("right", WIDTH)):
+        mimic = "" if side == "left" else '<mimic joint="left" multiplier="-1"/>'
+        links.append(f'<link name="crank_{side}">{BODY.format(20)}</link>')
+        joints.append(
+            f'<joint name="{side}" type="continuous"><parent link="frame"/><child link="crank_{side}"/><origin xyz="{x} 0 0"/>'
+            f'<axis xyz="0 -1 0"/>{mimic}</joint>'
+        )
+        for end, y in (("front", -DEPTH), ("back", DEPTH)):
+            links.append(f'<link name="rod_{side}_{end}">{BODY.format(10)}</link>')
+            joints.append(
+                f'<joint name="P_{side}_{end}" type="continuous"><parent link="crank_{side}"/><child link="rod_{side}_{end}"/>'
+                f'<origin xyz="0 {y} -0.02"/><axis xyz="0 -1 0"/></joint>'
+            )
+            loops.append(
+                f'<loop_joint name="W_{side}_{end}" type="spherical"><link1 link="rod_{side}_{end}" xyz="0 0 -0.3"/>'
+                f'<link2 link="slide" xyz="{x} {y} 0"/></loop_joint>'
+            )
+    guide = (
+        '<joint name="guide" type="prismatic"><parent link="frame"/><child link="slide"/><origin xyz="0 0 -0.32"/><axis xyz="0 0 1"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+    )
+    drive = '<transmission name="drive"><joint name="left"/></transmission>'
+    slide = f'<link name="slide">{BODY.format(500)}</link>'
+    return f'<robot name="four_points"><link name="frame"/>{slide}{"".join(links + joints)}{guide}{"".join(loops)}{drive}</robot>'
+
+
+def test_four_points_take_the_plane_of_least_squares_and_force_the_rest_into_the_slide():
+    press = texts.load(four_point_text())
+    points = [f"W_{side}_{end}" for side in ("left", "right") for end in ("front", "back")]
+    rods = {point: [tol.link_length(press, point.replace("W", "P"), point, 3e-5, name=point)] for point in points}
+    k, turning = 2e9, 5e7
+    free = tol.parallelism(press, rods, samples=100)
+    held = tol.parallelism(press, rods, point_stiffness=k, guide_stiffness=turning, samples=100)
+    assert free.points == tuple(points)
+    x, y = np.repeat([-WIDTH, WIDTH], 2), np.tile([-DEPTH, DEPTH], 2)
+    assert free.places == pytest.approx(np.column_stack([x, y]))
+    for number, point in enumerate(points):
+        lower = -np.eye(4)[number]  # a longer rod
+        assert gradient(free, point) == pytest.approx([x @ lower / (x @ x), y @ lower / (y @ y)])
+        assert gradient(held, point) == pytest.approx([k * x @ lower / (k * x @ x + turning), k * y @ lower / (k * y @ y + turning)])
+    twist = 1e-5 / 4 * 2  # four rods of a standard deviation of 10 um: the twist is a quarter of their alternating sum
+    assert free.misfit_sd == pytest.approx(twist * np.ones(4))
+    assert held.point_force_sd[0] > k * twist
+    assert "forced into the slide" in str(free)
+
+
+def test_a_guide_beside_several_points_may_not_stand_askew_by_a_moment_that_is_open():
+    press = texts.load(four_point_text())
+    motion = pp.cycle(press, 7.0, points=12)
+    assert tol.play(press, motion, {"guide": 2e-5}).offset == pytest.approx(0.0, abs=1e-5)
+    with pytest.raises(pp.PinpressError, match="leaves the moment of this guide open"):
+        tol.play(press, motion, {"guide": tol.GuideClearance(2e-5, 0.3)})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"parts": {"P4_front": []}}, "hangs on P4_front, P4_back: give the dimensions of each"),
+        ({"parts": {"P4_front": [], "Z": []}}, "no bearing 'Z'"),
+        ({"parts": {"P4_front": [], "P4_back": []}}, "parts has no dimensions"),
+        ({"guide_stiffness": 1e8}, "give both, or none"),
+        ({"guide_stiffness": 1e8, "point_stiffness": -1.0}, "point_stiffness"),
+    ],
+)
+def test_parallelism_that_cannot_be_asked_is_refused(two_points, arguments, said):
+    with pytest.raises(pp.PinpressError, match=said):
+        tol.parallelism(two_points, **{"parts": chains(two_points), **arguments})
+
+
+def test_slides_on_one_point_and_dimensions_of_one_name_are_refused(two_points, found):
+    single = texts.shipped("jf75g_125")
+    with pytest.raises(pp.PinpressError, match="hangs on one point, P4"):
+        tol.parallelism(single, {"P4": [tol.link_length(single, "P2", "P4", 1e-5)]})
+    both = {point: [tol.link_length(two_points, point.replace("4", "2"), point, 1e-5, name="rod")] for point in ("P4_front", "P4_back")}
+    with pytest.raises(pp.PinpressError, match="two dimensions are named 'rod'"):
+        tol.parallelism(two_points, both)
+    with pytest.raises(pp.PinpressError, match="permissible"):
+        found.within(-1e-5)
