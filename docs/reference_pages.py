@@ -19,8 +19,8 @@ TOP = (
 )
 MADE_BY_FUNCTIONS = ("Linkage", "Motion", "Reactions", "Run", "ElasticRun", "RunBatch", "LiveView")
 SPACES = (
-    "pin_table loads drives measures ratings servo elasticity foundation balancing balancing.classical synthesis derivatives sweeps"
-    " plots video accuracy"
+    "pin_table loads drives measures ratings servo measured tolerances elasticity foundation balancing balancing.classical synthesis"
+    " derivatives sweeps plots video accuracy"
 )
 
 INDEX = """\

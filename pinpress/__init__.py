@@ -10,8 +10,8 @@
     pp.report(press, motion, "report.html", reactions=reactions)
 
 SI units and radians throughout. World z is up; a planar press stands in the x-z plane. What not everyone needs stands in namespaces:
-`pin_table`, `loads`, `drives`, `measures`, `ratings`, `servo`, `elasticity`, `foundation`, `balancing`, `synthesis`, `sweeps`,
-`derivatives`, `plots`, `video` and `accuracy`.
+`pin_table`, `loads`, `drives`, `measures`, `ratings`, `servo`, `measured`, `tolerances`, `elasticity`, `foundation`, `balancing`,
+`synthesis`, `sweeps`, `derivatives`, `plots`, `video` and `accuracy`.
 """
 
 import lazy_loader

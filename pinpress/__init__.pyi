@@ -5,6 +5,7 @@ from . import drives as drives
 from . import elasticity as elasticity
 from . import foundation as foundation
 from . import loads as loads
+from . import measured as measured
 from . import measures as measures
 from . import pin_table as pin_table
 from . import plots as plots
@@ -12,6 +13,7 @@ from . import ratings as ratings
 from . import servo as servo
 from . import sweeps as sweeps
 from . import synthesis as synthesis
+from . import tolerances as tolerances
 from . import video as video
 from .common.errors import AssemblyError as AssemblyError
 from .common.errors import PinpressError as PinpressError

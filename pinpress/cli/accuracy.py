@@ -9,9 +9,9 @@ from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..dynamics.inputs import described, of_press, stated
 from ..plots import style
-from . import part_specs
-from .options import add_out_option, add_press_options, load_press, print_inputs, progress, say_written
-from .units import quantity
+from .words import part_specs
+from .words.options import add_out_option, add_press_options, load_press, print_inputs, progress, say_written
+from .words.units import quantity
 
 EPILOG = """\
 every error is against a reference that two independent methods agree on; the table says how far. Times are the least of several rounds

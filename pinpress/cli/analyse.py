@@ -22,8 +22,10 @@ from ..ratings.permissible_force import capacities_in_words
 from ..simulation.run import Run
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
-from . import part_specs
-from .options import (
+from .report import add_before_option, add_nominal_options, add_points_option, permissible, press_before, states
+from .run_summary import duty_summary
+from .words import part_specs
+from .words.options import (
     SIGNS,
     SPEED,
     add_flywheel_option,
@@ -36,9 +38,7 @@ from .options import (
     refuse_pages_without_folder,
     write_pages,
 )
-from .report import add_before_option, add_nominal_options, add_points_option, permissible, press_before, states
-from .run_summary import duty_summary
-from .units import driver_speed, quantity
+from .words.units import driver_speed, quantity
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -19,8 +19,8 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.writing import write_urdf
-from . import part_specs
-from .options import (
+from .words import part_specs
+from .words.options import (
     SPEED,
     add_force_options,
     add_out_option,
@@ -32,7 +32,7 @@ from .options import (
     say_written,
     with_zero,
 )
-from .units import driver_speed, read_quantity
+from .words.units import driver_speed, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
 MASS = "added_mass"

@@ -7,7 +7,7 @@ from ..common.errors import PinTableError
 from ..common.results import Records
 from ..kinematics.check import CheckResult, check
 from ..linkage.urdf.document import Finding
-from .options import FILE, add_open_option, add_refused_option, add_set_option, drawn, names_table
+from .words.options import FILE, add_open_option, add_refused_option, add_set_option, drawn, names_table
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -5,9 +5,10 @@ import io
 import sys
 
 from ..common.command_end import ended
-from . import accuracy, analyse, balance, build, check, ratings, record, report, servo, simulate, view
+from . import accuracy, analyse, balance, build, check, identify, ratings, record, report, servo, simulate, tolerances, view
 
-COMMANDS = (build, view, report, analyse, simulate, balance, servo, ratings, record, accuracy, check)  # as the help lists them
+# as the help lists them
+COMMANDS = (build, view, report, analyse, simulate, balance, servo, ratings, tolerances, identify, record, accuracy, check)
 
 
 def main(arguments: list[str] | None = None) -> int:

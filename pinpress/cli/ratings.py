@@ -17,8 +17,8 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce, SpringDamper
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
-from . import part_specs
-from .options import (
+from .words import part_specs
+from .words.options import (
     SPEED,
     add_flywheel_option,
     add_force_options,
@@ -30,7 +30,7 @@ from .options import (
     print_inputs,
     say_written,
 )
-from .units import driver_effort, driver_speed, quantity
+from .words.units import driver_effort, driver_speed, quantity
 
 EPILOG = f"""\
 numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min, of a driver that slides in mm/s.

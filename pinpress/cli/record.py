@@ -10,9 +10,19 @@ import numpy as np
 from ..common.errors import PinpressError
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import Motion, cycle
-from . import part_specs
-from .options import SIGNS, SPEED, add_force_options, add_press_options, add_refused_option, add_trace_option, forces, load_press, progress
-from .units import driver_position, driver_speed
+from .words import part_specs
+from .words.options import (
+    SIGNS,
+    SPEED,
+    add_force_options,
+    add_press_options,
+    add_refused_option,
+    add_trace_option,
+    forces,
+    load_press,
+    progress,
+)
+from .words.units import driver_position, driver_speed
 
 EPILOG = f"""\
 {part_specs.explained("load", "spring", "friction")}

@@ -19,8 +19,9 @@ from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
-from . import balance, part_specs, ratings
-from .options import (
+from . import balance, ratings
+from .words import part_specs
+from .words.options import (
     SIGNS,
     SPEED,
     Forces,
@@ -35,7 +36,7 @@ from .options import (
     load_press,
     named_point,
 )
-from .units import OfDriver, driver_speed, quantity
+from .words.units import OfDriver, driver_speed, quantity
 
 POINTS = 720  # of a turn
 SPEEDS = 61  # at which the press on its mounts is shown

@@ -19,8 +19,9 @@ from ..simulation.simulate import METHODS, simulate
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
 from ..visual.reports.elastic_motion import elastic_in_words
-from . import part_specs
-from .options import (
+from .run_summary import journals, simulation_summary
+from .words import part_specs
+from .words.options import (
     SIGNS,
     add_flywheel_option,
     add_force_options,
@@ -35,8 +36,7 @@ from .options import (
     springs,
     write_pages,
 )
-from .run_summary import journals, simulation_summary
-from .units import driver_position, driver_speed, quantity
+from .words.units import driver_position, driver_speed, quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
 STEADY_POINTS = 720  # states of a turn of the steady state, as of `analyse`: at fewer, peaks of short blows are missed

@@ -3,8 +3,8 @@
 import argparse
 import sys
 
-from . import part_specs
-from .options import (
+from .words import part_specs
+from .words.options import (
     SIGNS,
     SPEED,
     add_force_options,
@@ -16,7 +16,7 @@ from .options import (
     table_parameters,
     with_zero,
 )
-from .units import OfDriver, driver_speed
+from .words.units import OfDriver, driver_speed
 
 EPILOG = f"""\
 Sliders change link lengths and pivots, of a pin table its own numbers; what is changed can be written to a file beside FILE. The window

@@ -24,6 +24,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 MAKERS = {
     "Linkage": "load",
+    "Scatter": "the height, top or stroke of tolerances.bottom_dead_centre",
     "Motion": "cycle or simulate",
     "Reactions": "inverse_dynamics",
     "Run": "simulate",
@@ -35,10 +36,18 @@ MAKERS = {
     "CampbellDiagram": "elasticity.campbell",
     "PressRatings": "rate",
     "WorkPrecision": "accuracy.compare",
+    "IdentifiedPress": "measured.identify",
+    "IdentifiableParameters": "measured.identifiability",
     "Flywheel": "Flywheel",
     "MountedPress": "mounted",
+    "VibrationModes": "foundation.modes",
+    "MeasuredRun": "measured.record",
     "Frame": "Frame",
     "RubberPad": "RubberPad",
+    "SlidePlay": "tolerances.play",
+    "AccuracyBudget": "tolerances.budget",
+    "DeadCentreScatter": "tolerances.bottom_dead_centre",
+    "Temperatures": "tolerances.Temperatures(rise)",
 }
 """Classes whose objects are checked, and the functions that make them, for messages."""
 

@@ -7,6 +7,11 @@ from .elasticity import snap_through as snap_through
 from .force_stroke import ratings as ratings
 from .foundation import speed_response as speed_response
 from .foundation import vibration as vibration
+from .identification import identifiability as identifiability
+from .measured_vibration import measured_modes as measured_modes
+from .measured_vibration import measured_spectra as measured_spectra
+from .measured_vibration import order_spectra as order_spectra
+from .press_accuracy import tolerances as tolerances
 from .reactions import bearings as bearings
 from .reactions import comparison as comparison
 from .reactions import polar as polar
@@ -15,4 +20,7 @@ from .reactions import slide as slide
 from .reactions import torque as torque
 from .servo_motions import servo as servo
 from .servo_motions import torque_over_speed as torque_over_speed
+from .slide_accuracy import budget as budget
+from .slide_accuracy import play as play
+from .stroke_force import measured_force as measured_force
 from .style import save as save

@@ -15,7 +15,7 @@ import pinpress as pp
 from pinpress.balancing import problem
 from pinpress.cli import balance as command_balance
 from pinpress.cli.main import main
-from pinpress.cli.part_specs import LOADS
+from pinpress.cli.words.part_specs import LOADS
 
 ROOT = Path(__file__).resolve().parents[2]
 REGIONS = ["--region", "crank:radius=0.3", "--region", "rod:radius=0.3,most=200"]

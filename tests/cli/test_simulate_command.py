@@ -16,8 +16,9 @@ import pytest
 from support import texts
 
 import pinpress as pp
-from pinpress.cli import main, options, part_specs, simulate
+from pinpress.cli import main, simulate
 from pinpress.cli.run_summary import FIRST_STROKES, MOST_STROKES
+from pinpress.cli.words import options, part_specs
 from pinpress.common.quantities import CRANK
 from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed

@@ -15,6 +15,7 @@ import pinpress as pp
 from pinpress.common.errors import UnknownScenarioError
 from pinpress.loads.caller_laws import LawError
 from pinpress.pin_table.placement import UnreachableError
+from pinpress.servo.conic.never_resting import NoTurnError
 from pinpress.servo.optimum import NoMotionError
 
 pytestmark = pytest.mark.usefixtures("time_limit")
@@ -31,6 +32,7 @@ ARGUMENTS = {
     pp.UnknownNameError: ("bearing", "Q", ["A", "B"]),
     UnknownScenarioError: (7, 3),
     NoMotionError: ("no motion keeps the limits",),
+    NoTurnError: ("no turn takes the time",),
 }
 
 

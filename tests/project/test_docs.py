@@ -38,16 +38,19 @@ RUN = [
     "recording",
     "servo",
     "simulation",
+    "slide_accuracy",
     "sweep",
     "synthesis",
+    "tolerances",
 ]
 
-RUN += ["live", "mistakes", "pin_table", "pinocchio", "units_and_signs"]
-LONG = {"elastic_motion", "ratings", "simulation", "sweep"}  # these take as long as all others
+RUN += ["measured", "measured_vibration", "mistakes", "pin_table", "process_force", "pinocchio", "units_and_signs"]
+LONG = {"elastic_motion", "pinocchio", "ratings", "simulation", "sweep"}  # these take as long as all others
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
-PICTURED += ["elastic_motion", "servo", "commands", "comparison", "mistakes", "papers"]
-PICTURED += ["live", "ratings", "recording", "simulation", "sweep", "synthesis", "tour", "units_and_signs"]
+PICTURED += ["elastic_motion", "measured", "servo", "commands", "comparison", "mistakes", "papers"]
+PICTURED += ["live", "ratings", "recording", "simulation", "slide_accuracy", "sweep", "synthesis", "tolerances", "tour", "units_and_signs"]
+PICTURED += ["measured_vibration", "process_force"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
 

@@ -25,6 +25,13 @@ SLOW = (
 # Results, which functions make, and what subclasses are made of.
 MADE = {
     "ActiveConstraint",
+    "DeadCentresInClearances",
+    "ForceReversal",
+    "HeatShift",
+    "SlideParallelism",
+    "SlidePlay",
+    "AccuracyBudget",
+    "BottomCondition",
     "AddedMass",
     "BalancedPress",
     "ElasticDeadCentre",
@@ -82,7 +89,31 @@ MADE |= {
     "ForceInterval",
 }
 MADE |= {"CampbellDiagram", "ElasticModes", "ElasticRun", "ElasticSpeedResponse", "ImpactsByTurn", "Resonance"}
-MADE |= {"LiveView", "RunBatch", "SpeedTorqueDrive", "TradeOffCurve", "Trial", "RotorUnbalance", "WorkPrecision", "presses"}
+MADE |= {
+    "FittedMounts",
+    "ProcessForceSensor",
+    "MeasuredForce",
+    "MeasuringPlan",
+    "MeasuredModes",
+    "OrderSpectra",
+    "Spectra",
+    "VibrationRecord",
+}
+MADE |= {
+    "AllocatedTolerances",
+    "DimensionTable",
+    "DeadCentreScatter",
+    "LiveView",
+    "RunBatch",
+    "Scatter",
+    "SpeedTorqueDrive",
+    "TradeOffCurve",
+    "Trial",
+    "RotorUnbalance",
+    "WorkPrecision",
+    "presses",
+}
+MADE |= {"IdentifiableParameters", "IdentifiedParameter", "IdentifiedPress", "LearntParameter"}
 
 
 @pytest.fixture(autouse=True)

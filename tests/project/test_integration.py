@@ -136,7 +136,7 @@ def declared() -> dict[str, str]:
     """The lowest version of each package that pyproject.toml names, but for Drake, which is an extra that CI does not install."""
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8").partition("[project.scripts]")[0]
     text = re.sub("^drake = .*$", "", text, flags=re.MULTILINE)
-    return dict(re.findall(r'"([\w-]+)(?:\[\w+\])?>=([\d.]+)(?:,<[\d.]+)?"', text))
+    return dict(re.findall(r'"([\w-]+)(?:\[\w+\])?>=([\d.]+)(?:,<[\d.]+)?(?:;[^"]*)?"', text))
 
 
 @pytest.mark.parametrize("name", ["constraints", "constraints-lowest"])

@@ -142,7 +142,8 @@ modules = [name for name in inner if isinstance(getattr(getattr(pinpress, name.s
 print(*spaces, *modules)
 """
     spaces = (
-        "accuracy balancing derivatives drives elasticity foundation loads measures pin_table plots ratings servo sweeps synthesis video"
+        "accuracy balancing derivatives drives elasticity foundation loads measured measures pin_table plots ratings servo sweeps"
+        " synthesis tolerances video"
     )
     assert python(checkout, code, tmp_path).split() == [*spaces.split(), "balancing.classical"]
 

@@ -13,7 +13,10 @@ import pinpress as pp
 ROOT = Path(pp.__file__).resolve().parents[1]
 STUBS = {path.relative_to(ROOT).as_posix(): ast.parse(path.read_bytes()) for path in sorted(ROOT.glob("pinpress/**/*.pyi"))}
 SPACES = {stub.removesuffix(".pyi").removesuffix("/__init__").replace("/", "."): tree for stub, tree in STUBS.items()}
-MEANT = {("load", "loads")}  # the namespace of loads keeps the field's word
+MEANT = {
+    ("load", "loads"),  # the namespace of loads keeps the field's word
+    ("measured", "measures"),  # what a machine was found to be, beside quantities of a motion: users asked for this word
+}
 
 
 def listed(tree: ast.Module) -> dict[str, str]:

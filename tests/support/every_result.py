@@ -4,10 +4,12 @@ import dataclasses
 import inspect
 import re
 import sys
+import tempfile
 from functools import cache
+from pathlib import Path
 
 import numpy as np
-from support import texts
+from support import hammer_hits, texts
 from support.sweep_points import fails_at_odd
 
 import pinpress as pp
@@ -23,6 +25,14 @@ STIFFNESS = pp.elasticity.Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [pp.elas
 CAPACITIES = pp.ratings.Capacities(1e5, nominal_height=0.01, bearings={"W": 2e5}, flywheel_inertia=100.0, speed_drop=0.1, motor_power=2e4)
 MOUNTS = [foundation.Mount((x, y, -0.5), (1e6, 1e6, 2e6), (1e3, 1e3, 2e3)) for x in (-1.0, 1.0) for y in (-0.5, 0.5)]
 FRAME = foundation.Frame(6000.0, (0.0, 0.0, 0.2), np.diag([900.0, 1100.0, 700.0]))
+
+
+def two_points():
+    """A dimension of one of the points of the two-point press."""
+    return {"P4_front": [pp.tolerances.link_length(texts.shipped("jf75g_125_two_point"), "P2_front", "P4_front", 1e-5)], "P4_back": []}
+
+
+WARM = pp.tolerances.Temperatures({"rod": 10.0, "frame": 4.0}, table=-0.8)
 SERVO = pp.servo.ServoDrive(inertia=0.1, ratio=10.0, peak_torque=500.0)
 MEASUREMENT = pp.accuracy.Measurement("table", "reduced", "64 samples", 64.0, 1e-3, 1e-12)
 ACCURACY = pp.accuracy.WorkPrecision(
@@ -45,6 +55,35 @@ def push(motion):
 
 def even(time):
     return np.full_like(time, 100.0)
+
+
+@cache
+def vibrations():
+    """A record of three hits, of which a speed of the crank is said too."""
+    return pp.measured.vibration(hammer_hits.columns(seconds=2.5), hammer_hits.SENSORS, speed=30.0)
+
+
+@cache
+def force_sensor():
+    return pp.measured.force_sensor(press(), [0.0, 0.02, 0.04])
+
+
+def one_turn():
+    """A record of a turn from top to top."""
+    time = np.arange(400) / 400 * 2 * np.pi / SPEED
+    states = pp.servo_cycle(press(), pp.dead_centres(press()).top_angle + SPEED * time, speed=SPEED, acceleration=0.0)
+    torque = pp.inverse_dynamics(press(), states).driving_torque + 0.5 * np.sin(1e4 * np.arange(400) ** 2)
+    return pp.measured.MeasuredRun(time, states.crank_angle, torque)
+
+
+@cache
+def measured_force():
+    return force_sensor().force(one_turn())
+
+
+@cache
+def hit_modes():
+    return vibrations().modes(beside=foundation.modes(hammer_hits.standing()))
 
 
 @cache
@@ -82,6 +121,24 @@ def served():
 @cache
 def best_motion():
     return pp.servo.best_motion(press(), SERVO, [DEEP], time=1.0, limits=[pp.servo.SlideSpeed(0.6, (0.1, 0.0))], points=24)
+
+
+@cache
+def allocated():
+    return pp.tolerances.allocate(press(), [pp.tolerances.link_length(press(), "P", "W", 5e-5)], None, {"height": 2e-5})
+
+
+@cache
+def dimension_table():
+    with tempfile.TemporaryDirectory() as folder:
+        table = Path(folder) / "dimensions.csv"
+        table.write_text("dimension, tolerance\nlength P W, 0.05\n")
+        return pp.tolerances.read_dimensions(press(), table)
+
+
+@cache
+def scattered():
+    return pp.tolerances.bottom_dead_centre(press(), [pp.tolerances.link_length(press(), "P", "W", 5e-5)], samples=200)
 
 
 @cache
@@ -199,6 +256,24 @@ def two_cranks():
 
 
 @cache
+def measured_run():
+    time = np.linspace(0.0, 3.0, 601)
+    angle = 8.0 * time + np.sin(2.5 * time)
+    torque = pp.inverse_dynamics(press(), pp.servo_cycle(press(), angle, time=time)).driving_torque
+    return pp.measured.MeasuredRun(time, angle, torque + 20.0 + np.random.default_rng(0).normal(size=len(time)))
+
+
+@cache
+def identified():
+    return pp.measured.identify(press(), [measured_run()], friction=("crank",))
+
+
+@cache
+def identifiable():
+    return pp.measured.identifiability(press(), [measured_run()], friction=("crank",))
+
+
+@cache
 def made():
     """One of each."""
     found = [
@@ -273,6 +348,12 @@ def made():
             pp.measures.driving_energy(reactions()),
             pp.measures.harmonics(motion(), motion().v),
         ),
+        *(force_sensor(), measured_force()),
+        pp.measured.plan(press(), pp.measured.measuring_motions(press(), [SPEED], count=4), noise=20.0),
+        *(vibrations(), vibrations().spectra(), vibrations().order_spectra(3), hit_modes()),
+        *(pp.measured.Accelerometer((0.5, 0.2, 1.0), "z"), pp.measured.fit_mounts(hammer_hits.standing(), hit_modes())),
+        *(measured_run(), identified(), identified().parameters[0]),
+        *(identifiable(), identifiable().parameters[0]),
         pp.derivatives.acceleration_derivatives(press(), motion()),
         *(pp.measures.extremes(reactions())[0], *pp.derivatives.motion_derivatives(press(), motion(), [{("P", "crank"): (1, 0, 0)}])),
         *(
@@ -286,6 +367,18 @@ def made():
         *(pp.drives.InductionMotor(11e3, 150.0), pp.drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)])),
         *(pp.drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0), pp.drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0)),
         *(pp.drives.PrescribedSpeed(7.0), pp.drives.Geared(pp.drives.ConstantTorque(3.0), 4.0)),
+        *(pp.tolerances.link_length(press(), "P", "W", 5e-5), scattered(), scattered().height, allocated(), dimension_table()),
+        pp.tolerances.GuideClearance(2e-5, 0.2),
+        WARM,
+        pp.tolerances.heat(press(), WARM),
+        pp.tolerances.budget(press(), speeds=[SPEED], stiffness=STIFFNESS, process=1e4),
+        *pp.tolerances.budget(press(), speeds=[SPEED], clearance={"W": 1e-5}).conditions,
+        pp.tolerances.parallelism(texts.shipped("jf75g_125_two_point"), two_points(), samples=50),
+        *(
+            pp.tolerances.play(press(), motion(), {"W": 5e-5}),
+            pp.tolerances.play_over_speeds(press(), {"W": 5e-5}, speed=[SPEED, 12.0]),
+            *pp.tolerances.play(press(), pp.cycle(press(), 15.0, points=24), {"W": 5e-5}).reversals[:1],
+        ),
         *(
             SERVO,
             pp.servo.Turn(),
@@ -363,6 +456,9 @@ def public():
 # What public functions return and results hold that is no result.
 DESCRIPTIONS = {
     "DriverCoordinate",
+    "Dimension",
+    "GuideClearance",
+    "Temperatures",
     "AddedMass",
     "Clearance",
     "Elastic",

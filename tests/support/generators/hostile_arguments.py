@@ -22,6 +22,8 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
 from support import texts
+from support.every_result import hit_modes, measured_force, one_turn, vibrations
+from support.hammer_hits import standing
 from support.time_limit import within
 
 import pinpress as pp
@@ -32,6 +34,7 @@ from pinpress.kinematics import measures
 
 SECONDS = 60.0  # that a call may take, on a machine with much else to do; most take milliseconds
 FOLDER = Path("/nowhere")  # nothing is written
+RECORD = Path(__file__).resolve().parents[2] / "measured" / "short.csv"
 
 
 def law(*_: object) -> str:
@@ -112,6 +115,11 @@ def table() -> dict[str, object]:
     }
 
 
+@cache
+def scattered() -> pp.tolerances.Scatter:
+    return pp.tolerances.bottom_dead_centre(press(), [pp.tolerances.link_length(press(), "P", "W", 5e-5)], samples=50).height
+
+
 def servo_numbers() -> dict[str, Any]:
     return {
         "inertia": 0.1,
@@ -136,6 +144,91 @@ def servo_cycle() -> dict[str, Any]:
 def catalogue_numbers() -> dict[str, Any]:
     curves = {"speed": [0.0, 100.0, 200.0], "rated_torque": [30.0, 28.0, 14.0], "peak_torque": [80.0, 80.0, 40.0]}
     return {"name": "short", "inertia": 0.1, **curves, "copper": 0.01}
+
+
+def swinging() -> dict[str, Any]:
+    return {"press": press(), "speeds": [7.0], "swing": 0.2, "strokes": [2.6], "count": 3}
+
+
+def planned() -> dict[str, Any]:
+    asked = {"noise": 10.0, "time": 20.0, "rate": 100.0, "prior": 0.1, "friction": ["crank"], "cylinder": True}
+    motions = {"even": pp.cycle(press(), 7.0, points=24)}
+    return {"press": press(), "motions": motions, **asked, "expected": {"crank friction": 5.0}, "wanted": ["slide mass"]}
+
+
+def sensing() -> dict[str, Any]:
+    laws = {"W": pp.loads.Friction(0.02, radius=0.03)}
+    return {"press": press(), "heights": [0.0, 0.02, 0.04], "friction": laws, "drive_inertia": 20.0, "stiffness": 1e9}
+
+
+def accelerations() -> dict[str, Any]:
+    """One channel, a crank angle and a tacho."""
+    time = np.arange(400) / 100
+    columns = {"time [s]": time, "A [g]": np.sin(9 * time), "crank [rad]": 9 * time, "tacho [V]": np.sign(np.sin(9 * time))}
+    asked = {"time": "time [s]", "angle": "crank [rad]", "tacho": None, "pulses": 1, "speed": None}
+    return {"source": columns, "points": {"A [g]": pp.measured.Accelerometer((0.0, 0.0, 1.0))}, **asked}
+
+
+def measured_numbers() -> dict[str, Any]:
+    """A record of every kind of column."""
+    time = np.linspace(0.0, 1.0, 101)
+    torque = 100 + np.sin(20 * time)
+    return {
+        "time": time,
+        "angle": 6.0 * time,
+        "torque": torque,
+        "current": None,
+        "shaking_force": {"z": torque},
+        "shaking_moment": {"y": torque},
+        "height": 0.1 * time,
+        "added_mass": {"slide": 20.0},
+        "name": "run",
+    }
+
+
+@cache
+def measured_run() -> pp.measured.MeasuredRun:
+    time = np.linspace(0.0, 3.0, 601)
+    motion = pp.servo_cycle(press(), 8.0 * time + np.sin(2.5 * time), time=time)
+    torque = pp.inverse_dynamics(press(), motion).driving_torque + 20.0 + 2.0 * np.sin(1e3 * time)
+    return pp.measured.MeasuredRun(time, 8.0 * time + np.sin(2.5 * time), torque)
+
+
+def identified() -> dict[str, Any]:
+    return {
+        "press": press(),
+        "runs": [measured_run()],
+        "prior": 0.2,
+        "friction": ("crank", "pins", "slide_guide", "gibs"),
+        "cylinder": True,
+        "radii": {"O": 0.05},
+        "drive_inertia": 1.0,
+        "loads": [],
+    }
+
+
+def revealed() -> dict[str, Any]:
+    return {name: value for name, value in identified().items() if name not in ("drive_inertia", "loads")} | {"noise": 0.01}
+
+
+def record_names() -> dict[str, Any]:
+    """Arguments of a record: a file that has such columns."""
+    return {
+        "file": RECORD,
+        "angle": "crank [deg]",
+        "torque": "motor [N m]",
+        "time": "time [ms]",
+        "ratio": 20.0,
+        "angle_ratio": 1.0,
+        "zero": 1.0,
+        "counts": 8192,
+        "motor_constant": 3.0,
+        "height": "height [mm]",
+        "shaking_force": {"z": "force [kN]"},
+        "shaking_moment": {"y": "moment [kN m]"},
+        "added_mass": {"slide": 20.0},
+        "between": (0.0, 0.5),
+    }
 
 
 @cache
@@ -429,6 +522,103 @@ def calls() -> dict[str, Call]:
                 "inertia": 0.1,
             },
         ),
+        (
+            "tolerances.Dimension",
+            pp.tolerances.Dimension,
+            lambda: {"name": "OP", "tolerance": 1e-5, "direction": {("P", "crank"): (1, 0, 0)}},
+        ),
+        (
+            "tolerances.link_length",
+            pp.tolerances.link_length,
+            lambda: {"press": press(), "first": "O", "second": "P", "tolerance": 1e-5, "shape": "truncated", "sd": 1e-5, "name": "r"},
+        ),
+        (
+            "tolerances.pin_angle",
+            pp.tolerances.pin_angle,
+            lambda: {"press": texts.shipped("zxn2_3000b"), "first": "C", "vertex": "D", "second": "E", "tolerance": 1e-4},
+        ),
+        (
+            "tolerances.pin_position",
+            pp.tolerances.pin_position,
+            lambda: {"press": press(), "bearing": "P", "axis": (1, 0, 0), "tolerance": 1e-5, "link": "crank"},
+        ),
+        (
+            "tolerances.Temperatures",
+            pp.tolerances.Temperatures,
+            lambda: {"rise": {"rod": 10.0}, "expansion": 1.1e-5, "table": -0.8, "face": -0.1},
+        ),
+        ("tolerances.heat", pp.tolerances.heat, lambda: {"press": press(), "temperatures": pp.tolerances.Temperatures({"rod": 9.0})}),
+        (
+            "tolerances.budget",
+            pp.tolerances.budget,
+            lambda: {
+                "press": press(),
+                "speeds": [7.0],
+                "clearance": {"W": 1e-5},
+                "process": 1e4,
+                "loads": [],
+                "known_to": 0.1,
+                "stiffness_known_to": 0.1,
+            },
+        ),
+        (
+            "tolerances.parallelism",
+            pp.tolerances.parallelism,
+            lambda: {
+                "press": texts.shipped("jf75g_125_two_point"),
+                "parts": {"P4_front": [pp.tolerances.pin_position(texts.shipped("jf75g_125_two_point"), "O", "z", 1e-5)], "P4_back": []},
+                "point_stiffness": 1e9,
+                "guide_stiffness": 1e8,
+                "samples": 20,
+                "seed": 1,
+            },
+        ),
+        (
+            "tolerances.GuideClearance",
+            pp.tolerances.GuideClearance,
+            lambda: {"across": 2e-5, "length": 0.2, "middle": 0.0},
+        ),
+        (
+            "tolerances.play",
+            pp.tolerances.play,
+            lambda: {"press": press(), "motion": motion(), "clearance": {"W": 1e-5}, "loads": [], "known_to": 0.1},
+        ),
+        (
+            "tolerances.play_over_speeds",
+            pp.tolerances.play_over_speeds,
+            lambda: {"press": press(), "clearance": {"W": 1e-5}, "speed": [7.0], "loads": [], "known_to": 0.1},
+        ),
+        (
+            "tolerances.bottom_dead_centre",
+            pp.tolerances.bottom_dead_centre,
+            lambda: {
+                "press": press(),
+                "parts": [pp.tolerances.link_length(press(), *pins, 1e-5) for pins in ("OP", "PW")],
+                "forces": {0.01: 1e5},
+                "speeds": {0.05: -7.0},
+                "correlation": {("OP", "PW"): 0.5},
+                "samples": 50,
+                "seed": 3,
+            },
+        ),
+        (
+            "tolerances.read_dimensions",
+            pp.tolerances.read_dimensions,
+            lambda: {"press": press(), "path": FOLDER / "dimensions.csv"},
+        ),
+        (
+            "tolerances.allocate",
+            pp.tolerances.allocate,
+            lambda: {
+                "press": press(),
+                "parts": [pp.tolerances.link_length(press(), *pins, 1e-5) for pins in ("OP", "PW")],
+                "cost": {"OP": 2.0},
+                "targets": {"height": 1e-5, "stroke": 2e-5},
+                "bounds": {"PW": (1e-6, 1e-4)},
+                "deviations": 3.0,
+                "correlation": {("OP", "PW"): 0.5},
+            },
+        ),
         ("servo.Turn", pp.servo.Turn, lambda: {"backwards": True}),
         ("servo.Stop", pp.servo.Stop, lambda: {"bottom": 0.1, "backwards": True}),
         ("servo.Pendulum", pp.servo.Pendulum, lambda: {"opening": 0.05, "dwell": 0.1}),
@@ -447,6 +637,30 @@ def calls() -> dict[str, Call]:
             lambda: {"motor": pp.servo.CatalogueMotor(**catalogue_numbers()), "motion": served(), "pause": 0.1},
         ),
         ("servo.read_motors", pp.servo.read_motors, lambda: {"path": FOLDER / "motors.csv"}),
+        ("measured.MeasuredRun", pp.measured.MeasuredRun, measured_numbers),
+        ("measured.record", pp.measured.record, record_names),
+        ("measured.measuring_motions", pp.measured.measuring_motions, swinging),
+        ("measured.plan", pp.measured.plan, planned),
+        ("measured.force_sensor", pp.measured.force_sensor, sensing),
+        ("measured.process_force", pp.measured.process_force, lambda: sensing() | {"run": one_turn()}),
+        ("pp.plots.measured_force", pp.plots.measured_force, lambda: {"forces": {"one": measured_force()}}),
+        ("measured.Accelerometer", pp.measured.Accelerometer, lambda: {"point": (0.0, 0.0, 1.0), "direction": "z", "gain": 9.81}),
+        ("measured.vibration", pp.measured.vibration, accelerations),
+        ("measured.fit_mounts", pp.measured.fit_mounts, lambda: {"system": standing(), "measured": hit_modes(), "damping": "loss_factor"}),
+        ("pp.plots.measured_spectra", pp.plots.measured_spectra, lambda: {"found": vibrations().spectra(), "channels": ["Ax"]}),
+        (
+            "pp.plots.order_spectra",
+            pp.plots.order_spectra,
+            lambda: {"found": vibrations().order_spectra(3), "channel": "Ax", "beside": foundation.modes(standing())},
+        ),
+        (
+            "pp.plots.identifiability",
+            pp.plots.identifiability,
+            lambda: {"found": pp.measured.identifiability(press(), [measured_run()], friction=("crank",))},
+        ),
+        ("pp.plots.measured_modes", pp.plots.measured_modes, lambda: {"found": hit_modes()}),
+        ("measured.identify", pp.measured.identify, identified),
+        ("measured.identifiability", pp.measured.identifiability, revealed),
         ("servo.compare_motions", pp.servo.compare_motions, lambda: {"motions": {"even": served()}, "limits": [*servo_window().values()]}),
         ("servo.controller_table", pp.servo.controller_table, lambda: {"motion": served(), "of": "height", "step": 0.01}),
         (
@@ -464,6 +678,16 @@ def calls() -> dict[str, Call]:
                 "gear_inertia": 1.0,
                 "points": 24,
             },
+        ),
+        (
+            "plots.play",
+            pp.plots.play,
+            lambda: {"found": pp.tolerances.play(press(), motion(), {"W": 1e-5})},
+        ),
+        (
+            "plots.budget",
+            pp.plots.budget,
+            lambda: {"found": pp.tolerances.budget(press(), speeds=[7.0], clearance={"W": 1e-5})},
         ),
         ("plots.servo", pp.plots.servo, lambda: {"motions": {"even": served()}}),
         (
@@ -892,6 +1116,7 @@ def calls() -> dict[str, Call]:
         ("plots.shaking", pp.plots.shaking, lambda: {"reactions": reactions()}),
         ("plots.slide", pp.plots.slide, lambda: {"motion": motion()}),
         ("plots.snap_through", pp.plots.snap_through, lambda: {"responses": {"one": pp.elasticity.snap_through(1e5, 1e9, mass=500.0)}}),
+        ("plots.tolerances", pp.plots.tolerances, lambda: {"scatter": scattered(), "limit": 5e-5}),
         ("plots.torque", pp.plots.torque, lambda: {"reactions": reactions()}),
         ("plots.trade_offs", pp.plots.trade_offs, lambda: {"curves": {"one": curve()}}),
         ("measures.bearing_positions", measures.bearing_positions, lambda: {"press": press(), "motion": motion()}),
@@ -929,7 +1154,7 @@ def calls() -> dict[str, Call]:
         (
             "foundation.logarithmic_decrement",
             foundation.logarithmic_decrement,
-            lambda: {"signal": np.exp(-0.1 * TIMES) * np.cos(3 * TIMES)},
+            lambda: {"signal": np.exp(-0.1 * TIMES) * np.cos(3 * TIMES), "rate": 10.0, "band": (0.1, 2.0)},
         ),
         ("foundation.over_speeds", foundation.over_speeds, lambda: {"system": system(), "speeds": [5.0, 6.0], "points": POINTS}),
         (

@@ -17,18 +17,18 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from ..common import tables
-from ..common.errors import PinpressError, UnknownNameError, suggestion
-from ..common.parameters import declared, parameter
-from ..common.quantities import CRANK, RAM, DriverCoordinate
-from ..drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
-from ..drives.protocol import Drive
-from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
-from ..foundation.mounts import Frame, Mount, RubberPad, pad_mount
-from ..linkage.linkage import Linkage
-from ..loads.link import Friction, Load, PointForce, SpringDamper
-from ..loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
-from ..simulation.elastic.contact import Clearance
+from ...common import tables
+from ...common.errors import PinpressError, UnknownNameError, suggestion
+from ...common.parameters import declared, parameter
+from ...common.quantities import CRANK, RAM, DriverCoordinate
+from ...drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
+from ...drives.protocol import Drive
+from ...drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
+from ...foundation.mounts import Frame, Mount, RubberPad, pad_mount
+from ...linkage.linkage import Linkage
+from ...loads.link import Friction, Load, PointForce, SpringDamper
+from ...loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
+from ...simulation.elastic.contact import Clearance
 from .units import UNITS, read_quantity
 
 T = TypeVar("T")

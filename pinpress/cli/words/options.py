@@ -10,23 +10,23 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict
 
-from ..common import tables
-from ..common.errors import PinpressError, PinTableError, UnknownNameError
-from ..common.results import Tabular
-from ..drives.transmission import Flywheel
-from ..dynamics.inputs import Inputs
-from ..dynamics.inverse_dynamics import Reactions
-from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
-from ..linkage.loading import load, presses
-from ..loads.link import Friction, Load
-from ..loads.mounts import Frame, Mount
-from ..simulation.elastic.description import Elastic, Stiffness
+from ...common import tables
+from ...common.errors import PinpressError, PinTableError, UnknownNameError
+from ...common.results import Tabular
+from ...drives.transmission import Flywheel
+from ...dynamics.inputs import Inputs
+from ...dynamics.inverse_dynamics import Reactions
+from ...kinematics.slide_path import dead_centres
+from ...linkage.linkage import Linkage
+from ...linkage.loading import load, presses
+from ...loads.link import Friction, Load
+from ...loads.mounts import Frame, Mount
+from ...simulation.elastic.description import Elastic, Stiffness
 from . import part_specs
 from .part_specs import ALL
 
 if TYPE_CHECKING:
-    from ..pin_table.building import DrawnPress
+    from ...pin_table.building import DrawnPress
 
 SIGNS = """\
 angles are in degrees of the driver joint, 0 as the file draws it, or with --zero at a dead centre; forces are the action of parent on child
@@ -126,7 +126,7 @@ def drawn(table: str, specs: Sequence[str] = (), option: str = "--set ") -> Draw
         PinTableError: The table makes no press with these values.
         PinpressError: As `table_parameters`.
     """
-    from ..pin_table.building import draft  # with a parser that a URDF does without
+    from ...pin_table.building import draft  # with a parser that a URDF does without
 
     parameters = table_parameters(specs)
     with naming_values(parameters, option):
@@ -144,7 +144,7 @@ def naming_values(parameters: Mapping[str, str], option: str = "--set ") -> Iter
     Raises:
         PinTableError: One of the values is wrong.
     """
-    from ..pin_table.reading import CALL  # with a parser that a URDF does without
+    from ...pin_table.reading import CALL  # with a parser that a URDF does without
 
     try:
         yield
@@ -379,12 +379,12 @@ def write_pages(
         results: other results of the press, for the report.
         flywheel: on the driver's shaft; None: that of a run.
     """
-    from ..visual.recording import record  # the pages are slow to import
+    from ...visual.recording import record  # the pages are slow to import
 
     pages = ["recording.html"]
     record(press, reactions.motion, options.out / "recording.html", reactions=reactions, traces=options.trace, flywheel=flywheel)
     if options.report:
-        from ..visual.reports.report import report  # slow to import
+        from ...visual.reports.report import report  # slow to import
 
         page = options.out / "report.html"
         report(

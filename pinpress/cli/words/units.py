@@ -6,8 +6,8 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from ..common.errors import PinpressError, suggestion
-from ..common.quantities import CRANK, RAM, RPM, DriverCoordinate
+from ...common.errors import PinpressError, suggestion
+from ...common.quantities import CRANK, RAM, RPM, DriverCoordinate
 
 # Factors to the first unit of each row, which is the one that help and messages name.
 _ROWS: tuple[Mapping[str, float], ...] = (
@@ -37,6 +37,8 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"N m s/rad": 1.0, "Nms/rad": 1.0, "kNms/rad": 1e3},
     {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6},
     {"Shore A": 1.0},
+    {"K": 1.0},
+    {"1/K": 1.0},
     {"-": 1.0, "%": 1e-2},
 )
 UNITS = {next(iter(row)): row for row in _ROWS}
