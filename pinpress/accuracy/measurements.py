@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -279,7 +280,12 @@ def _series(axes: Axes, rows: Sequence[Measurement], along: Value, value: Value,
 
 
 def _axes(axes: Axes, title: str, across: str, upwards: str) -> None:
+    from matplotlib.ticker import LogFormatterSciNotation, LogLocator  # optional, and slow to import
+
     grid(axes, upwards)
+    if math.isfinite(axes.xaxis.get_minpos()):  # an axis without measurements has no range for ticks
+        axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))  # within one decade these are named; more names would overlap
+        axes.xaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(1.0, 1.0)))
     axes.margins(x=0.08, y=0.08)
     axes.set_xlabel(across)
     axes.set_title(title, loc="left")
