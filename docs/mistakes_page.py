@@ -69,6 +69,8 @@ bearings = dict.fromkeys(press.bearings, 3e9)  # N/m
 springs = pp.elasticity.Elastic(pp.elasticity.Stiffness(bearings, moments={"slide_guide": 2e8}), damping_ratio=0.03)
 in_newtons_per_mm = replace(springs.stiffness, bearings=dict.fromkeys(press.bearings, 3e6))
 held, speed = pp.drives.PrescribedSpeed(70 * pp.RPM), 70 * pp.RPM
+tol = pp.tolerances
+rods = [tol.link_length(press, "D", "E", 50e-6), tol.link_length(press, "E", "F", 50e-6)]
 """
 CALLS = (
     'pp.load("zxn2_3000")',
@@ -97,6 +99,25 @@ CALLS = (
     "pp.elasticity.Clearance(radial=0.05)",
     'pp.elasticity.Clearance(radial=5e-5, law="hertz", restitution=0.7)',
     'pp.steady_state(press, speed, drive=held, elastic=replace(springs, clearances={"F": pp.elasticity.Clearance(5e-5)}))',
+    'tol.bottom_dead_centre(press, [tol.link_length(press, "E", "F", 0.05)], samples=100)',
+    'tol.link_length(press, "D", "F", 50e-6)',
+    'tol.Dimension("rod", {("F", "rod"): (0, 0, 0)}, 50e-6)',
+    'tol.bottom_dead_centre(press, [tol.pin_position(press, "slide_guide", "z", 1e-4)], samples=100)',
+    "tol.bottom_dead_centre(press, rods, samples=1000).height.band(0.9973)",
+    "tol.bottom_dead_centre(press, rods, forces={6.0: 3e6})",
+    'tol.allocate(press, rods, None, {"height": 2e-6})',
+    'tol.play(press, motion, {"F": 0.05})',
+    'tol.play(press, motion, {"G": 5e-5})',
+    'tol.play(press, motion, {"F": tol.GuideClearance(5e-5, length=0.8)})',
+    'tol.play(press, motion, {"slide_guide": tol.GuideClearance(5e-5, length=0.0005)})',
+    'tol.play(press, motion, {"F": 5e-5}, known_to=5)',
+    'tol.heat(press, tol.Temperatures({"rod": 313.15}))',
+    'tol.heat(press, tol.Temperatures({"EF": 10.0}))',
+    'tol.heat(press, tol.Temperatures({"frame": 10.0}))',
+    'tol.heat(press, tol.Temperatures({"rod": 10.0}, expansion=12))',
+    "tol.budget(press, speeds=[speed])",
+    'tol.budget(press, speeds=[speed], stiffness=pp.elasticity.Stiffness({"F": 3e3}))',
+    'tol.parallelism(press, {"F": rods})',
 )
 
 

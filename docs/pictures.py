@@ -7,8 +7,11 @@ Scripts of viz/ make the pictures of presses in three dimensions, of balancing, 
 docs/tour_pictures.py those of the tour, and docs/gallery_films.py the gallery.
 """
 
+import contextlib
 import csv
+import io
 import os
+import re
 import runpy
 import shutil
 import sys
@@ -60,6 +63,70 @@ def slide() -> Figure:
 def polar() -> Figure:
     """docs/motion_and_forces.md: forces of two bearings over a turn."""
     return pp.plots.polar(turn(), "A", "D")
+
+
+def process_force() -> Figure:
+    """docs/process_force.md: the force that the page finds, over the one that acted."""
+    names = _of_page("process_force")
+    figure = pp.plots.measured_force({"found from the torque of the drive": names["force"]})
+    height = np.linspace(0.0, 0.010, 400)
+    acted = np.where((height < 0.009) & (height > 0.001), 1500 * np.sin(np.pi * (0.009 - height) / 0.008), 0.0)
+    figure.axes[0].plot(1e3 * height, acted, color=RED, linewidth=0.9, linestyle=(0, (4, 2)))
+    return figure
+
+
+def measured_modes() -> Figure:
+    """docs/measured_vibration.md: measured modes beside the calculated ones."""
+    return pp.plots.measured_modes(_of_page("measured_vibration")["found"])
+
+
+def orders() -> bytes:
+    """docs/measured_vibration.md: orders over the speed."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = _of_page("measured_vibration")["runup"].order_spectra(4)
+        return pp.plots.save(pp.plots.order_spectra(found, "top"), Path(folder, "orders.png")).read_bytes()
+
+
+@cache
+def _of_page(page: str) -> dict[str, Any]:
+    """The names that a page's own code defines."""
+    names: dict[str, Any] = {}
+    with contextlib.redirect_stdout(io.StringIO()):
+        for code in re.findall(r"```python\n(.*?)```", (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8"), re.DOTALL):
+            exec(code, names)
+    return names
+
+
+def tolerances() -> Figure:
+    """docs/tolerances.md: the dimensions by their shares, and the presses of the sample."""
+    parts = pp.tolerances.read_dimensions(six_bar(), ROOT / "docs" / "zxn2_dimensions.csv").parts
+    return pp.plots.tolerances(pp.tolerances.bottom_dead_centre(six_bar(), parts).height, 50e-6)
+
+
+def identifiability() -> Figure:
+    """docs/measured.md: what torque and shaking force teach of the masses."""
+    columns = {"angle": "crank [deg]", "torque": "motor [N m]", "ratio": 20.7}
+    runs = [pp.measured.record(ROOT / "docs" / "records" / f"{strokes}.csv", **columns) for strokes in (21, 42, 63)]
+    return pp.plots.identifiability(pp.measured.identifiability(six_bar(), runs, friction=("crank", "gibs"), cylinder=True))
+
+
+def play() -> Figure:
+    """docs/slide_accuracy.md: the slide in its clearances over the turn."""
+    return pp.plots.play(pp.tolerances.play(six_bar(), turn().motion, dict.fromkeys("ABCDEF", 50e-6)))
+
+
+def accuracy_budget() -> Figure:
+    """docs/slide_accuracy.md: bottom dead centre by parts, from setting to production."""
+    return pp.plots.budget(
+        pp.tolerances.budget(
+            six_bar(),
+            speeds=[10 * pp.RPM, SPEED],
+            clearance=dict.fromkeys("ABCDEF", 50e-6),
+            stiffness=pp.elasticity.Stiffness(dict.fromkeys("ABCDEF", 2e9), shaft=3e7, frame=4e9),
+            temperatures=pp.tolerances.Temperatures({"rocker": 10.0, "rod": 10.0}),
+            process=500e3,
+        )
+    )
 
 
 def run() -> Figure:
@@ -270,8 +337,10 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
-    slide, polar, run, elastic_stroke, operating_map, synthesis, two_assemblies, change_point, programs, sketch, lengths_too_short,
-    notebook, report_page, live,
+    slide, polar, run, tolerances, identifiability,
+    play, accuracy_budget, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
+    programs, sketch,
+    lengths_too_short, notebook, report_page, live, process_force, measured_modes, orders,
 )  # fmt: skip
 
 
