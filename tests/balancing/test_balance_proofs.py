@@ -271,9 +271,11 @@ def test_rms_of_masses_at_points_is_bounded_least_squares(criterion):
     series = [criterion.series(reactions) for reactions in after]
     fixed, *others = [(s - s.mean(axis=0)).ravel() / np.sqrt(len(s)) for s in series]
     matrix = np.array([other - fixed for other in others]).T
+    felt = np.linalg.norm(matrix, axis=0) > 1e-9 * np.linalg.norm(matrix)  # bearing D does not feel what the crank carries
+    matrix[:, ~felt] = 0.0
     best = lsq_linear(matrix, -fixed, tuple(np.array([region.mass for region in regions]).T), method="bvls", tol=1e-14)
     b = pp.balancing.balance(press, motion, regions=regions, minimise=criterion)
     assert b.value == pytest.approx(np.sqrt(2 * best.cost), rel=1e-8)
     masses = {(weight.link, weight.position): weight.mass for weight in b.counterweights}
     found = [next((m for (link, at), m in masses.items() if link == region.link and np.allclose(at, region.at)), 0.0) for region in regions]
-    np.testing.assert_allclose(found, best.x, atol=1e-2)  # the lighter of designs that are as good to 1e-6: along the flattest direction
+    np.testing.assert_allclose(found, np.where(felt, best.x, 0.0), atol=1e-2)  # the lighter of designs that are as good to 1e-6: along the flattest direction
