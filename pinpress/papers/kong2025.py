@@ -13,9 +13,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from ..balancing.counterweights import Counterweight, with_counterweights
+from ..balancing.counterweights import with_counterweights
 from ..common.quantities import RPM, Array
-from ..drives.motors import InverterMotor
 from ..drives.transmission import Flywheel
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.measures import dwell_time
@@ -25,6 +24,8 @@ from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..loads.link import PointForce
 from ..simulation.simulate import simulate
+from .kong2025_counterweights import PAPER, conclusion
+from .kong2025_drive import gearing_entry, motor_entry
 from .pages import BEYOND, DATA, NO_RESULT, NOT, PARTLY, REPRODUCED, Erratum, Page, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ WHY_NOT = (
     " axes, and (18) leaves out the weight of the crank, which is a third of the deviation (see (18)). No physically possible inertias"
     " reproduce the tables, and the press is not fitted to them."
 )
+SOLVER = "independent solver"
 PINS = ("A", "B", "C", "D", "E", "F")
 
 
@@ -101,7 +103,8 @@ def page() -> Page:
         " either, is 9.81 m/s2. The motion agrees, the forces do not. The most informative result is what brings them nearer:"
         " [(18)](#18-the-weight-that-it-leaves-out). Written by `python -m pinpress.papers kong2025`.",
         (
-            _motor(),
+            motor_entry(),
+            gearing_entry(),
             PageEntry(("Fig. 2",), "kinematic model and photograph", NO_RESULT),
             _kinematics(before),
             PageEntry(("Fig. 4",), "forces on each link", NO_RESULT),
@@ -111,6 +114,7 @@ def page() -> Page:
             _bearings(before, after),
             _table("Table 3", "force in bearing A before and after balancing", (ACROSS, UPRIGHT), before, after),
             _equation_18(before, after),
+            conclusion(before.press),
             _claims(before, after),
             _moments(before, after),
             _runs(before.press),
@@ -119,36 +123,16 @@ def page() -> Page:
     )
 
 
-def motor() -> InverterMotor:
-    """Fig. 1: the permanent torque of the motor on its inverter, field weakening above 50 Hz."""
-    return InverterMotor(rated_torque=482.0, rated_speed=1485 * RPM, frequency=50.0, overload=1.0)
-
-
-def _motor() -> PageEntry:
-    frequency = np.linspace(5.0, 100.0, 400)
-    limit = np.asarray(motor().torque_limit(frequency))
-
-    def shown() -> "Figure":
-        return draw("frequency [Hz]", [Panel("torque [N m]", {"": (frequency, limit)}, (482.0,), ((50.0, 482.0),))], 5.5)
-
-    torque = 75e3 / (1485 * RPM)
-    rows = (
-        Row("rated torque [N m], from 75 kW at 1485 r/min", "482", torque, 0.1, 1),
-        Row("motor speed by strokes/min, from 1450 r/min and 70 strokes/min", "", 1450 / 70, places=3),
-        Row("motor speed by strokes/min, from 724.9 r/min and 50 strokes/min", "", 724.9 / 50, places=3),
-    )
-    reason = (
-        "The figure prints the rated point; the curve is constant flux below 50 Hz and constant voltage above it. One gear ratio cannot"
-        " give both ends of the printed ranges: 724.9 r/min belong to 35 strokes/min, or to 50 strokes/min of a press that runs up to 100."
-    )
-    return PageEntry(
-        ("Fig. 1",), "torque of the motor over frequency", REPRODUCED, rows, reason, "kong2025_motor", shown, "Cross: rated point."
-    )
-
-
 def _kinematics(before: PressTurn) -> PageEntry:
     motion, ends = before.motion, dead_centres(before.press)
     s, v, a = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
+    # crank angles [deg] of the extremes by an independent solution that shares no code with pinpress
+    solved = {
+        "highest speed upwards": ("97.95280", v),
+        "highest speed downwards": ("209.97711", -v),
+        "largest acceleration upwards": ("250.75276", a),
+        "largest acceleration downwards": ("158.46272", -a),
+    }
     rows = (
         Row("highest position [m]", "-0.6583", float(s.max()), 0.1),
         Row("lowest position [m]", "-0.9595", float(s.min()), 0.1),
@@ -158,9 +142,13 @@ def _kinematics(before: PressTurn) -> PageEntry:
         Row("largest acceleration upwards [m/s2]", "8.7040", float(a.max()), 0.1),
         Row("largest acceleration downwards [m/s2]", "-17.8620", float(a.min()), 0.1),
         Row("bottom dead centre [s]", "0.8", ends.bottom_angle / SPEED, 0.5, 4),
-        Row("bottom dead centre, crank angle [deg]", "", float(np.degrees(ends.bottom_angle)), places=4),
+        Row("bottom dead centre, crank angle [deg]", "334.52482", float(np.degrees(ends.bottom_angle)), 1e-5, None, SOLVER),
         Row("top dead centre [s]", "", ends.top_angle / SPEED, places=4),
-        Row("top dead centre, crank angle [deg]", "", float(np.degrees(ends.top_angle)), places=4),
+        Row("top dead centre, crank angle [deg]", "155.49688", float(np.degrees(ends.top_angle)), 1e-5, None, SOLVER),
+        *(
+            Row(f"{what}, crank angle [deg]", angle, largest_at(motion, curve), 1e-4, None, SOLVER)
+            for what, (angle, curve) in solved.items()
+        ),
         Row("time within 1 mm of bottom dead centre [s]", "", dwell_time(cycle(before.press, SPEED, points=720), 1e-3), places=4),
     )
 
@@ -174,10 +162,21 @@ def _kinematics(before: PressTurn) -> PageEntry:
         return draw("time [s]", panels, 3.6)
 
     caption = "Dashes: the extremes as printed."
-    reason = "The paper allows itself 0.5 % (300 mm stroke on the nameplate)."
+    reason = (
+        "The paper allows itself 0.5 % (300 mm stroke on the nameplate). Its conclusion (1) speaks of the crank angles of the largest"
+        " speeds and accelerations, but prints none; they stand below. Position has its extremes at the dead centres."
+    )
     return PageEntry(
         ("Fig. 3",), "position, velocity, acceleration of the slide", REPRODUCED, rows, reason, "kong2025_slide", shown, caption
     )
+
+
+def largest_at(motion: Motion, curve: Array) -> float:
+    """Crank angle [deg] at which a curve (n,) over a turn is largest, by the parabola through the largest value and its neighbours."""
+    top = int(curve.argmax())
+    low, high, next_low = (float(curve[(top + k) % len(curve)]) for k in (-1, 0, 1))
+    beyond = 0.5 * (low - next_low) / (low - 2 * high + next_low)
+    return float(np.degrees(motion.crank_angle[top]) + 360.0 / len(curve) * beyond) % 360.0
 
 
 def _masses(before: PressTurn, after: PressTurn) -> PageEntry:
@@ -198,10 +197,12 @@ def _table(number: str, title: str, names: tuple[str, ...], before: PressTurn, a
     rows = []
     for name in names:
         curves = before.columns()[name], after.columns()[name]
-        for when, curve, (most, least) in zip(("before", "after"), curves, PRINTED[name], strict=True):
+        for when, each, curve, (most, least) in zip(("before", "after"), (before, after), curves, PRINTED[name], strict=True):
             rows += [
                 Row(f"{name}, {when}, maximum", str(most), float(curve.max())),
+                Row(f"{name}, {when}, crank angle of the maximum [deg]", "", largest_at(each.motion, curve), places=2),
                 Row(f"{name}, {when}, minimum", str(least), float(curve.min())),
+                Row(f"{name}, {when}, crank angle of the minimum [deg]", "", largest_at(each.motion, -curve), places=2),
                 Row(f"{name}, {when}, range", str(most - least), float(np.ptp(curve))),
             ]
         change = 100 * (np.ptp(curves[1]) / np.ptp(curves[0]) - 1)
@@ -343,6 +344,10 @@ def _bearings(before: PressTurn, after: PressTurn) -> PageEntry:
         for axis, words in ((0, "x"), (2, "vertical")):
             ranges = [float(np.ptp(each.reactions.bearing_force[bearing][:, axis])) for each in (before, after)]
             rows.append(Row(f"{bearing}, {words}, change of the range [%]", "", 100 * (ranges[1] / ranges[0] - 1), places=2))
+    for bearing in PINS:
+        for axis, words in ((0, "x"), (2, "vertical")):
+            for when, each in (("before", before), ("after", after)):
+                rows.append(Row(f"{bearing}, {words}, {when}: largest and smallest [kN]", "", _ends(each, bearing, axis)))
     bottom = int(before.motion.slide_position.argmin())
     for bearing in "ABC":
         size = np.linalg.norm(before.reactions.bearing_force[bearing], axis=1)
@@ -355,6 +360,13 @@ def _bearings(before: PressTurn, after: PressTurn) -> PageEntry:
     )
     caption = "Forces of parent on child, in C and F of link 1 on link 2; x across, y up."
     return PageEntry(("Fig. 6",), "forces in the bearings A to F", NOT, tuple(rows), reason, "kong2025_bearings", shown, caption)
+
+
+def _ends(each: PressTurn, bearing: str, axis: int) -> str:
+    """Largest and smallest value of a component of a bearing force, with their crank angles."""
+    curve = each.reactions.bearing_force[bearing][:, axis] / 1e3
+    ends = ((curve.max(), largest_at(each.motion, curve)), (curve.min(), largest_at(each.motion, -curve)))
+    return ", ".join(f"{value:.2f} at {angle:.2f} deg" for value, angle in ends)
 
 
 def _claims(before: PressTurn, after: PressTurn) -> PageEntry:
@@ -392,8 +404,7 @@ def _moments(before: PressTurn, after: PressTurn) -> PageEntry:
         for words, pair in named
         for when, each in zip(("before", "after"), pair, strict=True)
     )
-    paper = (Counterweight("crank", 605.496, (-0.1428, 0.0, 0.0)), Counterweight("rod", 55.536, (-0.0456, 0.0, 0.0)))
-    again = inverse_dynamics(press := with_counterweights(before.press, paper), cycle(press, SPEED, points=720))
+    again = inverse_dynamics(press := with_counterweights(before.press, PAPER), cycle(press, SPEED, points=720))
     ours = float(np.ptp(again.shaking_moment[:, 1]))
     rows += (Row("the same, by counterweights as point masses, after [N m]", "", ours, places=0),)
     reason = "The paper does not mention the shaking moment. It falls too, as far as our inertias can say."
@@ -408,7 +419,7 @@ def _runs(press: Linkage) -> PageEntry:
         run = simulate(press, 2.0, speed=SPEED, flywheel=Flywheel(inertia))
         ends = float(run.crank_angle[-1]), float(run.crank_speed[-1])
         for what, solution, ours in zip(("angle after 2 s [rad]", "speed after 2 s [rad/s]"), theirs, ends, strict=True):
-            rows.append(Row(f"flywheel {inertia:g} kg m2: crank {what}", solution, ours, 1e-6, None, "independent solver"))
+            rows.append(Row(f"flywheel {inertia:g} kg m2: crank {what}", solution, ours, 1e-6, None, SOLVER))
     reason = (
         "The paper has no forward dynamics. From crank angle 0 at 70 strokes/min, without a motor: with the light flywheel the crank cannot"
         " climb to top dead centre, and swings back."
@@ -435,6 +446,14 @@ ERRATA = (
         "14, if each force and the weight behind it are one entry; G1 belongs to the second: see (18) above",
     ),
     Erratum("Table 2", "unit N; range 38476", "N m; 20325 + 18150 = 38475"),
-    Erratum("Conclusion (4)", "all bearing forces fall by the balancing", "the ranges in B, C, D and E rise a little, see Fig. 6"),
-    Erratum("1.1, motor", "724.9 to 1450 r/min for 50 to 70 strokes/min", "not by one gear ratio, see Fig. 1"),
+    Erratum(
+        "Conclusion (4)",
+        "all bearing forces fall by the balancing",
+        "the ranges in B, C, D and E rise a little, see Fig. 6; those of E and F upright cannot fall, see below",
+    ),
+    Erratum(
+        "1.1, motor",
+        "724.9 to 1450 r/min for 50 to 70 strokes/min",
+        "not by one ratio; those from 14.5 to 20.7 keep the motor in its range, see Gearing",
+    ),
 )

@@ -1,0 +1,128 @@
+"""Kong 2025: crank angles of extremes, gearing, and what conclusion (4) would take, beside solutions without pinpress."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize, minimize_scalar
+
+import pinpress as pp
+from pinpress.accuracy.peers import six_bar_script
+from pinpress.papers import kong2025, kong2025_counterweights, kong2025_drive
+
+SPEED = 70 * np.pi / 30
+KNOWN = json.loads((Path(__file__).parents[1] / "reference" / "zxn2_3000b.json").read_text(encoding="utf-8"))["kinematic_extremes"]
+
+
+def script(points=720):
+    """The hand-written Newton-Euler script, over a turn."""
+    angle = np.linspace(0.0, 2 * np.pi, points, endpoint=False)
+    return angle, six_bar_script.six_bar(angle, SPEED, 0.0, False)
+
+
+@pytest.fixture(scope="module")
+def price():
+    """Rows of the entry on conclusion (4)."""
+    return {row.quantity: row.ours for row in kong2025_counterweights.conclusion(pp.load("zxn2_3000b")).rows}
+
+
+# ------------------------------------------------------------------------------------------------------------------- crank angles
+
+
+@pytest.mark.parametrize(("key", "curve"), [("v_up", 1), ("v_down", -1), ("a_max", 2), ("a_min", -2)])
+def test_crank_angles_of_the_slides_extremes_are_those_of_the_reference(key, curve):
+    """1e-4 deg: the parabola misses the place of an extreme by less at 0.05 deg from state to state."""
+    motion = pp.cycle(pp.load("zxn2_3000b"), kong2025.SPEED, points=kong2025.POINTS)
+    values = {1: motion.slide_velocity, 2: motion.slide_acceleration}[abs(curve)]
+    assert kong2025.largest_at(motion, np.sign(curve) * values) == pytest.approx(KNOWN[key][1], abs=1e-4)
+
+
+def test_crank_angles_of_the_torque_are_those_of_the_script():
+    motion = pp.cycle(pp.load("zxn2_3000b"), kong2025.SPEED, points=kong2025.POINTS)
+    torque = pp.inverse_dynamics(pp.load("zxn2_3000b"), motion).driving_torque
+    angle, solved = script(72000)
+    for sign in (1, -1):
+        theirs = np.degrees(angle[np.argmax(sign * solved["tau"])])
+        assert kong2025.largest_at(motion, sign * torque) == pytest.approx(theirs, abs=0.003)
+
+
+def test_the_place_of_an_extreme_wraps_round_the_turn():
+    motion = pp.cycle(pp.load("zxn2_3000b"), kong2025.SPEED, points=360)
+    for place in (359.7, 0.3, 180.2):
+        assert kong2025.largest_at(motion, np.cos(motion.crank_angle - np.radians(place))) == pytest.approx(place, abs=1e-3)
+
+
+# ------------------------------------------------------------------------------------------------------------------------ gearing
+
+
+def test_ratios_that_serve_keep_the_motor_in_its_range():
+    least, largest = kong2025_drive.serving_ratios()
+    for ratio, serves in ((least, True), (largest, True), (0.999 * least, False), (1.001 * largest, False)):
+        speeds = np.array(kong2025_drive.STROKES) * ratio
+        assert bool(np.all((speeds >= 724.9 - 1e-9) & (speeds <= 1450 + 1e-9))) is serves
+    assert (least, largest) == (pytest.approx(14.498), pytest.approx(1450 / 70))
+
+
+@pytest.mark.parametrize("motor_speed", [300.0, 724.9, 1450.0, 1485.0, 1490.0, 1700.0, 2500.0])
+def test_the_motor_gives_its_permanent_torque_at_the_frequency_that_is_named(motor_speed):
+    """Constant flux up to 1485 r/min, then constant power but for the lag: the torque at this frequency and speed is the permanent one."""
+    frequency = float(kong2025_drive.frequency_at(motor_speed))
+    motor = pp.drives.InverterMotor(rated_torque=482.0, rated_speed=1485 * pp.RPM, frequency=frequency, overload=5.0, breakdown_ratio=50.0)
+    expected = 482.0 * min(1.0, 50.0 / frequency)
+    assert motor.torque(motor_speed * pp.RPM) == pytest.approx(expected, rel=1e-9)
+    assert kong2025_drive.crank_torque(20.0, motor_speed / 20.0) == pytest.approx(20.0 * expected)
+
+
+def test_a_larger_ratio_gains_nothing_once_the_field_is_weakened():
+    assert kong2025_drive.crank_torque(25.0, 70.0) == pytest.approx(kong2025_drive.crank_torque(1485 / 70, 70.0), rel=1e-9)
+
+
+# ------------------------------------------------------------------------------------------------------------------ conclusion (4)
+
+
+@pytest.mark.parametrize(("words", "name", "share"), [("A, x", "F01x", np.cos), ("A, vertical", "F01y", np.sin)])
+def test_the_largest_fall_in_the_shafts_bearing_by_trying_all_angles(price, words, name, share):
+    """661 kg on the crank, 0.3 m from the shaft: a force that turns with the crank, added to that of the hand-written script."""
+    angle, solved = script()
+    pull = kong2025_counterweights.ADDED * 0.3 * SPEED**2
+
+    def width(turned):
+        return np.ptp(solved[name] - pull * share(angle + turned))
+
+    tried = np.radians(np.arange(0.0, 360.0, 0.5))
+    near = min(tried, key=width)
+    least = minimize_scalar(width, bounds=(near - 0.02, near + 0.02), method="bounded", options={"xatol": 1e-9}).fun
+    found = price[f"{words}: largest fall of the range with at most 661 kg [%]"]
+    assert found == pytest.approx(100 * (least / np.ptp(solved[name]) - 1), abs=1e-5)
+
+
+def test_no_counterweight_lowers_the_vertical_forces_of_rod_and_slide(price):
+    for pin in "EF":
+        assert price[f"{pin}, vertical: largest fall of the range with at most 661 kg [%]"] == pytest.approx(0.0, abs=1e-6)
+        assert price[f"{pin}, vertical: what 18 % less takes"] == "no mass does it"
+
+
+def test_what_a_noticeable_fall_takes_is_enough_and_not_more():
+    """With the mass that the page names the range is lower by 18 %, with 1 % less mass it is not."""
+    angle, solved = script()
+    for mass, enough in ((1405.4, True), (1391.0, False)):
+        tried = np.radians(np.arange(0.0, 360.0, 0.25))
+        ranges = np.ptp(solved["F01y"] - mass * 0.3 * SPEED**2 * np.sin(angle + tried[:, None]), axis=1)
+        assert bool(ranges.min() <= 0.8201 * np.ptp(solved["F01y"])) is enough
+
+
+def test_a_counterweight_on_the_crank_alone_raises_no_bearing_force(price):
+    assert price["the paper's counterweights: ranges in A to F that rise"].startswith("9 of 12")
+    for goal in ("A, vertical", "shaking force, x"):
+        assert price[f"least {goal}: ranges in A to F that rise"] == "none"
+    angle, solved = script()
+    across = solved["F01x"] + solved["F03x"] + solved["F05x"]
+    pull = 0.3 * SPEED**2 * np.array([np.cos(angle), np.sin(angle)])  # of a kilogram opposite to the crank, and across it
+
+    def width(masses):
+        return np.ptp(across + masses @ pull)
+
+    least = minimize(width, [200.0, 0.0], method="Nelder-Mead", options={"xatol": 1e-7, "fatol": 1e-7, "maxfev": 4000}).fun  # convex
+    found = price["least shaking force, x: shaking force, x, change of the range [%]"]
+    assert 100 * (least / np.ptp(across) - 1) == pytest.approx(found, abs=1e-4)
