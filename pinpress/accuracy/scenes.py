@@ -99,7 +99,7 @@ class Scene:
         for interval in self._falling if rate < 0 else self._rising:
             if interval.lower < height <= interval.upper:
                 pushed = float(interval.force(height, rate))
-                force += max(pushed, 0.0) if interval.one_sided else pushed
+                force += float(interval.acting(pushed))
         return force
 
     @cached_property

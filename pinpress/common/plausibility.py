@@ -13,6 +13,7 @@ HARDEST = 3.0, 40 * GRAVITY  # no slide of a press is faster [m/s] and accelerat
 FASTEST_SLIDING = 10.0  # no cylinder or screw of a press slides faster [m/s]
 FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
+FAINT, WIDEST, ROOMIEST = 1e3, 3.0, 50.0  # no cylinder of a press has less pressure [Pa], more bore [m], or a larger tank [m3]
 WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
@@ -99,3 +100,15 @@ def friction(name: str, coefficient: float, radius: float, size: float) -> None:
         caution(f"friction of {name}: its coefficient is {coefficient:g}: if per cent are meant, write {coefficient:g}e-2")
     if radius > size:
         caution(f"friction of {name}: its radius is {radius:g} m, beside a linkage of {size:g} m: if mm are meant, write {radius:g}e-3")
+
+
+def cylinder(name: str, bore: float, pressure: Array, volume: Array | None = None) -> None:
+    """Warn of cylinders whose ``bore`` [m], gauge ``pressure`` [Pa] or ``volume`` [m3] may be in other units; arrays are of scenarios."""
+    if bore > WIDEST:
+        caution(f"{name}: bore is {bore:g} m: if mm are meant, write {bore:g}e-3")
+    least = float(pressure.min())
+    if 0.0 < least < FAINT:
+        caution(f"{name}: pressure is {least:g} Pa: if bar are meant, write {least:g}e5; if MPa, {least:g}e6")
+    largest = 0.0 if volume is None else float(volume.max())
+    if largest > ROOMIEST:
+        caution(f"{name}: volume is {largest:g} m3: if litres are meant, write {largest:g}e-3")

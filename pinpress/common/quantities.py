@@ -18,6 +18,9 @@ RPM = 2 * np.pi / 60
 GRAVITY = 9.81
 """Acceleration by gravity, by which weights and accelerations are judged [m/s2]."""
 
+ATMOSPHERE = 101325.0
+"""Pressure of the standard atmosphere [Pa]."""
+
 
 @dataclass(frozen=True)
 class DriverCoordinate:

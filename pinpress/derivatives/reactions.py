@@ -128,7 +128,7 @@ def _force_slope(load: ProcessLoad, press: Linkage, motion: Motion, height: Arra
                 ) from error
             if not is_known(load) and inside.any():
                 _refuse_not_analytic(type(load).__name__, interval, *at)
-            result[inside] = np.imag(law) / STEP * ((np.real(law) > 0) if interval.one_sided else 1.0)
+            result[inside] = np.imag(law) / STEP * ((interval.sense * np.real(law) > 0) if interval.one_sided else 1.0)
     return result
 
 

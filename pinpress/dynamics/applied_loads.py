@@ -155,7 +155,7 @@ def _force_in(name: str, interval: ForceInterval, height: Array, velocity: Array
     law = numbers(f"{name}: force", interval.force(height, velocity))
     if law.shape not in ((), height.shape):
         raise PinpressError(f"{name}: force of {height.shape} heights has shape {law.shape}; give the same")
-    return np.broadcast_to(np.maximum(law, 0.0) if interval.one_sided else law, height.shape)
+    return np.broadcast_to(interval.acting(law), height.shape)
 
 
 def process_force(loads: Sequence[Load], press: "Linkage", motion: "Motion") -> Array:

@@ -1,6 +1,10 @@
+from .contacts import Impact as Impact
+from .contacts import TwoSidedStop as TwoSidedStop
 from .link import Friction as Friction
 from .link import PointForce as PointForce
 from .link import SpringDamper as SpringDamper
+from .pneumatics import BalanceCylinder as BalanceCylinder
+from .pneumatics import PneumaticCushion as PneumaticCushion
 from .process import Blanking as Blanking
 from .process import ConstantForce as ConstantForce
 from .process import DeepDrawing as DeepDrawing

@@ -13,7 +13,6 @@ import numpy as np
 
 from ..common.errors import PinpressError, SimulationError, said, shown
 from ..common.parameters import scenario_lengths
-from . import process
 from .process import ForceInterval, ProcessLoad, TimeForce
 
 OF_LOAD, OF_TIME = (("height", "m"), ("velocity", "m/s")), (("time", "s"),)
@@ -60,7 +59,7 @@ def name(part: object) -> str:
 
 def is_known(load: object) -> bool:
     """Whether a process load is one of the library's."""
-    return type(load).__module__ == process.__name__
+    return type(load).__module__.startswith(f"{__package__}.")
 
 
 def asked_loads(loads: Sequence[Any]) -> list[Any]:

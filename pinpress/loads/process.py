@@ -304,8 +304,9 @@ class ForceInterval:
         force: law of height [m] and velocity along the axis [m/s] that returns the force on the slide along the axis [N]. For numbers it
             returns a number, or (S,) where the load has scenarios; for arrays (..., S) the same shape. It is smooth, even a little beyond
             the interval.
-        one_sided: whether the interval is a contact: where the law is negative the contact is lost, and the force is zero.
+        one_sided: whether the interval is a contact: where the law pulls the contact is lost, and the force is zero.
         heeds_velocity: whether the force depends on the velocity, or the place where a contact is lost does. True is always right.
+        sense: 1 where a contact pushes along the axis, upwards, -1 where it pushes against it, as a stop above the slide does.
     """
 
     upper: float
@@ -313,6 +314,17 @@ class ForceInterval:
     force: Law
     one_sided: bool = False
     heeds_velocity: bool = True
+    sense: int = 1
+
+    def acting(self, law: Any) -> Any:
+        """The force where the law has this value: a contact that would pull is lost."""
+        if not self.one_sided:
+            return law
+        return np.maximum(law, 0.0) if self.sense > 0 else np.minimum(law, 0.0)
+
+    def pushes(self, law: float) -> bool:
+        """Whether a contact is not lost where the law has this value."""
+        return self.sense * law >= 0
 
 
 @runtime_checkable

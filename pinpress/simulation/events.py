@@ -195,7 +195,7 @@ class ContactChanges(Event):
 
     def margin(self, system: HybridSystem, mode: Mode, time: float, y: Array, at: Snapshot) -> float:
         value, rate = at.linkage.coordinates[self.row]
-        law = float(self.interval.force(value - self.datum, rate))
+        law = self.interval.sense * float(self.interval.force(value - self.datum, rate))
         return law if self.pushing else -law
 
     def after(self, system: HybridSystem, mode: Mode, time: float, y: Array, fastest: float) -> tuple[Mode, Array]:

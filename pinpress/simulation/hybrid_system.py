@@ -141,7 +141,7 @@ def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: floa
     low = max((b for b in borders if b < inside), default=-math.inf)
     high = min((b for b in borders if b >= inside), default=math.inf)
     interval = next((s for s in force.intervals(rising) if s.lower < inside - force.datum <= s.upper), None)
-    pushing = interval is None or not interval.one_sided or float(interval.force(value - force.datum, rate)) >= 0
+    pushing = interval is None or not interval.one_sided or interval.pushes(float(interval.force(value - force.datum, rate)))
     return ForceMode(low, high, rising, interval, pushing)
 
 

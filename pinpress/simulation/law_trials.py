@@ -248,7 +248,7 @@ def _try_load(load: AskedLoad) -> None:
     numbers."""
     for downwards in (True, False):
         once, again = load.intervals(downwards), load.intervals(downwards)
-        if [(s.upper, s.lower, s.one_sided) for s in once] != [(s.upper, s.lower, s.one_sided) for s in again]:
+        if [(s.upper, s.lower, s.one_sided, s.sense) for s in once] != [(s.upper, s.lower, s.one_sided, s.sense) for s in again]:
             raise PinpressError(f"{name_of(load)}: intervals({downwards}) differ from one call to the next; let them stay the same")
         for interval in once:
             upper = interval.upper if math.isfinite(interval.upper) else max(interval.lower, -1.0) + 1.0

@@ -22,7 +22,9 @@ from pinpress.cli.words import options, part_specs
 from pinpress.common.quantities import CRANK
 from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed
+from pinpress.loads.contacts import Impact, TwoSidedStop
 from pinpress.loads.link import PointForce
+from pinpress.loads.pneumatics import BalanceCylinder, PneumaticCushion
 from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -328,6 +330,12 @@ def test_every_kind_of_load(files: dict[str, Path]) -> None:
         "drawing:force=5e5,start=0.05": DeepDrawing(5e5, 0.05),
         f"table:file={files['force']}": ForceStroke([0.02, 0.001, 0.0], [0.0, 5e5, 6e5]),
         "die:height=0.001,stiffness=1e9,damping=1e4": ElasticDie(0.001, 1e9, 1e4),
+        "impact:height=1mm,stiffness=1e10,damping=1e5,depth=0.1mm": Impact(0.001, 1e10, 1.5, 1e5, 1e-4),
+        "stops:lower=-1mm,upper=32mm,stiffness=1e10,exponent=2": TwoSidedStop(-0.001, 0.032, 1e10, 2.0),
+        "balance-cylinder:bore=160mm,pressure=6bar,volume=80l,count=2,exponent=1.2": BalanceCylinder(
+            0.16, 6e5, 0.08, count=2, exponent=1.2
+        ),
+        "air-cushion:bore=200mm,pressure=5bar,volume=40l,height=12mm": PneumaticCushion(0.2, 5e5, 0.04, 0.012),
         "point-force:link=rod,force=0/-2kN/5,point=1mm/0/0.1": PointForce("rod", (0.0, -2e3, 5.0), (0.001, 0.0, 0.1)),
     }
     assert {words.partition(":")[0] for words in cases} == set(part_specs.LOADS)

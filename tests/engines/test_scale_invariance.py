@@ -19,7 +19,7 @@ from pinpress.drives import motors, transmission
 from pinpress.dynamics import applied_loads
 from pinpress.engines import forces as engine_forces
 from pinpress.engines.forces import REST
-from pinpress.loads import link, process
+from pinpress.loads import contacts, link, pneumatics, process
 
 pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast
 
@@ -42,6 +42,7 @@ SI = Units()
 UNITS = [Units(length=2.0**-7), Units(mass=2.0**9), Units(time=2.0**-5), Units(2.0**5, 2.0**-6, 2.0**3)]
 
 FORCE, TORQUE, INERTIA, POWER, RATE = (1, 1, -2), (2, 1, -2), (2, 1, 0), (2, 1, -3), (0, 0, -1)
+PRESSURE = (-1, 1, -2)
 LENGTH, TIME, PLAIN = (1, 0, 0), (0, 0, 1), (0, 0, 0)
 INSIDE = None  # an object with units of its own
 DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
@@ -61,6 +62,45 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
     pp.loads.DeepDrawing: {"force": FORCE, "start": LENGTH, "end": LENGTH, "datum": LENGTH},
     pp.loads.ForceStroke: {"heights": LENGTH, "forces": FORCE, "datum": LENGTH},
     pp.loads.ElasticDie: {"height": LENGTH, "stiffness": (0, 1, -2), "damping": (0, 1, -1), "datum": LENGTH},
+    pp.loads.Impact: {
+        "height": LENGTH,
+        "stiffness": (0, 1, -2),  # of the exponent 1
+        "exponent": PLAIN,
+        "damping": (0, 1, -1),
+        "depth": LENGTH,
+        "datum": LENGTH,
+    },
+    pp.loads.TwoSidedStop: {
+        "lower": LENGTH,
+        "upper": LENGTH,
+        "stiffness": (0, 1, -2),
+        "exponent": PLAIN,
+        "damping": (0, 1, -1),
+        "depth": LENGTH,
+        "datum": LENGTH,
+    },
+    pp.loads.BalanceCylinder: {
+        "bore": LENGTH,
+        "pressure": PRESSURE,
+        "volume": (3, 0, 0),
+        "rod": LENGTH,
+        "count": PLAIN,
+        "exponent": PLAIN,
+        "height": LENGTH,
+        "atmosphere": PRESSURE,
+        "datum": LENGTH,
+    },
+    pp.loads.PneumaticCushion: {
+        "bore": LENGTH,
+        "pressure": PRESSURE,
+        "volume": (3, 0, 0),
+        "height": LENGTH,
+        "rod": LENGTH,
+        "count": PLAIN,
+        "exponent": PLAIN,
+        "atmosphere": PRESSURE,
+        "datum": LENGTH,
+    },
     pp.loads.TimeForce: {"force": FORCE, "edges": TIME},
     link.Friction: {"coefficient": PLAIN, "radius": LENGTH, "viscous": (2, 1, -1)},
     pp.drives.Flywheel: {"inertia": INERTIA, "speed": RATE},
@@ -113,7 +153,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
 
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
-    rooms = (process, motors, transmission, link)
+    rooms = (process, contacts, pneumatics, motors, transmission, link)
     public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
     inner = {transmission.Coupling, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_forces.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
@@ -158,6 +198,9 @@ LOADS = {
     "drawing": pp.loads.DeepDrawing(3e4, 0.05),
     "table": pp.loads.ForceStroke([0.0, 0.02, 0.06], [2e4, 1e4, 0.0]),
     "die": pp.loads.ElasticDie(0.02, 1e6, 1e3),
+    "stops": pp.loads.TwoSidedStop(0.02, 0.25, 1e6, 1.0, 1e3, 0.01),
+    "balance cylinder": pp.loads.BalanceCylinder(0.25, 6e5, 0.05),
+    "cushion": pp.loads.PneumaticCushion(0.2, 5e5, 0.02, 0.06),
     "in time": pp.loads.TimeForce(lambda time: 1e3 * np.sin(20.0 * time)),
 }
 RUBBING = {"A": pp.loads.Friction(0.1, 0.05, 2.0), "C": pp.loads.Friction(0.1, 0.05)}

@@ -44,7 +44,7 @@ RUN = [
     "tolerances",
 ]
 
-RUN += ["measured", "measured_vibration", "mistakes", "pin_table", "process_force", "pinocchio", "units_and_signs"]
+RUN += ["press_parts", "measured", "measured_vibration", "mistakes", "pin_table", "process_force", "pinocchio", "units_and_signs"]
 LONG = {"elastic_motion", "pinocchio", "ratings", "simulation", "sweep"}  # these take as long as all others
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]

@@ -26,7 +26,9 @@ from ...drives.protocol import Drive
 from ...drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
 from ...foundation.mounts import Frame, Mount, RubberPad, pad_mount
 from ...linkage.linkage import Linkage
+from ...loads.contacts import Impact, TwoSidedStop
 from ...loads.link import Friction, Load, PointForce, SpringDamper
+from ...loads.pneumatics import BalanceCylinder, PneumaticCushion
 from ...loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from ...simulation.elastic.contact import Clearance
 from .units import UNITS, read_quantity
@@ -110,6 +112,10 @@ LOADS: Mapping[str, Kind[Any]] = {
     "drawing": Kind(DeepDrawing, "force=5e5,start=0.05"),
     "table": Kind(ForceStroke, "file=stroke.csv", Table("file", ("height [m]", "force [N]"), ("heights", "forces"))),
     "die": Kind(ElasticDie, "height=0.001,stiffness=1e9"),
+    "impact": Kind(Impact, "height=1mm,stiffness=1e10,damping=1e5,depth=0.1mm"),
+    "stops": Kind(TwoSidedStop, "lower=-1mm,upper=32mm,stiffness=1e10"),
+    "balance-cylinder": Kind(BalanceCylinder, "bore=160mm,pressure=6bar,volume=80l,count=2"),
+    "air-cushion": Kind(PneumaticCushion, "bore=200mm,pressure=5bar,volume=40l,height=12mm"),
     "point-force": Kind(PointForce, "link=slide,force=0/0/5kN"),
 }
 
@@ -324,7 +330,7 @@ def _of_loads() -> list[str]:
 
 def _of_springs() -> list[str]:
     return [
-        "--spring, with a damper beside it, between points of two links in their frames; e.g. a balance cylinder:",
+        "--spring, with a damper beside it, between points of two links in their frames:",
         f"  {keys(SPRING)}",
         f"  e.g. --spring {SPRING.example}",
     ]

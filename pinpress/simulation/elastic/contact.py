@@ -149,7 +149,7 @@ class OpenPin:
         assert self.clearance.hertz_stiffness is not None
         assert self.clearance.restitution is not None
         stiffness, factor = self.clearance.hertz_stiffness, damping_factor(self.clearance.restitution)
-        return HertzContact(0.0, -math.inf, partial(_hertz, stiffness, 0.0), True, factor > 0, stiffness, factor)
+        return HertzContact(0.0, -math.inf, partial(_hertz, stiffness, 0.0), True, factor > 0, stiffness=stiffness, factor=factor)
 
 
 @dataclass(frozen=True)

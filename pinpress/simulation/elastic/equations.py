@@ -305,7 +305,7 @@ class ElasticEquations:
             values[there], by_place[there], by_rate[there] = _values(interval, path.value[there] - law.datum, path.rate[there])
             if interval.one_sided and number < len(self.driven.forces):
                 for each in (by_place, by_rate, values):
-                    each[there] *= values[there] > 0
+                    each[there] *= interval.sense * values[there] > 0
         return values, by_place, by_rate
 
     def event(self, knot: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:

@@ -246,8 +246,12 @@ class _March:
             if number in self.lost and not phase.through[number]:  # apart by now
                 continue
             force = self.task.phases.forces[number]
-            pushes = float(law.force(places[force.row] - force.datum, rates[force.row])) >= 0
+            if number in self.lost and not isinstance(law, HertzContact):  # it may have gone on into another interval since
+                law = self.task.phases.interval_at(number, phase, places) or law
+            pushes = law.pushes(float(law.force(places[force.row] - force.datum, rates[force.row])))
             if pushes == phase.through[number]:
+                if number in self.lost:
+                    self.lost[number] = law
                 return number
         return None
 

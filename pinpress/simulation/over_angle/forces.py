@@ -102,4 +102,4 @@ def _size(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
     position = mesh.position[force.row][:, force.panels, None] - force.datum
     lever = mesh.lever[force.row][:, force.panels, None]
     size = force.interval.force(position, lever * speed[:, force.panels])
-    return np.asarray(np.maximum(size, 0.0) if force.interval.one_sided else size)
+    return np.asarray(force.interval.acting(size))

@@ -98,7 +98,7 @@ class AngleSegment:
             if len(mine):
                 lever = slopes[COORDINATES + force.row, mine]
                 size = force.interval.force(values[COORDINATES + force.row, mine] - force.datum, lever * speed[mine])
-                size = np.maximum(size, 0.0) if force.interval.one_sided else size
+                size = force.interval.acting(size)
                 total[mine] += lever * size
                 along.setdefault(force.row, np.zeros_like(speed))[mine] += size
         inertia = values[INERTIA] + self.driven.inertia

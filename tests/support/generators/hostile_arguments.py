@@ -492,6 +492,26 @@ def calls() -> dict[str, Call]:
         ("loads.Blanking", pp.loads.Blanking, lambda: {"force": 1e3, "start": 0.01, "end": 0.005, "stripping": 10.0, "datum": 0.0}),
         ("loads.DeepDrawing", pp.loads.DeepDrawing, lambda: {"force": 1e3, "start": 0.01, "end": 0.0, "datum": 0.0}),
         ("loads.ElasticDie", pp.loads.ElasticDie, lambda: {"height": 0.01, "stiffness": 1e5, "damping": 10.0, "datum": 0.0}),
+        (
+            "loads.Impact",
+            pp.loads.Impact,
+            lambda: {"height": 0.01, "stiffness": 1e7, "exponent": 1.5, "damping": 10.0, "depth": 1e-3, "datum": 0.0},
+        ),
+        (
+            "loads.TwoSidedStop",
+            pp.loads.TwoSidedStop,
+            lambda: {"lower": 0.01, "upper": 0.02, "stiffness": 1e7, "exponent": 1.5, "damping": 10.0, "depth": 1e-3, "datum": 0.0},
+        ),
+        (
+            "loads.BalanceCylinder",
+            pp.loads.BalanceCylinder,
+            lambda: {"bore": 0.1, "pressure": 6e5, "volume": 0.02, "rod": 0.03, "count": 2, "exponent": 1.4, "height": 0.0, "datum": 0.0},
+        ),
+        (
+            "loads.PneumaticCushion",
+            pp.loads.PneumaticCushion,
+            lambda: {"bore": 0.1, "pressure": 6e5, "volume": 0.02, "height": 0.01, "rod": 0.03, "count": 2, "exponent": 1.4, "datum": 0.0},
+        ),
         ("loads.ForceStroke", pp.loads.ForceStroke, lambda: {"heights": [0.0, 0.01, 0.02], "forces": [100.0, 50.0, 0.0]}),
         ("loads.Idle", pp.loads.Idle, lambda: {"datum": 0.0}),
         ("loads.ConstantForce", pp.loads.ConstantForce, lambda: {"force": 1e3, "height": 0.01, "datum": 0.0}),

@@ -109,6 +109,11 @@ class LoadPhases:
             for force, over in zip(self.forces, phase.through, strict=True)
         )
 
+    def interval_at(self, number: int, phase: Phase, places: Array) -> ForceInterval | None:
+        """The interval of a force in which its path has its value of ``places`` (paths,), whether it pushes there or not."""
+        force = self.forces[number]
+        return _interval(force, phase.rising, float(places[force.row]) - force.datum)
+
     def advanced(self, phase: Phase, places: Array) -> Phase:
         """The phase once the paths have the values ``places`` (paths,): loads whose last border is passed are through, and contacts that
         were lost can be struck again once their bodies are apart."""

@@ -1,0 +1,160 @@
+"""Contacts as ADAMS writes them: its functions IMPACT and BISTOP, a spring of a power of the depth with a damper that grows with it.
+
+ADAMS' functions of x and its rate, with x the slide's height (ADAMS' documentation; the forces between the parts of Zhang 2007, 5.1.3, are
+such functions):
+
+    IMPACT(x, x', x1, k, e, cmax, d) = max(0, k (x1 - x)^e - STEP(x, x1 - d, cmax, x1, 0) x')  where x < x1, else 0
+    BISTOP(x, x', x1, x2, k, e, cmax, d) = IMPACT below x1, and above x2  min(0, -k (x - x2)^e - STEP(x, x2, 0, x2 + d, cmax) x')
+
+The damper begins at zero, so that the force does not jump where the slide meets the stop with speed; the force of `ElasticDie` does.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from ..common.errors import PinpressError
+from ..common.parameters import Checked, parameter
+from ..common.quantities import Values
+from .process import ForceInterval
+
+MOST_EXPONENT = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Impact(Checked):
+    """A stop or die below the slide by ADAMS' function IMPACT: it pushes upwards, never pulls.
+
+    Attributes:
+        height: x1, at which the slide touches the stop [m].
+        stiffness: k, force at a depth of 1 m [N/m^e], or (S,) for S scenarios.
+        exponent: e, from 1 (a spring) [-]; 1.5 for balls (Hertz), 2.2 is often given for steel.
+        damping: cmax, of the damper at the depth d and below [N s/m], or (S,).
+        depth: d, over which the damper grows from zero [m]; it must be given with a damper.
+        datum: see `process`.
+
+    Raises:
+        PinpressError: a number is not as declared, the exponent is below 1, or a damper has no depth.
+    """
+
+    height: float = field(metadata=parameter("m"))
+    stiffness: Values = field(metadata=parameter("N/m^e", "positive", scenarios=True))
+    exponent: float = field(default=1.5, metadata=parameter("-"))
+    damping: Values = field(default=0.0, metadata=parameter("N s/m", "not negative", scenarios=True))
+    depth: float | None = field(default=None, metadata=parameter("m", "positive"))
+    datum: float | None = field(default=None, metadata=parameter("m"))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_contact(self)
+
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
+        return self._both_ways
+
+    @cached_property
+    def _both_ways(self) -> tuple[ForceInterval, ...]:
+        return _below(self, self.height)
+
+
+@dataclass(frozen=True, eq=False)
+class TwoSidedStop(Checked):
+    """Two stops between which the slide moves free by ADAMS' function BISTOP: the lower one pushes upwards, the upper one downwards.
+
+    Attributes:
+        lower: x1, height at which the slide touches the lower stop [m].
+        upper: x2, height at which it touches the upper stop, above ``lower`` [m].
+        stiffness: k, force at a depth of 1 m [N/m^e], or (S,) for S scenarios.
+        exponent: e, from 1 (a spring) [-].
+        damping: cmax, of the damper at the depth d and beyond [N s/m], or (S,).
+        depth: d, over which the damper grows from zero [m]; it must be given with a damper.
+        datum: see `process`.
+
+    Raises:
+        PinpressError: as `Impact`; also where ``upper`` is not above ``lower``.
+    """
+
+    lower: float = field(metadata=parameter("m"))
+    upper: float = field(metadata=parameter("m"))
+    stiffness: Values = field(metadata=parameter("N/m^e", "positive", scenarios=True))
+    exponent: float = field(default=1.5, metadata=parameter("-"))
+    damping: Values = field(default=0.0, metadata=parameter("N s/m", "not negative", scenarios=True))
+    depth: float | None = field(default=None, metadata=parameter("m", "positive"))
+    datum: float | None = field(default=None, metadata=parameter("m"))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_contact(self)
+        if not self.upper > self.lower:
+            raise PinpressError(f"TwoSidedStop: upper is {self.upper:g}, not above lower, {self.lower:g}; give heights of the slide [m]")
+
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
+        return self._both_ways
+
+    @cached_property
+    def _both_ways(self) -> tuple[ForceInterval, ...]:
+        return (*_below(self, self.lower), *_above(self, self.upper))
+
+
+def _check_contact(load: Impact | TwoSidedStop) -> None:
+    name = type(load).__name__
+    if not 1.0 <= load.exponent <= MOST_EXPONENT:
+        raise PinpressError(
+            f"{name}: exponent is {load.exponent:g}; give 1 (a spring) to {MOST_EXPONENT:g}: below 1 the stiffness is infinite where the"
+            " slide touches the stop"
+        )
+    if np.any(load.damping) and load.depth is None:
+        raise PinpressError(f"{name}: depth is missing; give the depth [m] over which the damper grows from zero, or use ElasticDie")
+
+
+def _below(load: Impact | TwoSidedStop, touching: float) -> tuple[ForceInterval, ...]:
+    """The intervals of a stop below the slide: where the damper grows, and below that."""
+    spring = partial(_power, load.stiffness, load.exponent)
+    if not np.any(load.damping) or load.depth is None:
+        return (ForceInterval(touching, -math.inf, partial(_push, touching, 1, spring), one_sided=True, heeds_velocity=False),)
+    full = touching - load.depth
+    growing = partial(_damped, touching, 1, spring, load.damping, load.depth)
+    grown = partial(_damped, touching, 1, spring, load.damping, None)
+    return ForceInterval(touching, full, growing, one_sided=True), ForceInterval(full, -math.inf, grown, one_sided=True)
+
+
+def _above(load: TwoSidedStop, touching: float) -> tuple[ForceInterval, ...]:
+    """Likewise of a stop above the slide."""
+    spring = partial(_power, load.stiffness, load.exponent)
+    if not np.any(load.damping) or load.depth is None:
+        law = partial(_push, touching, -1, spring)
+        return (ForceInterval(math.inf, touching, law, one_sided=True, heeds_velocity=False, sense=-1),)
+    full = touching + load.depth
+    growing = partial(_damped, touching, -1, spring, load.damping, load.depth)
+    grown = partial(_damped, touching, -1, spring, load.damping, None)
+    return ForceInterval(full, touching, growing, one_sided=True, sense=-1), ForceInterval(math.inf, full, grown, one_sided=True, sense=-1)
+
+
+# Module functions that `partial` binds, not closures: loads can then be sent to other processes.
+
+
+def _power(stiffness: Any, exponent: float, depth: Any) -> Any:
+    """Force of the spring; odd in the depth, so that it is a number a little outside the stop too."""
+    if exponent == 1.0:
+        return stiffness * depth
+    if isinstance(depth, float):
+        return stiffness * math.copysign(abs(depth) ** exponent, depth)
+    inside = np.real(depth) >= 0
+    return stiffness * np.where(inside, 1.0, -1.0) * np.where(inside, depth, -depth) ** exponent
+
+
+def _push(touching: float, sense: int, spring: Any, height: Any, velocity: Any) -> Any:
+    return sense * spring(sense * (touching - height)) + 0.0 * velocity
+
+
+def _damped(touching: float, sense: int, spring: Any, damping: Any, growth: float | None, height: Any, velocity: Any) -> Any:
+    """Force of spring and damper; ``growth``: depth over which the damper grows by the cubic of STEP, None where it is full."""
+    depth = sense * (touching - height)
+    if growth is not None:
+        share = depth / growth
+        damping = damping * (share * share * (3.0 - 2.0 * share))
+    return sense * spring(depth) - damping * velocity

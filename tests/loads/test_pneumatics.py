@@ -1,0 +1,184 @@
+"""Balance cylinders and cushions on air: their law against the state of a gas, work over a turn, and a falling mass by SciPy."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+from support.texts import shipped
+
+import pinpress as pp
+from pinpress.loads import BalanceCylinder, PneumaticCushion
+from pinpress.loads.caller_laws import LawError
+
+BAR, P0 = 1e5, 101325.0
+SPEED = 300 * pp.RPM
+STROKE = 0.030  # of the JF75G-125 [m]
+CYLINDER = BalanceCylinder(bore=0.12, pressure=6 * BAR, volume=0.010, rod=0.04, count=2)
+CUSHION = PneumaticCushion(bore=0.2, pressure=5 * BAR, volume=0.004, height=0.012, exponent=1.2)
+
+
+def gas(exponent, area, volume, pressure, travel):
+    """Force of a gas after a travel of the piston that widens it: p V^n is constant, the air around on the other side."""
+    constant = (pressure + P0) * volume**exponent
+    return area * (constant / (volume + area * travel) ** exponent - P0)
+
+
+def test_force_is_that_of_a_polytropic_gas():
+    area = 2 * math.pi / 4 * (0.12**2 - 0.04**2)
+    assert CYLINDER.area == pytest.approx(area, rel=1e-15)
+    heights = np.linspace(-0.001, STROKE, 9)
+    (both,) = CYLINDER.intervals(True)
+    assert CYLINDER.intervals(False)[0] is both
+    assert (both.upper, both.lower) == (math.inf, -math.inf)
+    expected = gas(1.4, area, 0.010, 6 * BAR, heights)
+    assert both.force(heights, 0.0 * heights) == pytest.approx(expected, rel=1e-14)
+    assert [both.force(float(h), 0.1) for h in heights] == pytest.approx(expected, rel=1e-14)
+    assert CYLINDER.pressure_at(heights) * area == pytest.approx(expected, rel=1e-14)
+    (below,) = CUSHION.intervals(True)
+    assert (below.upper, below.lower) == (0.012, -math.inf)
+    expected = gas(1.2, CUSHION.area, 0.004, 5 * BAR, heights - 0.012)
+    assert below.force(heights, 0.0 * heights) == pytest.approx(expected, rel=1e-14)
+    assert CUSHION.pressure_at([0.5, 0.012, 0.0]) == pytest.approx([5 * BAR, 5 * BAR, below.force(0.0, 0.0) / CUSHION.area])
+
+
+def test_between_isothermal_and_adiabatic():
+    """Isothermal p V is constant; a tank without end keeps the force; work of compression is the closed integral of each."""
+    area, volume, down = 0.01, 0.002, 0.05
+    bore = math.sqrt(4 * area / math.pi)
+    isothermal, adiabatic = (BalanceCylinder(bore, 5 * BAR, volume, exponent=n) for n in (1.0, 1.4))
+    (soft,), (stiff,) = isothermal.intervals(True), adiabatic.intervals(True)
+    left = volume - area * down
+    works = [quad(lambda h, law=law: law.force(h, 0.0), -down, 0.0, epsabs=1e-9)[0] + P0 * area * down for law in (soft, stiff)]
+    total = 5 * BAR + P0
+    closed = [total * volume * math.log(volume / left), total * volume / 0.4 * ((volume / left) ** 0.4 - 1)]
+    assert works == pytest.approx(closed, rel=1e-11)
+    assert stiff.force(-down, 0.0) > soft.force(-down, 0.0) > soft.force(0.0, 0.0) == pytest.approx(5 * BAR * area)
+    (tank,) = BalanceCylinder(bore, 5 * BAR, 49.0).intervals(True)
+    assert tank.force(-down, 0.0) == pytest.approx(5 * BAR * area, rel=3e-5)
+    # stiffness at the filling height: n (p + p0) A^2 / V
+    slope = (stiff.force(-1e-6, 0.0) - stiff.force(1e-6, 0.0)) / 2e-6
+    assert slope == pytest.approx(1.4 * total * area**2 / volume, rel=1e-8)
+
+
+@pytest.mark.parametrize("load", [CYLINDER, CUSHION])
+def test_no_work_is_lost_over_a_turn(load):
+    press = shipped("jf75g_125")
+    motion = pp.cycle(press, SPEED, points=720)
+    loaded, idle = (pp.inverse_dynamics(press, motion, loads=given) for given in ([load], []))
+    torque = loaded.driving_torque - idle.driving_torque
+    smooth = load is CYLINDER  # the trapezium rule over a turn is exact for smooth functions; the cushion begins with a jump
+    assert abs(torque.mean()) < (1e-12 if smooth else 2e-3) * np.abs(torque).max()
+    assert np.abs(loaded.power_residual).max() < 1e-12
+    assert np.abs(loaded.shaking_force - idle.shaking_force).max() < 1e-12 * np.abs(idle.shaking_force).max()  # between slide and frame
+
+
+@pytest.mark.parametrize("load", [CYLINDER, CUSHION])
+def test_runs_keep_their_energy_by_both_methods(load):
+    """The crank swings freely: what the air takes it gives back, and both sets of equations agree."""
+    press = shipped("jf75g_125")
+    given = {"speed": 12.0, "angle": 2.5, "flywheel": pp.drives.Flywheel(20.0), "loads": [load], "points": 101}
+    reduced, joints = (pp.simulate(press, 0.7, method=method, **given) for method in ("reduced", "constraint"))
+    assert reduced.stats.energy_error < 1e-11
+    assert joints.stats.energy_error < 1e-9
+    assert np.abs(joints.crank_angle - reduced.crank_angle).max() < 1e-8
+    high = reduced.slide_position[0]
+    assert high - reduced.slide_position.min() > 0.01
+    (law,), zero = load.intervals(True), pp.dead_centres(press).bottom_position
+    work = [
+        quad(lambda h: law.force(h, 0.0) * (h <= law.upper), z - zero, high - zero, points=[0.012])[0] for z in reduced.slide_position[::20]
+    ]
+    assert reduced.load_work[::20] == pytest.approx(np.array(work), abs=1e-7 * max(work))
+
+
+def test_slide_of_a_sliding_driver_bounces_on_air_as_scipy_says():
+    """The free crank-slide at bottom dead centre has no closed form; a mass on the gas alone has an integral of motion and SciPy's."""
+    press = shipped("crank_slide")
+    zero = pp.dead_centres(press).bottom_position
+    cylinder = BalanceCylinder(bore=0.16, pressure=0.7 * BAR, volume=0.004, height=0.1, exponent=1.3, datum=zero)
+    wheel = pp.drives.Flywheel(5.0)
+    run = pp.simulate(press, 0.5, angle=1.2, speed=2.0, flywheel=wheel, loads=[cylinder], points=26)
+    r, rod, g = 0.1, 0.4, 9.81
+
+    def kinetics(q):
+        """Reduced inertia and potential energy of the shipped crank-slide, drawn at bottom dead centre."""
+        s, c = math.sin(q), math.cos(q)
+        root = math.sqrt(rod * rod - (r * s) ** 2)
+        height = r + rod - r * c - root
+        slope = r * s + r * r * s * c / root
+        turning = r * c / root
+        across, along = 0.5 * r * c, r * s + 0.5 * r * r * s * c / root  # of the rod's middle
+        inertia = 5.0 + 0.10 + 20 * 0.03**2 + 15 * (across**2 + along**2) + 0.20 * turning**2 + 100 * slope**2
+        middle = -r * c - 0.5 * root
+        return inertia, g * (20 * -0.03 * c + 15 * middle + 100 * height), height, slope
+
+    def rates(time, y):
+        q, w = y
+        step = 1e-5
+        (after, up, *_), (before, down, *_) = kinetics(q + step), kinetics(q - step)
+        inertia, _, height, slope = kinetics(q)
+        force = gas(1.3, cylinder.area, 0.004, 0.7 * BAR, height - 0.1)
+        accelerated = force * slope - (up - down) / (2 * step) - 0.5 * (after - before) / (2 * step) * w * w
+        return [w, accelerated / inertia]
+
+    expected = solve_ivp(rates, (0.0, 0.5), [1.2, 2.0], rtol=1e-10, atol=1e-12, t_eval=run.time).y
+    assert run.crank_angle == pytest.approx(expected[0], abs=1e-6)
+    assert run.crank_speed == pytest.approx(expected[1], abs=1e-5)
+
+
+def test_scenarios_are_runs_one_by_one():
+    press = shipped("jf75g_125")
+    pressures, volumes = np.array([4e5, 6e5, 8e5]), np.array([0.01, 0.02, 0.03])
+    given = {"speed": SPEED, "flywheel": pp.drives.Flywheel(136.0), "points": 11}
+    many = pp.simulate_batch(press, 0.3, loads=[BalanceCylinder(0.12, pressures, volumes)], **given)
+    for k in range(3):
+        one = pp.simulate(press, 0.3, loads=[BalanceCylinder(0.12, float(pressures[k]), float(volumes[k]))], **given)
+        assert many[k].crank_angle == pytest.approx(one.crank_angle, abs=1e-10)
+    assert BalanceCylinder(0.12, pressures, volumes).pressure_at([0.0, 0.03]).shape == (2, 3)
+
+
+def test_a_slide_that_sweeps_all_of_the_volume_is_refused():
+    press = shipped("jf75g_125")
+    small = BalanceCylinder(0.2, 6 * BAR, 0.0005, height=STROKE)
+    with pytest.raises(LawError, match=r"BalanceCylinder: at .* m above its datum the slide has swept all of its volume; give the volume"):
+        pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=36), [small])
+    with pytest.raises(pp.PinpressError, match="swept all of its volume"):
+        pp.simulate(press, 0.3, speed=SPEED, flywheel=pp.drives.Flywheel(136.0), loads=[small])
+
+
+@pytest.mark.parametrize(
+    ("make", "problem"),
+    [
+        (lambda: BalanceCylinder(0.12, 6e5, 0.01, rod=0.12), "rod is 0.12 m, not thinner than the bore, 0.12 m"),
+        (lambda: BalanceCylinder(0.12, 6e5, 0.01, exponent=0.9), "exponent is 0.9; give 1 .isothermal. to 1.4"),
+        (lambda: BalanceCylinder(0.12, 6e5, 0.01, exponent=2.0), "exponent is 2; give 1"),
+        (lambda: BalanceCylinder(0.12, 6e5, 0.01, count=0), "count is 0; give the number of cylinders"),
+        (lambda: BalanceCylinder(0.12, 6e5, 0.01, count=1.5), "count is 1.5; give the number of cylinders"),
+        (lambda: BalanceCylinder(0.12, -6e5, 0.01), "pressure is -600000.0; give a finite number that is positive"),
+        (lambda: BalanceCylinder(1e200, 6e5, 0.01), "bore is 1e[+]200 m; give that of one cylinder"),
+        (lambda: PneumaticCushion(0.12, 6e5, 0.0, 0.01), "PneumaticCushion: volume is 0.0"),
+        (lambda: CYLINDER.pressure_at("high"), "BalanceCylinder: heights is not a number"),
+    ],
+)
+def test_bad_cylinders(make, problem):
+    with pytest.raises(pp.PinpressError, match=problem):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"pressure": 6.0}, "pressure is 6 Pa: if bar are meant, write 6e5; if MPa, 6e6"),
+        ({"bore": 120.0, "volume": 49.0}, "bore is 120 m: if mm are meant, write 120e-3"),
+        ({"volume": 80.0}, "volume is 80 m3: if litres are meant, write 80e-3"),
+    ],
+)
+def test_other_units_are_warned_of(given, said):
+    for made in (BalanceCylinder, PneumaticCushion):
+        with pytest.warns(pp.PinpressWarning, match=said) as caught:
+            made(**({"bore": 0.12, "pressure": 6e5, "volume": 0.08} | given), **({"height": 0.01} if made is PneumaticCushion else {}))
+        assert {warning.filename for warning in caught} == {__file__}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        BalanceCylinder(0.12, 6e5, 0.08)
