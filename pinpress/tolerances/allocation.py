@@ -20,6 +20,7 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from .dead_centre_scatter import dead_centre_gradients
 from .dimensions import Dimension, checked_dimensions, correlation_matrix
@@ -123,6 +124,7 @@ def allocate(
     bounds: Mapping[str, Sequence[float]] | None = None,
     *,
     deviations: float = 3.0,
+    motion: Motion | None = None,
     correlation: Mapping[tuple[str, str], float] | None = None,
 ) -> AllocatedTolerances:
     """The cheapest tolerances that keep the scatter of the dead centres within targets: `allocate(press, parts, None, {"height": 50e-6})`.
@@ -131,13 +133,14 @@ def allocate(
     standard deviation and measured deviations change with it. Only the scatter counts, not the mean of measured deviations.
 
     Args:
-        press: a planar press with one driver.
+        press: a press with nominal dimensions, in a plane or in space.
         parts: its dimensions with their present tolerances.
         cost: name of a dimension -> its cost at the present tolerance, in any unit; those that are not named cost 1. None: all cost 1.
         targets: "height" (bottom dead centre), "top" or "stroke" -> largest deviation, in both directions [m].
         bounds: name of a dimension -> smallest and largest tolerance [m, of an angle rad]; by default a tenth and the tenfold of the
             present one.
         deviations: number of standard deviations that a target holds for: 3 are 99.73 % of the presses where the quantity is normal.
+        motion: as of `bottom_dead_centre`.
         correlation: as of `bottom_dead_centre`.
 
     Raises:
@@ -152,7 +155,7 @@ def allocate(
     limits, ends = _targets(targets), _bounds(checked, {} if bounds is None else bounds)
     sure = positive("deviations", deviations, "-", 100.0)
 
-    bottom, top = dead_centre_gradients(press, checked)
+    bottom, top = dead_centre_gradients(press, checked, motion)
     gradients = {"height": bottom, "top": top, "stroke": top - bottom}
     ratios = np.array([part.standard_deviation for part in checked]) / present
     values, vectors = np.linalg.eigh(tied)

@@ -21,13 +21,14 @@ from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
-from ..derivatives.motion import motion_derivatives
-from ..kinematics.motion import motion_through_change_points
+from ..derivatives.motion import refuse_motion_of_another
+from ..kinematics.motion import Motion, motion_through_change_points
 from ..kinematics.slide_path import TurningPoints, turning_points
 from ..linkage.linkage import Linkage
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
+from .endings import Ended, Ending, followed_to, shapes_of
 from .scatter import Scatter, scatter
-from .shapes import Ended, Ending, Shapes, followed_to
+from .shapes import Shapes
 
 SAMPLES = 100_000
 REACH = 3.0  # multiples of what first order says by which turning points may lie apart that could become the outermost one
@@ -116,6 +117,7 @@ def bottom_dead_centre(
     *,
     forces: Mapping[float, float] | None = None,
     speeds: Mapping[float, float] | None = None,
+    motion: Motion | None = None,
     correlation: Mapping[tuple[str, str], float] | None = None,
     samples: int = SAMPLES,
     seed: int = 0,
@@ -125,21 +127,26 @@ def bottom_dead_centre(
     Every press of a sample is closed with lengths of its own and followed to its own dead centres, as `dead_centres` of the `reshaped`
     linkage finds them. Gradients and shares are those of first order.
 
+    Where the drivers follow a motion that is given, as those of servo presses do, ``motion`` is that one. Its lowest and its highest state
+    take the place of the dead centres: there the drivers stand in every press as the motion has them. A press with several drivers has no
+    other dead centres.
+
     Args:
-        press: a planar press with one driver, with nominal dimensions.
+        press: a press with nominal dimensions, in a plane or in space.
         parts: the dimensions that scatter.
         forces: height above bottom dead centre [m] -> force of the process on the slide there [N], for `DeadCentreScatter.torques`:
             of the crank that turns forwards, without friction, weights and inertia.
         speeds: height above bottom dead centre [m] -> speed of the crank [rad/s], negative where it turns backwards, for
             `DeadCentreScatter.speeds`.
+        motion: one of this press, as `servo_cycle` makes it; None: the crank turns through the dead centres.
         correlation: (name, name) -> coefficient of correlation between two normal dimensions. All others are independent.
         samples: number of presses in the sample.
         seed: of the random numbers; the same one draws the same presses.
 
     Raises:
-        PinpressError: the press is not planar, has several drivers or no dead centres; no dimension, one that is none or given twice, or
-            that opens bearings which hold each other, as single ones of presses with several points do; presses of the sample cannot be
-            closed; a height that is not within the stroke.
+        PinpressError: the press has no slide, several drivers and no motion, or no dead centres; a motion of another press, or with forces
+            or speeds; no dimension, one that is none or given twice, or that opens bearings which hold each other, as single ones of
+            presses with several points do; presses of the sample cannot be closed; a height that is not within the stroke.
         UnknownNameError: a bearing, link or dimension that there is not.
 
     Warns:
@@ -148,10 +155,18 @@ def bottom_dead_centre(
     checked = checked_dimensions(press, parts)
     tied = correlation_matrix(checked, correlation)
     drawn = drawn_deviations(checked, tied, samples, seed)
-    points, shapes = turning_points(press), Shapes.of(press, checked)
-    bottom, top = (_outermost(shapes, checked, points, drawn, upwards) for upwards in (False, True))
+    if motion is None:
+        refuse_several_drivers(press)
+        points, shapes = turning_points(press), shapes_of(press, checked)
+        bottom, top = (_outermost(shapes, points, drawn, upwards) for upwards in (False, True))
+    else:
+        refuse_motion_of_another(press, motion)
+        if forces or speeds:
+            raise PinpressError("forces and speeds at a height are those of a crank that turns through its dead centres: leave motion out")
+        shapes = shapes_of(press, checked)
+        bottom, top = (_at_end(shapes, motion, upwards) for upwards in (False, True))
     _doubt_effects(checked, [bottom, top])
-    asked = [_Travel.on_the_way_down(shapes, checked, bottom, *each) for each in _asked(press, forces or {}, speeds or {})]
+    asked = [_Travel.on_the_way_down(shapes, bottom, *each) for each in _asked(press, forces or {}, speeds or {})]
 
     stroke = top.gradient - bottom.gradient
     gradients = [bottom.gradient, top.gradient, stroke, *(each.gradient for each in asked)]
@@ -198,15 +213,17 @@ class _Local(NamedTuple):
     rate_slopes: Array
 
     @staticmethod
-    def at(press: Linkage, parts: Sequence[Dimension], angle: float) -> _Local:
+    def at(shapes: Shapes, angle: float) -> _Local:
         """Raises PinpressError where a dimension opens bearings that hold each other."""
-        motion = motion_through_change_points(press, np.array([angle]), 1.0)
-        moved = motion_derivatives(press, motion, [part.direction for part in parts])
-        slopes = [np.concatenate([each.slide_position, each.slide_velocity]) for each in moved if each.slide_position is not None]
-        by_position, by_rate = np.array(slopes).T
+        return _Local.of(shapes, motion_through_change_points(shapes.press, np.array([angle]), 1.0), 0)
+
+    @staticmethod
+    def of(shapes: Shapes, motion: Motion, state: int) -> _Local:
+        """A state of a motion, with derivatives by time in place of those by the crank angle. Raises as `at`."""
+        by_position, by_rate = shapes.slide_slopes(motion.joint_position[state], motion.v[state])
         of_slide = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
-        position, rate, second = (float(each[0]) for each in of_slide)
-        return _Local(motion.joint_position[0], position, rate, second, by_position, by_rate)
+        position, rate, second = (float(each[state]) for each in of_slide)
+        return _Local(motion.joint_position[state], position, rate, second, by_position, by_rate)
 
 
 class _DeadCentre(NamedTuple):
@@ -239,36 +256,62 @@ class _DeadCentre(NamedTuple):
         return np.asarray(np.max(found, axis=0) if self.upwards else np.min(found, axis=0))
 
 
-def dead_centre_gradients(press: Linkage, parts: Sequence[Dimension]) -> tuple[Array, Array]:
-    """Derivatives (k,) of the slide's position at bottom and at top dead centre by the dimensions of a planar press, per unit of each.
+def dead_centre_gradients(press: Linkage, parts: Sequence[Dimension], motion: Motion | None = None) -> tuple[Array, Array]:
+    """Derivatives (k,) of the slide's position at bottom and at top dead centre by the dimensions of a press, per unit of each; of a
+    ``motion`` at its lowest and its highest state.
 
     Raises:
-        PinpressError: the press is not planar, or has no slide, several drivers or no dead centres; a dimension opens bearings that hold
-            each other, as it does at presses with several points.
+        PinpressError: the press has no slide, several drivers and no motion, or no dead centres; a motion of another press; a dimension
+            opens bearings that hold each other, as it does at presses with several points.
     """
-    points = turning_points(press)
+    if motion is not None:
+        refuse_motion_of_another(press, motion)
+        shapes = shapes_of(press, parts)
+        bottom, top = (_Local.of(shapes, motion, state).position_slopes for state in ends_of(motion))
+        return bottom, top
+    refuse_several_drivers(press)
+    points, shapes = turning_points(press), shapes_of(press, parts)
     places = [points.places[points.first_of_the_farthest(upwards)] for upwards in (False, True)]
-    bottom, top = (_Local.at(press, parts, float(place)).position_slopes for place in places)
+    bottom, top = (_Local.at(shapes, float(place)).position_slopes for place in places)
     return bottom, top
 
 
-def _outermost(shapes: Shapes, parts: Sequence[Dimension], points: TurningPoints, drawn: Array, upwards: bool) -> _DeadCentre:
+def ends_of(motion: Motion) -> tuple[int, int]:
+    """The lowest and the highest state of a motion."""
+    return int(motion.slide_position.argmin()), int(motion.slide_position.argmax())
+
+
+def _at_end(shapes: Shapes, motion: Motion, upwards: bool) -> _DeadCentre:
+    """The outermost state of a motion, where the drivers stand in every press."""
+    state = ends_of(motion)[upwards]
+    local = _Local.of(shapes, motion, state)
+    ending = Ending(local.start, np.zeros_like(local.position_slopes), "held")
+    angle = float(np.ravel(motion.crank_angle[state])[0])
+    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), (ending,), upwards)
+
+
+def _outermost(shapes: Shapes, points: TurningPoints, drawn: Array, upwards: bool) -> _DeadCentre:
     """A dead centre of the nominal press, with the other turning points that can be outermost where dimensions deviate as in a sample."""
     first = points.first_of_the_farthest(upwards)
-    local = _Local.at(shapes.press, parts, float(points.places[first]))
+    local = _Local.at(shapes, float(points.places[first]))
     reach = REACH * float(np.abs(local.position_slopes) @ np.abs(drawn).max(axis=1))
     behind = (points.positions[first] - points.positions) * (1.0 if upwards else -1.0)
     others = [int(k) for k in np.flatnonzero(behind <= reach) if k != first]
     endings = []
     for k in (first, *others):
-        at = local if k == first else _Local.at(shapes.press, parts, float(points.places[k]))
+        at = local if k == first else _Local.at(shapes, float(points.places[k]))
         if k < points.limits:
-            endings.append(Ending(at.start, np.zeros(len(parts)), "held"))
+            endings.append(Ending(at.start, np.zeros_like(at.rate_slopes), "held"))
         else:
             endings.append(Ending(at.start, -at.rate_slopes / at.second, "dead centre"))
-    size = shapes.press.size
-    moves = (np.abs(local.position_slopes) > UNMOVED * size) | (np.abs(local.rate_slopes) > UNMOVED * size)
-    return _DeadCentre(local.position, float(points.places[first]), local.position_slopes, moves, tuple(endings), upwards)
+    angle = float(points.places[first])
+    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), tuple(endings), upwards)
+
+
+def _moving(shapes: Shapes, local: _Local) -> NDArray[np.bool_]:
+    """(k,) whether a dimension moves the slide at a state or beside it."""
+    least = UNMOVED * shapes.press.size
+    return (np.abs(local.position_slopes) > least) | (np.abs(local.rate_slopes) > least)
 
 
 def _sound(ended: Ended, shapes: Shapes, deviations: Array, where: str) -> Ended:
@@ -281,6 +324,15 @@ def _sound(ended: Ended, shapes: Shapes, deviations: Array, where: str) -> Ended
             f" {shapes.press.name} is assembled; the first of them deviates by {first} [m or rad]: make the tolerances smaller"
         )
     return ended
+
+
+def refuse_several_drivers(press: Linkage) -> None:
+    """Raise PinpressError where a press without a motion has several drivers."""
+    if len(press.drivers) > 1:
+        raise PinpressError(
+            f"{press.name} has {len(press.drivers)} drivers, which alone have no dead centre: give the motion in which they move together,"
+            " motion=servo_cycle(press, angles, speed=...); its lowest state is the bottom"
+        )
 
 
 def _doubt_effects(parts: Sequence[Dimension], ends: Sequence[_DeadCentre]) -> None:
@@ -317,15 +369,13 @@ class _Travel(NamedTuple):
     angle_slopes: Array
 
     @staticmethod
-    def on_the_way_down(
-        shapes: Shapes, parts: Sequence[Dimension], bottom: _DeadCentre, unit: str, height: float, by: float, backwards: bool
-    ) -> _Travel:
+    def on_the_way_down(shapes: Shapes, bottom: _DeadCentre, unit: str, height: float, by: float, backwards: bool) -> _Travel:
         """The quantity of the nominal press; ``by``: force [N] or speed of the crank [rad/s].
 
         Raises:
             PinpressError: the slide does not come down from so high.
         """
-        at = _Local.at(shapes.press, parts, _angle_at(shapes.press, bottom, height, backwards))
+        at = _Local.at(shapes, _angle_at(shapes.press, bottom, height, backwards))
         angle_slopes = -(at.position_slopes - bottom.gradient) / at.rate
         rate_slopes = at.rate_slopes + at.second * angle_slopes
         what = "torque" if unit == "N m" else "speed"

@@ -29,6 +29,7 @@ STEEP = 0.1  # tolerance of an angle that is hardly meant [rad]
 MOST_SAMPLES = 10**7
 LEAST_MEASURED = 2
 FLAT = 1e-12  # share of the largest moment by which rounding may make a correlation matrix indefinite
+IN_LINE = 1e-9  # sine of the angle of two arms below which they are in one line
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -199,7 +200,7 @@ def pin_angle(
     moves on a straight line, which is an angle to first order.
 
     Args:
-        press: the press, a planar one.
+        press: the press; in space the pin moves in the plane of both arms.
         first: pin at the end of the first arm.
         vertex: pin where the arms meet.
         second: pin at the end of the second arm.
@@ -210,13 +211,20 @@ def pin_angle(
 
     Raises:
         UnknownNameError: the press has no such bearing.
-        PinpressError: no link has all three pins, two of them are in one place, one is a guide, or the press is not planar.
+        PinpressError: no link has all three pins, two of them are in one place, or one is a guide; arms in one line, in space.
     """
     body = _common_body(press, first, vertex, second)
     one, other = (_arm(press, body, vertex, pin) for pin in (first, second))
     normal = _normal(press, body)
     if normal is None:
-        raise PinpressError(f"pin_angle is for planar presses, which {press.name} is not: give a Dimension with its direction")
+        normal = np.cross(one, other)
+        size = np.linalg.norm(normal)
+        if not size > IN_LINE * np.linalg.norm(one) * np.linalg.norm(other):
+            raise PinpressError(
+                f"the arms {vertex}-{first} and {vertex}-{second} are in one line, so that their angle has no plane: give a Dimension with"
+                " the direction in which a pin moves"
+            )
+        normal /= size
     away = np.cross(normal, other) * (1.0 if np.cross(one, other) @ normal >= 0 else -1.0)  # the angle grows
     return Dimension(
         f"angle {_joined(first, vertex, second)}" if name is None else name,

@@ -23,10 +23,12 @@ from ..common.frozen import Frozen, FrozenMapping
 from ..common.parameters import parameter
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..derivatives.motion import Displacements, nowhere
+from ..derivatives.motion import Displacements, nowhere, refuse_motion_of_another
+from ..kinematics.motion import Motion, of_states
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
+from .dead_centre_scatter import ends_of, refuse_several_drivers
 from .virtual_work import unit_forces
 
 STEEL = 12e-6  # linear expansion of structural steel up to 100 degrees Celsius, EN 1993-1-1:2005, 3.2.6 [1/K]
@@ -140,19 +142,21 @@ class HeatShift(Tabular):
 
 
 @typed
-def heat(press: Linkage, temperatures: Temperatures) -> HeatShift:
+def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = None) -> HeatShift:
     """Find how far warm links and a warm frame move the dead centres of a press.
 
     Where parallel rods hold the slide and are not equally warm, the slide takes their mean; see `parallelism` for its tilt.
 
     Args:
-        press: a press with one driver and a slide, in a plane or in space.
+        press: a press with a slide, in a plane or in space.
         temperatures: of its links.
+        motion: the motion in which its drivers move, as of `bottom_dead_centre`; None: one crank turns through the dead centres.
 
     Raises:
         UnknownNameError: the press has no such link.
         PinpressError: links that are welded together have different temperatures; the frame is warm and the table not given, or the slide
-            is warm and its face not given; the press has several drivers, no slide or no dead centres.
+            is warm and its face not given; the press has no slide, several drivers and no motion, or no dead centres; a motion of
+            another press.
     """
     rises = _by_body(press, temperatures.rise)
     coefficients = _by_body(press, temperatures.expansion) if isinstance(temperatures.expansion, Mapping) else {}
@@ -161,10 +165,15 @@ def heat(press: Linkage, temperatures: Temperatures) -> HeatShift:
         raise PinpressError(f"{press.root!r} of {press.name} is warm and grows away from its table: give Temperatures(..., table=...) [m]")
     if rises.get(slide) and temperatures.face is None:
         raise PinpressError(f"{press.slide!r} of {press.name} is warm: give the place of its face, Temperatures(..., face=...) [m]")
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: heat moves the dead centres of a press with one")
-    ends = dead_centres(press)
-    unit = unit_forces(press, servo_cycle(press, [ends.bottom_angle, ends.top_angle], speed=0.0))
+    if motion is None:
+        refuse_several_drivers(press)
+        turned = dead_centres(press)
+        ends = servo_cycle(press, [turned.bottom_angle, turned.top_angle], speed=0.0)
+    else:
+        refuse_motion_of_another(press, motion)
+        x = motion.joint_position[list(ends_of(motion))].T.copy()
+        ends = of_states(press, x, np.zeros_like(x), np.zeros_like(x), np.zeros(2), None)
+    unit = unit_forces(press, ends)
     found: dict[str, Array] = {}
     for body in range(press.model.njoints):
         if (body == frame and temperatures.table is None) or (body == slide and temperatures.face is None):

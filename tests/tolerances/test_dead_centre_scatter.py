@@ -3,16 +3,22 @@
 import numpy as np
 import pytest
 from support import texts
+from support.generators.spatial_crank_slide import SPATIAL
 from support.sliding_presses import TOGGLE
 from support.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress.derivatives import pivot_positions, reshaped
-from pinpress.pin_table.templates import template
+from pinpress.derivatives.motion import directed
+from pinpress.kinematics.servo_motion import angle_on_flank
 from pinpress.tolerances.dead_centre_scatter import dead_centre_gradients
+from pinpress.tolerances.endings import Ending, followed_to
+from pinpress.tolerances.planar_shapes import PlanarShapes
+from pinpress.tolerances.spatial_shapes import SpatialShapes
 
 tol = pp.tolerances
 SLIDING = "a toggle that a screw moves"
+IN_SPACE = "a crank-slide through space"
 LATE = 30_001  # a press of a sample that is worked through in many pieces
 
 
@@ -27,11 +33,11 @@ def six_bar(press, shape="normal"):
 
 
 def all_pivots(press, tolerance):
-    """A dimension for each pivot along each axis of the plane."""
+    """A dimension for each pivot along each axis of the plane; of a press in space along all three."""
     return [
         tol.pin_position(press, bearing, axis, tolerance, link=link, name=f"{bearing} {axis} {link}")
         for bearing, link in pivot_positions(press)
-        for axis in "xz"
+        for axis in ("xz" if len(press.engine().directions) == 2 or len(press.drivers) > 1 else "xyz")
     ]
 
 
@@ -96,14 +102,120 @@ def test_first_order_is_that_of_the_sample(found):
 
 
 @pytest.mark.filterwarnings("ignore:.*moves the slide at neither:pinpress.PinpressWarning")  # a guide along itself
-@pytest.mark.parametrize("name", ["crank_slide", "jf75g_125_plain", "thin_wall", "zxn2_3000b", SLIDING])
+@pytest.mark.parametrize("name", ["crank_slide", "jf75g_125_plain", "thin_wall", "zxn2_3000b", SLIDING, IN_SPACE])
 def test_every_press_is_the_reshaped_one(name):
-    press = texts.load(TOGGLE) if name == SLIDING else texts.shipped(name)
+    press = texts.load({SLIDING: TOGGLE, IN_SPACE: SPATIAL}[name]) if name in (SLIDING, IN_SPACE) else texts.shipped(name)
     found = tol.bottom_dead_centre(press, all_pivots(press, 1e-3), samples=40, seed=1)
     for k in (0, 27):
         ends = pp.dead_centres(built(press, found, k))
         assert found.height.nominal + found.height.deviation[k] == pytest.approx(ends.bottom_position, abs=1e-12)
         assert found.top.nominal + found.top.deviation[k] == pytest.approx(ends.top_position, abs=1e-12)
+
+
+BALLS = """
+press: link_drive_with_balls
+units: mm
+frame: O D
+pins:
+  O: {x: 0, y: 0, z: 0, axis: y}
+  A: {x: 120, y: 0, z: 0, axis: y}
+  B: {x: 430, y: 0, z: -150, joint: ball}
+  C: {x: 60, y: 0, z: -420, joint: ball}
+  D: {x: 560, y: 120, z: 300, joint: ball}
+  E: {x: 0, y: -60, z: -1290, joint: ball}
+links:
+  crank: {pins: O A, mass: 350}
+  plate: {pins: A B C, mass: 900}
+  rocker: {pins: D B, mass: 300}
+  rod: {pins: C E, mass: 500}
+  slide: {pins: E, guide: up, mass: 6000}
+drive: O
+"""
+
+
+def test_a_link_drive_with_ball_joints_and_its_torque_and_speed(tmp_path):
+    """Each press made anew; slopes of the sample are the gradients; an angle of the plate is that between its arms."""
+    (tmp_path / "balls.yaml").write_text(BALLS)
+    press = pp.build(tmp_path / "balls.yaml")
+    arms = "B", "C_cross"
+    angle = tol.pin_angle(press, arms[0], "A", arms[1], 1e-4)
+    parts = [
+        angle,
+        tol.link_length(press, "O", "A", 1e-5),
+        tol.link_length(press, "C", "E", 2e-5),
+        tol.pin_position(press, "O", "y", 2e-5),
+        tol.pin_position(press, "slide_guide", (1, 1, 0), 3e-5),
+    ]
+    found = tol.bottom_dead_centre(press, parts, forces={0.02: 1e5}, speeds={0.05: 6.0}, samples=300)
+    tolerances = np.array([part.tolerance for part in parts])
+    for each in found.quantities:
+        slopes = np.linalg.lstsq(found.deviations.T, each.deviation, rcond=None)[0]
+        assert np.abs((slopes - each.gradient) * tolerances).max() < 1e-3 * each.worst_case
+    other = built(press, found, 299)
+    low = pp.dead_centres(other)
+    assert found.height.nominal + found.height.deviation[299] == pytest.approx(low.bottom_position, abs=1e-12)
+    angles = np.array([angle_on_flank(other, low, height, down=True) for height in (0.02, 0.05)])
+    state = pp.servo_cycle(other, angles, speed=1.0, acceleration=0.0)
+    assert found.torques[0.02].nominal + found.torques[0.02].deviation[299] == pytest.approx(-1e5 * state.slide_velocity[0], rel=1e-11)
+    assert found.speeds[0.05].nominal + found.speeds[0.05].deviation[299] == pytest.approx(-6.0 * state.slide_velocity[1], rel=1e-11)
+
+    def between(press):
+        one, two = (pivot_positions(press)[name, "plate"] for name in arms)
+        return np.arctan2(np.linalg.norm(np.cross(one, two)), one @ two)
+
+    at = {key: pivot_positions(press)[key] + 1e-6 * np.asarray(vector) for key, vector in angle.direction.items()}
+    assert between(reshaped(press, at)) - between(press) == pytest.approx(1e-6, rel=1e-5)
+    on_the_line = BALLS.replace("x: 60, y: 0, z: -420", "x: 182, y: 0, z: -30").replace("mass: 900", "section: 100 x 60")
+    (tmp_path / "straight.yaml").write_text(on_the_line)
+    with pytest.raises(pp.PinpressError, match="the arms A-B and A-C_cross are in one line"):
+        tol.pin_angle(pp.build(tmp_path / "straight.yaml"), "B", "A", "C_cross", 1e-4)
+
+
+def test_two_servos_and_a_crank_that_turns_back_stand_where_their_path_is_lowest(press, tmp_path):
+    (tmp_path / "servos.yaml").write_text(TWO_SERVOS)
+    servos, phase = pp.build(tmp_path / "servos.yaml"), np.linspace(0.0, 2 * np.pi, 24)
+    angles = np.column_stack([0.6 * np.sin(phase), 0.5 * np.cos(phase)])
+    rates = np.column_stack([0.6 * np.cos(phase), -0.5 * np.sin(phase)])
+    crank = np.linspace(0.3, 2.0, 24)
+    for linkage, angle, path in [
+        (servos, angles, pp.servo_cycle(servos, angles, speed=rates)),
+        (press, crank, pp.servo_cycle(press, crank, speed=1.0)),
+    ]:
+        parts = all_pivots(linkage, 1e-3)[:6]
+        found = tol.bottom_dead_centre(linkage, parts, motion=path, samples=20)
+        ends = [path.slide_position.argmin(), path.slide_position.argmax()]
+        assert (found.height.nominal, found.top.nominal) == tuple(path.slide_position[ends])
+        slide = pp.servo_cycle(built(linkage, found, 19), angle[ends], speed=0.0).slide_position
+        assert found.height.nominal + found.height.deviation[19] == pytest.approx(slide[0], abs=1e-12)
+        assert found.top.nominal + found.top.deviation[19] == pytest.approx(slide[1], abs=1e-12)
+        small = [tol.Dimension(part.name, part.direction, 1e-7) for part in parts]
+        near = tol.bottom_dead_centre(linkage, small, motion=path, samples=20)
+        assert near.height.deviation == pytest.approx(near.gradient @ near.deviations, abs=1e-12)
+        cheapest = tol.allocate(linkage, parts, None, {"height": found.height.first_order_sd}, motion=path)
+        assert cheapest.reached["height"] == pytest.approx(found.height.first_order_sd, rel=1e-5)
+    both = pp.servo_cycle(servos, angles, speed=rates)
+    warm = tol.heat(servos, tol.Temperatures({"rod": 10.0}), motion=both)
+    longer = tol.bottom_dead_centre(servos, [tol.link_length(servos, "D", "S", 1e-5)], motion=both, samples=2)
+    assert warm.bottom_shift == pytest.approx(12e-5 * 0.3 * longer.gradient[0])
+
+
+def test_shapes_in_space_of_a_planar_press_are_those_in_its_plane():
+    """A crank-slide whose rod turns about a pin in the slide: rows of rotations that the bearing prevents are redundant there."""
+    text = texts.shipped("crank_slide").text.decode().replace('name="W" type="spherical">', 'name="W" type="revolute"><axis xyz="0 -1 0"/>')
+    press = texts.load(text)
+    directions = [part.direction for part in all_pivots(press, 1e-3)]
+    moved = [directed(press, each) for each in directions]
+    deviations = np.random.default_rng(1).normal(0.0, 1e-3, (len(moved), 7))
+    for angle in (0.0, 1.0):
+        state = pp.servo_cycle(press, [angle], speed=1.0)
+        plane, space = PlanarShapes.of(press, directions, moved), SpatialShapes.of(press, moved)
+        for one, other in zip(*(each.slide_slopes(state.joint_position[0], state.v[0]) for each in (plane, space)), strict=True):
+            assert one == pytest.approx(other, abs=1e-12)
+        ending = Ending(state.joint_position[0], np.zeros(len(moved)), "held")
+        ends = [followed_to(each, deviations, ending) for each in (plane, space)]
+        assert ends[0].position == pytest.approx(ends[1].position, abs=1e-13)
+        assert ends[0].rate == pytest.approx(ends[1].rate, abs=1e-12)
+        assert all(each.sound.all() for each in ends)
 
 
 KNEE = """
@@ -211,17 +323,28 @@ def test_a_text_says_what_decides(found):
 def test_what_cannot_be_answered_is_refused(press, tmp_path):
     rod = [tol.link_length(press, "E", "F", 5e-5)]
     two_points = texts.shipped("jf75g_125_two_point")
-    (tmp_path / "rssp.yaml").write_bytes(template("rssp"))
     (tmp_path / "servos.yaml").write_text(TWO_SERVOS)
-    spatial, servos = pp.build(tmp_path / "rssp.yaml"), pp.build(tmp_path / "servos.yaml")
+    servos, path = pp.build(tmp_path / "servos.yaml"), pp.servo_cycle(press, [0.1, 0.2], speed=1.0)
+    across = tol.pin_position(servos, "A", "y", 1e-5)
+    together = pp.servo_cycle(servos, [[0.1, 0.0], [0.2, 0.0]], speed=0.0)
     for wrong, said in [
         (lambda: tol.bottom_dead_centre(press, rod, forces={0.4: 1e6}), "a height of 400 mm is above the stroke.* from 301.261 mm above"),
         (lambda: tol.bottom_dead_centre(press, rod, speeds={0.0: 1.0}), "height of speeds is 0.0: give one finite number, positive"),
         (lambda: tol.bottom_dead_centre(press, rod, forces={0.1: 0.0}), "is 0 N"),
         (lambda: tol.bottom_dead_centre(press, rod, samples=1), "samples is 1"),
         (lambda: tol.bottom_dead_centre(two_points, [tol.link_length(two_points, "O", "P2_back", 1e-5)]), "bearings that hold each other"),
-        (lambda: tol.bottom_dead_centre(spatial, all_pivots(spatial, 1e-5)), "exact derivatives are those of planar linkages"),
-        (lambda: tol.bottom_dead_centre(servos, all_pivots(servos, 1e-5)), "several drivers|drivers"),
+        (
+            lambda: tol.bottom_dead_centre(servos, all_pivots(servos, 1e-5)),
+            "has 2 drivers, which alone have no dead centre.*motion=servo_cycle",
+        ),
+        (lambda: tol.allocate(servos, all_pivots(servos, 1e-5), None, {"height": 1e-5}), "has 2 drivers"),
+        (lambda: tol.heat(servos, tol.Temperatures({"rod": 1.0})), "has 2 drivers"),
+        (
+            lambda: tol.bottom_dead_centre(servos, [across], motion=together),
+            "bearings of two_servos that hold each other do not stay closed",
+        ),
+        (lambda: tol.bottom_dead_centre(servos, [across], motion=path), "the motion is of zxn2_3000b with other joints"),
+        (lambda: tol.bottom_dead_centre(press, rod, motion=path, speeds={0.1: 1.0}), "leave motion out"),
         (
             lambda: tol.bottom_dead_centre(press, [tol.link_length(press, "B", "C", 0.1, sd=0.5)], samples=50),
             "of 56 presses, worst corners among them, cannot be closed at",

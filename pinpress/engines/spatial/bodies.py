@@ -226,6 +226,14 @@ def _place(bodies: Bodies, joints: NDArray[np.intp], x: Array, rotation: Array, 
     origin[:, joints + 1] = place
 
 
+def displaced(bodies: Bodies, placed: Placements, joints: Array) -> Placements:
+    """The placements where joints are displaced by (nv, 3, n) in the frames of the bodies that carry them, which turns no body [m]."""
+    own, moved = turned(placed.rotation[list(bodies.parents)], joints), np.zeros_like(placed.origin)
+    for joint, parent in enumerate(bodies.parents):
+        moved[joint + 1] = moved[parent] + own[joint]
+    return placed._replace(origin=placed.origin + moved)
+
+
 def motion_axes(bodies: Bodies, placed: Placements) -> Array:
     """(nv, 2, 3, n) angular velocity of the bodies that a joint carries, and their velocity at the world origin, at unit rate."""
     axes = components_first(*placed.axis.shape[::2], 2)

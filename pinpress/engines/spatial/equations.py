@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -19,7 +20,7 @@ from ..engine import PIECE
 from ..joints import Matrix, matrix, product
 from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel, coupling_equations
 from .blocks import Blocks, build_blocks
-from .bodies import Bodies, Placements, accelerations, build_bodies, cross, placements, velocities
+from .bodies import Bodies, Placements, accelerations, build_bodies, cross, displaced, placements, turned, velocities
 from .sharing import MANY_IDLE, Chain, build_chain
 
 MANY = 64  # joints from which on all that is done with a linkage has to grow no faster than they do
@@ -202,11 +203,29 @@ class Equations:
         return np.asarray(np.maximum(points, np.abs(self.gaps[3 * loops :]).max(axis=0, initial=0.0)))
 
 
-def equations(loops: Loops, x: Array) -> Equations:
-    """The equations at joint coordinates (nv, n)."""
+class Moved(NamedTuple):
+    """Pivots that stand elsewhere in their links, at each of n configurations elsewhere.
+
+    Attributes:
+        joints: (nv, 3, n) displacements of joints, in the frames of the bodies that carry them [m].
+        ends: (2, nl, 3, n) displacements of both ends of the loops, in the frames of their bodies [m].
+    """
+
+    joints: Array
+    ends: Array
+
+
+def equations(loops: Loops, x: Array, moved: Moved | None = None) -> Equations:
+    """The equations at joint coordinates (nv, n), with pivots where they are or where they have been moved to.
+
+    Gaps and entries are linear in the displacements, which turn nothing."""
     n, count, pairs = x.shape[1], loops.joint.shape[1], len(loops.pair_loop)
     placed = placements(loops.bodies, x)
+    if moved is not None:
+        placed = displaced(loops.bodies, placed, moved.joints)
     ends = placed.origin[loops.joint] + np.einsum("elikn,elk->elin", placed.rotation[loops.joint], loops.point)
+    if moved is not None:
+        ends += turned(placed.rotation[loops.joint], moved.ends)
     gaps, entries = np.empty((loops.rows, n)), np.empty((loops.entries.shape[1] + 1, n))
     gaps[: 3 * count] = (ends[1] - ends[0]).reshape(3 * count, n)
     entries[: 3 * pairs] = _moving_pairs(loops, placed, ends).reshape(3 * pairs, n)

@@ -567,7 +567,11 @@ def calls() -> dict[str, Call]:
             pp.tolerances.Temperatures,
             lambda: {"rise": {"rod": 10.0}, "expansion": 1.1e-5, "table": -0.8, "face": -0.1},
         ),
-        ("tolerances.heat", pp.tolerances.heat, lambda: {"press": press(), "temperatures": pp.tolerances.Temperatures({"rod": 9.0})}),
+        (
+            "tolerances.heat",
+            pp.tolerances.heat,
+            lambda: {"press": press(), "temperatures": pp.tolerances.Temperatures({"rod": 9.0}), "motion": motion()},
+        ),
         (
             "tolerances.budget",
             pp.tolerances.budget,
@@ -636,6 +640,7 @@ def calls() -> dict[str, Call]:
                 "targets": {"height": 1e-5, "stroke": 2e-5},
                 "bounds": {"PW": (1e-6, 1e-4)},
                 "deviations": 3.0,
+                "motion": motion(),
                 "correlation": {("OP", "PW"): 0.5},
             },
         ),

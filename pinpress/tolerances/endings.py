@@ -1,0 +1,118 @@
+"""Many sets of lengths of a press, each closed with its own and followed to the dead centre or height that is asked of it.
+
+Newton's method closes all sets together, and moves the crank of each to where its slide turns back, or stands at a height. It starts
+from the nominal state, carried on to first order, and every set is checked: that its loops are closed, and that it is the nominal
+assembly still, near where first order has it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common.quantities import Array
+from ..derivatives.motion import directed
+from ..engines.engine import ACCEPTED, MOST_NEWTON_STEPS
+from ..engines.planar.engine import PlanarEngine
+from ..linkage.linkage import Linkage
+from .dimensions import Dimension
+from .planar_shapes import PlanarShapes
+from .shapes import Evaluated, Shapes
+from .spatial_shapes import SpatialShapes
+
+PIECE = 2048  # sets that are worked through at a time: their arrays stay in the cache
+TURNED = 1e-9  # last step of the crank [rad, or lengths of the linkage]
+TURNED_BACK = 1e-5  # last step at a dead centre, where what is left after it, its square, moves the slide by no more than rounding
+CORRECTED = 0.25  # share of what first order moves it by, by which Newton's method may correct a joint
+NEARLY = 1e-3  # correction that is accepted in any case [rad, or lengths of the linkage]
+
+
+def shapes_of(press: Linkage, parts: Sequence[Dimension]) -> Shapes:
+    """The press with its dimensions.
+
+    Raises:
+        PinpressError: it has no slide; a dimension leads out of the plane of a planar press.
+    """
+    directions = [part.direction for part in parts]
+    moved = [directed(press, direction) for direction in directions]
+    return PlanarShapes.of(press, directions, moved) if isinstance(press.engine(), PlanarEngine) else SpatialShapes.of(press, moved)
+
+
+class Ending(NamedTuple):
+    """Where the crank of every set ends: one of these three.
+
+    Attributes:
+        start: (nv,) joint coordinates of the nominal press there.
+        angle_slopes: (k,) derivatives of the crank angle by the dimensions, to first order.
+        kind: "dead centre": the slide turns back; "height": it stands at a position; "held": the drivers stand where they are.
+        target: (n,) position of the slide [m]; of a "height" alone.
+    """
+
+    start: Array
+    angle_slopes: Array
+    kind: str
+    target: Array | None = None
+
+    def part(self, sets: slice) -> Ending:
+        """The same of some of the sets."""
+        return self if self.target is None else self._replace(target=self.target[sets])
+
+
+class Ended(NamedTuple):
+    """All sets where they end.
+
+    Attributes:
+        position: (n,) slide position [m].
+        rate: (n,) derivative of the slide position by the crank angle [m/rad].
+        sound: (n,) whether the set is closed, has come to its end, and is the nominal assembly.
+    """
+
+    position: Array
+    rate: Array
+    sound: NDArray[np.bool_]
+
+
+def followed_to(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
+    """Every set of deviations (k, n) at its end. It never raises: the caller judges which sets are sound."""
+    still, first = shapes.joint_slopes(ending.start)
+    slopes, count = still + first * ending.angle_slopes, deviations.shape[1]
+    whole = Ended(np.empty(count), np.empty(count), np.empty(count, dtype=bool))
+    for begin in range(0, count, PIECE):
+        sets = slice(begin, begin + PIECE)
+        for all_sets, part in zip(whole, _piece(shapes, deviations[:, sets], ending.part(sets), slopes), strict=True):
+            all_sets[sets] = part
+    return whole
+
+
+def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> Ended:
+    """`followed_to` of a piece; ``slopes``: (nv, k) of the joint coordinates."""
+    guide, _, sign = shapes.press.slide_guide
+    moved = slopes @ deviations
+    x = ending.start[:, None] + moved
+    with np.errstate(all="ignore"):  # a set that fails shows in its gap
+        for _ in range(MOST_NEWTON_STEPS + 1):
+            found = shapes.evaluated(x, deviations)
+            turn = _turned(shapes, x, deviations, found, ending)
+            close = found.gap <= ACCEPTED * shapes.tolerance
+            at_rest = np.abs(turn) <= (TURNED_BACK if ending.kind == "dead centre" else TURNED)
+            if (close & at_rest).all() or not np.isfinite(found.gap).any():
+                break
+            x = x + found.step + turn * (found.first + 0.5 * turn * found.second)
+        x = x + found.step + turn * (found.first + 0.5 * turn * found.second)
+        corrected = np.abs(x - ending.start[:, None] - moved).max(axis=0)
+        near = corrected <= CORRECTED * np.abs(moved).max(axis=0) + NEARLY * (1 + shapes.press.size)
+    return Ended(shapes.position(x, deviations), sign * (found.first[guide] + turn * found.second[guide]), close & at_rest & near)
+
+
+def _turned(shapes: Shapes, x: Array, deviations: Array, found: Evaluated, ending: Ending) -> Array:
+    """Step (n,) of the crank towards the end of every set."""
+    guide, _, sign = shapes.press.slide_guide
+    if ending.kind == "dead centre":
+        return np.asarray(-found.first[guide] / found.second[guide])
+    if ending.target is None:
+        return np.zeros(x.shape[1])
+    ahead = ending.target - shapes.position(x + found.step, deviations)
+    return np.asarray(ahead / (sign * found.first[guide]))

@@ -1,0 +1,112 @@
+"""Presses in space, and presses with several drivers, with many sets of lengths at once.
+
+The gaps of the loops and their Jacobian are linear in the displacements of pivots, which turn no body. So the explicit derivatives by a
+dimension are differences, without error but rounding. With J x' = -g' at fixed drivers, where g' is what a dimension opens per unit, the
+rates v change by J v' = -(J' v + H(x', v)). H is the second derivative of the gaps, whose quadratic form H(v, v) is the loops' drift
+(`engines.spatial.equations.drift`): H(x', v) = (H(v + x', v + x') - H(v - x', v - x')) / 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common.errors import PinpressError
+from ..common.quantities import Array
+from ..derivatives.motion import CONTRADICTED, Displacements
+from ..engines.spatial.bodies import motion_axes
+from ..engines.spatial.closing import PassiveColumns
+from ..engines.spatial.equations import Equations, Loops, Moved, build_loops, drift, equations
+from ..linkage.linkage import Linkage
+from .shapes import Evaluated, Shapes
+
+
+@dataclass(frozen=True)
+class SpatialShapes(Shapes):
+    """A press, planar or not, with one driver or several, whose pivots can be moved by k dimensions.
+
+    Attributes:
+        press: the press.
+        guide_slopes: see `Shapes`.
+        tolerance: see `Shapes`.
+        loops: constants of the nominal linkage.
+        joints: (nv, 3, k) displacements of joints per unit of the dimensions, in the frames of the bodies that carry them.
+        ends: (2, nl, 3, k) displacements of the ends of loops, likewise.
+    """
+
+    press: Linkage
+    guide_slopes: Array
+    tolerance: float
+    loops: Loops
+    joints: Array
+    ends: Array
+
+    @staticmethod
+    def of(press: Linkage, moved: Sequence[Displacements]) -> SpatialShapes:
+        """The press with its dimensions, of which ``moved`` has the displacements per unit."""
+        joints = np.stack([each.joints for each in moved], axis=-1)
+        ends = np.stack([each.ends.swapaxes(0, 1) for each in moved], axis=-1)
+        guide = press.slide_guide
+        along = press.model.jointPlacements[guide.joint + 1].rotation @ press.axes[guide.joint].direction
+        loops = build_loops(press.spatial_model)
+        return SpatialShapes(press, along @ joints[guide.joint], press.spatial_model.tolerance, loops, joints, ends)
+
+    def evaluated(self, x: Array, deviations: Array) -> Evaluated:
+        found = equations(self.loops, x, Moved(self.joints @ deviations, self.ends @ deviations))
+        gap = found.widest()
+        found.entries[:, ~(np.isfinite(gap) & np.isfinite(found.entries).all(axis=0))] = 0.0
+        passive = PassiveColumns(self.loops, found.entries)
+        first = self._by_crank(found, passive)
+        second = passive.rates(-drift(self.loops, found, motion_axes(self.loops.bodies, found.placed), first))
+        return Evaluated(gap, passive.rates(-found.gaps), first, second)
+
+    def joint_slopes(self, start: Array) -> tuple[Array, Array]:
+        found, moved = self._at(start)
+        passive = PassiveColumns(self.loops, found.entries)
+        return passive.rates(found.gaps - moved.gaps), self._by_crank(found, passive)[:, :1]
+
+    def slide_slopes(self, position: Array, v: Array) -> tuple[Array, Array]:
+        loops, rates = self.loops, v[:, None]
+        found, moved = self._at(position)
+        passive, opened = PassiveColumns(loops, found.entries), moved.gaps - found.gaps
+        still = passive.rates(-opened)
+        self._refuse_contradiction(opened + _driven(loops, found.entries, still))
+        opening = _driven(loops, moved.entries - found.entries, rates)
+        axes = motion_axes(loops.bodies, found.placed)
+        curved = 0.25 * (drift(loops, found, axes, rates + still) - drift(loops, found, axes, rates - still))
+        velocity = passive.rates(-(opening + curved))
+        guide, _, sign = self.press.slide_guide
+        return sign * (still[guide] + self.guide_slopes), sign * velocity[guide]
+
+    def _at(self, position: Array) -> tuple[Equations, Equations]:
+        """The equations at joint coordinates (nv,), once for each dimension: with nominal lengths, and with its unit displacements."""
+        x = np.repeat(position[:, None], self.joints.shape[-1], axis=1)
+        return equations(self.loops, x), equations(self.loops, x, Moved(self.joints, self.ends))
+
+    def _by_crank(self, found: Equations, passive: PassiveColumns) -> Array:
+        """(nv, n) derivative of the joint coordinates by the crank angle; zero where there are several drivers."""
+        if len(self.press.drivers) > 1:
+            return np.zeros((len(self.press.joints), passive.n))
+        first = passive.rates(-found.driving[:, 0])
+        first[self.press.driver_indices[0]] = 1.0
+        return first
+
+    def _refuse_contradiction(self, left: Array) -> None:
+        """Raise PinpressError where no joint rates close what a dimension opens: (rows, k) stay open."""
+        sizes = np.maximum(np.abs(self.joints).max(axis=(0, 1)), np.abs(self.ends).max(axis=(0, 1, 2), initial=0.0))
+        if np.any(np.abs(left).max(axis=0) > CONTRADICTED * sizes):
+            raise PinpressError(
+                f"bearings of {self.press.name} that hold each other do not stay closed where a dimension deviates: move the pivots of all"
+                " of them alike, within the plane of a planar press; what single ones of a slide on several points do is found by"
+                " tolerances.parallelism"
+            )
+
+
+def _driven(loops: Loops, entries: Array, rates: Array) -> Array:
+    """Rates (rows, n) of the gaps at joint rates (nv, n), by the Jacobian's entries (ne + 1, n)."""
+    rows, joints = loops.entries
+    result = np.zeros((loops.rows, entries.shape[1]))
+    np.add.at(result, rows, entries[:-1] * rates[joints])
+    return result
