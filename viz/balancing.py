@@ -26,6 +26,8 @@ THREE_LINKS = [
     pp.balancing.CounterweightRegion("rocker", radius=0.6),
     pp.balancing.CounterweightRegion("rod", radius=0.3),
 ]
+DIES = (100.0, 200.0, 400.0)  # upper dies [kg]
+DIE, ON_COUNTERWEIGHT = (0.0, 0.0, -0.485), (0.0, 0.0, 0.235)  # under the slide, and the counterweight's centre of mass [m]
 TOTAL = sum(weight.mass for weight in PAPER)
 
 
@@ -82,8 +84,32 @@ def zxn2() -> dict[str, Callable[[], pp.balancing.BalancedPress]]:
 
 
 def table() -> str:
-    """Markdown, a table for each press."""
-    return f"{jf75g_table()}\n\n{zxn2_table()}"
+    """Markdown, a table for each press, and one over changes of die."""
+    return f"{jf75g_table()}\n\n{zxn2_table()}\n\n{dies_table()}"
+
+
+def dies_table() -> str:
+    """The JF75G-125 balanced for one upper die, with others."""
+    press = pp.load("jf75g_125")
+    conditions = []
+    for mass in DIES:
+        with_die = pp.balancing.with_counterweights(press, [pp.balancing.Counterweight("slide", mass, DIE)])
+        motion = pp.cycle(with_die, speed=300 * pp.RPM, points=POINTS)
+        conditions.append(pp.balancing.OperatingCondition(motion, press=with_die, name=f"die of {mass:g} kg"))
+    weight = pp.balancing.CounterweightRegion("counterweight", at=ON_COUNTERWEIGHT, mass=(-600, 600), reset="mass")
+    found = pp.balancing.compare_conditions(press, conditions, regions=[weight], minimise=VERTICAL)
+    heads = ["JF75G-125, 300 strokes/min, vertical range [N]", *found.conditions, "worst", "mass on the counterweight [kg]"]
+    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    masses = ["0", *(_masses(design) for design in found.designs)]
+    for name, values, added in zip(found.names, found.values, masses, strict=True):
+        lines.append(f"| {name} | {' | '.join(f'{value:.0f}' for value in values)} | {values.max():.0f} | {added} |")
+    return "\n".join(lines)
+
+
+def _masses(design: pp.balancing.BalancedPress) -> str:
+    """The mass of the counterweight, or those for every die."""
+    found = dict.fromkeys(f"{weight.mass:+.1f}" for weights in design.settings for weight in weights)
+    return ", ".join(found)
 
 
 def jf75g_table() -> str:

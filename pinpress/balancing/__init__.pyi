@@ -1,4 +1,6 @@
 from . import classical as classical
+from .comparison import ConditionComparison as ConditionComparison
+from .comparison import compare_conditions as compare_conditions
 from .counterweights import Counterweight as Counterweight
 from .counterweights import OperatingCondition as OperatingCondition
 from .counterweights import with_counterweights as with_counterweights

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from ..common.arguments import number, numbers, typed
+from ..common.arguments import expect, number, numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen
 from ..common.quantities import Array
@@ -86,15 +86,39 @@ def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight])
 
 @dataclass(frozen=True)
 class OperatingCondition(Frozen):
-    """A motion of the press and the loads on it, as `inverse_dynamics` takes them.
+    """A motion of the press and the loads on it, as `inverse_dynamics` takes them, and how the press is then set up.
+
+        die = pp.balancing.Counterweight("slide", 300.0, (0.0, 0.0, -0.4))  # an upper die of 300 kg
+        with_die = pp.balancing.with_counterweights(press, [die])
+        pp.balancing.OperatingCondition(pp.cycle(with_die, speed), press=with_die, name="die of 300 kg")
 
     Attributes:
         motion: motion of the press.
         loads: loads on the press in this motion.
+        press: the press as it is set up in this condition, with another die or another stroke; None where it is the press itself. It has
+            the links, joints and bearings of the press itself.
+        name: name in tables; empty for its number.
+
+    Raises:
+        PinpressError: the motion is none, the press is none, or the name is no text.
     """
 
     motion: Motion
     loads: Sequence[Load] = ()
+    press: Linkage | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        expect("operating condition: motion", self.motion, Motion, "cycle or simulate")
+        if self.press is not None:
+            expect("operating condition: press", self.press, Linkage, "load or with_counterweights")
+        if not isinstance(self.name, str):
+            raise PinpressError(f"operating condition: name is {shown(self.name)}: give a text")
+
+    def set_up(self, press: Linkage) -> Linkage:
+        """The press in this condition, where ``press`` is the press itself."""
+        return press if self.press is None else self.press
 
 
 @dataclass(frozen=True, eq=False, repr=False)

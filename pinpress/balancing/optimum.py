@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from ..common.arguments import suitable_numbers, typed, whole_number
 from ..common.conic_program import CONE, InfeasibleError
@@ -52,8 +53,9 @@ def balance(
     minimise: Target | Mapping[Target, float],
     limits: Mapping[Target, float] | None = None,
     loads: Sequence[Load] = (),
+    shares: Sequence[float] | None = None,
 ) -> BalancedPress:
-    """Find the best counterweights of a press.
+    """Find the best counterweights of a press, for one motion or for all its dies, strokes and speeds at once.
 
     Among equally good counterweights the lightest win: saving the whole moving mass of the press counts as 1e-6 of the objective before
     balancing. Ranges and peaks are those of the motion's states; between two states a harmonic of order k may exceed them by up to about
@@ -61,23 +63,27 @@ def balance(
 
     Args:
         press: the press.
-        motion: its motion, or several operating conditions. Limits hold in all of them, and each criterion counts in its worst one.
-        regions: where counterweights may be.
+        motion: its motion, or several operating conditions, each with its speed, loads, die and stroke (`OperatingCondition`). Limits hold
+            in all of them, and each criterion counts in its worst one.
+        regions: where counterweights may be. Those with ``reset`` are set anew in every operating condition; all others are one compromise.
         minimise: a criterion (`Range`, `Rms`, `Peak`) or `AddedMass`, or several of them with weights. With weights each counts relative to
-            its value before balancing (added mass: to the moving mass). The objective of Zhang 2007, (5-14), is
+            its largest value before balancing (added mass: to the moving mass). The objective of Zhang 2007, (5-14), is
             ``{Rms("shaking_force", "z"): w1, Range("shaking_force", "z"): w2, Rms("shaking_moment", "y"): w3, ...}``.
         limits: the most of criteria and of added mass, in their units. A limit of 0 is met exactly.
         loads: loads on the one motion, as `inverse_dynamics` takes them; operating conditions have their own.
+        shares: (conditions,) weights of the operating conditions, such as the share of all strokes that is made with each die. Then the
+            weighted mean of a criterion over the conditions counts, and not its worst value.
 
     Raises:
         UnknownNameError: the press has no such link or bearing.
-        PinpressError: the limits cannot be met together (the message names them, and says by how much), a counterweight would grow without
-            end, a minimised criterion is zero before balancing, or an argument is not as described.
+        PinpressError: an operating condition has a press with other links or bearings, the limits cannot be met together (the message
+            names them, and says by how much), a counterweight would grow without end, a minimised criterion is zero before balancing, or an
+            argument is not as described.
     """
     conditions = _conditions(motion, loads)
     objective, held = checked_objective(minimise), checked_limits(limits)
-    problem = build_problem(press, conditions, regions, [*objective, *held])
-    return optimal_press(problem, objective, held, absolute=len(conditions) == 1 and not isinstance(minimise, Mapping))
+    problem = build_problem(press, conditions, regions, [*objective, *held], _checked_shares(shares, len(conditions)))
+    return optimal_press(problem, objective, held, absolute=not isinstance(minimise, Mapping))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -163,6 +169,19 @@ def _conditions(motion: Motion | Sequence[OperatingCondition], loads: Sequence[L
     return tuple(motion)
 
 
+def _checked_shares(shares: Sequence[float] | None, conditions: int) -> Array | None:
+    """The shares with the sum one.
+
+    Raises:
+        PinpressError: they are not one number from 0 for each condition, or all zero.
+    """
+    if shares is None:
+        return None
+    words = f"{conditions} numbers that are not negative, one for each operating condition, and not all zero"
+    given = suitable_numbers("shares", shares, words, (conditions,), lambda each: (each >= 0).all() and each.any())
+    return np.asarray(given / given.sum())
+
+
 def checked_objective(minimise: Target | Mapping[Target, float]) -> dict[Target, float]:
     """The objective as targets with weights above zero.
 
@@ -225,24 +244,34 @@ def optimal_press(
         raise PinpressError(infeasible_limits(problem, limits)) from None
     u = _without_traces(problem, objective, limits, design.variables)
     fillings = _fillings(problem, u)
-    press = _with_fillings(problem, fillings)
-    reactions = _confirmed_reactions(problem, u, press)
+    presses = tuple(_with_fillings(problem, number, filled) for number, filled in enumerate(fillings))
+    reactions = _confirmed_reactions(problem, u, presses)
     scale = _size_of_one(problem, objective) if absolute else 1.0
-    filled = list(zip(problem.regions, fillings, strict=True))
+    settings = tuple(
+        Records(
+            Counterweight,
+            (_counterweight(problem.press, each, filling) for each, filling in zip(regions, filled, strict=True) if filling.mass),
+        )
+        for regions, filled in zip(problem.regions, fillings, strict=True)
+    )
+    empty = [each.region for k, each in enumerate(problem.regions[0]) if not any(filled[k].mass for filled in fillings)]
     return BalancedPress(
         original=problem.press,
-        press=press,
+        press=presses[0] if problem.conditions[0].press is None else _fitted(problem.press, problem.regions[0], fillings[0]),
+        presses=presses,
         conditions=problem.conditions,
         objective=dict(objective),
         limits=dict(limits),
-        counterweights=Records(Counterweight, (_counterweight(problem.press, each, filling) for each, filling in filled if filling.mass)),
+        shares=problem.shares,
+        counterweights=settings[0],
+        settings=settings,
         added_mass=problem.added_mass(u),
         value=scale * objective_value(problem, objective, u),
         unit=next(iter(objective)).unit if absolute else "",
         bound=scale * design.bound,
         residual=design.residual,
         changes=Records(CriterionChange, _changes(problem, [*objective, *limits], reactions)),
-        active=Records(ActiveConstraint, _active(design, scale, [each.region for each, filling in filled if not filling.mass])),
+        active=Records(ActiveConstraint, _active(design, scale, empty)),
         reactions_before=problem.reactions,
         reactions_after=reactions,
     )
@@ -250,26 +279,37 @@ def optimal_press(
 
 def _refuse_nothing(problem: BalancingProblem, objective: Mapping[Target, float]) -> None:
     """Raise where a criterion of the objective is zero before balancing, so that nothing can be said relative to it."""
-    for signal in problem.signals:
-        before = problem.reactions[signal.condition]
-        if signal.criterion in objective and not signal.criterion.value(before) >= (1 - ROUNDING) * signal.size:
+    for criterion in (target for target in objective if isinstance(target, Criterion)):
+        size = next(signal.size for signal in problem.signals if signal.criterion == criterion)
+        if not max(criterion.value(before) for before in problem.reactions) >= (1 - ROUNDING) * size:
             raise PinpressError(
-                f"the {signal.criterion.words} of {problem.press.name} is zero before balancing: take it out of minimise, or limit it"
+                f"the {criterion.words} of {problem.press.name} is zero before balancing: take it out of minimise, or limit it"
             )
 
 
 def _without_traces(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], best: Array) -> Array:
     """The best variables, with zeros in regions that are almost empty, as the solver leaves traces of mass where there should be none."""
-    u, start = best.copy(), 0
-    for each in problem.regions:
-        own = slice(start, start + len(each.mass))
-        if each.replaced is None and each.region.mass[0] <= 0 and abs(each.mass @ u[own]) <= NEGLIGIBLE * problem.moving_mass:
+    u = best.copy()
+    for each, filled in _by_setting(problem):
+        masses = [float(each.mass @ u[columns]) for columns in filled]
+        if each.replaced is None and each.region.mass[0] <= 0 and max(map(abs, masses)) <= NEGLIGIBLE * problem.moving_mass:
             empty = u.copy()
-            empty[own] = 0.0
+            for columns in filled:
+                empty[columns] = 0.0
             if _no_worse(problem, objective, limits, empty, u):
                 u = empty
-        start += len(each.mass)
     return u
+
+
+def _by_setting(problem: BalancingProblem) -> Iterator[tuple[RegionVariables, list[NDArray[np.intp]]]]:
+    """Each region with the columns of its variables that are emptied together, those of a mass that only moves in all conditions."""
+    in_conditions = [[columns for columns, _ in problem.parts(number)] for number in range(len(problem.conditions))]
+    for k, each in enumerate(problem.regions[0]):
+        columns = [parts[k] for parts in in_conditions]
+        if each.region.reset == "mass":
+            yield from ((each, [own]) for own in columns)
+        else:
+            yield each, columns if each.region.reset else columns[:1]
 
 
 def _no_worse(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float], u: Array, best: Array) -> bool:
@@ -281,45 +321,47 @@ def _no_worse(problem: BalancingProblem, objective: Mapping[Target, float], limi
     )
 
 
-def _fillings(problem: BalancingProblem, u: Array) -> list[pin.Inertia]:
-    """The inertia of the counterweight in each region, in its joint's frame.
+def _fillings(problem: BalancingProblem, u: Array) -> list[list[pin.Inertia]]:
+    """The inertia of the counterweight in each region, in its joint's frame, for every operating condition.
 
     Raises:
         PinpressError: a link that loses its own mass would get none, or counterweights grow without end.
     """
-    ends = np.cumsum([len(each.mass) for each in problem.regions])[:-1]
-    fillings = []
-    for each, own in zip(problem.regions, np.split(u, ends), strict=True):
-        filling = each.filling(own)
-        if each.replaced is not None and filling.mass <= NEGLIGIBLE * problem.moving_mass:
+    fillings = [[each.filling(u[columns]) for columns, each in problem.parts(number)] for number in range(len(problem.conditions))]
+    by_region = [(each.region, each.replaced, [filled[k] for filled in fillings]) for k, each in enumerate(problem.regions[0])]
+    for region, replaced, filled in by_region:
+        if replaced is not None and min(filling.mass for filling in filled) <= NEGLIGIBLE * problem.moving_mass:
             raise PinpressError(
-                f"it would be best to leave {shown(each.region.link)} without mass: give its region a least mass, mass=(least, most)"
+                f"it would be best to leave {shown(region.link)} without mass: give its region a least mass, mass=(least, most)"
             )
-        fillings.append(filling)
-    if problem.unlimited @ u > ENDLESS * LARGEST * problem.moving_mass:
-        unlimited = [(filling.mass, each.region) for filling, each in zip(fillings, problem.regions, strict=True)]
-        _, heaviest = max((pair for pair in unlimited if math.isinf(pair[1].mass[1])), key=lambda pair: pair[0])
+    if (problem.unlimited @ u).max() > ENDLESS * LARGEST * problem.moving_mass:
+        unlimited = ((max(filling.mass for filling in filled), region) for region, _, filled in by_region if math.isinf(region.mass[1]))
+        _, heaviest = max(unlimited, key=lambda pair: pair[0])
         raise PinpressError(
             f"counterweights grow beyond {LARGEST:g} times the moving mass, above all in the {heaviest.words}: limit it, mass=(0, most)"
         )
     return fillings
 
 
-def _with_fillings(problem: BalancingProblem, fillings: Sequence[pin.Inertia]) -> Linkage:
+def _with_fillings(problem: BalancingProblem, number: int, fillings: Sequence[pin.Inertia]) -> Linkage:
+    """The press of an operating condition with the counterweights of all regions."""
+    return _fitted(problem.conditions[number].set_up(problem.press), problem.regions[number], fillings)
+
+
+def _fitted(press: Linkage, regions: Sequence[RegionVariables], fillings: Sequence[pin.Inertia]) -> Linkage:
     """The press with the counterweights of all regions, in place of the links' own mass where a region replaces it."""
-    press = problem.press
     inertias = list(press.model.inertias)
-    for each in problem.regions:
+    for each in regions:
         if each.replaced is not None:
             inertias[each.joint] = pin.Inertia.Zero()
-    for each, filling in zip(problem.regions, fillings, strict=True):
+    for each, filling in zip(regions, fillings, strict=True):
         inertias[each.joint] = combined(inertias[each.joint], filling)
-    for each in problem.regions:
+    for each in regions:
         refuse_unphysical(press, each.joint, inertias[each.joint])
     return press.with_inertias(inertias, name=press.name.removesuffix(SUFFIX) + SUFFIX)
 
 
-def _confirmed_reactions(problem: BalancingProblem, u: Array, press: Linkage) -> tuple[Reactions, ...]:
+def _confirmed_reactions(problem: BalancingProblem, u: Array, presses: Sequence[Linkage]) -> tuple[Reactions, ...]:
     """Reactions of the balanced press in every operating condition.
 
     Inverse dynamics is independent of the program, and must agree with it.
@@ -327,10 +369,11 @@ def _confirmed_reactions(problem: BalancingProblem, u: Array, press: Linkage) ->
     Raises:
         PinpressError: it does not agree, or a motion is shorter than the period of the balanced press.
     """
-    _refuse_longer_period(problem.conditions, press)
+    for each, press in zip(problem.conditions, presses, strict=True):
+        _refuse_longer_period(each, press)
     reactions = tuple(
         inverse_dynamics(press, as_prescribed(each.motion, press), each.loads, bearings=tuple(before.bearing_force))
-        for each, before in zip(problem.conditions, problem.reactions, strict=True)
+        for press, each, before in zip(presses, problem.conditions, problem.reactions, strict=True)
     )
     for signal in problem.signals:
         series = signal.criterion.series(reactions[signal.condition])
@@ -344,10 +387,10 @@ def _confirmed_reactions(problem: BalancingProblem, u: Array, press: Linkage) ->
     return reactions
 
 
-def _refuse_longer_period(conditions: Sequence[OperatingCondition], press: Linkage) -> None:
+def _refuse_longer_period(condition: OperatingCondition, press: Linkage) -> None:
     """Raise where a motion is one period of the original press, but a counterweight on a geared shaft makes the period longer."""
     turns = press.turns_until_back
-    if any(is_cycle(each.motion) and each.motion.period_turns != turns for each in conditions):
+    if is_cycle(condition.motion) and condition.motion.period_turns != turns:
         after = "never" if turns is None else f"only after {turns} turns"
         raise PinpressError(
             f"with a counterweight on a geared shaft {press.name} repeats itself {after}, and the motion is shorter: give a motion over"

@@ -3,20 +3,22 @@
 A criterion is the range, rms or peak of a force, moment or torque over a motion; the added mass can be minimised or limited too. All are
 convex functions of the added masses, because every force is linear in the masses. The constant part of a force, which includes the
 weight, shakes nothing: range and rms leave it out, and the peak counts it. The variables are those of the regions for counterweights,
-scaled so that all numbers are about one in size.
+scaled so that all numbers are about one in size; a counterweight that is set anew in every operating condition has variables for each.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
 
 from ..common.arguments import suitable_numbers
-from ..common.conic_program import Rows
+from ..common.conic_program import EQUAL, Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import Array
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
@@ -25,6 +27,7 @@ from .counterweights import MassResponse, OperatingCondition, mass_response, mov
 from .regions import CounterweightRegion, RegionVariables, points_of, region_variables
 
 ROUNDING = 1e-11  # a criterion below this share of the largest change that the regions can cause is zero
+ALIKE = 1e-12  # a region is the same in two presses up to this share of its masses and places
 NOISE = 1e-12  # a criterion below this share of the vector of which it takes a component is rounding
 DRIVING = {"driving_torque": "N m", "driving_force": "N"}  # the latter of drivers that slide
 QUANTITIES = {"shaking_force": "N", "shaking_moment": "N m", **DRIVING, "bearing_force": "N", "bearing_moment": "N m"}
@@ -181,7 +184,8 @@ class Signal:
     Attributes:
         criterion: the criterion.
         condition: number of the operating condition.
-        size: value of the criterion before balancing, in its unit; where that is zero, the most that the regions can change of it.
+        size: value of the criterion before balancing in its worst condition, in its unit; where that is zero, the most that the regions can
+            change of it.
         fixed: (n, components) series without counterweights, with what `Criterion.varying` keeps of it [-].
         effects: (n, components, variables) its change by one of each variable [-].
     """
@@ -199,24 +203,28 @@ class Signal:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BalancingProblem:
-    """A press in its operating conditions, and how all that is measured depends on the regions' variables.
+    """A press in its operating conditions, and how all that is measured depends on the variables.
 
     Attributes:
         press: the press before balancing.
         conditions: operating conditions.
+        shares: (conditions,) weight of each condition in the objective, with the sum one; None where the worst condition counts.
         reactions: reactions of the press in every condition, with the bearings that are measured.
-        regions: regions, whose variables stand one after the other.
+        regions: for every condition the regions, described in the press as it is set up there.
+        columns: for every condition the variables of its regions, one region after the other.
         rows: constraints of the regions on all variables.
         signals: signals of all criteria in all conditions.
-        mass: (variables,) mass that one of each variable means [kg].
+        mass: (settings, variables) mass that one of each variable means, a row for each condition where masses are set anew, else one [kg].
         replaced_mass: mass of the links' own that regions replace [kg].
         moving_mass: mass of all links but the frame, before balancing [kg].
     """
 
     press: Linkage
     conditions: tuple[OperatingCondition, ...]
+    shares: Array | None
     reactions: tuple[Reactions, ...]
-    regions: tuple[RegionVariables, ...]
+    regions: tuple[tuple[RegionVariables, ...], ...]
+    columns: tuple[NDArray[np.intp], ...]
     rows: tuple[Rows, ...]
     signals: tuple[Signal, ...]
     mass: Array
@@ -224,17 +232,34 @@ class BalancingProblem:
     moving_mass: float
 
     @property
+    def size(self) -> int:
+        """Number of variables."""
+        return len(self.mass[0])
+
+    @property
     def unlimited(self) -> Array:
-        """(variables,) `mass` in regions whose mass has no upper limit, zero in the others."""
-        return np.concatenate([each.mass * math.isinf(each.region.mass[1]) for each in self.regions])
+        """(settings, variables) `mass` in regions whose mass has no upper limit, zero in the others."""
+        free = np.zeros(self.size)
+        for columns, each in (part for condition in range(len(self.conditions)) for part in self.parts(condition)):
+            free[columns] = math.isinf(each.region.mass[1])
+        return self.mass * free
+
+    def parts(self, condition: int) -> Iterator[tuple[NDArray[np.intp], RegionVariables]]:
+        """The variables of each region in an operating condition, and the region."""
+        ends = np.cumsum([len(each.mass) for each in self.regions[condition]])[:-1]
+        yield from zip(np.split(self.columns[condition], ends), self.regions[condition], strict=True)
 
     def added_mass(self, u: Array) -> float:
-        """Mass that balancing adds at values (variables,) [kg]."""
-        return float(self.mass @ u) - self.replaced_mass
+        """Mass that balancing adds at values (variables,), in the condition where it is most [kg]."""
+        return float((self.mass @ u).max()) - self.replaced_mass
 
 
 def build_problem(
-    press: Linkage, conditions: Sequence[OperatingCondition], regions: Sequence[CounterweightRegion], targets: Sequence[Target]
+    press: Linkage,
+    conditions: Sequence[OperatingCondition],
+    regions: Sequence[CounterweightRegion],
+    targets: Sequence[Target],
+    shares: Array | None = None,
 ) -> BalancingProblem:
     """Set up a problem: reactions before balancing, the regions' variables, and the signals of all criteria.
 
@@ -243,42 +268,72 @@ def build_problem(
         conditions: its operating conditions.
         regions: where counterweights may be.
         targets: all criteria that will be minimised or limited.
+        shares: (conditions,) weight of each condition in the objective, with the sum one; None where the worst condition counts.
 
     Raises:
         UnknownNameError: the press has no such link or bearing.
-        PinpressError: there are no regions, a region does not fit the press, or a motion is not one of the press.
+        PinpressError: there are no regions, a region does not fit the press, a motion is not one of the press, or a press in an operating
+            condition has other links or bearings.
     """
-    _refuse_no_regions(regions)
+    refuse_no_regions(regions)
     criteria = list(dict.fromkeys(target for target in targets if isinstance(target, Criterion)))
     for criterion in criteria:
         _refuse_unknown(criterion, press)
+    presses = [each.set_up(press) for each in conditions]
+    for number, other in enumerate(presses):
+        _refuse_other_press(press, other, conditions[number], number)
     bearings = tuple(dict.fromkeys(criterion.bearing for criterion in criteria if criterion.bearing is not None))
-    reactions = tuple(inverse_dynamics(press, each.motion, each.loads, bearings=bearings) for each in conditions)
+    reactions = tuple(
+        inverse_dynamics(each, condition.motion, condition.loads, bearings=bearings)
+        for each, condition in zip(presses, conditions, strict=True)
+    )
     inertia_counts, moving = any(criterion.quantity != "shaking_force" for criterion in criteria), moving_mass(press)
-    variables = _variables(press, regions, inertia_counts, [moving] * len(regions))
-    signals = [
-        signal
+    variables = _in_all(press, presses, regions, inertia_counts, [moving] * len(regions))
+    series = [
+        each
         for number, (condition, before) in enumerate(zip(conditions, reactions, strict=True))
-        for signal in _signals(press, condition, number, before, variables, criteria)
+        for each in _series(presses[number], condition, number, before, variables[number], criteria)
     ]
+    signals = [signal for criterion in criteria for signal in _of_one_size([each for each in series if each.criterion == criterion])]
     # The unit of a region's variables becomes the mass that changes the criteria by about as much as they are.
-    shares = _shares(variables, signals)
-    variables = _variables(press, regions, inertia_counts, [moving * share for share in shares])
-    factors = np.concatenate([np.full(len(each.mass), share) for each, share in zip(variables, shares, strict=True)])
+    shares_of_mass = _shares(variables[0], signals)
+    variables = _in_all(press, presses, regions, inertia_counts, [moving * share for share in shares_of_mass])
+    factors = np.concatenate([np.full(len(each.mass), share) for each, share in zip(variables[0], shares_of_mass, strict=True)])
+    columns, width = _columns(variables[0], len(presses))
     return BalancingProblem(
         press,
         conditions=tuple(conditions),
+        shares=shares,
         reactions=reactions,
         regions=variables,
-        rows=_joined(variables),
-        signals=tuple(replace(signal, effects=signal.effects * factors) for signal in signals),
-        mass=np.concatenate([each.mass for each in variables]),
-        replaced_mass=sum(each.replaced.mass for each in variables if each.replaced is not None),
+        columns=columns,
+        rows=_joined(variables, columns, width),
+        signals=tuple(replace(each, effects=_spread(each.effects * factors, columns[each.condition], width)) for each in signals),
+        mass=_masses(variables, columns, width),
+        replaced_mass=sum(each.replaced.mass for each in variables[0] if each.replaced is not None),
         moving_mass=moving,
     )
 
 
-def _refuse_no_regions(regions: Sequence[CounterweightRegion]) -> None:
+def _refuse_other_press(press: Linkage, other: Linkage, condition: OperatingCondition, number: int) -> None:
+    """Raise where the press of an operating condition is another machine than the press itself."""
+    same = (
+        (press.links, other.links, "links"),
+        (press.joints, other.joints, "joints"),
+        (press.bearings, other.bearings, "bearings"),
+        (press.drivers, other.drivers, "drivers"),
+    )
+    what = next((word for own, its, word in same if own != its), None)
+    if what is not None:
+        name = condition.name or f"number {number}"
+        raise PinpressError(
+            f"operating condition {name}: its press {other.name} has other {what} than {press.name}: give the same press with"
+            " another die or stroke"
+        )
+
+
+def refuse_no_regions(regions: Sequence[CounterweightRegion]) -> None:
+    """Raise PinpressError where there are no regions."""
     if not isinstance(regions, list | tuple) or not regions or not all(isinstance(each, CounterweightRegion) for each in regions):
         raise PinpressError(
             "regions is no list of CounterweightRegion: say on which links counterweights may be,"
@@ -304,6 +359,38 @@ def _refuse_unknown(criterion: Criterion, press: Linkage) -> None:
         raise PinpressError(f"{press.name} has {len(press.drivers)} {efforts}s, which have no range as a whole: take Rms or Peak")
 
 
+def _in_all(
+    press: Linkage, presses: Sequence[Linkage], regions: Sequence[CounterweightRegion], inertia_counts: bool, units: Sequence[float]
+) -> tuple[tuple[RegionVariables, ...], ...]:
+    """Regions as variables in every operating condition; ``units``: for each region the mass that one of its variables means [kg].
+
+    Raises:
+        PinpressError: as `region_variables`, or a region is not the same in all of them.
+    """
+    own = _variables(press, regions, inertia_counts, units)
+    found = [own if each is press else _variables(each, regions, inertia_counts, units) for each in presses]
+    for other, variables in zip(presses, found, strict=True):
+        for here, there in zip(own, variables, strict=True):
+            _refuse_other_region(press, other, here, there)
+    return tuple(found)
+
+
+def _refuse_other_region(press: Linkage, other: Linkage, here: RegionVariables, there: RegionVariables) -> None:
+    """Raise where one of a variable is not the same body in both presses, so that one counterweight cannot be described for both."""
+    compared = [(a.masses, b.masses) for a, b in zip(here.parts, there.parts, strict=True)]
+    compared += [(a.points, b.points) for a, b in zip(here.parts, there.parts, strict=True)]
+    compared.append(
+        tuple(each.model.frames[each.model.getFrameId(here.region.link, pin.BODY)].placement.homogeneous for each in (press, other))
+    )
+    if here.replaced is not None and there.replaced is not None:
+        compared.append((np.array([here.replaced.mass]), np.array([there.replaced.mass])))
+    if here.joint != there.joint or any(a.shape != b.shape or (np.abs(a - b) > ALIKE * np.abs(a).max()).any() for a, b in compared):
+        raise PinpressError(
+            f"{here.region.words}: it is another body in one operating condition than in another, as the link has another frame, or its own"
+            " mass, which is replaced, is another: put the die on a link that keeps its mass, or give at, radius or corners"
+        )
+
+
 def _variables(
     press: Linkage, regions: Sequence[CounterweightRegion], inertia_counts: bool, units: Sequence[float]
 ) -> tuple[RegionVariables, ...]:
@@ -316,26 +403,50 @@ def _variables(
     return variables
 
 
-def _signals(
+class _Series(NamedTuple):
+    """The series of a criterion in one operating condition, in its unit.
+
+    Attributes:
+        criterion: the criterion.
+        condition: number of the operating condition.
+        fixed: (n, components) without counterweights.
+        replaced: (n, components) of the masses that regions replace.
+        effects: (n, components, variables) of one of each of the regions' variables.
+        before: the criterion before balancing.
+        influence: the largest criterion of an effect.
+        noise: what is rounding.
+    """
+
+    criterion: Criterion
+    condition: int
+    fixed: Array
+    replaced: Array
+    effects: Array
+    before: float
+    influence: float
+    noise: float
+
+
+def _series(
     press: Linkage,
     condition: OperatingCondition,
     number: int,
     reactions: Reactions,
     variables: Sequence[RegionVariables],
     criteria: Sequence[Criterion],
-) -> list[Signal]:
-    """The signals of one operating condition."""
+) -> list[_Series]:
+    """The series of all criteria in one operating condition."""
     inner_forces = any(not criterion.quantity.startswith("shaking") for criterion in criteria)
     responses = [mass_response(press, condition, reactions, part, inner_forces) for each in variables for part in each.parts]
     replaced = [points_of(press, each.region.link, each.replaced) for each in variables if each.replaced is not None]
     own = [mass_response(press, condition, reactions, masses, inner_forces) for masses in replaced]
-    return [_signal(criterion, number, reactions, responses, own) for criterion in criteria]
+    return [_series_of(criterion, number, reactions, responses, own) for criterion in criteria]
 
 
-def _signal(
+def _series_of(
     criterion: Criterion, number: int, reactions: Reactions, responses: Sequence[MassResponse], own: Sequence[MassResponse]
-) -> Signal:
-    """A criterion's signal.
+) -> _Series:
+    """A criterion's series.
 
     Args:
         criterion: the criterion.
@@ -346,12 +457,26 @@ def _signal(
     """
     forces: list[ForceSeries] = [reactions, *responses, *own]
     fixed, *others = (criterion.varying(criterion.series(each)) for each in forces)
-    effects, replaced = np.stack(others[: len(responses)], axis=2), others[len(responses) :]
+    effects, replaced = others[: len(responses)], others[len(responses) :]
+    return _Series(
+        criterion,
+        number,
+        fixed,
+        replaced=sum(replaced, np.zeros_like(fixed)),
+        effects=np.stack(effects, axis=2),
+        before=criterion.of(fixed),
+        influence=max(criterion.of(effect) for effect in effects),
+        noise=NOISE * max(float(np.abs(criterion.vector(each)).max()) for each in forces),
+    )
+
+
+def _of_one_size(series: Sequence[_Series]) -> Iterator[Signal]:
+    """The signals of one criterion in all conditions, divided by the same size, so that the worst is that of the largest value."""
     # Where the criterion is zero before, the effect of the regions gives the size; where they have none either, all is rounding.
-    influence = max(criterion.of(effect) for effect in others[: len(responses)])
-    noise = NOISE * max(float(np.abs(criterion.vector(each)).max()) for each in forces)
-    size = next((size for size in (criterion.of(fixed), influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
-    return Signal(criterion, number, size, (fixed - sum(replaced)) / size, effects / size)
+    before, influence, noise = (max(getattr(each, name) for each in series) for name in ("before", "influence", "noise"))
+    size = next((size for size in (before, influence) if size > max(noise, ROUNDING * influence)), noise or 1.0)
+    for each in series:
+        yield Signal(each.criterion, each.condition, size, (each.fixed - each.replaced) / size, each.effects / size)
 
 
 def _shares(variables: Sequence[RegionVariables], signals: Sequence[Signal]) -> list[float]:
@@ -361,15 +486,50 @@ def _shares(variables: Sequence[RegionVariables], signals: Sequence[Signal]) -> 
     return [1.0 / max(1.0, float(part.max(initial=0.0))) for part in np.split(largest, ends)]
 
 
-def _joined(variables: Sequence[RegionVariables]) -> tuple[Rows, ...]:
-    """The constraints of all regions, on the variables of all."""
-    width, start, rows = sum(len(each.mass) for each in variables), 0, []
+def _columns(variables: Sequence[RegionVariables], conditions: int) -> tuple[tuple[NDArray[np.intp], ...], int]:
+    """For every operating condition the columns of its regions' variables, and the number of all. A region that is set anew has its own in
+    every condition."""
+    found, width = [list[NDArray[np.intp]]() for _ in range(conditions)], 0
     for each in variables:
-        for part in each.rows:
-            coefficients = np.zeros((len(part.coefficients), width))
-            coefficients[:, start : start + len(each.mass)] = part.coefficients
-            rows.append(replace(part, coefficients=coefficients))
-        start += len(each.mass)
+        count = len(each.mass)
+        for number, columns in enumerate(found):
+            if number and each.region.reset:
+                width += count
+            columns.append(np.arange(width, width + count))
+        width += count
+    return tuple(np.concatenate(columns) for columns in found), width
+
+
+def _spread(local: Array, columns: NDArray[np.intp], width: int) -> Array:
+    """Coefficients (..., variables of one condition) as those (..., width) of all variables."""
+    wide = np.zeros((*local.shape[:-1], width))
+    wide[..., columns] = local
+    return wide
+
+
+def _masses(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[NDArray[np.intp]], width: int) -> Array:
+    """(settings, width) mass that one of each variable means [kg]."""
+    settings = len(columns) if any(each.region.reset == "mass" for each in variables[0]) else 1
+    mass = np.concatenate([each.mass for each in variables[0]])
+    return np.array([_spread(mass, columns[number], width) for number in range(settings)])
+
+
+def _joined(variables: Sequence[Sequence[RegionVariables]], columns: Sequence[NDArray[np.intp]], width: int) -> tuple[Rows, ...]:
+    """The constraints of all regions, on the variables of all conditions."""
+    ends, rows = np.cumsum([len(each.mass) for each in variables[0]])[:-1], list[Rows]()
+    first, *others = [np.split(each, ends) for each in columns]
+    for k, each in enumerate(variables[0]):
+        rows += (replace(part, coefficients=_spread(part.coefficients, first[k], width)) for part in each.rows)
+        for number, columns_of in enumerate(others if each.region.reset else (), 1):
+            in_condition = f", condition {number}"
+            rows += (
+                replace(part, coefficients=_spread(part.coefficients, columns_of[k], width), name=part.name and part.name + in_condition)
+                for part in each.rows
+            )
+            if each.region.reset == "position":  # the mass stays
+                unit = np.abs(each.mass).max()
+                difference = _spread(each.mass[None] / unit, columns_of[k], width) - _spread(each.mass[None] / unit, first[k], width)
+                rows.append(Rows(EQUAL, difference, np.zeros(1)))
     return tuple(rows)
 
 

@@ -7,7 +7,7 @@ optimum is that of all states, and its dual cost is a bound for all of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -52,7 +52,7 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
 
     Args:
         problem: the problem, with the signals of all criteria.
-        objective: targets with their weights; each counts relative to its value before balancing, in its worst operating condition.
+        objective: targets with their weights; each counts relative to its value before balancing in the worst operating condition.
         limits: the most of each target in all operating conditions, in its unit.
 
     Raises:
@@ -65,7 +65,7 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
     shares = {target: weight / total for target, weight in objective.items()}  # so that the cost is about one
     light, _ = _over_all_states(problem, states, lambda: _preferring_light(problem, *_program(problem, shares, limits, states)))
     best, rows = _over_all_states(problem, states, lambda: _program(problem, shares, limits, states))
-    u, prices = light.x[: len(problem.mass)], tuple(total * price for price in best.prices)
+    u, prices = light.x[: problem.size], tuple(total * price for price in best.prices)
     return ProvenOptimum(u, total * best.bound, light.residual, rows, prices)
 
 
@@ -86,13 +86,21 @@ def infeasible_limits(problem: BalancingProblem, limits: Mapping[Target, float])
 
 def objective_value(problem: BalancingProblem, objective: Mapping[Target, float], u: Array) -> float:
     """The objective at values (variables,) of the variables, over all states, weighted and relative to before balancing."""
-    total = 0.0
-    for target, weight in objective.items():
-        if isinstance(target, AddedMass):
-            total += weight * problem.added_mass(u) / problem.moving_mass
-        else:
-            total += weight * max(target.of(signal.at(u)) for signal in problem.signals if signal.criterion == target)
-    return total
+    return sum(weight * over_conditions(problem, _values(problem, target, u)) for target, weight in objective.items())
+
+
+def over_conditions(problem: BalancingProblem, values: Sequence[float]) -> float:
+    """What counts of the values of a target in all conditions, or of one that is the same in all: the largest, or the weighted mean."""
+    if problem.shares is None or len(values) == 1:
+        return max(values)
+    return float(problem.shares @ values)
+
+
+def _values(problem: BalancingProblem, target: Target, u: Array) -> list[float]:
+    """The values of a target in all conditions, relative to before balancing; one where masses are the same in all."""
+    if isinstance(target, AddedMass):
+        return [float(mass - problem.replaced_mass) / problem.moving_mass for mass in problem.mass @ u]
+    return [target.of(signal.at(u)) for signal in problem.signals if signal.criterion == target]
 
 
 def _least_relaxation(problem: BalancingProblem, limits: Mapping[Target, float]) -> tuple[float, list[tuple[str, float]]]:
@@ -119,7 +127,7 @@ def _over_all_states(
     for _ in range(MOST_ROUNDS):
         cost, rows = program()
         optimum = minimise(cost, rows)
-        found = {signal: _violated(signal, optimum.x[: len(problem.mass)], taken) for signal, taken in states.items()}
+        found = {signal: _violated(signal, optimum.x[: problem.size], taken) for signal, taken in states.items()}
         if not any(len(more) for more in found.values()):
             return optimum, rows
         states.update({signal: np.union1d(states[signal], more) for signal, more in found.items()})
@@ -156,13 +164,13 @@ class _Columns:
 
     Attributes:
         regions: number of the regions' variables, which come first.
-        bounds: column of the upper bound of each target of the objective.
+        bounds: column of the upper bound of each target of the objective in each condition; one for all where the worst counts.
         extremes: column of the largest value of each signal of a range; the smallest value is in the next column.
         width: number of all variables.
     """
 
     regions: int
-    bounds: Mapping[Target, int]
+    bounds: Mapping[tuple[Target, int], int]
     extremes: Mapping[Signal, int]
     width: int
 
@@ -203,31 +211,33 @@ def _program(
     """Cost and constraints over the states taken in. ``zero_as_equations``: whether limits of zero become equations."""
     columns = _columns(problem, objective)
     rows = [replace(part, coefficients=columns.wide(part.coefficients)) for part in problem.rows]
-    rows.append(Rows(AT_MOST, columns.wide(problem.unlimited[None] / (LARGEST * problem.moving_mass)), np.ones(1)))
+    rows += (Rows(AT_MOST, columns.wide(mass[None] / (LARGEST * problem.moving_mass)), np.ones(1)) for mass in problem.unlimited)
     for signal in problem.signals:
         rows += _signal_rows(signal, columns, states[signal], limits, zero_as_equations)
     rows += _added_mass_rows(problem, columns, limits)
     cost = np.zeros(columns.width)
-    for target, weight in objective.items():
-        cost[columns.bounds[target]] = weight
+    for (target, condition), column in columns.bounds.items():
+        share = problem.shares[condition] if problem.shares is not None and (target, 1) in columns.bounds else 1.0
+        cost[column] = objective[target] * share
     return cost, tuple(rows)
 
 
 def _columns(problem: BalancingProblem, objective: Mapping[Target, float]) -> _Columns:
-    count = len(problem.mass)
+    bounds, width = dict[tuple[Target, int], int](), problem.size
+    for target in objective:
+        conditions = len(problem.mass) if isinstance(target, AddedMass) else len(problem.conditions)
+        own = range(conditions) if problem.shares is not None else [0] * conditions
+        bounds |= {(target, condition): width + column for condition, column in enumerate(own)}
+        width += own[-1] + 1
     ranges = [signal for signal in problem.signals if isinstance(signal.criterion, Range)]
-    return _Columns(
-        regions=count,
-        bounds={target: count + i for i, target in enumerate(objective)},
-        extremes={signal: count + len(objective) + 2 * i for i, signal in enumerate(ranges)},
-        width=count + len(objective) + 2 * len(ranges),
-    )
+    extremes = {signal: width + 2 * i for i, signal in enumerate(ranges)}
+    return _Columns(problem.size, bounds, extremes, width + 2 * len(ranges))
 
 
 def _preferring_light(problem: BalancingProblem, cost: Array, rows: tuple[Rows, ...]) -> Program:
     """The program that prefers the lighter of equally good counterweights."""
     mass = np.zeros_like(cost)
-    mass[: len(problem.mass)] = problem.mass / problem.moving_mass
+    mass[: problem.size] = problem.mass.mean(axis=0) / problem.moving_mass
     return cost + LIGHTER * mass, rows
 
 
@@ -242,10 +252,10 @@ def _relaxed(cost: Array, rows: tuple[Rows, ...]) -> Program:
     return np.append(np.zeros_like(cost), 1.0), tuple(more)
 
 
-def _ceilings(target: Target, size: float, columns: _Columns, limits: Mapping[Target, float]) -> Iterator[_Ceiling]:
-    """The bound of a target of the objective, and the limit of a target that is limited."""
-    if target in columns.bounds:
-        yield _Ceiling(columns.bounds[target], 0.0, "")
+def _ceilings(target: Target, condition: int, size: float, columns: _Columns, limits: Mapping[Target, float]) -> Iterator[_Ceiling]:
+    """The bound of a target of the objective in an operating condition, and the limit of a target that is limited."""
+    if (target, condition) in columns.bounds:
+        yield _Ceiling(columns.bounds[target, condition], 0.0, "")
     if target in limits:
         yield _Ceiling(None, limits[target] / size, limit_words(target, limits[target]))
 
@@ -258,7 +268,7 @@ def _signal_rows(
         effects, fixed, high = signal.effects[states], signal.fixed[states], columns.extremes[signal]
         yield Rows(AT_MOST, columns.wide(effects[:, 0], {high: -1.0}), -fixed[:, 0])
         yield Rows(AT_MOST, columns.wide(-effects[:, 0], {high + 1: 1.0}), fixed[:, 0])
-    for ceiling in _ceilings(signal.criterion, signal.size, columns, limits):
+    for ceiling in _ceilings(signal.criterion, signal.condition, signal.size, columns, limits):
         if zero_as_equations and ceiling.column is None and ceiling.number == 0.0:
             yield _constant_signal(signal, columns, ceiling.name)
         else:
@@ -312,8 +322,9 @@ def _constant_signal(signal: Signal, columns: _Columns, name: str) -> Rows:
 
 def _added_mass_rows(problem: BalancingProblem, columns: _Columns, limits: Mapping[Target, float]) -> Iterator[Rows]:
     """The constraints that hold the added mass below its bound and limit."""
-    for ceiling in _ceilings(AddedMass(), problem.moving_mass, columns, limits):
-        most = problem.replaced_mass / problem.moving_mass + ceiling.number
-        size = max(1.0, most)
-        mass = columns.wide(problem.mass[None] / (size * problem.moving_mass), ceiling.slope(size))
-        yield Rows(AT_MOST, mass, np.array([most / size]), ceiling.name, size * problem.moving_mass)
+    for condition, added in enumerate(problem.mass):
+        for ceiling in _ceilings(AddedMass(), condition, problem.moving_mass, columns, limits):
+            most = problem.replaced_mass / problem.moving_mass + ceiling.number
+            size = max(1.0, most)
+            mass = columns.wide(added[None] / (size * problem.moving_mass), ceiling.slope(size))
+            yield Rows(AT_MOST, mass, np.array([most / size]), ceiling.name, size * problem.moving_mass)

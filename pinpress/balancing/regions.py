@@ -24,6 +24,7 @@ from ..linkage.linkage import Linkage
 from .counterweights import PointMasses, carrying_joint, rigid_body, unit_tensor
 
 Vector = tuple[float, float, float]
+RESETS = ("", "mass", "position")
 FLAT = 1e-9  # corners this close to a plane are in it, as a share of the press's size
 
 
@@ -45,9 +46,13 @@ class CounterweightRegion:
         gyration: radius of gyration of the counterweight's material about the normal of the plane (in a press that is not planar, about
             every axis), in addition to the spread over circle or polygon [m].
         replaces: whether the counterweight takes the place of the link's own mass.
+        reset: what is set anew in every operating condition, as with every change of the die: "mass", at a place that stays (``at``, or the
+            link's own shape); "position", where the material of a mass that stays is placed anew within ``radius`` or ``corners``; "" for
+            nothing.
 
     Raises:
-        PinpressError: the place is missing or given twice, or a number is not finite or negative where it must not be.
+        PinpressError: the place is missing or given twice, a number is not finite or negative where it must not be, or what is to be set
+            anew does not go with the place.
     """
 
     link: str
@@ -58,6 +63,7 @@ class CounterweightRegion:
     corners: tuple[Vector, ...] = ()
     gyration: float = 0.0
     replaces: bool = False
+    reset: str = ""
 
     def __post_init__(self) -> None:
         for name, unit in (("mass", "kg"), *((name, "m") for name in ("at", "radius", "centre", "corners", "gyration"))):
@@ -71,6 +77,7 @@ class CounterweightRegion:
         for name, length in (("radius", self.radius), ("gyration", self.gyration)):
             if length is not None:
                 suitable_numbers(f"{self.words}: {name}", length, "a length that is not negative [m]", suits=lambda size: size >= 0)
+        self._refuse_wrong_reset()
         if self.gyration and not places:
             raise PinpressError(f"{self.words}: the link keeps its own shape, and its radius of gyration with it: leave gyration out")
 
@@ -88,6 +95,17 @@ class CounterweightRegion:
             raise PinpressError(
                 f"{self.words}: give its place: at, radius or corners (or replaces=True, for another mass of the link itself)"
             )
+
+    def _refuse_wrong_reset(self) -> None:
+        if not isinstance(self.reset, str) or self.reset not in RESETS:
+            raise PinpressError(f"{self.words}: reset is {shown(self.reset)}: give one of {', '.join(map(repr, RESETS))}")
+        has_shape = self.radius is not None or bool(self.corners)
+        if self.reset == "mass" and has_shape:
+            raise PinpressError(
+                f"{self.words}: a mass that is set anew needs a place that stays, at=...; within a shape reset='position' moves it"
+            )
+        if self.reset == "position" and not has_shape:
+            raise PinpressError(f"{self.words}: a position that is set anew needs room, radius=... or corners=...; at a point reset='mass'")
 
     def _refuse_wrong_mass(self) -> None:
         mass = any_numbers(f"{self.words}: mass", self.mass)

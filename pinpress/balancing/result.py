@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..common import tables
-from ..common.quantities import RPM
+from ..common.quantities import RPM, Array
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..dynamics.extremes import AXES, ROUNDING, Rounding, rounding
@@ -77,15 +77,18 @@ class BalancedPress(Tabular):
 
     Attributes:
         original: the press before balancing.
-        press: the press with its counterweights, which `write_urdf` writes.
+        press: the press with its counterweights, which `write_urdf` writes; those that are set anew are as in the first condition.
+        presses: the balanced press in every operating condition, with its die and stroke, and the counterweights as they are set there.
         conditions: operating conditions in which it was balanced.
         objective: criteria with their weights.
         limits: limits as they were given.
-        counterweights: counterweights in the order of the regions, without those of zero mass. Where a region replaces a link's own mass,
-            its counterweight is all of that mass.
-        added_mass: mass that balancing adds in all [kg].
-        value: the objective reached. For one criterion in one operating condition it has the criterion's unit; otherwise it is the weighted
-            sum of criteria relative to before.
+        shares: (conditions,) weights of the operating conditions, with the sum one; None where the worst counts.
+        counterweights: counterweights in the first condition in the order of the regions, without those of zero mass. Where a region
+            replaces a link's own mass, its counterweight is all of that mass.
+        settings: counterweights in every condition; they differ where regions are set anew.
+        added_mass: mass that balancing adds in all, in the condition where it is most [kg].
+        value: the objective reached, in the worst condition or as the mean by shares. For one criterion it has the criterion's unit; for
+            several with weights it is their sum, each relative to its largest value before.
         unit: unit of the value; empty where the value is relative.
         bound: proven lower bound of the objective for all counterweights in these regions, at the states of the motion. The difference from
             ``value`` is the part left unproved and the cost of preferring lighter counterweights.
@@ -99,10 +102,13 @@ class BalancedPress(Tabular):
 
     original: Linkage
     press: Linkage
+    presses: tuple[Linkage, ...]
     conditions: tuple[OperatingCondition, ...]
     objective: Mapping[Target, float]
     limits: Mapping[Target, float]
+    shares: Array | None
     counterweights: Records[Counterweight]
+    settings: tuple[Records[Counterweight], ...]
     added_mass: float
     value: float
     unit: str
@@ -138,9 +144,10 @@ class BalancedPress(Tabular):
 
 def _side_effects(balanced: BalancedPress) -> Records[CriterionChange]:
     asked = {change.criterion for change in balanced.changes}
+    originals = [each.set_up(balanced.original) for each in balanced.conditions]
     before, after = (
-        [inverse_dynamics(press, some.motion, each.loads) for some, each in zip(known, balanced.conditions, strict=True)]
-        for press, known in ((balanced.original, balanced.reactions_before), (balanced.press, balanced.reactions_after))
+        [inverse_dynamics(press, some.motion, each.loads) for press, some, each in zip(presses, known, balanced.conditions, strict=True)]
+        for presses, known in ((originals, balanced.reactions_before), (balanced.presses, balanced.reactions_after))
     )
     least_of, found = [rounding(reactions) for reactions in before], list[CriterionChange]()
     for criterion in _criteria_of(balanced.original):
@@ -190,44 +197,72 @@ def _text(balanced: BalancedPress) -> str:
     )
 
 
+def condition_name(balanced: BalancedPress, number: int) -> str:
+    """The name of an operating condition in tables: its own, or its number."""
+    return balanced.conditions[number].name or f"{number}"
+
+
 def _condition_words(condition: OperatingCondition) -> str:
     speed, states = condition.motion.crank_speed, f"{len(condition.motion.crank_angle)} states"
     even = speed.ndim == 1 and abs(speed - speed[0]).max() <= ROUNDING * abs(speed[0])
+    named = f"{condition.name}, " if condition.name else ""
     loads = f", {len(condition.loads)} load{'s' if len(condition.loads) > 1 else ''}" if condition.loads else ""
-    return f"{speed[0] / RPM:g} r/min of joint {condition.motion.drivers[0]}, {states}{loads}" if even else f"a motion of {states}{loads}"
+    motion = f"{speed[0] / RPM:g} r/min of joint {condition.motion.drivers[0]}, {states}" if even else f"a motion of {states}"
+    return f"{named}{motion}{loads}"
 
 
 def _counterweight_lines(balanced: BalancedPress) -> list[str]:
-    weights, most = balanced.counterweights, balanced.limits.get(MASS)
-    width = max(26, *(len(weight.link) + 2 for weight in weights)) if weights else 26
-    heads = ("mass [kg]", "x [mm]", "y [mm]", "z [mm]", "inertia [kg m2]")
-    limited = "" if most is None else f", at most {most:g} kg"
-    lengths, moving = tables.scale("m", [], ROUNDING * balanced.original.size), moving_mass(balanced.original)
-    masses = tables.scale("kg", [moving])
+    most = balanced.limits.get(MASS)
     rows = [
-        [weight.link, tables.cell(weight.mass), *map(lengths.shown, map(float, weight.position)), tables.cell(weight.inertia)]
-        for weight in weights
+        [weight.link, condition, tables.cell(weight.mass), *places, tables.cell(weight.inertia)]
+        for condition, weight, places in counterweight_rows(balanced)
     ]
-    *lines, added = tables.table([["", *heads], *rows, ["added mass", tables.cell(balanced.added_mass)]], [width, 16])
+    several = any(row[1] for row in rows)
+    heads = ["", "condition", "mass [kg]", "x [mm]", "y [mm]", "z [mm]", "inertia [kg m2]"]
+    kept = [k for k in range(len(heads)) if k != 1 or several]
+    width = max(26, *(len(row[0]) + 2 for row in rows)) if rows else 26
+    limited = "" if most is None else f", at most {most:g} kg"
+    masses = tables.scale("kg", [moving_mass(balanced.original)])
+    shown = [heads, *rows, ["added mass", "", tables.cell(balanced.added_mass)]]
+    *lines, added = tables.table([[row[k] for k in kept if k < len(row)] for row in shown], [width, 16])
     return [
         "",
         "Counterweights (centre of mass in the link's own frame; where one replaces the link's own mass, it is all of that mass)",
         *lines,
-        f"{added} kg, beside {masses.shown(moving)} {masses.unit} of moving mass{limited}",
+        f"{added} kg, beside {masses.shown(moving_mass(balanced.original))} {masses.unit} of moving mass{limited}",
     ]
+
+
+def counterweight_rows(balanced: BalancedPress) -> Iterator[tuple[str, Counterweight, list[str]]]:
+    """Condition, counterweight and its centre of mass in words [mm]; the condition is empty for one that all conditions share."""
+    lengths = tables.scale("m", [], ROUNDING * balanced.original.size)
+    for number, weights in enumerate(balanced.settings):
+        for weight in weights:
+            shared = all(weight in others for others in balanced.settings)
+            if not (shared and number):
+                yield "" if shared else condition_name(balanced, number), weight, [lengths.shown(float(x)) for x in weight.position]
 
 
 def _objective_lines(balanced: BalancedPress) -> list[str]:
     terms, unit = balanced.objective, balanced.unit
+    how = (
+        ""
+        if len(balanced.conditions) == 1
+        else "; the worst condition counts"
+        if balanced.shares is None
+        else "; the mean by shares counts"
+    )
     if unit:
         (target,) = terms
-        what, before = target.words, before_balancing(balanced, target)
+        what, before = f"{target.words}{how}", before_balancing(balanced, target)
     else:
-        what = (
-            f"{' + '.join(f'{weight:g} x {target.words}' for target, weight in terms.items())}; each relative to before, in its worst"
-            " condition"
+        sums = " + ".join(f"{weight:g} x {target.words}" for target, weight in terms.items())
+        what = f"{sums}; each relative to before{how}"
+        before = sum(
+            weight * before_balancing(balanced, target) / max(change.before for change in balanced.changes if change.criterion == target)
+            for target, weight in terms.items()
+            if isinstance(target, Criterion)
         )
-        before = sum(weight for target, weight in terms.items() if isinstance(target, Criterion))
     gap = balanced.value - balanced.bound
     scale = tables.scale(unit, [before, balanced.value])
     return [
@@ -241,8 +276,9 @@ def _objective_lines(balanced: BalancedPress) -> list[str]:
 
 
 def before_balancing(balanced: BalancedPress, target: Target) -> float:
-    """A criterion that was minimised or limited, before balancing in the first operating condition; no mass is added then."""
-    return next((change.before for change in balanced.changes if change.criterion == target), 0.0)
+    """A criterion that was minimised or limited, before balancing: its worst value or its mean by shares. No mass is added then."""
+    values = [change.before for change in balanced.changes if change.criterion == target] or [0.0]
+    return max(values) if balanced.shares is None or len(values) == 1 else float(balanced.shares @ values)
 
 
 def _active_lines(balanced: BalancedPress) -> list[str]:
@@ -269,7 +305,7 @@ def _cells(balanced: BalancedPress, rows: Sequence[CriterionChange]) -> Iterator
         scale = tables.scale(row.criterion.unit, same)
         yield [
             f"{row.criterion.words} [{scale.unit}]",
-            f"{row.condition}" if len(balanced.conditions) > 1 else "",
+            condition_name(balanced, row.condition) if len(balanced.conditions) > 1 else "",
             scale.shown(row.before),
             scale.shown(row.after),
             "" if math.isnan(row.change) else f"{round(100 * row.change, 2) + 0.0:+.2f} %",

@@ -144,6 +144,10 @@ QUICK = {
     "balancing.with_counterweights": "pp.balancing.with_counterweights(press, [pp.balancing.Counterweight('crank', 100.0)])",
     "balancing.balance": "pp.balancing.balance(press, motion, regions=REGIONS, minimise=VERTICAL)",
     "balancing.trade_off": "pp.balancing.trade_off(press, motion, regions=REGIONS, first=VERTICAL, second=ADDED, points=11)",
+    "balancing.compare_conditions": (
+        "pp.balancing.compare_conditions(press, [pp.balancing.OperatingCondition(motion, name=name) for name in 'ab'], regions=REGIONS,"
+        " minimise=VERTICAL)"
+    ),
     "classical.approximate_balance": "classical.approximate_balance(crank_slide, radius=0.2, share=0.5)",
     "classical.complete_balance": "classical.complete_balance(crank_slide, rod_radius=0.2, crank_radius=0.2)",
     "classical.compare_harmonics": "classical.compare_harmonics(reactions, reactions)",

@@ -34,6 +34,7 @@ MADE = {
     "BottomCondition",
     "AddedMass",
     "BalancedPress",
+    "ConditionComparison",
     "ElasticDeadCentre",
     "DeadCentres",
     "Dyad",

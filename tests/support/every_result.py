@@ -251,6 +251,13 @@ def trade_off():
 
 
 @cache
+def compared_conditions():
+    conditions = [pp.balancing.OperatingCondition(motion(), name=name) for name in ("one", "two")]
+    regions = [pp.balancing.CounterweightRegion("crank", radius=0.2, mass=(0, 50))]
+    return pp.balancing.compare_conditions(press(), conditions, regions=regions, minimise=X)
+
+
+@cache
 def two_cranks():
     return classical.with_opposed_balancer(press(), 0.05)
 
@@ -297,6 +304,7 @@ def made():
             *balance().active,
             *balance().counterweights,
             trade_off(),
+            compared_conditions(),
             synthesis(),
             synthesis().table()[0],
             *held().active,

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...balancing.optimum import TradeOffCurve
 from ...balancing.problem import Target
-from ...balancing.result import BalancedPress, CriterionChange, before_balancing, price_in_words
+from ...balancing.result import BalancedPress, CriterionChange, before_balancing, condition_name, counterweight_rows, price_in_words
 from ...common import tables
 from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
@@ -81,12 +81,13 @@ def _figures(balanced: BalancedPress) -> Figures:
 
 
 def _counterweights(balanced: BalancedPress) -> Table:
-    heads = ["link", "mass [kg]", "x [mm]", "y [mm]", "z [mm]", "inertia [kg m²]"]
-    lengths = tables.scale("m", [balanced.original.size])
+    heads = ["link", "condition", "mass [kg]", "x [mm]", "y [mm]", "z [mm]", "inertia [kg m²]"]
     rows = [
-        [weight.link, tables.cell(weight.mass), *map(lengths.shown, map(float, weight.position)), tables.cell(weight.inertia)]
-        for weight in balanced.counterweights
+        [weight.link, condition, tables.cell(weight.mass), *places, tables.cell(weight.inertia)]
+        for condition, weight, places in counterweight_rows(balanced)
     ]
+    if not any(row[1] for row in rows):
+        heads, *rows = ([*row[:1], *row[2:]] for row in [heads, *rows])
     note = "Centres of mass in the link's own frame; one that replaces a link's own mass is all of it."
     return Table("Counterweights", heads, rows, note=note)
 
@@ -105,8 +106,14 @@ def _criteria(title: str, balanced: BalancedPress, changes: Sequence[CriterionCh
         share = "" if math.isnan(change.change) else f"{round(100 * change.change, 2) + 0.0:+.2f} %"
         cells = [scale.shown(change.before), scale.shown(change.after), share]
         cells += ["" if limit is None else scale.shown(limit)] if limited else []
-        rows.append([f"{change.criterion.words} [{scale.unit}]", *([f"{change.condition}"] if several else []), *cells])
-    note = "; ".join(f"{number}: {_pace(balanced, number)}" for number in range(len(balanced.conditions))) if several else ""
+        rows.append(
+            [f"{change.criterion.words} [{scale.unit}]", *([condition_name(balanced, change.condition)] if several else []), *cells]
+        )
+    note = (
+        "; ".join(f"{condition_name(balanced, number)}: {_pace(balanced, number)}" for number in range(len(balanced.conditions)))
+        if several
+        else ""
+    )
     return [Table(title, heads, rows, note=f"Conditions: {note}" if note else "")]
 
 
@@ -117,7 +124,8 @@ def _pace(balanced: BalancedPress, number: int) -> str:
 
 def _shaking(balanced: BalancedPress) -> list[Block]:
     """The shaking force in the first operating condition, before and after."""
-    known = (balanced.original, balanced.reactions_before[0]), (balanced.press, balanced.reactions_after[0])
+    original = balanced.conditions[0].set_up(balanced.original)
+    known = (original, balanced.reactions_before[0]), (balanced.presses[0], balanced.reactions_after[0])
     # with all bearings, by which rounding is known; balancing computes only those that are asked for
     before, after = (charts.shaking(inverse_dynamics(press, each.motion, balanced.conditions[0].loads)) for press, each in known)
     motion = balanced.conditions[0].motion

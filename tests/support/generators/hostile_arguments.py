@@ -390,7 +390,7 @@ def calls() -> dict[str, Call]:
                 "shaking_force": 1e4,
             },
         ),
-        ("OperatingCondition", pp.balancing.OperatingCondition, lambda: {"motion": motion(), "loads": []}),
+        ("OperatingCondition", pp.balancing.OperatingCondition, lambda: {"motion": motion(), "loads": [], "press": press(), "name": "one"}),
         ("ConstantTorque", pp.drives.ConstantTorque, lambda: {"value": 1.0}),
         ("Counterweight", pp.balancing.Counterweight, lambda: {"link": "crank", "mass": 1.0, "position": (0.1, 0.0, 0.0), "inertia": 0.1}),
         ("Flywheel", pp.drives.Flywheel, lambda: {"inertia": 1.0, "speed": 7.0}),
@@ -408,7 +408,7 @@ def calls() -> dict[str, Call]:
             pp.balancing.CounterweightRegion,
             lambda: {"link": "crank", "mass": (0.0, 10.0), "radius": 0.3, "centre": (0.0, 0.0, 0.0), "gyration": 0.1, "replaces": False},
         ),
-        ("CounterweightRegion", pp.balancing.CounterweightRegion, lambda: {"link": "crank", "at": (0.1, 0.0, 0.0)}),
+        ("CounterweightRegion", pp.balancing.CounterweightRegion, lambda: {"link": "crank", "at": (0.1, 0.0, 0.0), "reset": "mass"}),
         (
             "CounterweightRegion",
             pp.balancing.CounterweightRegion,
@@ -1029,7 +1029,28 @@ def calls() -> dict[str, Call]:
         (
             "balance",
             pp.balancing.balance,
-            lambda: {"press": press(), "motion": motion(), "regions": REGIONS, "minimise": X, "limits": {pp.balancing.AddedMass(): 20.0}},
+            lambda: {
+                "press": press(),
+                "motion": motion(),
+                "regions": REGIONS,
+                "minimise": X,
+                "limits": {pp.balancing.AddedMass(): 20.0},
+                "shares": [1.0],
+            },
+        ),
+        (
+            "compare_conditions",
+            pp.balancing.compare_conditions,
+            lambda: {
+                "press": press(),
+                "conditions": [
+                    pp.balancing.OperatingCondition(motion(), name="one"),
+                    pp.balancing.OperatingCondition(motion(), name="two"),
+                ],
+                "regions": REGIONS,
+                "minimise": X,
+                "limits": {},
+            },
         ),
         (
             "trade_off",

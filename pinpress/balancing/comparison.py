@@ -1,0 +1,113 @@
+"""Balance over changes of die, stroke and speed: what the optimum for one operating condition leaves in the others, and what a compromise
+and counterweights that are set anew make of it. Zhang 2007, 1.2.1: with another upper die balancing gets worse."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..common.arguments import typed
+from ..common.errors import PinpressError, shown
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..common.tables import Column
+from ..linkage.linkage import Linkage
+from .counterweights import OperatingCondition
+from .optimum import balance
+from .problem import Criterion, Target, refuse_no_regions
+from .regions import CounterweightRegion
+from .result import BalancedPress, condition_name
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ConditionComparison(Tabular):
+    """A criterion in all operating conditions, of designs for one of them each, of a compromise, and of one that is set anew.
+
+    Attributes:
+        criterion: what was minimised.
+        names: names of the designs: "none", the press before balancing; "best for" each operating condition, without regard to the others;
+            "compromise", the least of the worst; and, where regions are set anew, "set anew".
+        conditions: names of the operating conditions.
+        values: (designs, conditions) the criterion, in its unit.
+        added_mass: (designs,) mass that balancing adds [kg].
+        designs: the balanced presses, without "none".
+    """
+
+    criterion: Criterion
+    names: tuple[str, ...]
+    conditions: tuple[str, ...]
+    values: Array
+    added_mass: Array
+    designs: tuple[BalancedPress, ...]
+
+    @property
+    def title(self) -> str:
+        most = dict(zip(self.names, self.values.max(axis=1), strict=True))
+        compromise, none = (f"{most[name]:.6g} {self.criterion.unit}" for name in ("compromise", "none"))
+        count = len(self.conditions)
+        return f"ConditionComparison of the {self.criterion.words} over {count} conditions: compromise {compromise}, before {none}"
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return ("added mass [kg]", f"worst [{self.criterion.unit}]")
+
+    def columns(self) -> dict[str, Column]:
+        """A row for each design: the criterion in each operating condition, its worst value, and the added mass."""
+        values: dict[str, Column] = {f"{name} [{self.criterion.unit}]": self.values[:, k] for k, name in enumerate(self.conditions)}
+        worst = {f"worst [{self.criterion.unit}]": self.values.max(axis=1), "added mass [kg]": self.added_mass}
+        return {"design": list(self.names)} | values | worst
+
+
+@typed
+def compare_conditions(
+    press: Linkage,
+    conditions: Sequence[OperatingCondition],
+    *,
+    regions: Sequence[CounterweightRegion],
+    minimise: Criterion,
+    limits: Mapping[Target, float] | None = None,
+) -> ConditionComparison:
+    """Compare the optimum for each die, stroke or speed with a compromise for all of them, and with counterweights that are set anew.
+
+    Each design is a proved optimum of `balance`. Those for one condition give all weight to it, and nothing in them is set anew.
+
+    Args:
+        press: the press.
+        conditions: two operating conditions or more.
+        regions: where counterweights may be; those with ``reset`` are set anew in the last design alone.
+        minimise: the criterion.
+        limits: the most of criteria and of added mass, as for `balance`: in all operating conditions.
+
+    Raises:
+        UnknownNameError: the press has no such link or bearing.
+        PinpressError: there are fewer than two operating conditions, two have one name, or as `balance`.
+    """
+    if not isinstance(minimise, Criterion):
+        raise PinpressError(f"minimise: {shown(minimise)} is no criterion: give Range, Rms or Peak")
+    refuse_no_regions(regions)
+    if len(conditions) < 2:
+        raise PinpressError("there are fewer than two operating conditions to compare: give two or more")
+    fixed = [replace(each, reset="") for each in regions]
+    many = range(len(conditions))
+    designs = [
+        balance(press, conditions, regions=fixed, minimise=minimise, limits=limits, shares=[float(k == own) for k in many]) for own in many
+    ]
+    designs.append(balance(press, conditions, regions=fixed, minimise=minimise, limits=limits))
+    if any(each.reset for each in regions):
+        # Where all masses are set anew, every condition has an optimum of its own, and the mean's is all of them.
+        each_for_itself = [1.0] * len(conditions) if all(each.reset == "mass" for each in regions) else None
+        designs.append(balance(press, conditions, regions=regions, minimise=minimise, limits=limits, shares=each_for_itself))
+    names = tuple(condition_name(designs[0], k) for k in many)
+    if len(set(names)) < len(names):
+        raise PinpressError(f"two operating conditions have one name among {', '.join(map(repr, names))}: give each its own, name=...")
+    changes = [[each for each in design.changes if each.criterion == minimise] for design in designs]
+    return ConditionComparison(
+        criterion=minimise,
+        names=("none", *(f"best for {name}" for name in names), "compromise", "set anew")[: len(designs) + 1],
+        conditions=names,
+        values=np.array([[each.before for each in changes[0]], *([each.after for each in rows] for rows in changes)]),
+        added_mass=np.array([0.0, *(design.added_mass for design in designs)]),
+        designs=tuple(designs),
+    )
