@@ -124,11 +124,12 @@ def picture(model: vibration.Vibration) -> Figure:
 INTRODUCTION = """# The JF75G-125 on 10 mm of rubber
 
 Zhang 2007, chapter 2, measured accelerations on the frame, on "ordinary rubber, 10 mm thick". It prints no data of the frame and no scale
-of the signals, so only its findings can be compared. Assumed (ours): bed of 8 t and crown of 7 t (with motor and flywheel), columns of
-2.4 GN/m, four feet of 0.2 x 0.2 m on rubber of 65 Shore A, loss factor 0.15, dynamic by static stiffness 1.3; a flywheel balanced to
-G 1.6; piling with 50 kN, as under 100 kN a foot lifts off, where the linear model ends. Nothing is fitted: pads, masses and columns were
-chosen before the results were seen. The press is `jf75g_125`, with its counterweight. Written by `python viz/foundation.py`, which also
-draws [the picture](foundation.png).
+of the signals, so only its findings can be compared. Assumed (ours): bed of 8 t and crown of 7 t, on which the flywheel (940 kg and
+136 kg m², printed) stands 0.75 m and the motor (450 kg) 0.9 m aside of the press's plane, both bolted on; columns of 2.4 GN/m, four feet
+of 0.2 x 0.2 m on rubber of 65 Shore A, loss factor 0.15, dynamic by static stiffness 1.3; a flywheel balanced to G 1.6; piling with
+50 kN, as under 100 kN a foot lifts off, where the linear model ends. Nothing is fitted: pads, masses and columns were chosen before the
+results were seen; when flywheel and motor were set apart, mass and centre of the whole crown stayed. The press is `jf75g_125`, with its
+counterweight. Written by `python viz/foundation.py`, which also draws [the picture](foundation.png).
 """
 NOTES = """
 - The resonance is that of swaying on the rubber, which is far softer in shear than in compression. Hardness and size of the pads, which the
@@ -136,6 +137,11 @@ NOTES = """
   between 350 and 400 per min with three of those nine pads.
 - A force within the frame does not shake a rigid frame. Linkage and frame are rigid here except for the columns, so of the shock of piling
   the model shows the stretching between bed and crown, not the bending of the beams or the noise.
+- Motor and flywheel aside lay the centre of mass 75 mm out of the press's plane; the feet's middle lies 50 mm out of it. Below the
+  resonance of the sway the shaking force, which acts in the plane, twists the frame one way, and the inertia of the swaying frame twists
+  it the other way. The two cancel on the columns at 300 per min; towards the resonance the inertia wins.
+- The gyroscopic moment of the flywheel, which is in the model, changes no natural frequency by more than 5e-5 up to 600 per min: this
+  frame turns too slowly about x and z for it to matter.
 - The stretching dies away after each stroke at any speed, as it does not depend on the resonance of the sway: this decay does not prove
   that working speed and natural frequencies are apart.
 """

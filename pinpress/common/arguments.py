@@ -41,6 +41,7 @@ MAKERS = {
     "Flywheel": "Flywheel",
     "MountedPress": "mounted",
     "VibrationModes": "foundation.modes",
+    "WhirlDiagram": "foundation.whirl",
     "MeasuredRun": "measured.record",
     "Frame": "Frame",
     "RubberPad": "RubberPad",

@@ -1,3 +1,5 @@
+from .frame_parts import Attachment as Attachment
+from .frame_parts import Rotor as Rotor
 from .free_decay import logarithmic_decrement as logarithmic_decrement
 from .mounted_press import MountedPress as MountedPress
 from .mounted_press import VibrationModes as VibrationModes
@@ -17,3 +19,5 @@ from .speed_response import SpeedResponse as SpeedResponse
 from .speed_response import isolate as isolate
 from .speed_response import over_speeds as over_speeds
 from .speed_response import transmissibility as transmissibility
+from .whirl_modes import WhirlDiagram as WhirlDiagram
+from .whirl_modes import whirl as whirl

@@ -3,14 +3,15 @@
 The system is M u'' + C u' + K u = f, where f is the wrench that the machine exerts on the frame beside its weight.
 
 The coordinates u of each rigid part of the frame are the displacement of its point at the world origin and its small turn,
-(x, y, z, rx, ry, rz) in world axes [m, rad]. The bed's come first, then the crown's where the frame has two parts. Spatial inertias and
-wrenches are about the world origin too, so that no other point of reference is needed.
+(x, y, z, rx, ry, rz) in world axes [m, rad]. The bed's come first, then the crown's where the frame has two parts, then those of what
+stands on the frame on springs of its own. Spatial inertias and wrenches are about the world origin too, so that no other point of
+reference is needed; `frame_parts` has the matrices.
 
 The moving links of the press ride with the frame. For joint motions q(t) relative to the frame the six equations of a floating tree are
 M(q) u'' + (terms in u' of the links' relative velocities) = shaking wrench of a frame at rest + forces of the mounts. M(q) is the spatial
 inertia of the whole press; its mean over a period is taken. The terms left out (the change of M over the period, Coriolis forces) are of
-second order: the ratio of moving mass to frame mass times the vibration. The gyroscopic moment of a flywheel, J w times the rate at which
-the frame turns its axis, is left out too.
+second order: the ratio of moving mass to frame mass times the vibration. Rotors, such as the flywheel, add the gyroscopic term w G u' at
+the crank's speed w to the left side.
 
 Points and mounts are given where they are under the static load. When the frame turns by t, a static force f (a weight, or the force of a
 mount) at a point p of a part does the work f . (t x (t x p)) / 2 of second order, which is the stiffness f . p - (f p^T + p f^T) / 2
@@ -19,7 +20,7 @@ against turning. It makes a tall press on soft mounts tip, and lets a hanging on
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -28,27 +29,33 @@ import pinocchio as pin
 
 from ..common import tables
 from ..common.arguments import expect, typed, whole_number
-from ..common.errors import PinpressError
-from ..common.frozen import read_only
+from ..common.errors import PinpressError, shown
+from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..engines.joints import data_of
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from .mounts import (
-    Frame,
-    Mount,
+from .frame_parts import (
+    Attachment,
+    Body,
+    Rotor,
+    Spring,
     body_inertia,
     centre_of,
-    listed_mounts,
+    gyroscopic_matrix,
+    motions_of,
+    part_named,
     refuse_loose,
     refuse_pulled,
     rows_at,
+    spring_rows,
     springs_together,
     turning_stiffness,
     weight_wrench,
 )
+from .mounts import Frame, Mount, listed_mounts
 
 POSES = 180  # poses of a turn over which the moving mass is averaged; harmonics below this order leave the mean exact
 MOST_ORDERS = 10_000  # most orders of `resonance_speeds`, against lists without end
@@ -60,7 +67,7 @@ class MountedPress(Tabular):
     """A press on its mounts, made by `mounted`. All arrays are read-only.
 
     There are n coordinates: displacement (x, y, z) and small turn (rx, ry, rz) at the world origin, in world axes [m, rad], of the frame,
-    or of its bed and then of its crown.
+    or of its bed and then of its crown; then those of each attachment on springs.
 
     Attributes:
         press: the press.
@@ -68,10 +75,16 @@ class MountedPress(Tabular):
         crown: the part that carries crank and guides; None where the frame is one part.
         mounts: mounts between floor and frame.
         uprights: columns between bed and crown.
+        attached: name of what stands on the frame -> what it is.
+        rotors: what spins on the frame.
+        parts: name of a part of the frame, "frame" or "bed" and "crown", or of an attachment -> (6, n) its displacement and turn at the
+            world origin by one of each coordinate.
+        carrier: name of the part that carries crank and guides.
         mass: (n, n) mass matrix of frame and press, with moving masses at their mean.
         damping: (n, n) matrix of viscous damping.
         stiffness: (n, n) stiffness matrix for vibrations, with the effect of the static forces.
         loss: (n, n) imaginary part of the complex stiffness matrix.
+        gyroscopic: (n, n) skew-symmetric matrix of the rotors at a crank speed of 1 rad/s; it is added to ``damping``, times the speed.
         weight: (n,) wrench of all weights about the world origin [N, N m].
         press_weight: (6,) part of it that the links of the press have.
         press_inertia: (6, 6) mean spatial inertia of the links of the press, see the function `press_inertia`.
@@ -84,10 +97,15 @@ class MountedPress(Tabular):
     crown: Frame | None
     mounts: tuple[Mount, ...]
     uprights: tuple[Mount, ...]
+    attached: Mapping[str, Attachment]
+    rotors: tuple[Rotor, ...]
+    parts: Mapping[str, Array]
+    carrier: str
     mass: Array
     damping: Array
     stiffness: Array
     loss: Array
+    gyroscopic: Array
     weight: Array
     press_weight: Array
     press_inertia: Array
@@ -122,21 +140,25 @@ class MountedPress(Tabular):
             "pressure [Pa]": list(self.pressure),
         }
 
-    @property
-    def parts(self) -> int:
-        """Number of rigid parts of the frame, 1 or 2."""
-        return 1 if self.crown is None else 2
+    @cached_property
+    def rigid(self) -> Array:
+        """(n, 6) coordinates when everything moves as one body, displacement and turn at the world origin."""
+        return read_only(np.linalg.lstsq(np.vstack(list(self.parts.values())), np.tile(np.eye(6), (len(self.parts), 1)), rcond=None)[0])
 
     @property
     def total_mass(self) -> float:
         """Mass of frame and press [kg]."""
-        return float(self.mass[0::6, 0::6].sum())
+        return float(self._whole[0, 0])
 
     @property
     def centre(self) -> Array:
         """(3,) mean centre of mass of frame and press in world axes [m]."""
-        whole = self.mass[:6, :6] + (self.mass[6:, 6:] if self.parts == 2 else 0.0)
-        return centre_of(whole)
+        return centre_of(self._whole)
+
+    @property
+    def _whole(self) -> Array:
+        """(6, 6) mean spatial inertia of frame and press about the world origin."""
+        return np.asarray(self.rigid.T @ self.mass @ self.rigid)
 
     @property
     def load_share(self) -> Array:
@@ -154,12 +176,24 @@ class MountedPress(Tabular):
     @cached_property
     def mount_rows(self) -> Array:
         """(mounts, 3, n) displacement of each mount's point by one of each coordinate."""
-        return read_only(np.array([rows_at(self.parts, 0, np.array(mount.point)) for mount in self.mounts]))
+        return read_only(np.array([rows_at(self.parts[self.bed], mount.point) for mount in self.mounts]))
+
+    @property
+    def bed(self) -> str:
+        """Name of the part on which the loads on the frame act."""
+        return next(iter(self.parts))
 
 
 @typed
 def mounted(
-    press: Linkage, frame: Frame, mounts: Sequence[Mount], *, crown: Frame | None = None, uprights: Sequence[Mount] = ()
+    press: Linkage,
+    frame: Frame,
+    mounts: Sequence[Mount],
+    *,
+    crown: Frame | None = None,
+    uprights: Sequence[Mount] = (),
+    attached: Mapping[str, Attachment] | None = None,
+    rotors: Sequence[Rotor] = (),
 ) -> MountedPress:
     """Stand a press on its mounts.
 
@@ -170,8 +204,11 @@ def mounted(
         mounts: mounts between floor and frame.
         crown: upper part of the frame, which carries crank and guides.
         uprights: columns between bed and crown, as springs.
+        attached: name -> what stands on the frame, bolted on or on springs, such as the motor; None: nothing.
+        rotors: what spins on the frame, such as flywheel and rotor of the motor. Their masses belong to the parts that carry them.
 
     Raises:
+        UnknownNameError: an attachment or a rotor is on a part that there is not.
         PinpressError: an argument is of another kind, the crank does not turn fully, the mounts leave the frame free to move, the weight
             pulls at a mount, or the press tips over.
     """
@@ -181,7 +218,13 @@ def mounted(
     if crown is not None:
         expect("crown", crown, Frame, "Frame")
         uprights = listed_mounts(uprights, "uprights")
-    return _assembled(press, frame, mounts, crown, tuple(uprights), press_inertia(press))
+    own = ("frame",) if crown is None else ("bed", "crown")
+    for name, each in (attached or {}).items():
+        if not isinstance(name, str) or name in own or not isinstance(each, Attachment):
+            raise PinpressError(f"attached has {shown(name)}: {shown(each)}: give an Attachment under a name other than {', '.join(own)}")
+    if not isinstance(rotors, Sequence) or not all(isinstance(each, Rotor) for each in rotors):
+        raise PinpressError(f"rotors is {shown(rotors)}: give a list of Rotor")
+    return _assembled(press, frame, mounts, crown, tuple(uprights), attached or {}, tuple(rotors), press_inertia(press))
 
 
 def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
@@ -190,8 +233,8 @@ def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
     Raises:
         PinpressError: as `mounted`.
     """
-    mounts = listed_mounts(mounts, "mounts")
-    return _assembled(system.press, system.frame, mounts, system.crown, system.uprights, system.press_inertia)
+    mounts, carried = listed_mounts(mounts, "mounts"), (system.attached, system.rotors, system.press_inertia)
+    return _assembled(system.press, system.frame, mounts, system.crown, system.uprights, *carried)
 
 
 @typed
@@ -230,7 +273,8 @@ class VibrationModes(Tabular):
         damping_ratio: (n,) damping divided by critical damping, 1 or more for a mode that creeps back [-].
         eigenvalues: (2 n,) eigenvalues of the damped system in first order, which give damped frequencies and ratios [1/s].
         motion: (n,) motions with most of each mode's kinetic energy, about the centres of mass: "along z", "rocking about y", ... In a
-            frame of two parts ", against" follows where bed and crown move against each other; along z this is "stretching".
+            frame of two parts ", against" follows where bed and crown move against each other; along z this is "stretching". The name
+            of an attachment follows where that has more of the energy than the frame: "rocking about y, motor".
     """
 
     press_name: str
@@ -275,7 +319,7 @@ class VibrationModes(Tabular):
 
 @typed
 def modes(system: MountedPress) -> VibrationModes:
-    """Find the modes of free vibration of a press on its mounts.
+    """Find the modes of free vibration of a press on its mounts at standstill; with rotors that spin, `whirl` finds them.
 
     Natural frequencies and shapes are those of mass and stiffness alone; damped frequencies and damping ratios come from the eigenvalues of
     the damped system in first order, in the order of their absolute values. A loss factor counts as the viscous damping that loses as much
@@ -326,49 +370,75 @@ def quadrature(system: MountedPress) -> Array:
     return np.asarray((shapes / np.sqrt(squared)) @ shapes.T @ system.mass)
 
 
-def state_matrix(system: MountedPress) -> Array:
-    """Matrix (2 n, 2 n) of free vibration in first order: d/dt of (displacements, velocities) from these."""
+def state_matrix(system: MountedPress, speed: float = 0.0) -> Array:
+    """Matrix (2 n, 2 n) of free vibration at a speed of the crank [rad/s]: d/dt of (displacements, velocities) from these."""
     n = len(system.mass)
-    solved = np.linalg.solve(system.mass, np.hstack([system.stiffness, system.damping + system.loss @ quadrature(system)]))
+    resisting = system.damping + speed * system.gyroscopic + system.loss @ quadrature(system)
+    solved = np.linalg.solve(system.mass, np.hstack([system.stiffness, resisting]))
     return np.block([[np.zeros((n, n)), np.eye(n)], [-solved[:, :n], -solved[:, n:]]])
 
 
 def _assembled(
-    press: Linkage, frame: Frame, mounts: tuple[Mount, ...], crown: Frame | None, uprights: tuple[Mount, ...], moving: Array
+    press: Linkage,
+    frame: Frame,
+    mounts: tuple[Mount, ...],
+    crown: Frame | None,
+    uprights: tuple[Mount, ...],
+    attached: Mapping[str, Attachment],
+    rotors: tuple[Rotor, ...],
+    moving: Array,
 ) -> MountedPress:
     """The linear system of checked parts; ``moving`` is the mean inertia of the press. Raises as `mounted`."""
-    parts, gravity = 1 if crown is None else 2, np.asarray(press.model.gravity.linear)
-    bodies = [body_inertia(part) for part in (frame, crown) if part is not None]
-    press_weight = weight_wrench(moving, gravity)
-    bodies[-1] = bodies[-1] + moving
-    weight = np.concatenate([weight_wrench(body, gravity) for body in bodies])
-    mass = np.zeros((6 * parts, 6 * parts))
-    for k, body in enumerate(bodies):
-        mass[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = body
-    rows = [rows_at(parts, 0, np.array(mount.point)) for mount in mounts]
-    between = [rows_at(parts, 1, np.array(upright.point)) - rows_at(parts, 0, np.array(upright.point)) for upright in uprights]
-    springs = list(zip((*mounts, *uprights), rows + between, strict=True))
+    gravity, own = np.asarray(press.model.gravity.linear), ("frame",) if crown is None else ("bed", "crown")
+    bed, carrier = own[0], own[-1]
+    parts = motions_of([*own, *(name for name, each in attached.items() if each.springs)])
+    count = len(parts[bed].T)
+    on = {name: part_named({part: parts[part] for part in own}, each.on, carrier) for name, each in attached.items()}
+    parts |= {name: parts[on[name]] for name, each in attached.items() if not each.springs}
+    bodies = [Body(part, body_inertia(each)) for part, each in zip(own, (frame, crown), strict=False) if each is not None]
+    bodies += [Body(name, body_inertia(each.body)) for name, each in attached.items()]
+    between = [Spring(upright, carrier, bed) for upright in uprights]
+    between += [Spring(mount, name, on[name]) for name, each in attached.items() for mount in each.springs]
+    springs = [Spring(mount, bed, None) for mount in mounts] + between
+    rows = [spring_rows(spring, parts) for spring in springs]
+    moved = [*bodies, Body(carrier, moving)]
+    mass = np.asarray(sum(parts[body.part].T @ body.inertia @ parts[body.part] for body in moved))
+    weight = np.asarray(sum(weight_wrench(body.inertia, gravity) @ parts[body.part] for body in moved))
+
+    def together(constants: Sequence[object]) -> Array:
+        return springs_together(zip(np.asarray(constants, dtype=float), rows, strict=True), count)
+
     refuse_loose(mass, "frame and press have no inertia for", "give the frame its mass and inertia")
-    static = springs_together((mount.static, at) for mount, at in springs)
+    static = together([spring.mount.static for spring in springs])
     refuse_loose(static, "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
     rest = np.linalg.solve(static, weight)
-    sag = np.array([at @ rest for at in rows])
+    sag = np.array([at @ rest for at in rows[: len(mounts)]])
     load = -np.array([mount.static for mount in mounts]) * sag
     refuse_pulled(load, gravity)
-    stiffness = springs_together((mount.stiffness, at) for mount, at in springs)
-    stiffness += turning_stiffness(mounts, uprights, between, rest, load, bodies, gravity)
+    acting = [(parts[body.part], body.inertia[0, 0] * gravity, centre_of(body.inertia)) for body in moved]
+    for spring, at in zip(springs, rows, strict=True):
+        force, point = -np.array(spring.mount.static) * (at @ rest), np.array(spring.mount.point)
+        acting.append((parts[spring.part], force, point))
+        if spring.other is not None:
+            acting.append((parts[spring.other], -force, point))
+    stiffness = together([spring.mount.stiffness for spring in springs]) + turning_stiffness(acting, count)
     system = MountedPress(
         press=press,
         frame=frame,
         crown=crown,
         mounts=mounts,
         uprights=uprights,
+        attached=FrozenMapping(attached),
+        rotors=rotors,
+        parts=FrozenMapping(parts),
+        carrier=carrier,
         mass=mass,
-        damping=springs_together((mount.damping, at) for mount, at in springs),
+        damping=together([spring.mount.damping for spring in springs]),
         stiffness=0.5 * (stiffness + stiffness.T),
-        loss=springs_together((mount.loss_factor * np.array(mount.stiffness), at) for mount, at in springs),
+        loss=together([spring.mount.loss_factor * np.array(spring.mount.stiffness) for spring in springs]),
+        gyroscopic=gyroscopic_matrix(rotors, parts, carrier, count),
         weight=weight,
-        press_weight=press_weight,
+        press_weight=weight_wrench(moving, gravity),
         press_inertia=moving,
         mount_load=load,
         sag=sag,
@@ -382,16 +452,24 @@ def _assembled(
 
 def _motion(system: MountedPress, shape: Array) -> str:
     """The motion with most of the kinetic energy of a mode shape (n,), as in `VibrationModes.motion`."""
-    energy = np.zeros(6)
-    moved = []
-    for part in range(system.parts):
-        body = system.mass[6 * part : 6 * part + 6, 6 * part : 6 * part + 6]
-        u, mass, centre = shape[6 * part : 6 * part + 6], body[0, 0], centre_of(body)
-        velocity, momentum = u[:3] + np.cross(u[3:], centre), body @ u
-        energy[:3] += mass * velocity**2
-        energy[3:] += (momentum[3:] - np.cross(centre, momentum[:3])) * u[3:]
-        moved.append(np.concatenate([velocity, u[3:]]))
-    most = int(energy.argmax())
-    if system.parts == 2 and moved[0][most] * moved[1][most] < 0:
+    own = [part for part in system.parts if part not in system.attached]
+    sprung = [name for name, each in system.attached.items() if each.springs]
+    moved = {part: _part_moved(system, part, shape) for part in (*own, *sprung)}
+    energy = {"": np.sum([moved[part][1] for part in own], axis=0)} | {name: moved[name][1] for name in sprung}
+    where = max(energy, key=lambda name: float(energy[name].sum()))
+    most = int(energy[where].argmax())
+    if where:
+        return f"{MOTIONS[most]}, {where}"
+    if len(own) == 2 and moved[own[0]][0][most] * moved[own[1]][0][most] < 0:
         return "stretching" if most == 2 else f"{MOTIONS[most]}, against"
     return MOTIONS[most]
+
+
+def _part_moved(system: MountedPress, part: str, shape: Array) -> tuple[Array, Array]:
+    """Velocity of a part's centre of mass and its turn (6,) in a mode shape (n,), and its kinetic energy in each, twice (6,)."""
+    motion, rows = system.parts[part], system.parts[part].any(axis=0)
+    body = np.linalg.pinv(motion[:, rows]).T @ system.mass[np.ix_(rows, rows)] @ np.linalg.pinv(motion[:, rows])
+    u, mass, centre = motion @ shape, body[0, 0], centre_of(body)
+    velocity, momentum = u[:3] + np.cross(u[3:], centre), body @ u
+    energy = np.concatenate([mass * velocity**2, (momentum[3:] - np.cross(centre, momentum[:3])) * u[3:]])
+    return np.concatenate([velocity, u[3:]]), energy

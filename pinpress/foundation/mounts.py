@@ -1,6 +1,4 @@
-"""Rubber pads below a frame, and the matrices of rigid parts on springs.
-
-The matrices are in the coordinates of `mounted_press`: displacement and small turn of each part at the world origin.
+"""Rubber pads below a frame, and the mounts that they make.
 
 `RubberPad` finds the stiffness of a pad from its size and hardness. Rubber hardly changes its volume, so that a flat pad between two plates
 is far stiffer in compression than in shear. The shape factor is S = loaded area / area free to bulge; for small strains (Gent and Lindley
@@ -15,25 +13,17 @@ The hardness gives the shear modulus by Gent's formula (Gent 1958), 3 G = 0.0981
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-
-import numpy as np
-import pinocchio as pin
-from numpy.typing import ArrayLike
 
 from ..common.arguments import typed
 from ..common.errors import PinpressError, shown
 from ..common.parameters import Checked, parameter
-from ..common.quantities import Array
 from ..loads.mounts import Frame as Frame
 from ..loads.mounts import Mount as Mount
 from ..loads.mounts import Vector
 
 HARDEST, SOFTEST = 80.0, 20.0  # limits between which Gent's formula holds [Shore A]
-SMALLEST = 1e-10  # a mode softer than this share of the stiffest has no stiffness
-PULLED = 1e-9  # rounding may pull a mount by this share of the weight
-COORDINATES = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
 
 
 @dataclass(frozen=True)
@@ -136,85 +126,3 @@ def listed_mounts(mounts: object, what: str) -> tuple[Mount, ...]:
     if not isinstance(mounts, Sequence) or not mounts or not all(isinstance(mount, Mount) for mount in mounts):
         raise PinpressError(f"{what} is {shown(mounts)}: give a list of Mount, at least one")
     return tuple(mounts)
-
-
-def body_inertia(frame: Frame) -> Array:
-    """Spatial inertia (6, 6) of a part about the world origin, linear before angular."""
-    return np.asarray(pin.Inertia(frame.mass, np.asarray(frame.centre, dtype=float), frame.tensor).matrix())
-
-
-def centre_of(body: Array) -> Array:
-    """Centre of mass (3,) of a body with a spatial inertia (6, 6) [m]; the origin where the body has no mass."""
-    return np.array([body[5, 1], body[3, 2], body[4, 0]]) / (body[0, 0] or 1.0)
-
-
-def weight_wrench(body: Array, gravity: Array) -> Array:
-    """Wrench (6,) of the weight of a body with a spatial inertia (6, 6) about the world origin [N, N m]."""
-    return np.asarray(body[:, :3] @ gravity)
-
-
-def rows_at(parts: int, part: int, point: Array) -> Array:
-    """Rows (3, n) that give the displacement of a point of a part from the coordinates: u + turn x point."""
-    rows = np.zeros((3, 6 * parts))
-    rows[:, 6 * part : 6 * part + 3] = np.eye(3)
-    rows[:, 6 * part + 3 : 6 * part + 6] = -pin.skew(point)
-    return rows
-
-
-def springs_together(springs: Iterable[tuple[ArrayLike, Array]]) -> Array:
-    """Stiffness matrix (n, n) of springs, each with its constants (3,) along x, y and z and the rows (3, n) of its displacement."""
-    return np.asarray(sum(at.T @ (np.asarray(constants, dtype=float)[:, None] * at) for constants, at in springs))
-
-
-def turning_stiffness(
-    mounts: Sequence[Mount],
-    uprights: Sequence[Mount],
-    between: Sequence[Array],
-    rest: Array,
-    load: Array,
-    bodies: Sequence[Array],
-    gravity: Array,
-) -> Array:
-    """Stiffness (n, n) that comes from the static forces when the frame turns; see `mounted_press`.
-
-    Args:
-        mounts: mounts between floor and frame.
-        uprights: springs between bed and crown.
-        between: for each upright, the rows (3, n) of the displacement of its upper end relative to its lower end.
-        rest: (n,) coordinates at rest.
-        load: (mounts, 3) force of each mount on the frame at rest [N].
-        bodies: spatial inertia (6, 6) of each part about the world origin.
-        gravity: (3,) [m/s2].
-    """
-    forces = [(0, force, np.array(mount.point)) for force, mount in zip(load, mounts, strict=True)]
-    for upright, at in zip(uprights, between, strict=True):
-        force = -np.array(upright.static) * (at @ rest)
-        forces += [(1, force, np.array(upright.point)), (0, -force, np.array(upright.point))]
-    for part, body in enumerate(bodies):
-        forces.append((part, body[0, 0] * gravity, centre_of(body)))
-    stiffness = np.zeros((6 * len(bodies), 6 * len(bodies)))
-    for part, force, point in forces:
-        turn = slice(6 * part + 3, 6 * part + 6)
-        stiffness[turn, turn] += (force @ point) * np.eye(3) - 0.5 * (np.outer(force, point) + np.outer(point, force))
-    return stiffness
-
-
-def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
-    """Raise PinpressError where a matrix (n, n) is not positive definite; the message is the problem, a free coordinate and the remedy."""
-    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
-    values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
-    if values[0] <= SMALLEST * values[-1]:
-        free = np.abs(scale * vectors[:, 0]).reshape(-1, 6).max(axis=0)
-        turns = 3 * int(free[3:].max() > SMALLEST * free.max())  # a turn about a mount moves the origin too
-        raise PinpressError(f"{problem} {COORDINATES[turns + int(free[turns : turns + 3].argmax())]}: {remedy}")
-
-
-def refuse_pulled(load: Array, gravity: Array) -> None:
-    """Raise PinpressError where the weight pulls at a mount instead of pressing on it."""
-    along = load @ -gravity
-    if (along < -PULLED * np.abs(along).sum()).any():
-        number = int(along.argmin())
-        raise PinpressError(
-            f"mount {number + 1} of {len(along)} would be pulled by the weight, {abs(load[number, 2]):.4g} N: the centre of mass is not"
-            " between the mounts; move them"
-        )

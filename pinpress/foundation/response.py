@@ -27,8 +27,8 @@ from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
+from .frame_parts import part_named, rows_at
 from .mounted_press import MountedPress, quadrature, state_matrix
-from .mounts import rows_at
 
 UNRESOLVED = 1e-3  # states do not resolve a force whose last third of harmonics exceeds this share of the largest one
 ROUNDING = 1e-9  # harmonics below this share of weight and forces are rounding
@@ -43,11 +43,13 @@ Points = Mapping[str, "ArrayLike | tuple[str, ArrayLike]"]
 def steady_response(system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
     """The vibration over one period, after the initial vibration has died away.
 
+    Gyroscopic moments of rotors are those at the mean speed.
+
     Args:
         system: the press on its mounts.
         reactions: reactions of this press over one period at constant speed (`cycle`), or over one period of `steady_state`.
         points: name -> (3,) point of the frame in world axes [m]. In a frame of two parts this is a point of the bed, and
-            ("crown", (x, y, z)) one of the crown.
+            ("crown", (x, y, z)) one of the crown; ("motor", (x, y, z)) is one of the attachment of that name.
         flywheel: flywheel on the crank's shaft; it matters where the speed changes. Its inertia is its angular momentum about the crank's
             axis divided by the crank's speed. For a flywheel on another shaft this is its inertia times the ratio of its speed to the
             crank's, negative where it turns the other way.
@@ -61,7 +63,7 @@ def steady_response(system: MountedPress, reactions: Reactions, *, points: Point
     length, states = period_of(reactions.motion)
     harmonics = checked_harmonics(np.fft.rfft(wrench[:states], axis=0), states, max(np.abs(wrench).max(), np.abs(system.weight[:3]).max()))
     frequency = np.linspace(0.0, 2 * np.pi / length * (len(harmonics) - 1), len(harmonics))
-    amplitude = displacement_amplitudes(system, frequency, harmonics)
+    amplitude = displacement_amplitudes(system, frequency, harmonics, float(reactions.motion.crank_speed.mean()))
 
     def in_time(spectrum: ComplexArray) -> Array:
         return np.fft.irfft(spectrum, states, axis=0)
@@ -96,7 +98,7 @@ def time_response(system: MountedPress, reactions: Reactions, *, points: Points,
     """
     wrench = frame_wrench(system, reactions, flywheel)
     placed, interval = named_points(system, points), time_step(reactions.motion)
-    u, velocity, acceleration = vibration_from_rest(system, wrench, interval)
+    u, velocity, acceleration = vibration_from_rest(system, wrench, interval, reactions.motion)
     rows = system.mount_rows
     stiffness, damping, loss = mount_constants(system)
     displaced, moving = np.einsum("mkj,nj->nmk", rows, u), np.einsum("mkj,nj->nmk", rows, velocity)
@@ -193,7 +195,7 @@ class FrameMotion(Tabular):
         """
         moved = [{name: np.array(values @ rows.T) for name, rows in points.items()} for values in motion]
         places = np.array([mount.point for mount in system.mounts])
-        shaking = sum(wrench[:, 6 * part : 6 * part + 3] for part in range(system.parts))
+        shaking = (wrench @ system.rigid)[:, :3]
         return cls(
             system=system,
             time=np.array(time),
@@ -205,7 +207,7 @@ class FrameMotion(Tabular):
             mount_force=np.array(mount_force),
             floor_force=np.array(-mount_force.sum(axis=1)),
             floor_moment=np.array(-np.cross(places, mount_force).sum(axis=1)),
-            shaking_force=np.array(np.asarray(shaking)),
+            shaking_force=shaking,
         )
 
     @property
@@ -297,6 +299,25 @@ def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array
         raise PinpressError(
             f"the driver joint {shown(press.driver)} is not on the frame: the moment of its flywheel has no fixed axis there"
         )
+    _refuse_slip(motion)
+    axis = press.model.jointPlacements[driver + 1].rotation @ press.axes[driver].direction
+    return np.asarray(-float(flywheel.inertia) * motion.crank_acceleration[:, None] * axis)
+
+
+def _reaction_of_rotors(system: MountedPress, motion: Motion) -> Array:
+    """Forces (states, n) of rotors that change their speed, minus the rate of their angular momentum, on the coordinates.
+
+    Raises:
+        PinpressError: a clutch between the rotors and the crank slips.
+    """
+    if not system.rotors:
+        return np.zeros((len(motion.crank_angle), len(system.mass)))
+    _refuse_slip(motion)
+    turned = sum(rotor.momentum @ system.parts[part_named(system.parts, rotor.on, system.carrier)][3:] for rotor in system.rotors)
+    return -np.outer(motion.crank_acceleration, turned)
+
+
+def _refuse_slip(motion: Motion) -> None:
     if isinstance(motion, Run):
         difference = np.abs(motion.drive_speed - motion.crank_speed).max()
         if difference > SAME_SPEED * np.abs(motion.crank_speed).max():
@@ -304,19 +325,17 @@ def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array
                 f"the speeds of flywheel and crank differ by up to {difference:.4g} rad/s because a clutch slips: give a run, or the part"
                 " of one, in which it holds"
             )
-    axis = press.model.jointPlacements[driver + 1].rotation @ press.axes[driver].direction
-    return np.asarray(-float(flywheel.inertia) * motion.crank_acceleration[:, None] * axis)
 
 
 def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> Array:
-    """Wrenches (states, n) of the machine on the parts of the frame about the world origin, less the weight at its mean place [N, N m].
+    """Forces (states, n) of the machine on the coordinates of the frame, less the weight at its mean place [N, N m].
 
     In a frame of two parts the loads on the frame act on the bed, and everything else on the crown. The torque of a motor on the frame is
     no load: its casing exerts on the frame the reaction to what its rotor gives the crank. The flywheel is not in the URDF; see
-    `flywheel_moment`.
+    `flywheel_moment`. Rotors react to their own changes of speed.
 
     Raises:
-        PinpressError: the reactions are of another press, or as `flywheel_moment`.
+        PinpressError: the reactions are of another press, there are both rotors and a flywheel, or as `flywheel_moment`.
     """
     expect("system", system, MountedPress, "mounted")
     expect("reactions", reactions, Reactions, "inverse_dynamics")
@@ -325,36 +344,36 @@ def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheel 
         raise PinpressError(
             f"the reactions are of {reactions._press.name}, loaded apart from the press on its mounts: use one Linkage for both"
         )
-    shaking = np.hstack([reactions.shaking_force, reactions.shaking_moment])
-    wrench = np.zeros((len(shaking), 6 * system.parts))
-    wrench[:, -6:] = shaking - system.press_weight
+    if flywheel is not None and system.rotors:
+        raise PinpressError("the rotors of the press on its mounts react to changes of speed already: leave out flywheel=, or the rotors")
+    shaking = np.hstack([reactions.shaking_force, reactions.shaking_moment]) - system.press_weight
     if flywheel is not None:
-        wrench[:, -3:] += flywheel_moment(press, reactions.motion, flywheel)
-    if system.parts == 2:
+        shaking[:, 3:] += flywheel_moment(press, reactions.motion, flywheel)
+    bed, carrier = system.parts[system.bed], system.parts[system.carrier]
+    wrench = np.asarray(shaking @ carrier)
+    if system.bed != system.carrier:
         for load in reactions._conditions.loads:
             if load.joint == 0:
-                on_bed = np.hstack([load.force, np.cross(load.point, load.force)])
-                wrench[:, :6] += on_bed
-                wrench[:, 6:] -= on_bed
-    return wrench
+                wrench += np.hstack([load.force, np.cross(load.point, load.force)]) @ (bed - carrier)
+    return wrench + _reaction_of_rotors(system, reactions.motion)
 
 
 def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
     """Rows (3, n) that give the displacement of each named point from the coordinates.
 
     Raises:
-        PinpressError: ``points`` is no mapping of names to points, or a point is one of a crown that the frame does not have.
+        PinpressError: ``points`` is no mapping of names to points.
+        UnknownNameError: a point is on a part that the frame does not have.
     """
     expect("points", points, Mapping, "{'top_beam': (x, y, z), ...}")
     rows = {}
     for name, given in points.items():
-        part, place = (1, given[1]) if isinstance(given, tuple) and len(given) == 2 and given[0] == "crown" else (0, given)
+        on_part = isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str)
+        part, place = given if on_part else (system.bed, given)
         point = finite_numbers(place)
         if not isinstance(name, str) or point is None or point.shape != (3,):
             raise PinpressError(f"point {shown(name)} is {shown(given)}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
-        if part >= system.parts:
-            raise PinpressError(f"point {shown(name)} is one of the crown, but the frame is in one part: give x, y, z alone")
-        rows[name] = rows_at(system.parts, part, point)
+        rows[name] = rows_at(system.parts[part_named(system.parts, part, system.carrier)], point)
     return rows
 
 
@@ -369,7 +388,7 @@ def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) 
     Raises:
         PinpressError: the last third of the harmonics is more than rounding: the force has jumps, or corners too sharp for the states.
     """
-    size = np.abs(harmonics[1:]).reshape(len(harmonics) - 1, -1, 3).max(axis=(1, 2))
+    size = np.abs(harmonics[1:]).max(axis=1)
     tail = size[2 * len(size) // 3 :].max(initial=0.0)
     if tail > UNRESOLVED * size.max(initial=0.0) and tail > ROUNDING * states * size_of_all:
         raise PinpressError(
@@ -380,14 +399,20 @@ def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) 
     return harmonics
 
 
-def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: ComplexArray) -> ComplexArray:
+def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: ComplexArray, speed: ArrayLike = 0.0) -> ComplexArray:
     """Complex amplitudes (..., n) of the coordinates under those of the wrench (..., n) at angular frequencies (...) [rad/s].
+
+    Args:
+        system: the press on its mounts.
+        frequency: (...) angular frequencies [rad/s].
+        harmonics: (..., n) amplitudes of the wrench.
+        speed: speed of the crank, with which the rotors spin, one or (...) [rad/s].
 
     Raises:
         PinpressError: a frequency is a natural frequency without damping.
     """
-    w = frequency[..., None, None]
-    matrix = system.stiffness + 1j * (np.sign(w) * system.loss + w * system.damping) - w**2 * system.mass
+    w, spin = frequency[..., None, None], np.asarray(speed)[..., None, None]
+    matrix = system.stiffness + 1j * (np.sign(w) * system.loss + w * (system.damping + spin * system.gyroscopic)) - w**2 * system.mass
     try:
         amplitude = np.linalg.solve(matrix, harmonics[..., None])[..., 0]
     except np.linalg.LinAlgError:
@@ -410,30 +435,39 @@ def mount_constants(system: MountedPress) -> tuple[Array, Array, Array]:
     return stiffness, damping, stiffness * np.array([m.loss_factor for m in system.mounts])[:, None]
 
 
-def vibration_from_rest(system: MountedPress, wrench: Array, interval: float) -> tuple[Array, Array, Array]:
+def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, motion: Motion) -> tuple[Array, Array, Array]:
     """Displacements, velocities and accelerations (states, n) from rest under wrenches (states, n) that are linear in between.
+
+    Where the speed w of the rotors changes about its mean, their moments beside those at the mean, -(w - mean) G u' - w' G u, are linear
+    between two states too; those at the end of a step are solved with it.
 
     Raises:
         PinpressError: the vibration is not finite.
     """
     from scipy.linalg import expm  # slow to import
 
-    n = len(system.mass)
-    a, b = state_matrix(system), np.vstack([np.zeros((n, n)), np.linalg.inv(system.mass)])
+    n, speed = len(system.mass), motion.crank_speed
+    a, b = state_matrix(system, float(speed.mean())), np.vstack([np.zeros((n, n)), np.linalg.inv(system.mass)])
     whole = np.zeros((4 * n, 4 * n))
     whole[: 2 * n, : 2 * n], whole[: 2 * n, 2 * n : 3 * n], whole[2 * n : 3 * n, 3 * n :] = a * interval, b * interval, np.eye(n)
     exponential = expm(whole)
     free, late = exponential[: 2 * n, : 2 * n], exponential[: 2 * n, 3 * n :]
     early = exponential[: 2 * n, 2 * n : 3 * n] - late
     driven = wrench[:-1] @ early.T + wrench[1:] @ late.T
-    states = np.zeros((len(wrench), 2 * n))
+    states, unsteady = np.zeros((len(wrench), 2 * n)), system.gyroscopic.any() and np.ptp(speed) > EVEN * np.abs(speed).max()
+    spun = np.zeros((len(wrench), n))  # moments of the rotors beside those at the mean speed
     state = states[0]
     for k in range(len(driven)):
         state = free @ state + driven[k]
+        if unsteady:
+            state = state + early @ spun[k]
+            beside = np.hstack([motion.crank_acceleration[k + 1] * system.gyroscopic, (speed[k + 1] - speed.mean()) * system.gyroscopic])
+            state = np.linalg.solve(np.eye(2 * n) + late @ beside, state)
+            spun[k + 1] = -beside @ state
         states[k + 1] = state
     if not np.isfinite(states[-1]).all():
         raise PinpressError("the vibration is not finite: the forces are too large for floating point")
-    return states[:, :n], states[:, n:], (states @ a.T + wrench @ b.T)[:, n:]
+    return states[:, :n], states[:, n:], (states @ a.T + (wrench + spun) @ b.T)[:, n:]
 
 
 def period_of(motion: Motion) -> tuple[float, int]:

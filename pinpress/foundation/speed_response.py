@@ -24,8 +24,9 @@ from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import doubt_speeds, period_at
 from ..linkage.linkage import Linkage
+from .frame_parts import rows_at
 from .mounted_press import MountedPress, mounted, undamped, with_mounts
-from .mounts import Frame, Mount, listed_mounts, rows_at
+from .mounts import Frame, Mount, listed_mounts
 from .response import NOTHING, Points, checked_harmonics, displacement_amplitudes, frame_wrench, mount_forces, named_points
 
 STATES = 360  # states of a turn, which resolve harmonics to order 179
@@ -123,7 +124,7 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
     """
     speed, rows = rising_positive("speeds", speeds), named_points(system, points)
     frequency, harmonics = wrench_spectra(system, speed)
-    amplitude = displacement_amplitudes(system, frequency, harmonics)
+    amplitude = displacement_amplitudes(system, frequency, harmonics, speed[:, None])
     amplitude[:, 0] = 0.0  # the mean is no vibration, but rounding of the weight
     states = _states(system)
     by_point = {name: np.einsum("ij,skj->ski", at, amplitude) for name, at in rows.items()}
@@ -143,6 +144,8 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
 def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = "z") -> Array:
     """Force on the floor along an axis, divided by a harmonic force along it through the mean centre of mass of frame and press.
 
+    The rotors stand still.
+
     Args:
         system: the press on its mounts.
         frequency: (f,) angular frequencies, positive and rising [rad/s].
@@ -158,7 +161,7 @@ def transmissibility(system: MountedPress, frequency: ArrayLike, *, axis: str = 
     if not isinstance(axis, str) or axis not in AXES:
         raise PinpressError(f"axis is {shown(axis)}: write 'x', 'y' or 'z'")
     w = rising_positive("frequency", frequency)
-    force = rows_at(system.parts, system.parts - 1, system.centre)[AXES[axis]]
+    force = rows_at(system.parts[system.carrier], system.centre)[AXES[axis]]
     amplitude = displacement_amplitudes(system, w, np.broadcast_to(force.astype(complex), (len(w), len(force))))
     return np.asarray(np.abs(mount_forces(system, w, amplitude).sum(axis=1)[:, AXES[axis]]))
 
@@ -334,8 +337,7 @@ def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexAr
 
 def shaking_rms(system: MountedPress, harmonics: ComplexArray) -> Array:
     """Root mean square (s,) of the shaking force, all components together, zero where it is rounding [N]."""
-    force = sum(harmonics[..., 6 * part : 6 * part + 3] for part in range(system.parts))
-    size = np.sqrt((_rms(np.asarray(force), _states(system)) ** 2).sum(axis=1))
+    size = np.sqrt((_rms((harmonics @ system.rigid)[..., :3], _states(system)) ** 2).sum(axis=1))
     return np.asarray(np.where(size > NOTHING * np.abs(system.weight[:3]).max(), size, 0.0))
 
 

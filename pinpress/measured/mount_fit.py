@@ -102,14 +102,15 @@ def fit_mounts(system: MountedPress, measured: MeasuredModes, *, damping: str = 
     expect("measured", measured, MeasuredModes, "vibration(...).modes(beside=...)")
     if not isinstance(damping, str) or damping not in DAMPING:
         raise PinpressError(f"damping is {shown(damping)}: give one of {', '.join(DAMPING)}")
-    if measured.beside is None or len(measured.beside.shapes) != 6 * system.parts:
+    if measured.beside is None or len(measured.beside.shapes) != len(system.mass):
         raise PinpressError("the measured modes are not laid beside those of this system: modes(beside=foundation.modes(system))")
     places = np.array(measured.partner)
     seen = np.flatnonzero(places >= 0)
     names, start, low, high = _unknowns(system, damping)
-    if len(seen) < 3 * system.parts:
+    count = 3 if system.crown is None else 6
+    if len(seen) < count:
         raise PinpressError(
-            f"{len(seen)} modes with partners were measured, for {3 * system.parts} stiffnesses: hit the frame in other directions too"
+            f"{len(seen)} modes with partners were measured, for {count} stiffnesses: hit the frame in other directions too"
         )
     return _least_squares(system, measured, (names, start, low, high))
 

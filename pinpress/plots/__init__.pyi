@@ -7,6 +7,7 @@ from .elasticity import snap_through as snap_through
 from .force_stroke import ratings as ratings
 from .foundation import speed_response as speed_response
 from .foundation import vibration as vibration
+from .foundation import whirl as whirl
 from .identification import identifiability as identifiability
 from .measured_vibration import measured_modes as measured_modes
 from .measured_vibration import measured_spectra as measured_spectra

@@ -1,4 +1,4 @@
-"""Plots of a press on its mounts: accelerations in time, acceleration and force on the floor over speed."""
+"""Plots of a press on its mounts: accelerations in time, acceleration, force on the floor and natural frequencies over speed."""
 
 from __future__ import annotations
 
@@ -7,18 +7,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..common.arguments import number, typed
+from ..common.arguments import number, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.quantities import RPM, Array
 from ..foundation.response import FrameMotion
 from ..foundation.speed_response import SpeedResponse
-from .style import COLOURS, grid, legend, panels, plain
+from ..foundation.whirl_modes import WhirlDiagram
+from .style import COLOURS, GREY, grid, legend, panels, plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 HIGH = 5.0  # height of one panel [cm]
+MOST_ORDERS = 20
 DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linear
 
 
@@ -86,6 +88,36 @@ def speed_response(responses: Mapping[str, SpeedResponse], point: str, *, ax: It
             grid(panel, label)
             plain(panel.set_xlabel("strokes per minute"))
         legend(left, lines, list(responses), loc="best")
+    return drawn.figure
+
+
+@typed
+def whirl(diagram: WhirlDiagram, orders: int = 2, *, ax: Axes | None = None) -> Figure:
+    """Draw natural frequencies over the speed, forward whirl solid, backward dashed, with harmonics of the crank and dots where they meet.
+
+    Args:
+        diagram: result of `pinpress.foundation.whirl`.
+        orders: number of harmonics, 0 to 20.
+        ax: the caller's axes; by default those of a new figure.
+
+    Raises:
+        PinpressError: Matplotlib is not installed, ``orders`` is no such number, or ``ax`` are no axes.
+    """
+    harmonics = range(1, whole_number("orders", orders, 0, MOST_ORDERS) + 1)
+    with panels(ax, 1, 1.4 * HIGH, lambda figure: [figure.subplots()]) as drawn:
+        axes, speed = drawn.axes[0], diagram.speed / RPM
+        highest = 1.05 * diagram.frequency.max() / (2 * np.pi)
+        for mode, frequency in enumerate(diagram.frequency.T / (2 * np.pi)):
+            dashed = diagram.words(mode) == "backward"
+            axes.plot(speed, frequency, color=COLOURS[mode % len(COLOURS)], linestyle="--" if dashed else "-")
+        for order in harmonics:
+            axes.plot(speed, order * diagram.speed / (2 * np.pi), color=GREY, linewidth=0.6)
+            met = diagram.critical_speeds(order)
+            met = met[(met >= diagram.speed[0]) & (met <= diagram.speed[-1])]
+            axes.plot(met / RPM, order * met / (2 * np.pi), "o", markersize=3, color="black")
+        grid(axes, "frequency [Hz]")
+        axes.set_ylim(0.0, highest)
+        plain(axes.set_xlabel("crank speed [r/min]"))
     return drawn.figure
 
 

@@ -282,7 +282,11 @@ def test_mounts_that_lift_off_are_named():
     ("call", "error", "says"),
     [
         (lambda s, r: foundation.steady_response(s, r, points={"top": (0, 0)}), PinpressError, "point 'top' is"),
-        (lambda s, r: foundation.steady_response(s, r, points={"top": ("crown", (0, 0, 0))}), PinpressError, "frame is in one part"),
+        (
+            lambda s, r: foundation.steady_response(s, r, points={"top": ("crown", (0, 0, 0))}),
+            UnknownNameError,
+            "no part of the frame 'crown'; there are: frame",
+        ),
         (lambda s, r: foundation.steady_response(s, r, points=[(0, 0, 0)]), PinpressError, "points is a list"),
         (lambda s, r: foundation.steady_response(s, None, points={}), PinpressError, "reactions is a NoneType"),
         (lambda s, r: foundation.steady_response(s, r, points=POINTS).rms("tip"), UnknownNameError, "no point 'tip', did you mean 'top'"),

@@ -28,6 +28,7 @@ PLOTS = {
     "campbell": (1, lambda ax: plots.campbell(made("CampbellDiagram"), ax=ax)),
     "vibration": (1, lambda ax: plots.vibration({"press": made("FrameMotion")}, ax=ax)),
     "speed_response": (2, lambda ax: plots.speed_response({"press": made("SpeedResponse")}, "head", ax=ax)),
+    "whirl": (1, lambda ax: plots.whirl(made("WhirlDiagram"), ax=ax)),
     "accuracy": (10, lambda ax: pp.accuracy.plot(made("WorkPrecision"), ax=ax)),
     "servo": (4, lambda ax: plots.servo({"even": made("ServoMotion")}, ax=ax)),
     "torque_over_speed": (1, lambda ax: plots.torque_over_speed({"even": made("ServoMotion")}, made("CatalogueMotor"), ax=ax)),

@@ -85,6 +85,7 @@ MADE |= {
     "HarmonicChange",
     "Isolation",
     "VibrationModes",
+    "WhirlDiagram",
     "MountedPress",
     "SpeedResponse",
     "ForceInterval",

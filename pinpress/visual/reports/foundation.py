@@ -48,7 +48,13 @@ def _inputs(system: MountedPress) -> Inputs:
     """The parts of the frame and the springs that they stand on, in words."""
     parts = [("frame", system.frame)] if system.crown is None else [("bed", system.frame), ("crown", system.crown)]
     springs = [(name, some) for name, some in (("mounts", system.mounts), ("uprights", system.uprights)) if some]
-    return [*((name, described(part)) for name, part in parts), *((name, mounts_in_words(some)) for name, some in springs)]
+    aside = [
+        (name, "; ".join([described(each.body), *([mounts_in_words(each.springs)] if each.springs else ["bolted on"])]))
+        for name, each in system.attached.items()
+    ]
+    spinning = [(f"rotor {k + 1}", described(rotor)) for k, rotor in enumerate(system.rotors)]
+    standing = [*((name, described(part)) for name, part in parts), *((name, mounts_in_words(some)) for name, some in springs)]
+    return [*standing, *aside, *spinning]
 
 
 def mounts_in_words(mounts: Sequence[Mount]) -> str:

@@ -303,6 +303,10 @@ def system() -> foundation.MountedPress:
     return foundation.mounted(press(), frame, [mount(x, y) for x in (-0.5, 0.5) for y in (-0.4, 0.4)])
 
 
+def spinning() -> foundation.MountedPress:
+    return foundation.mounted(press(), system().frame, system().mounts, rotors=[foundation.Rotor(10.0, (0.0, 1.0, 0.0))])
+
+
 def mount(x: float, y: float) -> foundation.Mount:
     return foundation.Mount((x, y, -0.2), (1e6, 1e6, 1e5), (1e3, 1e3, 1e3))
 
@@ -814,6 +818,16 @@ def calls() -> dict[str, Call]:
             },
         ),
         (
+            "foundation.Attachment",
+            foundation.Attachment,
+            lambda: {"body": system().frame, "springs": system().mounts, "on": "frame"},
+        ),
+        (
+            "foundation.Rotor",
+            foundation.Rotor,
+            lambda: {"inertia": 10.0, "axis": (0.0, 1.0, 0.0), "ratio": 2.0, "on": "frame"},
+        ),
+        (
             "foundation.RubberPad",
             foundation.RubberPad,
             lambda: {
@@ -1183,8 +1197,18 @@ def calls() -> dict[str, Call]:
         (
             "foundation.mounted",
             foundation.mounted,
-            lambda: {"press": press(), "frame": system().frame, "mounts": system().mounts, "crown": None, "uprights": ()},
+            lambda: {
+                "press": press(),
+                "frame": system().frame,
+                "mounts": system().mounts,
+                "crown": None,
+                "uprights": (),
+                "attached": {"motor": foundation.Attachment(system().frame)},
+                "rotors": [foundation.Rotor(1.0, (0.0, 1.0, 0.0))],
+            },
         ),
+        ("foundation.whirl", foundation.whirl, lambda: {"system": spinning(), "speeds": [5.0, 6.0]}),
+        ("pp.plots.whirl", pp.plots.whirl, lambda: {"diagram": foundation.whirl(spinning(), [5.0, 6.0]), "orders": 2}),
         ("foundation.modes", foundation.modes, lambda: {"system": system()}),
         ("foundation.press_inertia", foundation.press_inertia, lambda: {"press": press()}),
         (

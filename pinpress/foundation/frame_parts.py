@@ -1,0 +1,207 @@
+"""The parts of a frame: rigid ones on springs, what stands aside on them, what spins in them, and the matrices of it all.
+
+Each part k of the frame moves as its point at the world origin does and turns with it, (x, y, z, rx, ry, rz). These six are B_k u, where u
+are the coordinates of the whole system; of a rigid part B_k picks six of them. So a spring between two parts has the rows
+[1, -skew(p)] (B_a - B_b), a wrench w about the world origin on a part is the force B_k^T w on the coordinates, and a body of spatial
+inertia Y adds B_k^T Y B_k to the mass matrix.
+
+A rotor of polar inertia J that spins with w about the unit vector n has the angular momentum J w n. When its part turns by t, that turns
+too, and the rotor exerts the moment -J w (t' x n) on the part, which is -w G t' with the skew-symmetric G = -J skew(n): it does no work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.frozen import Frozen
+from ..common.parameters import Checked, parameter, set_field
+from ..common.quantities import Array
+from ..loads.mounts import Frame, Mount, Vector
+from .mounts import listed_mounts
+
+SMALLEST = 1e-10  # a mode softer than this share of the stiffest has no stiffness
+PULLED = 1e-9  # rounding may pull a mount by this share of the weight
+COORDINATES = ("x", "y", "z", "turn about x", "turn about y", "turn about z")
+
+
+@dataclass(frozen=True)
+class Attachment(Frozen):
+    """A body that stands on a part of the frame, beside its axis or not: a motor on its bracket, a feeder, a cabinet.
+
+    Attributes:
+        body: mass, centre of mass and inertia of the body. Leave them out of the frame's.
+        springs: springs between the body and the part, such as those of a bracket; none: it is bolted on.
+        on: name of the part that carries it; None: the one that carries crank and guides.
+
+    Raises:
+        PinpressError: ``body`` is no `Frame`, or ``springs`` are no list of `Mount`.
+    """
+
+    body: Frame
+    springs: Sequence[Mount] = ()
+    on: str | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.body, Frame):
+            raise PinpressError(f"Attachment: body is {shown(self.body)}: give a Frame, with its mass, centre and inertia")
+        if not isinstance(self.springs, Sequence) or len(self.springs):
+            set_field(self, "springs", listed_mounts(self.springs, "Attachment: springs"))
+        if self.on is not None and not isinstance(self.on, str):
+            raise PinpressError(f"Attachment: on is {shown(self.on)}: give the name of a part of the frame")
+        super().__post_init__()
+
+
+@dataclass(frozen=True)
+class Rotor(Checked):
+    """A body that spins on a part of the frame in proportion to the crank, such as flywheel, crankshaft or the rotor of the motor.
+
+    Its mass belongs to the part's. It resists being turned about other axes than its own (gyroscopic moment), and its part feels the
+    reaction where its speed changes.
+
+    Attributes:
+        inertia: moment of inertia about its axis [kg m2].
+        axis: (3,) direction of its axis in world axes, of any length; its spin is positive about it [-].
+        ratio: its speed divided by the crank's, negative where it turns the other way about ``axis`` [-].
+        on: name of the part that carries it; None: the one that carries crank and guides.
+
+    Raises:
+        PinpressError: a number is out of its range, or the axis has no direction.
+    """
+
+    inertia: float = field(metadata=parameter("kg m2", "positive"))
+    axis: Vector = field(metadata=parameter("-", axes=1))
+    ratio: float = field(default=1.0, metadata=parameter("-"))
+    on: str | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        axis = np.asarray(self.axis, dtype=float)
+        if axis.shape != (3,) or not np.linalg.norm(axis) > 0:
+            raise PinpressError(f"Rotor: axis is {shown(self.axis)}: give x, y, z of its direction")
+        if self.on is not None and not isinstance(self.on, str):
+            raise PinpressError(f"Rotor: on is {shown(self.on)}: give the name of a part of the frame")
+        set_field(self, "axis", tuple(axis.tolist()))
+
+    @property
+    def momentum(self) -> Array:
+        """(3,) angular momentum in world axes at a crank speed of 1 rad/s [kg m2]."""
+        axis = np.array(self.axis)
+        return np.asarray(self.inertia * self.ratio * axis / np.linalg.norm(axis))
+
+
+class Body(NamedTuple):
+    """A rigid body of the system: the part with which it moves, and its spatial inertia (6, 6) about the world origin."""
+
+    part: str
+    inertia: Array
+
+
+class Spring(NamedTuple):
+    """A spring between two parts, the upper one first; or between a part and the floor, which is None."""
+
+    mount: Mount
+    part: str
+    other: str | None
+
+
+def motions_of(names: Sequence[str]) -> dict[str, Array]:
+    """Motions (6, n) at the world origin of rigid parts that move freely, six coordinates each, by one of each coordinate."""
+    return {name: np.eye(6, 6 * len(names), 6 * k) for k, name in enumerate(names)}
+
+
+def part_named(parts: Mapping[str, Array], name: str | None, carrier: str) -> str:
+    """A part of the frame by the name that a caller gives; None: ``carrier``.
+
+    Raises:
+        UnknownNameError: there is no such part.
+    """
+    if name is None:
+        return carrier
+    if name not in parts:
+        raise UnknownNameError("part of the frame", name, parts)
+    return name
+
+
+def body_inertia(frame: Frame) -> Array:
+    """Spatial inertia (6, 6) of a part about the world origin, linear before angular."""
+    return np.asarray(pin.Inertia(frame.mass, np.asarray(frame.centre, dtype=float), frame.tensor).matrix())
+
+
+def centre_of(body: Array) -> Array:
+    """Centre of mass (3,) of a body with a spatial inertia (6, 6) [m]; the origin where the body has no mass."""
+    return np.array([body[5, 1], body[3, 2], body[4, 0]]) / (body[0, 0] or 1.0)
+
+
+def weight_wrench(body: Array, gravity: Array) -> Array:
+    """Wrench (6,) of the weight of a body with a spatial inertia (6, 6) about the world origin [N, N m]."""
+    return np.asarray(body[:, :3] @ gravity)
+
+
+def rows_at(motion: Array, point: ArrayLike) -> Array:
+    """Rows (3, n) that give the displacement of a point of a part, u + turn x point, from the rows (6, n) of its motion."""
+    return np.asarray(motion[:3] - pin.skew(np.asarray(point, dtype=float)) @ motion[3:])
+
+
+def spring_rows(spring: Spring, parts: Mapping[str, Array]) -> Array:
+    """Rows (3, n) that give the stretch of a spring: the displacement of its first part at its point less that of the other one."""
+    rows = rows_at(parts[spring.part], spring.mount.point)
+    return rows if spring.other is None else rows - rows_at(parts[spring.other], spring.mount.point)
+
+
+def springs_together(springs: Iterable[tuple[ArrayLike, Array]], count: int) -> Array:
+    """Stiffness matrix (n, n) of springs, each with its constants (3,) along x, y and z and the rows (3, n) of its stretch."""
+    total = np.zeros((count, count))
+    for constants, at in springs:
+        total += at.T @ (np.asarray(constants, dtype=float)[:, None] * at)
+    return total
+
+
+def gyroscopic_matrix(rotors: Iterable[Rotor], parts: Mapping[str, Array], carrier: str, count: int) -> Array:
+    """Skew-symmetric matrix (n, n) of gyroscopic moments at a crank speed of 1 rad/s, which are minus it times the velocities [kg m2]."""
+    total = np.zeros((count, count))
+    for rotor in rotors:
+        turn = parts[part_named(parts, rotor.on, carrier)][3:]
+        total -= turn.T @ pin.skew(rotor.momentum) @ turn
+    return total
+
+
+def turning_stiffness(forces: Iterable[tuple[Array, Array, Array]], count: int) -> Array:
+    """Stiffness (n, n) that comes from static forces when their parts turn; see `mounted_press`.
+
+    Args:
+        forces: for each force the rows (6, n) of the motion of its part, the force (3,) [N] and its point (3,) [m].
+        count: n.
+    """
+    stiffness = np.zeros((count, count))
+    for motion, force, point in forces:
+        turn = (force @ point) * np.eye(3) - 0.5 * (np.outer(force, point) + np.outer(point, force))
+        stiffness += motion[3:].T @ turn @ motion[3:]
+    return stiffness
+
+
+def refuse_loose(matrix: Array, problem: str, remedy: str) -> None:
+    """Raise PinpressError where a matrix (n, n) is not positive definite; the message is the problem, a free coordinate and the remedy."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
+    values, vectors = np.linalg.eigh(scale[:, None] * matrix * scale)
+    if values[0] <= SMALLEST * values[-1]:
+        free = np.abs(scale * vectors[:, 0]).reshape(-1, 6).max(axis=0)
+        turns = 3 * int(free[3:].max() > SMALLEST * free.max())  # a turn about a mount moves the origin too
+        raise PinpressError(f"{problem} {COORDINATES[turns + int(free[turns : turns + 3].argmax())]}: {remedy}")
+
+
+def refuse_pulled(load: Array, gravity: Array) -> None:
+    """Raise PinpressError where the weight pulls at a mount instead of pressing on it."""
+    along = load @ -gravity
+    if (along < -PULLED * np.abs(along).sum()).any():
+        number = int(along.argmin())
+        raise PinpressError(
+            f"mount {number + 1} of {len(along)} would be pulled by the weight, {abs(load[number, 2]):.4g} N: the centre of mass is not"
+            " between the mounts; move them"
+        )

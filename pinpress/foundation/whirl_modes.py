@@ -1,0 +1,198 @@
+"""Modes of a press whose flywheel and other rotors spin: forward and backward whirl over the speed, and critical speeds.
+
+Gyroscopic moments do no work, so that a system without dampers keeps its energy: M u'' + w G u' + K u = 0 has n real frequencies at every
+speed w of the crank. With Cholesky factors M = A A^T, K = B B^T and x = (B^T u, A^T u'), whose square is twice the energy,
+
+    x' = S x,  S = [[0, B^T A^-T], [-A^-1 B, -w A^-1 G A^-T]]
+
+where S is skew-symmetric: its eigenvalues are purely imaginary, its eigenvectors orthogonal. They are found as those of the Hermitian -i S.
+Where a harmonic of order k of the crank meets a frequency, (K - w^2 (k^2 M - i k G)) u = 0, which is a Hermitian problem in 1 / w^2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..common import tables
+from ..common.arguments import suitable_numbers, typed, whole_number
+from ..common.errors import PinpressError
+from ..common.frozen import read_only
+from ..common.quantities import RPM, Array, ComplexArray
+from ..common.results import Tabular
+from .frame_parts import part_named
+from .mounted_press import MOST_ORDERS, MountedPress
+
+AT_REST = 1e-6  # share of the highest speed at which modes of equal frequency at standstill are told from each other
+SAME_MODE = 0.7  # least product of a mode at two speeds that follow each other
+HALVINGS = 8  # of an interval of speeds over which modes change more
+TURNS = 0.1  # whirl from which a mode is said to turn forward or backward
+NO_TILT = 1e-9  # share of the largest tilt of the rotors in a mode that is rounding
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WhirlDiagram(Tabular):
+    """The n modes of a press on its mounts over the speed of its crank, each followed from the lowest speed. All arrays are read-only.
+
+    Attributes:
+        system: the press on its mounts.
+        speed: (s,) speeds of the crank [rad/s].
+        frequency: (s, n) natural frequencies without damping [rad/s].
+        damping_ratio: (s, n) what dampers and loss factors take from each mode; exact to first order in the damping [-].
+        whirl: (s, n) sense in which the rotors' axes circle: 1 on a circle, forward as the rotor spins, -1 on one backward, 0 on a line.
+        shapes: (s, n, coordinates) complex shapes u, which move as the real part of u exp(i frequency time), of u* M u = 1 kg.
+    """
+
+    system: MountedPress
+    speed: Array
+    frequency: Array
+    damping_ratio: Array
+    whirl: Array
+    shapes: ComplexArray
+
+    @property
+    def title(self) -> str:
+        low, high = self.speed[0], self.speed[-1]
+        return f"WhirlDiagram of {self.system.press.name}: {self.frequency.shape[1]} modes from {low:.4g} to {high:.4g} rad/s"
+
+    def __str__(self) -> str:
+        """Each mode at the lowest and the highest speed, and the critical speeds."""
+        low, high = self.speed[0] / RPM, self.speed[-1] / RPM
+        rows = [["mode", f"at {low:.4g} r/min", f"at {high:.4g} r/min", "whirl there", "damping ratio"]]
+        for k, (first, last) in enumerate(self.frequency[[0, -1]].T / (2 * np.pi)):
+            rows.append([str(k + 1), f"{first:.4f} Hz", f"{last:.4f} Hz", self.words(k), f"{self.damping_ratio[-1, k]:.4f}"])
+        critical = ", ".join(f"{speed / RPM:.4g}" for speed in self.critical_speeds()) or "none"
+        lines = [f"{self.system.press.name} on its mounts, its rotors spinning", *tables.fitted(rows)]
+        return "\n".join([*lines, tables.entry("critical speeds", critical, "r/min, first harmonic")])
+
+    def words(self, mode: int) -> str:
+        """How a mode turns at the highest speed: "forward", "backward", or "" where it hardly does."""
+        turns = float(self.whirl[-1, mode])
+        return "" if abs(turns) < TURNS else "forward" if turns > 0 else "backward"
+
+    def critical_speeds(self, order: int = 1) -> Array:
+        """(c,) speeds of the crank at which a harmonic of it meets a natural frequency, rising [rad/s].
+
+        They are exact, in the range of the speeds or not. There are n at most: a forward mode may run away from the harmonic.
+
+        Args:
+            order: harmonic of the crank, 1 to 10 000.
+
+        Raises:
+            PinpressError: ``order`` is no whole number in that range.
+        """
+        from scipy.linalg import eigh  # slow to import
+
+        k = whole_number("order", order, 1, MOST_ORDERS)
+        inverse = eigh(k**2 * self.system.mass - 1j * k * self.system.gyroscopic, self.system.stiffness, eigvals_only=True)
+        least = np.finfo(float).eps * np.abs(inverse).max()
+        return np.asarray(1 / np.sqrt(inverse[inverse > least][::-1]))
+
+    def columns(self) -> dict[str, Array]:
+        """A row for each speed: frequency, damping ratio and whirl of every mode."""
+        columns = {"speed [rad/s]": self.speed}
+        for k in range(self.frequency.shape[1]):
+            columns |= {
+                f"frequency_{k + 1} [rad/s]": self.frequency[:, k],
+                f"damping_ratio_{k + 1} [-]": self.damping_ratio[:, k],
+                f"whirl_{k + 1} [-]": self.whirl[:, k],
+            }
+        return columns
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "speed [rad/s]", *(f"frequency_{k + 1} [rad/s]" for k in range(self.frequency.shape[1]))
+
+
+@typed
+def whirl(system: MountedPress, speeds: ArrayLike) -> WhirlDiagram:
+    """Find the modes of a press whose rotors spin, over the speed of its crank.
+
+    Args:
+        system: the press on its mounts, with rotors.
+        speeds: (s,) speeds of the crank, rising, the first one zero or positive [rad/s].
+
+    Raises:
+        PinpressError: the system has no rotors, or the speeds are not as described.
+    """
+    if not system.rotors:
+        raise PinpressError("nothing spins on the frame: give rotors= to mounted, or take modes")
+    wanted = "an array of numbers, rising, none negative, the last one positive [rad/s]"
+    speed = suitable_numbers(
+        "speeds", speeds, wanted, (None,), lambda values: len(values) and values[0] >= 0 and values[-1] > 0 and np.all(np.diff(values) > 0)
+    )
+    equations = _Equations.of(system)
+    found = [equations.modes(float(speed[0]) or AT_REST * float(speed[-1]))]
+    for low, high in pairwise(speed.tolist()):
+        found.append(equations.followed(found[-1], low, high, HALVINGS))
+    frequency, vectors = (np.array([each[k] for each in found]) for k in (0, 1))
+    if speed[0] == 0:
+        frequency[0] = equations.modes(0.0)[0]
+    n = len(system.mass)
+    moving = np.linalg.solve(equations.mass_factor.T, vectors[:, n:])  # velocities (s, n, modes), of energy 1 / 2 together
+    resisted = [np.einsum("sik,ij,sjk->sk", moving.conj(), matrix, moving).real for matrix in (system.damping, system.loss)]
+    shapes = np.swapaxes(moving / (1j * frequency[:, None, :]), 1, 2)
+    size = np.sqrt(np.einsum("ski,ij,skj->sk", shapes.conj(), system.mass, shapes).real)
+    shapes = shapes / size[..., None]
+    return WhirlDiagram(
+        system=system,
+        speed=read_only(np.array(speed)),
+        frequency=read_only(frequency),
+        damping_ratio=read_only((resisted[0] + resisted[1] / frequency) / frequency),
+        whirl=read_only(np.where(speed[:, None] > 0, _sense(system, shapes), 0.0)),
+        shapes=read_only(shapes),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Equations:
+    """The equations of the module's heading: factor A of the mass, and S at a speed as a constant part and one in proportion."""
+
+    mass_factor: Array
+    still: Array
+    spinning: Array
+
+    @classmethod
+    def of(cls, system: MountedPress) -> _Equations:
+        n, factor = len(system.mass), np.linalg.cholesky(system.mass)
+        across = np.linalg.solve(factor, np.linalg.cholesky(system.stiffness)).T
+        turned = np.linalg.solve(factor, np.linalg.solve(factor, system.gyroscopic.T).T)
+        nothing = np.zeros((n, n))
+        return cls(factor, np.block([[nothing, across], [-across.T, nothing]]), np.block([[nothing, nothing], [nothing, -turned]]))
+
+    def modes(self, speed: float) -> tuple[Array, ComplexArray]:
+        """Frequencies (n,), rising, and unit vectors x (2 n, n) of the modes."""
+        values, vectors = np.linalg.eigh(-1j * (self.still + speed * self.spinning))
+        half = len(values) // 2
+        return values[half:], vectors[:, half:]
+
+    def followed(self, before: tuple[Array, ComplexArray], low: float, high: float, halvings: int) -> tuple[Array, ComplexArray]:
+        """The modes at a speed in the order of those at a lower one; halfway too where they change much in between."""
+        from scipy.optimize import linear_sum_assignment  # slow to import
+
+        frequency, vectors = self.modes(high)
+        products = np.abs(before[1].conj().T @ vectors)
+        mine, theirs = linear_sum_assignment(-(products**2))
+        if halvings and products[mine, theirs].min() < SAME_MODE:
+            middle = self.followed(before, low, 0.5 * (low + high), halvings - 1)
+            return self.followed(middle, 0.5 * (low + high), high, halvings - 1)
+        return frequency[theirs], vectors[:, theirs]
+
+
+def _sense(system: MountedPress, shapes: ComplexArray) -> Array:
+    """Sense (s, n) in which the axes of the rotors circle, by their angular momentum, of shapes (s, n, coordinates)."""
+    swept, size = np.zeros(shapes.shape[:2]), np.zeros(shapes.shape[:2])
+    for rotor in system.rotors:
+        turn = shapes @ system.parts[part_named(system.parts, rotor.on, system.carrier)][3:].T
+        momentum = np.linalg.norm(rotor.momentum)
+        if momentum == 0:
+            continue
+        axis = rotor.momentum / momentum
+        tilt = turn - (turn @ axis)[..., None] * axis
+        swept += 2 * momentum * (np.cross(tilt.real, -tilt.imag) @ axis)  # a quarter of a period later the tilt is minus its imaginary part
+        size += momentum * (np.abs(tilt) ** 2).sum(axis=-1)
+    tilts = size > NO_TILT**2 * size.max(initial=0.0)
+    return np.asarray(np.divide(swept, size, out=np.zeros_like(swept), where=tilts))
