@@ -368,8 +368,9 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
     expect("points", points, Mapping, "{'top_beam': (x, y, z), ...}")
     rows = {}
     for name, given in points.items():
-        on_part = isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str)
-        part, place = given if on_part else (system.bed, given)
+        part, place = given if isinstance(given, tuple) and len(given) == 2 else (system.bed, given)
+        if not isinstance(part, str):
+            part, place = system.bed, given
         point = finite_numbers(place)
         if not isinstance(name, str) or point is None or point.shape != (3,):
             raise PinpressError(f"point {shown(name)} is {shown(given)}: give x, y, z [m] under a name, or ('crown', (x, y, z))")

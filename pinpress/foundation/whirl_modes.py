@@ -161,7 +161,10 @@ class _Equations:
         across = np.linalg.solve(factor, np.linalg.cholesky(system.stiffness)).T
         turned = np.linalg.solve(factor, np.linalg.solve(factor, system.gyroscopic.T).T)
         nothing = np.zeros((n, n))
-        return cls(factor, np.block([[nothing, across], [-across.T, nothing]]), np.block([[nothing, nothing], [nothing, -turned]]))
+        still, spinning = (
+            np.block(parts) for parts in ([[nothing, across], [-across.T, nothing]], [[nothing, nothing], [nothing, -turned]])
+        )
+        return cls(np.asarray(factor), still, spinning)
 
     def modes(self, speed: float) -> tuple[Array, ComplexArray]:
         """Frequencies (n,), rising, and unit vectors x (2 n, n) of the modes."""
