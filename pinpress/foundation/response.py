@@ -368,14 +368,17 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
     expect("points", points, Mapping, "{'top_beam': (x, y, z), ...}")
     rows = {}
     for name, given in points.items():
-        part, place = given if isinstance(given, tuple) and len(given) == 2 else (system.bed, given)
-        if not isinstance(part, str):
-            part, place = system.bed, given
+        part, place = _part_and_place(given) or (system.bed, given)
         point = finite_numbers(place)
         if not isinstance(name, str) or point is None or point.shape != (3,):
             raise PinpressError(f"point {shown(name)} is {shown(given)}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
         rows[name] = rows_at(system.parts[part_named(system.parts, part, system.carrier)], point)
     return rows
+
+
+def _part_and_place(given: object) -> tuple[str, object] | None:
+    """A point with the name of its part, as a caller gives it; None where it has no such name."""
+    return (given[0], given[1]) if isinstance(given, tuple) and len(given) == 2 and isinstance(given[0], str) else None
 
 
 def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) -> ComplexArray:
