@@ -21,12 +21,12 @@ from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
-from ..derivatives.motion import refuse_motion_of_another
+from ..derivatives.motion import directed, refuse_motion_of_another
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..kinematics.slide_path import TurningPoints, turning_points
 from ..linkage.linkage import Linkage
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
-from .endings import Ended, Ending, followed_to, shapes_of
+from .endings import Ending, shapes_of, sound
 from .scatter import Scatter, scatter
 from .shapes import Shapes
 
@@ -157,13 +157,13 @@ def bottom_dead_centre(
     drawn = drawn_deviations(checked, tied, samples, seed)
     if motion is None:
         refuse_several_drivers(press)
-        points, shapes = turning_points(press), shapes_of(press, checked)
+        points, shapes = turning_points(press), _shapes(press, checked)
         bottom, top = (_outermost(shapes, points, drawn, upwards) for upwards in (False, True))
     else:
         refuse_motion_of_another(press, motion)
         if forces or speeds:
             raise PinpressError("forces and speeds at a height are those of a crank that turns through its dead centres: leave motion out")
-        shapes = shapes_of(press, checked)
+        shapes = _shapes(press, checked)
         bottom, top = (_at_end(shapes, motion, upwards) for upwards in (False, True))
     _doubt_effects(checked, [bottom, top])
     asked = [_Travel.on_the_way_down(shapes, bottom, *each) for each in _asked(press, forces or {}, speeds or {})]
@@ -252,7 +252,7 @@ class _DeadCentre(NamedTuple):
             PinpressError: some of these presses cannot be closed there.
         """
         where = f"at {'top' if self.upwards else 'bottom'} dead centre"
-        found = [_sound(followed_to(shapes, deviations, ending), shapes, deviations, where).position for ending in self.endings]
+        found = [sound(shapes, deviations, ending, where).position for ending in self.endings]
         return np.asarray(np.max(found, axis=0) if self.upwards else np.min(found, axis=0))
 
 
@@ -266,14 +266,19 @@ def dead_centre_gradients(press: Linkage, parts: Sequence[Dimension], motion: Mo
     """
     if motion is not None:
         refuse_motion_of_another(press, motion)
-        shapes = shapes_of(press, parts)
+        shapes = _shapes(press, parts)
         bottom, top = (_Local.of(shapes, motion, state).position_slopes for state in ends_of(motion))
         return bottom, top
     refuse_several_drivers(press)
-    points, shapes = turning_points(press), shapes_of(press, parts)
+    points, shapes = turning_points(press), _shapes(press, parts)
     places = [points.places[points.first_of_the_farthest(upwards)] for upwards in (False, True)]
     bottom, top = (_Local.at(shapes, float(place)).position_slopes for place in places)
     return bottom, top
+
+
+def _shapes(press: Linkage, parts: Sequence[Dimension]) -> Shapes:
+    """The press with its dimensions. Raises as `shapes_of`."""
+    return shapes_of(press, [directed(press, part.direction) for part in parts])
 
 
 def ends_of(motion: Motion) -> tuple[int, int]:
@@ -312,18 +317,6 @@ def _moving(shapes: Shapes, local: _Local) -> NDArray[np.bool_]:
     """(k,) whether a dimension moves the slide at a state or beside it."""
     least = UNMOVED * shapes.press.size
     return (np.abs(local.position_slopes) > least) | (np.abs(local.rate_slopes) > least)
-
-
-def _sound(ended: Ended, shapes: Shapes, deviations: Array, where: str) -> Ended:
-    """The presses at an end; raises PinpressError where some of them did not come there."""
-    lost = np.flatnonzero(~ended.sound)
-    if len(lost):
-        first = ", ".join(f"{value:.3g}" for value in deviations[:, lost[0]])
-        raise PinpressError(
-            f"{len(lost)} of {deviations.shape[1]} presses, worst corners among them, cannot be closed {where}, or not as"
-            f" {shapes.press.name} is assembled; the first of them deviates by {first} [m or rad]: make the tolerances smaller"
-        )
-    return ended
 
 
 def refuse_several_drivers(press: Linkage) -> None:
@@ -389,9 +382,8 @@ class _Travel(NamedTuple):
         Raises:
             PinpressError: some of these presses cannot be closed there.
         """
-        ended = followed_to(shapes, deviations, Ending(self.start, self.angle_slopes, "height", low + self.height))
-        where = f"{1e3 * self.height:g} mm above bottom dead centre"
-        return self.factor * _sound(ended, shapes, deviations, where).rate
+        ending = Ending(self.start, self.angle_slopes, "height", low + self.height)
+        return self.factor * sound(shapes, deviations, ending, f"{1e3 * self.height:g} mm above bottom dead centre").rate
 
 
 def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float, float]) -> Iterator[tuple[str, float, float, bool]]:

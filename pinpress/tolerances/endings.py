@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common.errors import PinpressError
 from ..common.quantities import Array
-from ..derivatives.motion import directed
+from ..derivatives.motion import Displacements
 from ..engines.engine import ACCEPTED, MOST_NEWTON_STEPS
 from ..engines.planar.engine import PlanarEngine
 from ..linkage.linkage import Linkage
-from .dimensions import Dimension
 from .planar_shapes import PlanarShapes
 from .shapes import Evaluated, Shapes
 from .spatial_shapes import SpatialShapes
@@ -30,15 +30,13 @@ CORRECTED = 0.25  # share of what first order moves it by, by which Newton's met
 NEARLY = 1e-3  # correction that is accepted in any case [rad, or lengths of the linkage]
 
 
-def shapes_of(press: Linkage, parts: Sequence[Dimension]) -> Shapes:
-    """The press with its dimensions.
+def shapes_of(press: Linkage, moved: Sequence[Displacements]) -> Shapes:
+    """A press with dimensions that displace its pivots by ``moved`` per unit.
 
     Raises:
         PinpressError: it has no slide; a dimension leads out of the plane of a planar press.
     """
-    directions = [part.direction for part in parts]
-    moved = [directed(press, direction) for direction in directions]
-    return PlanarShapes.of(press, directions, moved) if isinstance(press.engine(), PlanarEngine) else SpatialShapes.of(press, moved)
+    return PlanarShapes.of(press, moved) if isinstance(press.engine(), PlanarEngine) else SpatialShapes.of(press, moved)
 
 
 class Ending(NamedTuple):
@@ -75,8 +73,25 @@ class Ended(NamedTuple):
     sound: NDArray[np.bool_]
 
 
+def sound(shapes: Shapes, deviations: Array, ending: Ending, where: str) -> Ended:
+    """Every set of deviations (k, n) at its end; ``where``: for messages.
+
+    Raises:
+        PinpressError: some of these presses cannot be closed there.
+    """
+    ended = followed_to(shapes, deviations, ending)
+    lost = np.flatnonzero(~ended.sound)
+    if len(lost):
+        first = ", ".join(f"{value:.3g}" for value in deviations[:, lost[0]])
+        raise PinpressError(
+            f"{len(lost)} of {deviations.shape[1]} presses, worst corners among them, cannot be closed {where}, or not as"
+            f" {shapes.press.name} is assembled; the first of them deviates by {first} [m or rad]: make the tolerances smaller"
+        )
+    return ended
+
+
 def followed_to(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
-    """Every set of deviations (k, n) at its end. It never raises: the caller judges which sets are sound."""
+    """Every set of deviations (k, n) at its end. It never raises, see `sound`."""
     still, first = shapes.joint_slopes(ending.start)
     slopes, count = still + first * ending.angle_slopes, deviations.shape[1]
     whole = Ended(np.empty(count), np.empty(count), np.empty(count, dtype=bool))

@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.quantities import Array, ComplexArray
-from ..derivatives.motion import Displacements, Pivots, States, guide_shift, motion_derivatives, planar, shift
+from ..derivatives.motion import Displacements, Rates, Shift, States, Tangent, guide_shift, planar, shift
 from ..engines.joints import product
 from ..engines.planar.kinematics import NO_SLIPS, basis_acceleration, basis_at, drive, factored, solve
 from ..engines.planar.model import Plane
-from ..kinematics.motion import of_states
 from ..linkage.linkage import Linkage
 from .shapes import Evaluated, Shapes
 
@@ -29,9 +28,8 @@ class PlanarShapes(Shapes):
         press: the press.
         guide_slopes: see `Shapes`.
         tolerance: see `Shapes`.
-        directions: the dimensions' directions.
         plane: constants of the nominal linkage.
-        by: what each dimension adds to the rows, per unit of it.
+        shifts: what each dimension adds to the rows, per unit of it.
         places: (m, 2) the entries of `Plane.closure` that change.
         slopes: (m, k) their derivatives by the dimensions.
     """
@@ -39,15 +37,14 @@ class PlanarShapes(Shapes):
     press: Linkage
     guide_slopes: Array
     tolerance: float
-    directions: tuple[Pivots, ...]
     plane: Plane
-    by: tuple[ComplexArray, ...]
+    shifts: tuple[Shift, ...]
     places: NDArray[np.intp]
     slopes: ComplexArray
 
     @staticmethod
-    def of(press: Linkage, directions: Sequence[Pivots], moved: Sequence[Displacements]) -> PlanarShapes:
-        """The press with its dimensions, of which ``moved`` has the displacements per unit.
+    def of(press: Linkage, moved: Sequence[Displacements]) -> PlanarShapes:
+        """The press with dimensions that displace its pivots by ``moved`` per unit.
 
         Raises:
             PinpressError: a dimension leads out of its plane.
@@ -58,7 +55,7 @@ class PlanarShapes(Shapes):
         places = np.argwhere(changes.any(axis=0))
         guide_slopes = np.array([guide_shift(plane, each, guide) for each in shifts])
         slopes = changes[:, places[:, 0], places[:, 1]].T
-        return PlanarShapes(press, guide_slopes, plane.tolerance, tuple(directions), plane, tuple(changes), places, slopes)
+        return PlanarShapes(press, guide_slopes, plane.tolerance, plane, tuple(shifts), places, slopes)
 
     def evaluated(self, x: Array, deviations: Array) -> Evaluated:
         plane, added = self.plane, self.slopes @ deviations
@@ -90,13 +87,12 @@ class PlanarShapes(Shapes):
         states = States.of(self.plane, start[:, None])
         first = np.empty((len(start), 1))
         drive(self.plane, states.rows, states.factors, first)
-        loops = len(self.plane.loop_points)
-        still = [states.solve(product(each[:loops], states.basis))[:, 0] for each in self.by]
-        return np.stack(still, axis=1), first
+        return np.stack([states.slope(each)[:, 0] for each in self.shifts], axis=1), first
 
     def slide_slopes(self, position: Array, v: Array) -> tuple[Array, Array]:
-        motion = of_states(self.press, position[:, None].copy(), v[:, None].copy(), np.zeros((len(v), 1)), np.zeros(1), None)
-        moved = motion_derivatives(self.press, motion, self.directions)
-        slopes = [np.concatenate([each.slide_position, each.slide_velocity]) for each in moved if each.slide_position is not None]
-        by_position, by_velocity = np.array(slopes).T
-        return by_position, by_velocity
+        states, rest = States.of(self.plane, position[:, None]), np.zeros((len(v), 1))
+        rates = Rates.of(states, v[:, None], rest)
+        tangents = [Tangent.of(states, rates, each) for each in self.shifts]
+        guide, _, sign = self.press.slide_guide
+        by_position = sign * (np.array([each.position[guide, 0] for each in tangents]) + self.guide_slopes)
+        return by_position, sign * np.array([each.v[guide, 0] for each in tangents])

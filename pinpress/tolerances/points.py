@@ -35,14 +35,17 @@ from ..common.arguments import positive, typed
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
-from ..derivatives.motion import directed
+from ..derivatives.motion import Displacements, directed
 from ..kinematics.motion import Motion, bearing_points, poses
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
+from .endings import Ending, shapes_of, sound
 from .scatter import Scatter, scatter
-from .virtual_work import UnitForces, unit_forces
+from .shapes import Shapes
+from .single_chains import SingleChain
+from .virtual_work import unit_forces
 
 ROUNDING = 1e-12  # share of the largest gradient below which one is zero
 STATES = 120  # crank angles of a period
@@ -65,10 +68,11 @@ class SlideParallelism(Tabular):
         directions: (2, 3) these directions as unit vectors in world axes; of a planar press that in its plane and that across it.
         crank_angle: (n,) crank angles [rad]; of a driver that slides its positions [m].
         slope_sd: (n, 2) standard deviations of the slopes, to first order [-].
-        slopes: the scatter of both slopes at bottom dead centre, with the shares of the dimensions.
+        slopes: the scatter of both slopes at bottom dead centre, with the shares of the dimensions; every press of its sample is exact.
         misfit_sd: (m,) standard deviations of what a plane leaves of the points' heights at bottom dead centre [m].
         point_force_sd: (m,) of the forces on the points by that and by the guides [N]; None without stiffnesses.
         guide_moment_sd: (2,) of the moments of the guides that hold the slide against both slopes [N m]; None without stiffnesses.
+        deviations: (k, presses) of the dimensions of every press of the sample from the nominal ones [m or rad].
     """
 
     press_name: str
@@ -82,6 +86,7 @@ class SlideParallelism(Tabular):
     misfit_sd: Array
     point_force_sd: Array | None
     guide_moment_sd: Array | None
+    deviations: Array
 
     def within(self, permissible: float) -> float:
         """Share of the sample's presses whose slopes at bottom dead centre are permissible in both directions [-].
@@ -154,8 +159,9 @@ def parallelism(
 
     Raises:
         UnknownNameError: a bearing or dimension that there is not.
-        PinpressError: the slide hangs on one point, or not all points are named; a chain does not hold the slide alone; two dimensions have
-            one name; a stiffness alone, or not positive; the press has several drivers or no dead centres.
+        PinpressError: the slide hangs on one point, or not all points are named; a chain does not hold the slide alone, or cannot be
+            closed in every press of the sample; two dimensions have one name; a stiffness alone, or not positive; the press has several
+            drivers or no dead centres.
     """
     if (point_stiffness is None) != (guide_stiffness is None):
         raise PinpressError(
@@ -174,28 +180,31 @@ def parallelism(
     points = _points(press, motion, parts)
     dimensions = _each_once(press, parts)
     places, directions = _places(press, motion, points)
+    moved = [directed(press, part.direction) for part in dimensions]
+    chains = [_Chain.of(press, motion, points, point, [dimensions.index(part) for part in parts[point]], moved) for point in points]
+    slopes_of_heights = _Fit.of(places, stiffness, turning)
     heights = np.zeros((len(points), len(dimensions), len(angles) + 1))
-    for i, point in enumerate(points):
-        alone = _carried_alone(press, motion, points, point)
-        names = [part.name for part in parts[point]]
-        for k, part in enumerate(dimensions):
-            if part.name in names:
-                heights[i, k] = alone.shift(directed(press, part.direction))
-    fit = _Fit.of(places, stiffness, turning)
-    slopes = np.einsum("si,ikn->nsk", fit.slopes, heights)
+    for by_dimension, chain in zip(heights, chains, strict=True):
+        by_dimension[chain.own] = chain.slopes
+    slopes = np.einsum("si,ikn->nsk", slopes_of_heights.slopes, heights)
     tied = correlation_matrix(dimensions, correlation)
-    sd = np.array([part.standard_deviation for part in dimensions])
+    sd, tolerances = (np.array([getattr(part, name) for part in dimensions]) for name in ("standard_deviation", "tolerance"))
     covariance = tied * np.outer(sd, sd)
-    drawn = drawn_deviations(dimensions, tied, samples, seed)
     at_bottom, bottom_heights = slopes[-1], heights[:, :, -1]
     at_bottom = np.where(np.abs(at_bottom) > ROUNDING * np.abs(at_bottom).max(), at_bottom, 0.0)
-    left, forces = fit.misfit @ bottom_heights, fit.forces @ bottom_heights
+    left, forces = slopes_of_heights.misfit @ bottom_heights, slopes_of_heights.forces @ bottom_heights
+
+    drawn = drawn_deviations(dimensions, tied, samples, seed)
+    corners = [sign * np.sign(gradient) * tolerances for gradient in at_bottom for sign in (-1.0, 1.0)]
+    everything = np.column_stack([drawn, *corners])
+    exact = slopes_of_heights.slopes @ np.array([chain.heights(everything) for chain in chains])
+    exact[~at_bottom.any(axis=1)] = 0.0
 
     def _slope(k: int) -> Scatter:
         """The scatter of one slope at bottom dead centre."""
         name = f"slope along ({', '.join(f'{part + 0.0:.3g}' for part in directions[k].round(3))})"
-        worst = float(np.abs(at_bottom[k]) @ np.array([part.tolerance for part in dimensions]))
-        return scatter(name, "m/m", 0.0, dimensions, at_bottom[k].copy(), tied, at_bottom[k] @ drawn, np.array([-worst, worst]))
+        of_sample, of_corners = exact[k, : drawn.shape[1]], exact[k, drawn.shape[1] + 2 * k : drawn.shape[1] + 2 * k + 2]
+        return scatter(name, "m/m", 0.0, dimensions, at_bottom[k].copy(), tied, of_sample, of_corners)
 
     return SlideParallelism(
         press_name=press.name,
@@ -209,6 +218,7 @@ def parallelism(
         misfit_sd=_deviations(left, covariance),
         point_force_sd=None if stiffness is None else _deviations(forces, covariance),
         guide_moment_sd=None if stiffness is None else turning * _deviations(at_bottom, covariance),
+        deviations=drawn,
     )
 
 
@@ -307,10 +317,45 @@ def _places(press: Linkage, motion: Motion, points: Sequence[str]) -> tuple[Arra
     return places, directions
 
 
-def _carried_alone(press: Linkage, motion: Motion, points: Sequence[str], point: str) -> UnitForces:
-    """The forces of 1 N on the slide that one point carries: all others are soft, and the rest is rigid."""
-    alone = unit_forces(press, motion, stiffness={other: SOFT for other in points if other != point})
-    others = max(float(np.abs(alone.force[other]).max()) for other in points if other != point)
-    if not others < ALONE * float(np.abs(alone.force[point]).max()):
-        raise PinpressError(f"point {point!r} of {press.name} does not hold the slide without the others: it is no chain of its own")
-    return alone
+class _Chain(NamedTuple):
+    """The height of a point by the dimensions of its chain.
+
+    Attributes:
+        own: indices of its dimensions among all, m of them.
+        slopes: (m, n) derivatives of the height in the states of a motion, by virtual work.
+        shapes: the chain alone with its dimensions; None where it has none.
+        ending: where its crank stands at bottom dead centre.
+    """
+
+    own: list[int]
+    slopes: Array
+    shapes: Shapes | None
+    ending: Ending
+
+    @staticmethod
+    def of(press: Linkage, motion: Motion, points: Sequence[str], point: str, own: list[int], moved: Sequence[Displacements]) -> _Chain:
+        """The chain of a point, with the dimensions ``own`` of those that displace pivots by ``moved``; the last state of the motion is
+        bottom dead centre.
+
+        Raises:
+            PinpressError: the point does not hold the slide alone.
+        """
+        unit = unit_forces(press, motion, stiffness={other: SOFT for other in points if other != point})
+        others = max(float(np.abs(unit.force[other]).max()) for other in points if other != point)
+        if not others < ALONE * float(np.abs(unit.force[point]).max()):
+            raise PinpressError(f"point {point!r} of {press.name} does not hold the slide without the others: it is no chain of its own")
+        alone = SingleChain.of(press, unit, point)
+        shapes = shapes_of(alone.press, [alone.displacements(moved[k]) for k in own]) if own else None
+        ending = Ending(motion.joint_position[-1][alone.joints], np.zeros(len(own)), "held")
+        return _Chain(own, np.array([unit.shift(moved[k]) for k in own]).reshape(len(own), len(motion.v)), shapes, ending)
+
+    def heights(self, deviations: Array) -> Array:
+        """Heights (n,) of the point at bottom dead centre above that of the nominal press, of presses with deviations (k, n) [m].
+
+        Raises:
+            PinpressError: some of these presses cannot be closed there.
+        """
+        if self.shapes is None:
+            return np.zeros(deviations.shape[1])
+        nominal = self.shapes.position(self.ending.start[:, None], np.zeros((len(self.own), 1)))
+        return sound(self.shapes, deviations[self.own], self.ending, "at bottom dead centre").position - nominal

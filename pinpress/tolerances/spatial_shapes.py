@@ -45,7 +45,7 @@ class SpatialShapes(Shapes):
 
     @staticmethod
     def of(press: Linkage, moved: Sequence[Displacements]) -> SpatialShapes:
-        """The press with its dimensions, of which ``moved`` has the displacements per unit."""
+        """The press with dimensions that displace its pivots by ``moved`` per unit."""
         joints = np.stack([each.joints for each in moved], axis=-1)
         ends = np.stack([each.ends.swapaxes(0, 1) for each in moved], axis=-1)
         guide = press.slide_guide

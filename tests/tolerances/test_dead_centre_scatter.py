@@ -203,12 +203,11 @@ def test_shapes_in_space_of_a_planar_press_are_those_in_its_plane():
     """A crank-slide whose rod turns about a pin in the slide: rows of rotations that the bearing prevents are redundant there."""
     text = texts.shipped("crank_slide").text.decode().replace('name="W" type="spherical">', 'name="W" type="revolute"><axis xyz="0 -1 0"/>')
     press = texts.load(text)
-    directions = [part.direction for part in all_pivots(press, 1e-3)]
-    moved = [directed(press, each) for each in directions]
+    moved = [directed(press, part.direction) for part in all_pivots(press, 1e-3)]
     deviations = np.random.default_rng(1).normal(0.0, 1e-3, (len(moved), 7))
     for angle in (0.0, 1.0):
         state = pp.servo_cycle(press, [angle], speed=1.0)
-        plane, space = PlanarShapes.of(press, directions, moved), SpatialShapes.of(press, moved)
+        plane, space = PlanarShapes.of(press, moved), SpatialShapes.of(press, moved)
         for one, other in zip(*(each.slide_slopes(state.joint_position[0], state.v[0]) for each in (plane, space)), strict=True):
             assert one == pytest.approx(other, abs=1e-12)
         ending = Ending(state.joint_position[0], np.zeros(len(moved)), "held")

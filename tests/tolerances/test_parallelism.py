@@ -71,6 +71,36 @@ def test_a_point_moves_as_a_press_with_its_chain_alone(two_points, found):
         assert gradient(found, f"{name} front")[1] == pytest.approx(-change / by / (2 * HALF), rel=1e-4)
 
 
+def test_every_press_of_the_sample_has_the_slope_of_two_presses_with_one_rod(two_points):
+    """Tolerances a hundred times as wide, of lengths and of the indexing, which does nothing at the dead centre to first order."""
+    wide = {
+        point: [tol.Dimension(part.name, part.direction, 100 * part.tolerance, unit=part.unit) for part in parts]
+        for point, parts in chains(two_points).items()
+    }
+    found = tol.parallelism(two_points, wide, samples=30)
+    single, slope = texts.shipped("jf75g_125"), found.slopes[1]
+    pivots, angle = pivot_positions(single), pp.dead_centres(two_points).bottom_angle
+    names, drawn = [part.name for part in slope.parts], found.deviations
+
+    def height(side, k):
+        r, rod, shaft, index = (drawn[names.index(f"{what} {side}"), k] for what in ("r", "rod", "shaft", "index"))
+        along = pivots["P2", "crank"] / np.linalg.norm(pivots["P2", "crank"])
+        moved = {
+            ("P2", "crank"): pivots["P2", "crank"] + r * along + index * np.array([0.0, 0.0, 0.015]),
+            ("P4", "main_rod"): pivots["P4", "main_rod"] + rod * pivots["P4", "main_rod"] / np.linalg.norm(pivots["P4", "main_rod"]),
+            ("O", "frame"): pivots["O", "frame"] + [0.0, 0.0, shaft],
+        }
+        return pp.servo_cycle(reshaped(single, moved), [angle], speed=0.0).slide_position[0]
+
+    for k in (0, 29):
+        assert slope.deviation[k] == pytest.approx((height("back", k) - height("front", k)) / (2 * HALF), abs=1e-12)
+    assert (
+        np.abs(slope.gradient @ drawn - slope.deviation).max() > 1e-7
+    )  # first order is not exact, 1e5 times as far off as the presses are
+    assert slope.corners == pytest.approx([-slope.worst_case, slope.worst_case], rel=1e-3)
+    assert not found.slopes[0].deviation.any()
+
+
 def test_guides_hold_the_slope_of_soft_points(two_points, found):
     k, turning = 1e9, 1e8
     held = tol.parallelism(two_points, chains(two_points), point_stiffness=k, guide_stiffness=turning, samples=100)
@@ -94,8 +124,9 @@ BODY = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz
 WIDTH, DEPTH = 0.4, 0.25
 
 
-def four_point_text():
-    """Two cranks that gears turn against each other, at x = -WIDTH and WIDTH, with rods at y = -DEPTH and DEPTH."""
+def four_point_text(from_slide=False):
+    """Two cranks that gears turn against each other, at x = -WIDTH and WIDTH, with rods at y = -DEPTH and DEPTH. Rods hang by their upper
+    pins P from the cranks and close loops at their lower pins W, or the other way round."""
     links, joints, loops = [], [], []
     for side, x in (("left", -WIDTH), ("right", WIDTH)):
         mimic = "" if side == "left" else '<mimic joint="left" multiplier="-1"/>'
@@ -106,13 +137,15 @@ def four_point_text():
         )
         for end, y in (("front", -DEPTH), ("back", DEPTH)):
             links.append(f'<link name="rod_{side}_{end}">{BODY.format(10)}</link>')
+            upper, lower = (f"P_{side}_{end}", f"crank_{side}", f"0 {y} -0.02"), (f"W_{side}_{end}", "slide", f"{x} {y} 0")
+            joint, loop, along = (lower, upper, 0.3) if from_slide else (upper, lower, -0.3)
             joints.append(
-                f'<joint name="P_{side}_{end}" type="continuous"><parent link="crank_{side}"/><child link="rod_{side}_{end}"/>'
-                f'<origin xyz="0 {y} -0.02"/><axis xyz="0 -1 0"/></joint>'
+                f'<joint name="{joint[0]}" type="continuous"><parent link="{joint[1]}"/><child link="rod_{side}_{end}"/>'
+                f'<origin xyz="{joint[2]}"/><axis xyz="0 -1 0"/></joint>'
             )
             loops.append(
-                f'<loop_joint name="W_{side}_{end}" type="spherical"><link1 link="rod_{side}_{end}" xyz="0 0 -0.3"/>'
-                f'<link2 link="slide" xyz="{x} {y} 0"/></loop_joint>'
+                f'<loop_joint name="{loop[0]}" type="spherical"><link1 link="rod_{side}_{end}" xyz="0 0 {along}"/>'
+                f'<link2 link="{loop[1]}" xyz="{loop[2]}"/></loop_joint>'
             )
     guide = (
         '<joint name="guide" type="prismatic"><parent link="frame"/><child link="slide"/><origin xyz="0 0 -0.32"/><axis xyz="0 0 1"/>'
@@ -123,15 +156,18 @@ def four_point_text():
     return f'<robot name="four_points"><link name="frame"/>{slide}{"".join(links + joints)}{guide}{"".join(loops)}{drive}</robot>'
 
 
-def test_four_points_take_the_plane_of_least_squares_and_force_the_rest_into_the_slide():
-    press = texts.load(four_point_text())
+@pytest.mark.parametrize("from_slide", [False, True])
+def test_four_points_take_the_plane_of_least_squares_and_force_the_rest_into_the_slide(from_slide):
+    press = texts.load(four_point_text(from_slide))
     points = [f"W_{side}_{end}" for side in ("left", "right") for end in ("front", "back")]
     rods = {point: [tol.link_length(press, point.replace("W", "P"), point, 3e-5, name=point)] for point in points}
     k, turning = 2e9, 5e7
     free = tol.parallelism(press, rods, samples=100)
     held = tol.parallelism(press, rods, point_stiffness=k, guide_stiffness=turning, samples=100)
-    assert free.points == tuple(points)
-    x, y = np.repeat([-WIDTH, WIDTH], 2), np.tile([-DEPTH, DEPTH], 2)
+    assert set(free.points) == set(points)
+    points = list(free.points)
+    x = np.array([-WIDTH if "left" in point else WIDTH for point in points])
+    y = np.array([-DEPTH if "front" in point else DEPTH for point in points])
     assert free.places == pytest.approx(np.column_stack([x, y]))
     for number, point in enumerate(points):
         lower = -np.eye(4)[number]  # a longer rod
@@ -139,6 +175,8 @@ def test_four_points_take_the_plane_of_least_squares_and_force_the_rest_into_the
         assert gradient(held, point) == pytest.approx([k * x @ lower / (k * x @ x + turning), k * y @ lower / (k * y @ y + turning)])
     twist = 1e-5 / 4 * 2  # four rods of a standard deviation of 10 um: the twist is a quarter of their alternating sum
     assert free.misfit_sd == pytest.approx(twist * np.ones(4))
+    order = [[part.name for part in free.slopes[0].parts].index(point) for point in points]
+    assert free.slopes[0].deviation == pytest.approx(-(x / (x @ x)) @ free.deviations[order], abs=1e-12)  # rods straight, at the bottom
     assert held.point_force_sd[0] > k * twist
     assert "forced into the slide" in str(free)
 

@@ -1,0 +1,84 @@
+"""A press whose slide hangs on one of its points alone: the other chains are left out.
+
+Where 1 N on the slide puts no force on a loop, the equations of the other loops alone lead from the crank to the slide, so that the slide
+moves as before without it. Joints that only such loops held are locked where they stand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from ..common.errors import PinpressError
+from ..derivatives.motion import Displacements
+from ..engines.joints import configuration
+from ..linkage.linkage import Linkage
+from .virtual_work import UnitForces
+
+CARRIES = 1e-6  # share of the largest force from which on a loop carries
+
+
+class SingleChain(NamedTuple):
+    """One chain of a press, as a press of its own with the same coordinates.
+
+    Attributes:
+        press: the press without the others.
+        joints: indices of its joints in v of the whole press.
+        loops: indices of its loops.
+    """
+
+    press: Linkage
+    joints: list[int]
+    loops: list[int]
+
+    @staticmethod
+    def of(press: Linkage, unit: UnitForces, point: str) -> SingleChain:
+        """The chain that carries the unit forces of a point.
+
+        Raises:
+            PinpressError: these loops do not lead from the crank to the slide alone.
+        """
+        largest = max(float(np.abs(force).max()) for force in unit.force.values())
+        loops = [k for k, loop in enumerate(press.loops) if float(np.abs(unit.force[loop.name]).max()) > CARRIES * largest]
+        joints = _held(press, loops)
+        model, locked = press.model, [joint + 1 for joint in range(press.model.nv) if joint not in joints]
+        ends = [end for k in loops for end in (press.loops[k].joint1, press.loops[k].joint2)]
+        if any(place in locked for place in (*ends, *(model.parents[joint + 1] for joint in joints))):
+            raise _no_chain(press, point)
+        reduced = pin.buildReducedModel(model, locked, configuration(press.slots, press.closed))
+        index = {joint: place for place, joint in enumerate(joints)}
+        new = {0: 0} | {joint + 1: place + 1 for joint, place in index.items()}
+        alone = replace(
+            press,
+            model=reduced,
+            loops=tuple(replace(press.loops[k], joint1=new[press.loops[k].joint1], joint2=new[press.loops[k].joint2]) for k in loops),
+            couplings=tuple(
+                replace(each, follower=index[each.follower], leader=index[each.leader])
+                for each in press.couplings
+                if each.follower in index and each.leader in index
+            ),
+            held_spins=tuple(name for name in press.held_spins if press.joints.index(name) in index),
+        )
+        if not alone.determined:
+            raise _no_chain(press, point)
+        return SingleChain(alone, joints, loops)
+
+    def displacements(self, moved: Displacements) -> Displacements:
+        """Those of the whole press, in this chain."""
+        return Displacements(moved.joints[self.joints], moved.ends[self.loops])
+
+
+def _held(press: Linkage, loops: list[int]) -> list[int]:
+    """Rising indices in v of the drivers, the slide's guide, the joints on these loops, and those that gears couple to them."""
+    found = {*press.driver_indices, press.slide_guide.joint}
+    found.update(joint for k in loops for joint in press.spatial_model.joints_of_loop[k])
+    while more := {joint for each in press.couplings for joint in (each.follower, each.leader) if each.follower in found} - found:
+        found |= more
+    return sorted(found)
+
+
+def _no_chain(press: Linkage, point: str) -> PinpressError:
+    return PinpressError(f"point {point!r} of {press.name} does not hold the slide without the others: it is no chain of its own")
