@@ -5,10 +5,13 @@ from .dynamics.extremes import extremes as extremes
 from .dynamics.harmonics import HarmonicAnalysis as HarmonicAnalysis
 from .dynamics.harmonics import harmonics as harmonics
 from .kinematics.dyads import Dyad as Dyad
+from .kinematics.dyads import DyadAngles as DyadAngles
 from .kinematics.dyads import least_transmission_angles as least_transmission_angles
+from .kinematics.dyads import transmission_angle_curves as transmission_angle_curves
 from .kinematics.measures import bearing_positions as bearing_positions
 from .kinematics.measures import dwell_angle as dwell_angle
 from .kinematics.measures import dwell_time as dwell_time
+from .kinematics.measures import even_length as even_length
 from .kinematics.measures import mechanical_advantage as mechanical_advantage
 from .kinematics.measures import pressure_angle as pressure_angle
 from .kinematics.measures import quick_return_ratio as quick_return_ratio
@@ -17,6 +20,8 @@ from .kinematics.measures import speed_ratio as speed_ratio
 from .kinematics.measures import speed_variation as speed_variation
 from .kinematics.measures import stroke as stroke
 from .kinematics.measures import transmission_angle as transmission_angle
+from .kinematics.phases import StrokePhase as StrokePhase
+from .kinematics.phases import phases as phases
 from .kinematics.slide_path import DeadCentres as DeadCentres
 from .kinematics.slide_path import SlideMotion as SlideMotion
 from .simulation.run import MotorDuty as MotorDuty

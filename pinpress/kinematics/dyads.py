@@ -14,12 +14,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.arguments import typed
+from ..common.errors import PinpressError
+from ..common.frozen import NamedArrays
 from ..common.quantities import Array
-from ..common.results import Record, Records
+from ..common.results import Record, Records, Tabular
 from ..engines.planar.model import Block, Plane
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
-from .motion import carried, motion_through_change_points
+from .motion import Motion, carried, motion_through_change_points
 
 SAMPLES = 720  # crank angles of a turn at which the least angle is looked for
 CLOSER, ROUNDS = 10, 7  # how many times closer crank angles are looked at in each round, and rounds
@@ -99,6 +101,62 @@ def least_transmission_angles(press: Linkage) -> Records[Dyad]:
     )
 
 
+@typed
+def transmission_angle_curves(press: Linkage, motion: Motion) -> DyadAngles:
+    """The transmission angle of every dyad of a planar linkage in the states of a motion; `least_transmission_angles` says what it is.
+
+    Of a rod that drives a slide it is the angle between rod and normal of the guide, so that its `pressure_angle` is that between rod and
+    guide (Chen 2002, (18), at its largest).
+
+    Args:
+        press: a planar linkage with one driver.
+        motion: its motion.
+
+    Raises:
+        PinpressError: the linkage is not planar, has several drivers, or is not that of the motion.
+    """
+    plane = press.plane_or_refuse(f"{press.name} has no transmission angles: they are those of planar linkages with one driver")
+    if motion.joints != press.joints:
+        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+    dyads = [_bearings(press, plane, block) for block in plane.blocks if block.kind == "dyad"]
+    placed = _Placed(press, {name: place for place, name in enumerate(press.bearings)}, motion.joint_position)
+    angles = np.array([_angle(plane, placed, each) for each in dyads]).reshape(len(dyads), len(motion.joint_position))
+    return DyadAngles(motion, NamedArrays(tuple(each.middle for each in dyads), angles))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DyadAngles(Tabular):
+    """Transmission angles of all dyads of a planar linkage over a motion, see `least_transmission_angles`.
+
+    Attributes:
+        motion: the motion.
+        transmission_angle: name of the bearing that joins a dyad's two links -> (n,) angle, 0 to pi/2 [rad].
+    """
+
+    motion: Motion
+    transmission_angle: Mapping[str, Array]
+
+    @property
+    def pressure_angle(self) -> Mapping[str, Array]:
+        """pi/2 less the transmission angle, by the same names (n,) [rad]: between rod and guide the angle of force and velocity."""
+        angles = np.array([np.pi / 2 - angle for angle in self.transmission_angle.values()])
+        return NamedArrays(tuple(self.transmission_angle), angles)
+
+    @property
+    def title(self) -> str:
+        least = ", ".join(f"{name} {np.degrees(angle.min()):.4g} deg" for name, angle in self.transmission_angle.items())
+        return f"DyadAngles of {self.motion.linkage}: {len(self.motion.joint_position)} states, least in {least or 'no dyad'}"
+
+    def columns(self) -> dict[str, Array]:
+        """The driver's coordinate, then the transmission angle of each dyad."""
+        angles = {f"transmission_angle_{name} [rad]": angle for name, angle in self.transmission_angle.items()}
+        return self.motion.position_columns() | angles
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return tuple(self.columns())
+
+
 class _Bearings(NamedTuple):
     """The bearings of a dyad.
 
@@ -139,12 +197,17 @@ def _angles(press: Linkage, plane: Plane, dyads: list[_Bearings], crank: Array) 
     for k, each in enumerate(dyads):
         if len(crank) > 1:
             placed = _Placed(press, places, position[k * count : (k + 1) * count])
-        where = {name: placed.bearing(name) for name in (each.middle, *each.ends)}
-        slides = {name: placed.slide_direction(name) for name in (each.middle, *each.ends)}
-        one, another = _lines(each, where, slides, plane.normal)
-        along = np.abs(np.sum(one * another, axis=1))
-        found[k] = np.arctan2(np.abs(np.cross(one, another) @ plane.normal), along)
+        found[k] = _angle(plane, placed, each)
     return found
+
+
+def _angle(plane: Plane, placed: _Placed, each: _Bearings) -> Array:
+    """Transmission angle (n,) of a dyad."""
+    where = {name: placed.bearing(name) for name in (each.middle, *each.ends)}
+    slides = {name: placed.slide_direction(name) for name in (each.middle, *each.ends)}
+    one, another = _lines(each, where, slides, plane.normal)
+    across = np.cross(one, another) @ plane.normal
+    return np.asarray(np.arctan2(np.abs(across), np.abs(np.sum(one * another, axis=1))))
 
 
 class _Placed:

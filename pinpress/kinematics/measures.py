@@ -15,7 +15,6 @@ few states. Those of the working stroke also raise it for a slide that turns bac
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
 
 import numpy as np
@@ -26,9 +25,10 @@ from ..common.errors import PinpressError
 from ..common.frozen import NamedArrays
 from ..common.quantities import Array, ComplexArray
 from ..linkage.linkage import Linkage
+from .even_speed import evenest_window, inside_stroke, longest_window
 from .motion import Motion, bearing_points, poses
 from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
-from .slide_path import SlideMotion, Stroke, slide_path, working_stroke
+from .slide_path import SlideMotion, slide_path, working_stroke
 
 FINER = 8  # places between two states at which an angle's cosine or squared sine is evaluated
 UNRESOLVED = 1e-9  # there are too few states if a harmonic in the last quarter of those that n states resolve has a larger amplitude
@@ -73,7 +73,26 @@ def speed_variation(motion: SlideMotion, length: float, downwards: bool = True) 
         PinpressError: a length that is not between 0 and the stroke; see the module for the rest.
     """
     way = working_stroke(motion, downwards)
-    return way.path.number(_least_drop(way, _inside_stroke(way.length, "length", length)))
+    return way.path.number(evenest_window(way, inside_stroke(way.length, "length", length))[1])
+
+
+@typed
+def even_length(motion: SlideMotion, variation: float, downwards: bool = True) -> float:
+    """Longest part of the working stroke in which the speed varies by no more than a share, 1 - lowest / highest [m].
+
+    It is the length whose `speed_variation` is ``variation``: 0.1 gives the part on which the slide keeps 90 % of its highest speed there.
+
+    Args:
+        motion: one period at constant speed.
+        variation: share between 0 and 1 [-].
+        downwards: whether the working stroke goes against the slide's direction.
+
+    Raises:
+        PinpressError: a variation that is not between 0 and 1; see the module for the rest.
+    """
+    way = working_stroke(motion, downwards)
+    share = float(suitable_numbers("variation", variation, "a share of the highest speed between 0 and 1", suits=lambda x: 0.0 < x < 1.0))
+    return way.path.number(longest_window(way, share))
 
 
 @typed
@@ -198,7 +217,7 @@ def bearing_positions(press: Linkage, motion: Motion) -> Mapping[str, Array]:
 def _speed_by_state(motion: SlideMotion, height: float, downwards: bool) -> tuple[Curve, complex]:
     """The slide's path, and its speed at a height [m for each step from state to state]."""
     way = working_stroke(motion, downwards)
-    above = _inside_stroke(way.length, "height", height)
+    above = inside_stroke(way.length, "height", height)
     place = way.place_at(np.array([way.length - above if downwards else above + 0j]))
     return way.path, complex(way.speed(place)[0])
 
@@ -207,7 +226,7 @@ def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
     """The slide's path, and for how many steps from state to state it stays within the tolerance of bottom dead centre."""
     path = slide_path(motion)
     least, most = path.extremes()
-    level = least + _inside_stroke(most - least, "tolerance", tolerance)
+    level = least + inside_stroke(most - least, "tolerance", tolerance)
     turning = path.turning_places.real
     bottom = float(turning[path.at(turning, 1)[0].real.argmin()])
     after = bottom + path.states
@@ -224,107 +243,6 @@ def _dwell(motion: SlideMotion, tolerance: float) -> tuple[Curve, complex]:
 
     until, since = zeros(above, places[[leaves - 1, returns]], places[[leaves, returns + 1]])
     return path, complex(until - since) + path.states
-
-
-def _inside_stroke(stroke: complex, name: str, value: object) -> float:
-    """A checked distance, more than 0 and less than the stroke [m]."""
-    wanted = f"a distance between 0 and the stroke of {stroke.real:.6g} m ({1e3 * stroke.real:.6g} mm)"
-    return float(suitable_numbers(name, value, wanted, suits=lambda distance: 0.0 < distance < stroke.real))
-
-
-# -------------------------------------------------------------------------------------------------- the window with the least drop of speed
-
-
-def _least_drop(stroke: Stroke, length: float) -> complex:
-    """Smallest drop of speed, as a share of the largest speed, in a window of this length on the stroke.
-
-    A window of this length is moved along the stroke. The largest and the least speed in it are each at an end of the window or at an
-    extreme of the speed. Where the drop is smallest, either one of them passes from one of these places to another, or both are at the ends
-    and the drop is stationary. There are only few such windows, and all of them are tried.
-
-    Raises:
-        PinpressError: the stroke has no such window, but for rounding.
-    """
-    last = float(stroke.place_at(np.array([stroke.length - length]))[0].real)
-    grid = np.append(stroke.nodes[stroke.nodes < last], last)
-    with np.errstate(all="ignore"):  # at the dead centres, where the speed is zero, ratios are not finite
-        starts = np.concatenate(
-            [_equal_speeds_at_ends(stroke, length, grid), _stationary_ratio(stroke, length, grid), _extreme_at_one_end(stroke, length)]
-        )
-    starts = starts[(starts.real > grid[0]) & (starts.real < last)]
-    if not len(starts):
-        raise PinpressError(f"no window of {length:g} m is inside the stroke but for rounding: give a shorter length")
-    drops = _drops_from(stroke, length, starts)
-    return complex(drops[drops.real.argmin()])
-
-
-def _end_of_window(stroke: Stroke, length: float, start: Numbers) -> ComplexArray:
-    """Places of the ends of windows with these starts (m,)."""
-    return stroke.place_at(stroke.travel(start) + length)
-
-
-def _equal_speeds_at_ends(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
-    """Starts of the windows with equal speeds at both ends."""
-
-    def difference(start: Numbers) -> tuple[ComplexArray, ComplexArray]:
-        (_, v, a), (_, v_end, a_end) = stroke.path.at(start, 2), stroke.path.at(_end_of_window(stroke, length, start), 2)
-        return v - v_end, a - a_end * v / v_end
-
-    return zeros(difference, *_sign_changes(difference(grid)[0].real, grid))
-
-
-def _stationary_ratio(stroke: Stroke, length: float, grid: Array) -> ComplexArray:
-    """Starts of the windows whose ratio of the speeds at both ends is stationary."""
-    inner = grid[1:-1]  # at the stroke's ends the speed is zero
-
-    def growth(place: Numbers) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Growth of the speed's logarithm with travel, its derivative by the place, and the speed."""
-        _, v, a, jerk = stroke.path.at(place)
-        return a / v**2, jerk / v**2 - 2 * a**2 / v**3, v
-
-    def difference(start: Numbers) -> tuple[ComplexArray, ComplexArray]:
-        value, slope, v = growth(start)
-        value_end, slope_end, v_end = growth(_end_of_window(stroke, length, start))
-        return value - value_end, slope - slope_end * v / v_end
-
-    return zeros(difference, *_sign_changes(difference(inner)[0].real, inner))
-
-
-def _extreme_at_one_end(stroke: Stroke, length: float) -> ComplexArray:
-    """Starts of the windows at one of whose ends the speed equals one of its extremes on the stroke."""
-    found = [np.empty(0, complex)]
-    extremes, nodes = stroke.speed_extremes, stroke.nodes
-    speeds = stroke.speed(nodes).real
-    for place, level in zip(extremes, stroke.speed(extremes), strict=True):
-
-        def above(at: Numbers, level: complex = level) -> tuple[ComplexArray, ComplexArray]:
-            return stroke.speed(at) - level, stroke.path.at(at, 2)[2]
-
-        low, high = _sign_changes(speeds - level.real, nodes)
-        touching = (low == place.real) | (high == place.real)  # at the extreme itself
-        ends = zeros(above, low[~touching], high[~touching])
-        travel = stroke.travel(ends)
-        found += [ends[(travel + length).real < stroke.length.real]]
-        found += [stroke.place_at(travel[travel.real > length] - length)]
-    return np.concatenate(found)
-
-
-def _sign_changes(values: Array, places: Array) -> tuple[Array, Array]:
-    """Lower and upper ends of the intervals between neighbouring places (m,) in which a quantity (m,) changes sign."""
-    negative = np.signbit(values)
-    before = np.flatnonzero(negative[1:] != negative[:-1])
-    return places[before], places[before + 1]
-
-
-def _drops_from(stroke: Stroke, length: float, starts: ComplexArray) -> ComplexArray:
-    """Drop of speed (m,) in the windows with these starts (m,)."""
-    ends = _end_of_window(stroke, length, starts)
-    peaks, peak_speeds = stroke.speed_extremes.real, stroke.speed(stroke.speed_extremes)
-    drops = []
-    for start, end, *own in zip(starts.real, ends.real, stroke.speed(starts), stroke.speed(ends), strict=True):
-        speeds = np.array([*own, *itertools.compress(peak_speeds, (peaks > start) & (peaks < end))])
-        drops.append(1 - speeds[speeds.real.argmin()] / speeds[speeds.real.argmax()])
-    return np.array(drops)
 
 
 # --------------------------------------------------------------------------------------------------------------------- angles between links

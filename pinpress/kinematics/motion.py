@@ -190,6 +190,10 @@ class Motion(Tabular):
         values = (self.crank_angle, self.crank_speed, self.crank_acceleration)[order]
         return tables.by_driver([each.heads[order] for each in self.driver_coordinates], values, self.drivers)
 
+    def position_columns(self) -> dict[str, Array]:
+        """The columns of where the drivers are, for tables beside those of the motion."""
+        return self._of_drivers(0)
+
     @property
     def _pictured(self) -> tuple[str, ...]:
         return next(iter(self._of_drivers(0))), "slide_position [m]" if self._guide is not None else next(iter(self._of_drivers(1)))

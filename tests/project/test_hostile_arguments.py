@@ -38,6 +38,8 @@ MADE = {
     "ElasticDeadCentre",
     "DeadCentres",
     "Dyad",
+    "StrokePhase",
+    "DyadAngles",
     "MotorDuty",
     "GuideReaction",
     "SlideCompliance",

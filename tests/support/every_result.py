@@ -299,6 +299,7 @@ def made():
             run().stats,
         ),
         *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *pp.measures.least_transmission_angles(press()), *checked()),
+        *(pp.measures.phases(motion(), 0.05)[0], pp.measures.transmission_angle_curves(press(), motion())),
         *(
             balance(),
             *balance().changes,

@@ -870,6 +870,11 @@ def calls() -> dict[str, Call]:
         ("dead_centres", pp.dead_centres, lambda: {"press": press()}),
         ("measures.least_transmission_angles", pp.measures.least_transmission_angles, lambda: {"press": press()}),
         (
+            "measures.transmission_angle_curves",
+            pp.measures.transmission_angle_curves,
+            lambda: {"press": press(), "motion": motion()},
+        ),
+        (
             "inverse_dynamics",
             pp.inverse_dynamics,
             lambda: {
@@ -1182,6 +1187,8 @@ def calls() -> dict[str, Call]:
         ("measures.bearing_positions", measures.bearing_positions, lambda: {"press": press(), "motion": motion()}),
         ("measures.dwell_angle", measures.dwell_angle, lambda: {"motion": motion(), "tolerance": 1e-3}),
         ("measures.dwell_time", measures.dwell_time, lambda: {"motion": motion(), "tolerance": 1e-3}),
+        ("measures.even_length", measures.even_length, lambda: {"motion": motion(), "variation": 0.1, "downwards": True}),
+        ("measures.phases", pp.measures.phases, lambda: {"motion": motion(), "length": 0.05, "downwards": True}),
         ("measures.speed_variation", measures.speed_variation, lambda: {"motion": motion(), "length": 0.05, "downwards": True}),
         ("measures.mechanical_advantage", measures.mechanical_advantage, lambda: {"motion": motion(), "height": 0.05, "downwards": True}),
         ("measures.quick_return_ratio", measures.quick_return_ratio, lambda: {"motion": motion(), "downwards": True}),
