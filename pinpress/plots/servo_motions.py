@@ -100,9 +100,9 @@ def torque_over_speed(motions: Mapping[str, ServoMotion], motor: CatalogueMotor 
             curves = {"peak torque": motor.peak_torque_at(speed), "permanent torque (S1)": motor.rated_torque_at(speed)}
         else:
             top = drive.top_speed or float(axes.dataLim.intervalx[1]) * RPM
-            speed = np.array([0.0, top])
-            limits = {"peak torque": drive.peak_torque, "rated torque": drive.rated_torque}
-            curves = {name: np.full(2, most) for name, most in limits.items() if most is not None}
+            speed = np.linspace(0.0, top, CURVE)
+            curves = {} if drive.peak_torque is None else {"peak torque": drive.peak_torque_at(speed)}
+            curves |= {} if drive.rated_torque is None else {"rated torque": np.full(CURVE, drive.rated_torque)}
         for style, (name, values) in zip(("-", "--"), curves.items(), strict=False):
             lines += axes.plot(speed / RPM, values, color="black", linewidth=1.0, linestyle=style)
             names.append(name)

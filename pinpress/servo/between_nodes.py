@@ -21,7 +21,7 @@ from .conic.local_limits import torque_rates
 from .conic.motion_problem import Affine, Bounded, MotionProblem, cycle_time, figures, segment_times
 from .conic.torque_curve import tangents_at_states
 from .limits import Limit
-from .motion import ServoMotion, evaluated
+from .motion import ServoMotion, evaluated, largest_size
 
 INSIDE = 1e-7  # distance of the states at a segment's ends from its nodes, as a share: loads may jump there
 LOBATTO = np.array([0.0, 0.5 - 0.1 * 5**0.5, 0.5 + 0.1 * 5**0.5, 1.0]), np.array([1.0, 5.0, 5.0, 1.0]) / 12.0
@@ -197,26 +197,12 @@ def largest_excess(problem: MotionProblem, limits: Sequence[Limit], time: float 
         found.append(motion.rms_torque / problem.rms - 1.0)
     if problem.below is not None:
         found.append((cost.below + problem.feed_time) / motion.duration - 1.0)
-    down = motion.motion.slide_velocity < 0
     for each in limits:
         if isinstance(each, limits_.BearingForce):
             found.append(float(np.linalg.norm(reactions.bearing_force[each.bearing], axis=1).max()) / each.force - 1.0)
         elif isinstance(each, limits_.TorqueRate):
             found.append(float(torque_rates(problem, b).max()) / drive.ratio / each.rate - 1.0)
-        elif isinstance(each, limits_.CrankAcceleration):
-            found.append(float(np.abs(motion.acceleration).max()) / each.acceleration - 1.0)
-        elif isinstance(each, limits_.Window):
-            low, high = limits_.span(each)
-            inside = (motion.height > low) & (motion.height < high)
-            inside &= True if each.flank == "both" else down if each.flank == "down" else ~down
-            values, most = _limited(each, motion)
-            found.append(float(np.abs(values[inside]).max(initial=0.0)) / most - 1.0)
+        elif isinstance(each, limits_.StateLimit):
+            value, most = largest_size(motion, each)
+            found.append(value / most - 1.0)
     return max(found)
-
-
-def _limited(limit: limits_.Window, motion: ServoMotion) -> tuple[Array, float]:
-    if isinstance(limit, limits_.SlideSpeed):
-        return motion.motion.slide_velocity, limit.speed
-    if isinstance(limit, limits_.CrankSpeed):
-        return motion.speed, limit.speed
-    return motion.motion.slide_acceleration, limit.acceleration

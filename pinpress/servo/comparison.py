@@ -11,23 +11,19 @@ from ..common import tables
 from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping
-from ..common.quantities import RPM, Array
+from ..common.quantities import RPM
 from ..common.results import Record, Records, Tabular
 from .limits import (
     BearingForce,
-    CrankAcceleration,
-    CrankSpeed,
     FeedWindow,
     Limit,
     RmsTorque,
-    SlideAcceleration,
-    SlideSpeed,
+    StateLimit,
     TorqueRate,
     checked,
     in_words,
-    span,
 )
-from .motion import ServoMotion
+from .motion import ServoMotion, largest_size
 
 KEPT = 1e-3  # share by which a limit may be exceeded and still count as kept: by less the best motions do between their nodes
 NOT_SEEN = BearingForce, TorqueRate  # limits of what the states of a motion do not tell
@@ -174,27 +170,11 @@ def _broken(motion: ServoMotion, limits: Sequence[Limit]) -> list[str]:
     return found
 
 
-def _size(motion: ServoMotion, limit: Limit) -> tuple[float, float]:
+def _size(motion: ServoMotion, limit: StateLimit | RmsTorque) -> tuple[float, float]:
     """The largest value of what is limited, and the limit."""
     if isinstance(limit, RmsTorque):
         most = motion.drive.rated_torque if limit.torque is None else limit.torque
         if most is None:
             raise PinpressError("RmsTorque has no torque, and a motion's drive no rated_torque: give RmsTorque(torque)")
         return motion.rms_motor_torque, most
-    if isinstance(limit, CrankAcceleration):
-        return float(np.abs(motion.acceleration).max()), limit.acceleration
-    if isinstance(limit, SlideSpeed):
-        return _within(motion, limit, motion.motion.slide_velocity), limit.speed
-    if isinstance(limit, CrankSpeed):
-        return _within(motion, limit, motion.speed), limit.speed
-    assert isinstance(limit, SlideAcceleration)
-    return _within(motion, limit, motion.motion.slide_acceleration), limit.acceleration
-
-
-def _within(motion: ServoMotion, limit: SlideSpeed | CrankSpeed | SlideAcceleration, values: Array) -> float:
-    """Largest size of a quantity within a limit's heights and flank."""
-    low, high = span(limit)
-    down = motion.motion.slide_velocity < 0
-    inside = (motion.height > low) & (motion.height < high)
-    inside &= True if limit.flank == "both" else down if limit.flank == "down" else ~down
-    return float(np.abs(values[inside]).max(initial=0.0))
+    return largest_size(motion, limit)

@@ -142,6 +142,7 @@ class FeedWindow(Checked):
 
 
 Window = SlideSpeed | CrankSpeed | SlideAcceleration
+StateLimit = Window | CrankAcceleration  # what the states of a motion tell, each by itself
 Limit = SlideSpeed | CrankSpeed | SlideAcceleration | CrankAcceleration | BearingForce | RmsTorque | TorqueRate | FeedWindow
 
 

@@ -26,6 +26,7 @@ from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load
 from .drive import ServoDrive
+from .limits import CrankAcceleration, CrankSpeed, SlideSpeed, StateLimit, span
 
 AMISS = 0.02  # share of the range of angles, or speeds, by which they may miss the integral of speeds, or accelerations
 MOST_STATES = 10**6
@@ -263,3 +264,20 @@ def _refuse_misfit(time: Array, angle: Array, speed: Array, acceleration: Array)
                 f"{name} and {rate_name} do not fit together: at {time[at]:.6g} s {name} is {off[at]:.3g} {unit} off the integral of"
                 f" {rate_name}; give more states, or the {rate_name} that belongs to it"
             )
+
+
+def largest_size(motion: ServoMotion, limit: StateLimit) -> tuple[float, float]:
+    """The largest size that a motion gives to what is limited, within the limit's heights and flank, and the limit itself."""
+    if isinstance(limit, CrankAcceleration):
+        return float(np.abs(motion.acceleration).max()), limit.acceleration
+    low, high = span(limit)
+    down = motion.motion.slide_velocity < 0
+    inside = (motion.height > low) & (motion.height < high)
+    inside &= True if limit.flank == "both" else down if limit.flank == "down" else ~down
+    if isinstance(limit, SlideSpeed):
+        values, most = motion.motion.slide_velocity, limit.speed
+    elif isinstance(limit, CrankSpeed):
+        values, most = motion.speed, limit.speed
+    else:
+        values, most = motion.motion.slide_acceleration, limit.acceleration
+    return float(np.abs(values[inside]).max(initial=0.0)), most

@@ -35,3 +35,10 @@ def test_torque_is_below_the_curves_of_the_motor():
     assert dot.get_xydata()[0] == pytest.approx([10 * 60.0, motion.rms_motor_torque])
     assert (peak.get_ydata()[0], peak.get_ydata()[-1], rated.get_ydata()[0], rated.get_ydata()[-1]) == (800.0, 400.0, 300.0, 140.0)
     assert peak.get_xdata()[-1] == pytest.approx(200.0 / pp.RPM)
+
+
+def test_without_a_motor_the_drives_own_curve_is_drawn():
+    motion = pp.servo.constant_crank_speed(pp.load("crank_slide"), MOTOR.drive(10.0), time=1.0)
+    _, _, peak, rated = pp.plots.torque_over_speed({"even": motion}).axes[0].lines
+    assert peak.get_ydata() == pytest.approx(MOTOR.peak_torque_at(peak.get_xdata() * pp.RPM))
+    assert (peak.get_xdata()[-1], set(rated.get_ydata())) == (pytest.approx(200.0 / pp.RPM), {300.0})
