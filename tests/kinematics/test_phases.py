@@ -52,7 +52,7 @@ def test_phases_of_a_sine_in_closed_form():
 
 
 def test_phases_of_chen_2002(motion):
-    """Dead centres at -17.973 and 197.973 deg; the 120 mm begin as fast as they end, on both sides of the one peak of speed at 87.60 deg."""
+    """Dead centres at -17.973 and 197.973 deg; the 120 mm begin as fast as they end, on both sides of the peak of speed at 87.60 deg."""
     approach, working, run_out, back = pp.measures.phases(motion, 0.120)
     ends = np.radians([-17.973159220540943, 197.97315922054094])
 
