@@ -18,6 +18,10 @@ masses and loads are known. A bearing counts as undetermined where its force is 
 its parts, by weight, inertia and each load: with parts known to 5 % their sum may then point any way. There the slide stands somewhere in
 a band of c |f| to both sides.
 
+With friction the forces are those of `inverse_dynamics` under friction, which is one more part that is known to such a share. In a dry pin
+the contact itself leans from the force by the angle of friction, with the sine mu, ahead or behind depending on which of the two links
+carries the pin. That is not known here: the band holds both.
+
 The slide's guide is one more bearing, in which forces across it decide. A guide of some length has two ends. With the force N across it
 and the moment M they carry N/2 + M/L and N/2 - M/L: where both have one sign the slide lies flat on a gib, else it stands askew, by
 2 c / L.
@@ -25,6 +29,7 @@ and the moment M they carry N/2 + M/L and N/2 - M/L: where both have one sign th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -40,10 +45,10 @@ from ..common.frozen import FrozenMapping
 from ..common.parameters import parameter
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, rotation_of
 from ..linkage.linkage import Linkage
-from ..loads.link import Load
+from ..loads.link import Friction, Load
 from .virtual_work import UnitForces, forces_by_cause, in_plane, unit_forces
 
 KNOWN_TO = 0.05  # share to which masses and loads are known, by default
@@ -108,10 +113,12 @@ class SlidePlay(Tabular):
         press_name: name of the press.
         motion: the motion.
         clearance: the clearances as they were given.
-        known_to: share to which masses and loads are known.
+        friction: the friction of bearings and guides as it was given.
+        known_to: share to which masses, loads and friction are known.
         offset: (n,) offset of the slide along its guide [m].
         by_bearing: name of a bearing -> (n,) its share of the offset [m].
-        lowest: (n,) lowest offset, with every undetermined bearing on the side where the slide is low [m].
+        lowest: (n,) lowest offset, with every undetermined bearing on the side where the slide is low, and contacts of pins with friction
+            leaning to the side where it is [m].
         highest: (n,) highest offset, likewise [m].
         undetermined: name of a bearing -> (n,) bool, whether its force is too small to tell on which side it lies.
         shift: (n, 3) displacement of the slide across its guide at the middle of the gibs, in world axes [m]; zero without clearance there.
@@ -122,6 +129,7 @@ class SlidePlay(Tabular):
     press_name: str
     motion: Motion
     clearance: Mapping[str, float | GuideClearance]
+    friction: Mapping[str, Friction]
     known_to: float
     offset: Array
     by_bearing: Mapping[str, Array]
@@ -194,6 +202,7 @@ def play(
     clearance: Mapping[str, float | GuideClearance],
     loads: Sequence[Load] = (),
     *,
+    friction: Mapping[str, Friction] = NONE_GIVEN,
     known_to: float = KNOWN_TO,
 ) -> SlidePlay:
     """Find where the slide stands in the clearances of its bearings over a motion, and where forces reverse.
@@ -204,7 +213,8 @@ def play(
         clearance: name of a bearing -> radial clearance, half of the difference of the diameters [m]; of a guide the clearance on each
             side, or a `GuideClearance` if the slide may stand askew.
         loads: loads on the press, as for `inverse_dynamics`; a balance cylinder too.
-        known_to: share to which masses and loads are known, see the module.
+        friction: of bearings and guides, as for `inverse_dynamics`; at standstill it has no direction, and none acts.
+        known_to: share to which masses, loads and friction are known, see the module.
 
     Raises:
         UnknownNameError: the press has no such bearing.
@@ -215,31 +225,36 @@ def play(
     if not 0.0 <= doubt < 1.0:
         raise PinpressError(f"known_to is {doubt:g}: give a share from 0 to below 1, 0.05 where masses and loads are known to 5 %")
     widths = _clearances(press, clearance)
-    reactions = inverse_dynamics(press, motion, loads)
+    without = inverse_dynamics(press, motion, loads)
+    reactions = inverse_dynamics(press, motion, loads, friction) if friction else without
     _refuse_open_moments(press, widths, reactions)
-    unit = unit_forces(press, motion, reactions)
+    unit = unit_forces(press, motion, without)
     rest, moving = forces_by_cause(press, motion, loads)
     contacts = [each for name in widths for each in contacts_of(press, unit, name, widths[name], reactions)]
-    causes = [[each.force for name in widths for each in contacts_of(press, unit, name, widths[name], found)] for found in (rest, *moving)]
+    causes = [
+        [each.force for name in widths for each in contacts_of(press, unit, name, widths[name], found)]
+        for found in (rest, without, *moving)
+    ]
     size = ROUNDING * np.max([np.linalg.norm(force, axis=1) for force in reactions.bearing_force.values()], axis=0)
     shares = {name: np.zeros(len(motion.v)) for name in widths}
     open_, spread = {name: np.zeros(len(motion.v), bool) for name in widths}, np.zeros(len(motion.v))
     sure = np.zeros(len(motion.v))
     for k, contact in enumerate(contacts):
-        weight, unloaded, *loaded = (cause[k] for cause in causes)
-        parts = [weight, unloaded - weight, *(force - unloaded for force in loaded)]
+        weight, together, unloaded, *loaded = (cause[k] for cause in causes)
+        parts = [weight, unloaded - weight, *(force - unloaded for force in loaded), contact.force - together]
         weak = np.linalg.norm(contact.force, axis=1) <= doubt * sum(np.linalg.norm(part, axis=1) for part in parts) + size
         offset = contact.offset
         shares[contact.bearing] += offset
         open_[contact.bearing] |= weak
         sure += np.where(weak, 0.0, offset)
-        spread += np.where(weak, contact.width * np.linalg.norm(contact.unit, axis=1), 0.0)
+        spread += np.where(weak, contact.width * np.linalg.norm(contact.unit, axis=1), _leaning(contact, friction))
     shift, rotation = _in_guide(press, motion, contacts, widths)
     reversals = [found for contact in contacts for found in _reversals(motion, contact)]
     return SlidePlay(
         press_name=press.name,
         motion=motion,
         clearance=FrozenMapping(dict(clearance)),
+        friction=FrozenMapping(dict(friction)),
         known_to=doubt,
         offset=np.sum(list(shares.values()), axis=0),
         by_bearing=FrozenMapping(shares),
@@ -284,6 +299,14 @@ class Contact(NamedTuple):
     def offset(self) -> Array:
         """(n,) offset of the slide by this contact [m]."""
         return np.asarray(self.width * np.einsum("nk,nk->n", self.unit, self.direction))
+
+
+def _leaning(contact: Contact, friction: Mapping[str, Friction]) -> Array:
+    """(n,) by how much the contact of a pin moves the slide at most, where it leans from the force by the angle of friction [m]."""
+    law = friction.get(contact.bearing)
+    sine = 0.0 if law is None or law.radius is None else min(law.coefficient, 1.0)
+    across = np.linalg.norm(np.cross(contact.unit, contact.direction), axis=1)
+    return np.asarray(contact.width * sine * across + (1.0 - math.sqrt(1.0 - sine * sine)) * np.abs(contact.offset))
 
 
 def contacts_of(press: Linkage, unit: UnitForces, name: str, width: float | GuideClearance, reactions: Reactions) -> Iterator[Contact]:

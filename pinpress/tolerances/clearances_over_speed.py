@@ -21,10 +21,10 @@ from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
-from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from ..loads.link import Load
+from ..loads.link import Friction, Load
 from .clearances import KNOWN_TO, ROUNDING, UNMOVED, GuideClearance, contacts_of, crossings, play
 from .virtual_work import unit_forces
 
@@ -45,7 +45,8 @@ class DeadCentresInClearances(Tabular):
         top_shift: (S,) highest place of the slide in its clearances less that without them [m].
         reversals: (S,) number of forces that reverse within a period.
         reversing_speed: name of a bearing -> lowest speed at which its force reverses, 0 where it does so at standstill; without those
-            whose forces never do. Empty where a load depends on the speed [rad/s].
+            whose forces never do. Empty where a load depends on the speed, and with friction, under which forces do not follow the squared
+            speed [rad/s].
     """
 
     press_name: str
@@ -97,6 +98,7 @@ def play_over_speeds(
     *,
     speed: ArrayLike,
     loads: Sequence[Load] = (),
+    friction: Mapping[str, Friction] = NONE_GIVEN,
     known_to: float = KNOWN_TO,
 ) -> DeadCentresInClearances:
     """Find what clearances do to the dead centres of a press at constant speeds, and from which speed on the forces of its bearings
@@ -107,6 +109,7 @@ def play_over_speeds(
         clearance: as of `play`.
         speed: (S,) speeds of the crank, or one number [rad/s]; the largest speeds of a driver that slides [m/s].
         loads: as of `play`.
+        friction: as of `play`.
         known_to: as of `play`.
 
     Raises:
@@ -120,7 +123,7 @@ def play_over_speeds(
     speeds = np.atleast_1d(numbers("speed", speed, unit=f"{press.driver_coordinates[0].unit}/s"))
     if speeds.ndim != 1 or not len(speeds) or not np.all(np.abs(speeds) >= SLOWEST):
         raise PinpressError("speed: give (S,) speeds other than zero [rad/s]; servo_cycle and play serve a press at standstill")
-    found = [play(press, cycle(press, float(w)), clearance, loads, known_to=known_to) for w in speeds]
+    found = [play(press, cycle(press, float(w)), clearance, loads, friction=friction, known_to=known_to) for w in speeds]
     return DeadCentresInClearances(
         press_name=press.name,
         coordinate=press.driver_coordinates[0],
@@ -130,7 +133,9 @@ def play_over_speeds(
         bottom_highest=np.array([each.bottom_band[1] for each in found]),
         top_shift=np.array([each.top_shift for each in found]),
         reversals=np.array([len(each.reversals) for each in found]),
-        reversing_speed=FrozenMapping(_reversing_speeds(press, clearance, float(speeds[np.abs(speeds).argmax()]), loads)),
+        reversing_speed=FrozenMapping(
+            {} if friction else _reversing_speeds(press, clearance, float(speeds[np.abs(speeds).argmax()]), loads)
+        ),
     )
 
 

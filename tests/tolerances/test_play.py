@@ -10,6 +10,7 @@ import pinpress as pp
 from pinpress import tolerances
 from pinpress.derivatives import pivot_positions, reshaped
 from pinpress.kinematics.motion import poses
+from pinpress.tolerances.virtual_work import unit_forces
 
 RPM = pp.RPM
 PINS = dict.fromkeys("ABCDEF", 50e-6)
@@ -111,6 +112,40 @@ def test_speed_and_a_balance_cylinder_move_dead_centres_of_a_six_bar_press(six_b
     balanced = tolerances.play(six_bar, pp.cycle(six_bar, 10 * RPM), PINS, [cylinder])
     assert balanced.bottom_shift == pytest.approx(0.048e-3, abs=1e-6)
     assert balanced.by_bearing["D"][np.argmin(balanced.motion.slide_position)] < 0  # it still carries the rocker
+
+
+def test_friction_of_the_gibs_decides_where_a_balanced_slide_stands(light):
+    """A cylinder carries all that weighs something: the slide stands behind its pins, low on the way up and high on the way down."""
+    angle = np.array([0.6, 2.0, 3.5, 5.5])
+    motion, weight = pp.servo_cycle(light, angle, speed=0.01), [pp.loads.PointForce("slide", (0.0, 0.0, 981.0))]
+    drag = {"slide_guide": pp.loads.Friction(viscous=1e6)}
+    found = tolerances.play(light, motion, {"O": 2e-5, "P": 3e-5, "W": 1e-5}, weight, friction=drag)
+    along = np.sqrt(1 - (0.25 * np.sin(angle)) ** 2)
+    assert found.offset == pytest.approx(-np.sign(motion.slide_velocity) * 6e-5 / along)
+    assert not found.undetermined["W"].any()
+    assert tolerances.play(light, motion, {"W": 1e-5}, weight).undetermined["W"].all()
+    weak = {"slide_guide": pp.loads.Friction(viscous=8e4)}  # some 6 % of weight and cylinder together: no more than they are known to
+    assert tolerances.play(light, motion, {"W": 1e-5}, weight, friction=weak, known_to=0.07).undetermined["W"].all()
+    over = tolerances.play_over_speeds(light, {"W": 1e-5}, speed=0.01, loads=weight, friction=drag)
+    assert (over.bottom_shift[0], over.reversals[0], over.reversing_speed) == (pytest.approx(0.0, abs=1e-5), 2, {})
+
+
+def test_contacts_of_pins_with_friction_may_lean_to_either_side(six_bar):
+    """By the angle whose sine is the coefficient, each contact turned by hand."""
+    angle, mu, width = np.array([0.4, 1.9, 4.0]), 0.3, 5e-5
+    motion, friction = pp.servo_cycle(six_bar, angle, speed=5.0), {"C": pp.loads.Friction(mu, radius=0.1)}
+    found = tolerances.play(six_bar, motion, {"C": width, "E": width}, friction=friction, known_to=0.0)
+    forces = pp.inverse_dynamics(six_bar, motion, friction=friction).bearing_force
+    unit = unit_forces(six_bar, motion).force["C"][:, [0, 2]]
+    along = forces["C"][:, [0, 2]] / np.linalg.norm(forces["C"][:, [0, 2]], axis=1)[:, None]
+    assert found.by_bearing["C"] == pytest.approx(width * np.einsum("nk,nk->n", unit, along))
+    cosine, leaning = np.sqrt(1 - mu * mu), []
+    for sine in (mu, -mu):
+        turned = along @ np.array([[cosine, sine], [-sine, cosine]])
+        leaning.append(width * np.einsum("nk,nk->n", unit, turned) - found.by_bearing["C"])
+    assert found.highest - found.offset == pytest.approx(np.abs(leaning).max(axis=0))
+    assert found.offset - found.lowest == pytest.approx(np.abs(leaning).max(axis=0))
+    assert np.abs(forces["C"] - pp.inverse_dynamics(six_bar, motion).bearing_force["C"]).max() > 100.0  # the forces are those with friction
 
 
 def test_a_press_with_parallel_rods_moves_as_one_with_a_single_rod():

@@ -609,12 +609,26 @@ def calls() -> dict[str, Call]:
         (
             "tolerances.play",
             pp.tolerances.play,
-            lambda: {"press": press(), "motion": motion(), "clearance": {"W": 1e-5}, "loads": [], "known_to": 0.1},
+            lambda: {
+                "press": press(),
+                "motion": motion(),
+                "clearance": {"W": 1e-5},
+                "loads": [],
+                "friction": {"W": pp.loads.Friction(0.1, 0.02)},
+                "known_to": 0.1,
+            },
         ),
         (
             "tolerances.play_over_speeds",
             pp.tolerances.play_over_speeds,
-            lambda: {"press": press(), "clearance": {"W": 1e-5}, "speed": [7.0], "loads": [], "known_to": 0.1},
+            lambda: {
+                "press": press(),
+                "clearance": {"W": 1e-5},
+                "speed": [7.0],
+                "loads": [],
+                "friction": {"W": pp.loads.Friction(0.1, 0.02)},
+                "known_to": 0.1,
+            },
         ),
         (
             "tolerances.bottom_dead_centre",
