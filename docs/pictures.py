@@ -16,6 +16,7 @@ import runpy
 import shutil
 import sys
 import tempfile
+import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -53,6 +54,27 @@ def six_bar() -> pp.Linkage:
 @cache
 def turn() -> pp.Reactions:
     return pp.inverse_dynamics(six_bar(), pp.cycle(six_bar(), speed=SPEED, points=360))
+
+
+def slip_clutch() -> Figure:
+    """docs/motor.md: torque over speed of the motor with slip clutch of Zhang 2007, table 4-1, with and without enough feedback."""
+    figure = Figure(figsize=SIZE, layout="constrained")
+    axes = figure.subplots()
+    speed = np.linspace(0.0, 1470.0, 148)
+    at = {"rated_torque": 189.0, "primary_speed": 1470 * pp.RPM, "top_speed": 1320 * pp.RPM, "set_speed": 900 * pp.RPM}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", pp.PinpressWarning)  # that it runs without control, which is what is drawn
+        enough, low = (pp.drives.SlipClutchMotor(**at, residual_current=0.3, feedback=share) for share in (1.0, 0.5))
+    least, most = (np.asarray(limit) for limit in enough.controllable_torque(speed * pp.RPM))
+    axes.fill_between(speed, least, most, color="0.9", label="controllable")
+    axes.plot(speed, most, color="0.4", lw=1, label="full current")
+    axes.plot(speed, least, color="0.4", lw=1, ls="--", label="residual current, 30 %")
+    axes.plot(speed, enough.torque(speed * pp.RPM), color=BLUE, label="set to 900 r/min")
+    axes.plot(speed, low.torque(speed * pp.RPM), color=RED, ls=":", lw=2.5, label="half of the feedback")
+    axes.axhline(189.0, color="0.7", lw=0.8)
+    axes.set(xlabel="speed of its shaft [r/min]", ylabel="torque [N m]", xlim=(0, 1500), ylim=(0, 650))
+    axes.legend(loc="upper right", fontsize=8)
+    return figure
 
 
 def slide() -> Figure:
@@ -337,7 +359,7 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
-    slide, polar, run, tolerances, identifiability,
+    slide, polar, run, slip_clutch, tolerances, identifiability,
     play, accuracy_budget, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
     programs, sketch,
     lengths_too_short, notebook, report_page, live, process_force, measured_modes, orders,

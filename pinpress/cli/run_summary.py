@@ -121,6 +121,23 @@ def _motor(run: Run, whole: MotorDuty) -> list[str]:
         tables.entry("rms", scale.shown(whole.motor_rms), scale.unit),
         tables.entry("peak", scale.shown(whole.motor_peak), scale.unit),
         *use,
+        *_mains(whole),
+    ]
+
+
+def _mains(whole: MotorDuty) -> list[str]:
+    """Lines of what the motor takes from the mains, where that is known."""
+    if whole.mains_work is None or whole.slip_loss is None:
+        return []
+    power = whole.mains_work / whole.duration
+    works, slip, mean = tables.scale("J", [whole.mains_work]), tables.scale("J", [whole.slip_loss]), tables.scale("W", [power])
+    share = "" if whole.efficiency is None else f"{100 * whole.efficiency:.4g} % of it reach the driver"
+    rise = "" if whole.settled_rise is None else f"{whole.settled_rise:.4g}"
+    return [
+        tables.entry("from the mains", works.shown(whole.mains_work), works.unit, share),
+        tables.entry("lost by slip", slip.shown(whole.slip_loss), slip.unit),
+        tables.entry("mean power", mean.shown(power), mean.unit, "from the mains; in an hour as many Wh"),
+        *([tables.entry("settled rise", rise, "K", "of its temperature, if this goes on for good")] if rise else []),
     ]
 
 

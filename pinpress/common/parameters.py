@@ -9,7 +9,7 @@ declaration allows scenarios, never the shape of a value: a field that is not de
 value in all scenarios, whatever its shape: a torque curve, a program, a point.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, fields, is_dataclass, replace
 from typing import Any, NamedTuple
 
@@ -135,6 +135,11 @@ def declared(field: Field[Any]) -> Parameter | None:
     """What is declared of a field of a dataclass; None where nothing is."""
     found: Parameter | None = field.metadata.get(_KEY)
     return found
+
+
+def in_signature(item: Any) -> Sequence[Field[Any]]:
+    """The fields of a dataclass, or of its instance, in the order of its arguments: those that must be named come last."""
+    return sorted(fields(item), key=lambda field: field.kw_only)
 
 
 def _declared(item: Any) -> Iterator[tuple[Field[Any], Parameter]]:

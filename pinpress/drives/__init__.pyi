@@ -2,11 +2,11 @@ from .motors import ConstantTorque as ConstantTorque
 from .motors import InductionMotor as InductionMotor
 from .motors import InverterMotor as InverterMotor
 from .motors import ServoMotor as ServoMotor
-from .motors import SlipClutchMotor as SlipClutchMotor
 from .protocol import Corner as Corner
 from .protocol import Drive as Drive
 from .protocol import SpeedTorqueDrive as SpeedTorqueDrive
 from .protocol import parameter as parameter
+from .slip_clutch import SlipClutchMotor as SlipClutchMotor
 from .transmission import Brake as Brake
 from .transmission import Clutch as Clutch
 from .transmission import Flywheel as Flywheel

@@ -13,10 +13,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ..common.arguments import is_whole_number, suitable_numbers
+from ..common.arguments import is_whole_number, suitable_numbers, truth_value
 from ..common.errors import PinpressError, shown
 from ..common.parameters import parameter, set_field
 from ..common.quantities import RPM, Array, Values
+from .electric import ElectricMotor, MotorPower, check_load_loss
 from .protocol import SpeedTorqueDrive, limited
 
 MOST_POLES = 1000
@@ -50,7 +51,7 @@ class ConstantTorque(SpeedTorqueDrive):
 
 
 @dataclass(frozen=True)
-class InductionMotor(SpeedTorqueDrive):
+class InductionMotor(ElectricMotor):
     """An induction motor on the mains, from its nameplate, by Kloss's formula: T = 2 Tb / (s / sb + sb / s) with slip s.
 
     It drives below its synchronous speed and brakes above it, as a generator; turned backwards it drives against the motion. The slip sb of
@@ -64,6 +65,11 @@ class InductionMotor(SpeedTorqueDrive):
         poles: number of poles (twice that of pole pairs).
         breakdown_ratio: breakdown torque by rated torque, above 1.
         inertia: of the rotor [kg m2], or (S,).
+        load_loss: losses at the rated point that grow with the square of the current, those by slip included [W]; None: those by slip
+            alone, and what comes from the mains is a lower bound.
+        constant_loss: losses in iron, bearings and fan [W].
+        rated_rise: temperature rise of the motor at the rated point for good [K]; None: not known, as its temperature then is.
+        thermal_time: time constant of its temperature [s]; None: not known.
     """
 
     rated_power: Values = field(metadata=parameter("W", "positive", scenarios=True))
@@ -77,6 +83,7 @@ class InductionMotor(SpeedTorqueDrive):
         super().__post_init__()
         _check_breakdown(self, self.breakdown_ratio)
         _check_rated_speed(self, self.rated_speed, self.frequency, self.poles)
+        check_load_loss(self)
 
     @cached_property
     def synchronous_speed(self) -> float:
@@ -119,9 +126,19 @@ class InductionMotor(SpeedTorqueDrive):
         slip /= most  # harmless at s = 0
         return self._twice_breakdown_torque * slip
 
+    @property
+    def rated_slip_loss(self) -> Values:
+        return self.rated_torque * (self.synchronous_speed - self.rated_speed)
+
+    def power(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> MotorPower:
+        """Where the motor's power goes. Above its synchronous speed it brakes, and feeds the mains; arguments as for ``torque``."""
+        torque, zero = self.torque(speed), 0.0 * speed
+        slip = torque * (self.synchronous_speed - speed)
+        return MotorPower(torque * speed, slip, self._load_by_slip * slip, zero + self.constant_loss, zero, zero)
+
 
 @dataclass(frozen=True)
-class InverterMotor(SpeedTorqueDrive):
+class InverterMotor(ElectricMotor):
     """An induction motor on an inverter that holds one frequency.
 
     Up to the rated frequency fN the flux is constant. Above it the voltage is constant, and the flux falls with fN / f (field weakening).
@@ -139,6 +156,13 @@ class InverterMotor(SpeedTorqueDrive):
         curve: pairs of rising frequency [Hz] and largest torque [N m], as from a catalogue, with straight lines between; in place of
             overload and breakdown_ratio.
         inertia: of the rotor [kg m2], or (S,).
+        inverter_efficiency: of the inverter, in both directions; at most 1.
+        feeds_back: whether braking feeds the mains through the inverter, which else burns it in a resistor.
+        load_loss: losses at the rated point that grow with the square of the current, those by slip included [W]; None: those by slip
+            alone, and what comes from the mains is a lower bound.
+        constant_loss: losses in iron, bearings and fan [W], here at every frequency.
+        rated_rise: temperature rise of the motor at the rated point for good [K]; None: not known, as its temperature then is.
+        thermal_time: time constant of its temperature [s]; None: not known.
     """
 
     rated_torque: float = field(metadata=parameter("N m", "positive"))
@@ -150,6 +174,8 @@ class InverterMotor(SpeedTorqueDrive):
     breakdown_ratio: float = field(default=2.5, metadata=parameter("-", "positive"))
     curve: Sequence[tuple[float, float]] | None = None
     inertia: Values = field(default=0.0, metadata=parameter("kg m2", "not negative", scenarios=True))
+    inverter_efficiency: float = field(default=1.0, kw_only=True, metadata=parameter("-", "positive"))
+    feeds_back: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -158,6 +184,10 @@ class InverterMotor(SpeedTorqueDrive):
         if self.curve is not None:
             set_field(self, "curve", _curve(self, self.curve))
         self.torque_limit(self.frequency)  # its frequency must lie on the curve
+        check_load_loss(self)
+        if self.inverter_efficiency > 1:
+            raise PinpressError(f"InverterMotor: inverter_efficiency is {shown(self.inverter_efficiency)}; give a share of at most 1")
+        truth_value("InverterMotor: feeds_back", self.feeds_back)
 
     @cached_property
     def synchronous_speed(self) -> float:
@@ -211,6 +241,26 @@ class InverterMotor(SpeedTorqueDrive):
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
         return limited(-self._limit, self._slope * (self.synchronous_speed - speed), self._limit)
 
+    @property
+    def rated_slip_loss(self) -> Values:
+        return self.rated_torque * (_synchronous(self.rated_frequency, self.poles) - self.rated_speed)
+
+    def power(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> MotorPower:
+        """Where the power of motor and inverter goes; arguments as for ``torque``.
+
+        The slip is torque by slope, also where the inverter limits the torque, because it then lowers its frequency. In a weakened field a
+        torque takes a current that is larger by f / fN, and losses by the square of that.
+        """
+        torque, zero = self.torque(speed), 0.0 * speed
+        slip = torque * torque / self._slope
+        load = self._load_by_slip * slip
+        into = torque * speed + slip + load + self.constant_loss  # at the motor's terminals
+        taken, given = np.maximum(into, 0.0), np.maximum(-into, 0.0)
+        lost = taken * (1.0 / self.inverter_efficiency - 1.0)
+        if self.feeds_back:
+            return MotorPower(torque * speed, slip, load, zero + self.constant_loss, lost + given * (1.0 - self.inverter_efficiency), zero)
+        return MotorPower(torque * speed, slip, load, zero + self.constant_loss, lost, given)
+
 
 def _synchronous(frequency: float, poles: int) -> float:
     return 4.0 * math.pi * frequency / poles
@@ -238,95 +288,6 @@ def _curve(drive: object, given: object) -> tuple[tuple[float, float], ...]:
     if not np.all(np.diff(pairs[:, 0]) > 0):
         raise PinpressError(f"{type(drive).__name__}: the frequencies of its curve are {pairs[:, 0].tolist()}; give them rising")
     return tuple((frequency, torque) for frequency, torque in pairs.tolist())
-
-
-@dataclass(frozen=True)
-class SlipClutchMotor(SpeedTorqueDrive):
-    """An adjustable-speed motor with electromagnetic slip clutch ("YCT"): Zhang 2007, section 4.3, with closed-loop speed control.
-
-    An induction motor turns the driving half of the clutch at n0, and the excitation current I_f draws the driven half along:
-    n = n0 - K T^2 / I_f^4 (4.3.1), so T = I_f^2 sqrt((n0 - n) / K). I_f is a share of its largest value. A proportional amplifier sets it
-    between 0 and 1 from the set speed less the measured speed. The thesis prints neither K nor the gain. Here K follows from the torque at
-    the top of the speed range with I_f = 1, and the gain from the regulation, which is met at every set speed up to the top speed: at lower
-    speeds the rated torque takes less current.
-
-    It cannot brake: the torque is zero above the set speed, or with a lag, while there is current, above n0. The slope of the torque at n0
-    is infinite, as (4.3.1) has it; without a lag n0 is out of reach. Turned backwards the clutch slips more, and (4.3.1) is extrapolated:
-    the torque rises further with the root of the slip. (The 30 kW of the thesis's YCT280-4A do not agree with 189 N m at its 1320 r/min,
-    which are 26 kW: they are closer to the power of its induction motor, slip power included.)
-
-    Attributes:
-        rated_torque: [N m].
-        primary_speed: n0, constant speed of the driving half [rad/s].
-        top_speed: highest speed at which it gives the rated torque [rad/s]; below primary_speed.
-        set_speed: that the control holds [rad/s]; at most top_speed.
-        regulation: drop of speed from the set speed, where there is no torque, to the rated torque, as a share of the set speed; below 1.
-        lag: time constant with which the excitation current follows the amplifier [s]; 0: at once. With a lag the current is the only
-            state; it is zero at the start, when the motor is switched on.
-        inertia: of the driven half [kg m2], or (S,).
-    """
-
-    rated_torque: float = field(metadata=parameter("N m", "positive"))
-    primary_speed: float = field(metadata=parameter("rad/s", "positive"))
-    top_speed: float = field(metadata=parameter("rad/s", "positive"))
-    set_speed: float = field(metadata=parameter("rad/s", "positive"))
-    regulation: float = field(default=0.025, metadata=parameter("-", "positive"))
-    lag: float = field(default=0.0, metadata=parameter("s", "not negative"))
-    inertia: Values = field(default=0.0, metadata=parameter("kg m2", "not negative", scenarios=True))
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not self.regulation < 1:
-            raise PinpressError(
-                f"SlipClutchMotor: regulation is {shown(self.regulation)}; give a share of the set speed below 1, e.g. 0.025"
-            )
-        if not self.top_speed < self.primary_speed:
-            raise PinpressError(
-                f"SlipClutchMotor: top_speed is {self.top_speed / RPM:.6g} r/min, primary_speed {self.primary_speed / RPM:.6g} r/min;"
-                " give a top_speed below it [rad/s]: the clutch pulls only where it slips"
-            )
-        if not self.set_speed <= self.top_speed:
-            raise PinpressError(
-                f"SlipClutchMotor: set_speed is {self.set_speed / RPM:.6g} r/min, top_speed {self.top_speed / RPM:.6g} r/min;"
-                " give a set_speed of at most that [rad/s]"
-            )
-
-    @property
-    def state(self) -> tuple[float, ...]:
-        return (0.0,) if self.lag else ()
-
-    @property
-    def timed(self) -> bool:
-        return self.lag > 0
-
-    @property
-    def corners(self) -> tuple[Values, ...]:
-        """Speeds at which the amplifier leaves its largest current, and at which it reaches zero."""
-        return () if self.lag else (self.set_speed - 1.0 / self.gain, self.set_speed)
-
-    @cached_property
-    def gain(self) -> float:
-        """Gain of the amplifier: excitation current, as a share of its largest value, by speed error [s/rad]."""
-        drop = self.regulation * self.set_speed
-        rated = (self.primary_speed - self.top_speed) / (self.primary_speed - self.set_speed + drop)  # to the fourth power
-        return math.sqrt(math.sqrt(rated)) / drop
-
-    def excitation(self, speed: Values) -> Values:
-        """Excitation current that the amplifier demands, 0 to 1."""
-        return limited(0.0, self.gain * (self.set_speed - speed), 1.0)
-
-    def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        """See `Drive.torque`. ``state`` is the excitation current; without it the current is that which the amplifier demands."""
-        current = state[0] if state else self.excitation(speed)
-        share = limited(0.0, (self.primary_speed - speed) / (self.primary_speed - self.top_speed), math.inf)
-        return self.rated_torque * (current * current) * share**0.5
-
-    def rates(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> tuple[Values, ...]:
-        return ((self.excitation(speed) - state[0]) / self.lag,) if self.lag else ()
-
-    def slip_power(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
-        """Power lost in the clutch, T (n0 - n) [W]; arguments as for ``torque``."""
-        return self.torque(speed, angle, time, state) * (self.primary_speed - speed)
 
 
 @dataclass(frozen=True)

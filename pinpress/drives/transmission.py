@@ -138,6 +138,14 @@ class Geared(Checked):
         return np.where(power >= 0.0, self.efficiency, 1.0 / self.efficiency)
 
 
+def innermost(drive: Drive) -> tuple[Drive, float]:
+    """The drive behind all gears, and the speed of its shaft by that of the shaft on which the gears act."""
+    ratio = 1.0
+    while isinstance(drive, Geared):
+        drive, ratio = drive.drive, ratio * drive.ratio
+    return drive, ratio
+
+
 @dataclass(frozen=True)
 class SwitchPoint:
     """When a clutch or brake is switched: at a time, or where the crank passes an angle in either direction.

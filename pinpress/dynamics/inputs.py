@@ -1,7 +1,7 @@
 """What a result was computed from, in words, so that a page or a printed summary can still be understood years later.
 
 Loads, drives and other parts are described by their class and fields, ``Blanking(force=1000 kN, start=6 mm, end=2 mm)``, in the units that
-press builders use; fields that are not given and have no default are left out.
+press builders use. Fields that have no value are left out, and those that must be named and have their default.
 """
 
 import datetime
@@ -9,7 +9,7 @@ import hashlib
 import math
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ import numpy as np
 
 from ..common import tables
 from ..common.errors import shown
-from ..common.parameters import declared
+from ..common.parameters import declared, in_signature
 from ..common.quantities import CRANK, GRAVITY, RPM, DriverCoordinate
 from ..kinematics.motion import Motion
 from ..linkage import loading
@@ -123,9 +123,9 @@ def described(part: object, driver: DriverCoordinate = CRANK) -> str:
     if not is_dataclass(part) or isinstance(part, type):
         return shown(part)
     words = []
-    for field in fields(part):
+    for field in in_signature(part):
         value, known = getattr(part, field.name), declared(field)
-        if value is not None:
+        if value is not None and not (field.kw_only and value == field.default):
             words.append(f"{field.name}={written(value, '' if known is None else driver.in_place_of(known.unit))}")
     return f"{type(part).__name__}({', '.join(words)})"
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..common.quantities import RPM, Array
-from ..drives.motors import ConstantTorque, SlipClutchMotor
+from ..drives.motors import ConstantTorque
+from ..drives.slip_clutch import SlipClutchMotor
 from ..drives.transmission import Flywheel, Geared
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle

@@ -17,7 +17,7 @@ from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import read_only
 from ..common.quantities import Array
-from ..drives.motors import InductionMotor, InverterMotor, SlipClutchMotor
+from ..drives.electric import ElectricMotor
 from ..drives.protocol import Drive, corners_of
 from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
 from ..dynamics import applied_loads
@@ -364,7 +364,7 @@ def _refuse_parts_that_turn(driver: str, parts: Mapping[str, object]) -> None:
         "drive": "let it act through a screw, Geared(motor, ratio=2 * pi / lead); a cylinder's force is ConstantTorque [N]",
     }
     for name, part in parts.items():
-        if isinstance(part, Flywheel | Clutch | Brake | InductionMotor | InverterMotor | SlipClutchMotor):
+        if isinstance(part, Flywheel | Clutch | Brake | ElectricMotor):
             raise PinpressError(f"driver {driver!r} slides, but {type(part).__name__} needs a shaft: {remedies[name]}")
 
 

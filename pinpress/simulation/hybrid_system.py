@@ -235,10 +235,14 @@ class HybridSystem:
         own = columns[n + crank] if self.driven.clutch is None else columns[-len(INTEGRALS) - 1]
         if drive is None:
             return np.zeros(len(times)), np.zeros(len(times)), own
-        states = columns[2 * n : -len(INTEGRALS) - (self.driven.clutch is not None)].T.tolist()
+        states = self.drive_states(columns).T.tolist()
         at = list(zip(own.tolist(), columns[crank].tolist(), times.tolist(), map(tuple, states), strict=True))
         torque, motor = (np.array([float(np.ravel(law(*one))[0]) for one in at]) for law in (drive.torque, drive.motor_torque))
         return torque, motor, own
+
+    def drive_states(self, columns: Array) -> Array:
+        """(k, n) the drive's own states of vectors (len(y), n)."""
+        return columns[2 * self.dynamics.size : -len(INTEGRALS) - (self.driven.clutch is not None)]
 
     def past_corner(self, mode: Mode, y: Array) -> Mode:
         """The mode in which the drive has passed to the other side of the corner that its shaft has reached; at the start each side is set

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from ..common import tables
-from ..common.arguments import is_number, typed, whole_number
+from ..common.arguments import is_number, number, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..common.results import Record, Records
@@ -27,6 +27,7 @@ from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointPosition
 from .failures import failure
 from .law_trials import confirm_torques
+from .motor_energy import EnergyFlow, duty_of_motor, motor_energy_of
 from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 
 if TYPE_CHECKING:  # reports know runs, and need no solvers
@@ -310,6 +311,10 @@ UNITS = {
     "motor_rms": "N m",
     "motor_peak": "N m",
     "utilisation": "-",
+    "mains_work": "J",
+    "slip_loss": "J",
+    "efficiency": "-",
+    "settled_rise": "K",
 }
 
 
@@ -335,6 +340,10 @@ class MotorDuty(Record, units=UNITS):
         motor_rms: root mean square of the motor's torque at its own shaft [N m].
         motor_peak: largest size of the motor's torque at its own shaft [N m].
         utilisation: rms by rated torque; at 1 the motor is as warm as it may be for good. None where no rated torque is known.
+        mains_work: energy from the mains [J]; None where the drive is no motor whose losses are known.
+        slip_loss: of it lost by slip, in the rotor or in the slip clutch [J]; None likewise.
+        efficiency: work of the drive by that from the mains; None likewise, and where one of them is not positive.
+        settled_rise: temperature rise of the motor if the part is repeated for good [K]; None where its time constant is not known.
     """
 
     start: float
@@ -351,6 +360,10 @@ class MotorDuty(Record, units=UNITS):
     motor_rms: float
     motor_peak: float
     utilisation: float | None
+    mains_work: float | None
+    slip_loss: float | None
+    efficiency: float | None
+    settled_rise: float | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -401,6 +414,29 @@ def stroke_duties(run: Run) -> Records[MotorDuty]:
     turning = run.driver_coordinates[0].turns
     marks = np.zeros(0) if turns is None or not turning else _stroke_ends(run, 2 * np.pi * turns)
     return Records(MotorDuty, _duties(run, marks) if len(marks) else ())
+
+
+@typed
+def motor_energy(run: Run, *, initial_rise: float | None = None) -> EnergyFlow:
+    """What the motor of a run takes from the mains, where it goes, and how warm the motor becomes.
+
+    The motor is an `InductionMotor`, `InverterMotor` or `SlipClutchMotor`, behind gears or not; its losses are those of its model and of
+    its data sheet, see there.
+
+    Args:
+        run: of a press with one driver.
+        initial_rise: temperature rise of the motor at the start [K]; None: that to which it comes back at the end, as in a stroke that
+            has been repeated for good.
+
+    Raises:
+        PinpressError: the drive is no such motor, the linkage has several drivers, or the temperature is not known.
+    """
+    _check(run)
+    driven, first = run.problem.driven, run.driver_coordinates[0]
+    turns = stroke_turns(driven.press) if first.turns else None
+    strokes = None if turns is None else abs(float(run.crank_angle[-1] - run.crank_angle[0])) / (2 * np.pi * turns)
+    rise = None if initial_rise is None else number("initial_rise", initial_rise, "K")
+    return motor_energy_of(driven, np.array(run.time), run.trajectory, strokes, rise)
 
 
 def _stroke_ends(run: Run, period: float) -> Array:
@@ -469,6 +505,7 @@ def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> Mo
         motor_rms=rms,
         motor_peak=float(np.abs(sample.motor_torque).max()),
         utilisation=None if rated is None else rms / float(np.ravel(rated)[0]),
+        **duty_of_motor(run.problem.driven, run.trajectory, start, end),
     )
 
 

@@ -81,6 +81,10 @@ class TimeSegment:
         return self.times[-1] if self.times else self.start
 
     @property
+    def borders(self) -> Array:
+        return np.array([self.start, *self.times])
+
+    @property
     def standing(self) -> float | None:
         """Time since which the press stands at the end, held by loads [s]; None where it does not stand."""
         moving = next((k for k in range(len(self.modes), 0, -1) if not self.modes[k - 1].standing), 0)
@@ -121,12 +125,8 @@ class TimeSegment:
             columns[: 2 * size] = np.concatenate(system.dynamics.closed(columns[:size], columns[size : 2 * size]))
             rates = [system.rates(self.modes[k], float(times[i]), columns[:, i].copy()) for i, k in enumerate(owner.tolist())]
             accelerations = np.array(rates).T[size : 2 * size]
-        driving = system.driving(times, columns)
-        return Sample(columns[:size], columns[size : 2 * size], accelerations, *driving, columns[-integrals:])
-
-    def drive_states(self, times: Array) -> Array:
-        """(k, n) states of the drive at times (n,) of a press without a clutch."""
-        return self._vectors(times)[1][2 * self.system.dynamics.size : -len(INTEGRALS)]
+        driving, states = system.driving(times, columns), system.drive_states(columns)
+        return Sample(columns[:size], columns[size : 2 * size], accelerations, *driving, states, columns[-integrals:])
 
     def _vectors(self, times: Array) -> tuple[NDArray[np.intp], Array]:
         """Numbers (n,) of the pieces at times (n,), and the vectors (len(y), n) there."""

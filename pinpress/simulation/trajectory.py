@@ -40,6 +40,7 @@ class Sample(NamedTuple):
         drive_torque: (n,) of the drive, at the driver joint [N m].
         motor_torque: (n,) of its motor, at the motor's own shaft [N m].
         drive_speed: (n,) of the drive's side of the clutch, at the driver joint [rad/s].
+        drive_states: (k, n) the drive's own states.
         integrals: (4, n) the `INTEGRALS` since the start of the run.
     """
 
@@ -49,6 +50,7 @@ class Sample(NamedTuple):
     drive_torque: Array
     motor_torque: Array
     drive_speed: Array
+    drive_states: Array
     integrals: Array
 
 
@@ -59,6 +61,11 @@ class Segment(Protocol):
     def start(self) -> float: ...
     @property
     def end(self) -> float: ...
+    @property
+    def borders(self) -> Array:
+        """Rising times, its start and end among them, between which it is smooth [s]."""
+        ...
+
     @property
     def steps(self) -> int: ...
     @property
@@ -116,6 +123,11 @@ class Trajectory:
         """Turns of the crank, in either direction."""
         return sum(segment.travelled for segment in self.segments) / (2 * np.pi)
 
+    @property
+    def borders(self) -> Array:
+        """Rising times, start and end among them, between which the run is smooth [s]."""
+        return np.unique(np.concatenate([segment.borders for segment in self.segments]))
+
     def at(self, times: Array, complete: bool = True) -> Sample:
         """States at rising times (n,); if not ``complete``, without accelerations, and with loops not closed again."""
         if len(self.segments) == 1 and complete:
@@ -150,9 +162,13 @@ class StandstillSegment:
     def start(self) -> float:
         return self.state.time
 
+    @property
+    def borders(self) -> Array:
+        return np.array([self.start, self.end])
+
     def at(self, times: Array, complete: bool = True) -> Sample:
         none = np.zeros((1, len(times)))
-        return Sample(none + self.state.angle, none, none, none[0], none[0], none[0], self.state.integrals[:, None] + none)
+        return Sample(none + self.state.angle, none, none, none[0], none[0], none[0], none[:0], self.state.integrals[:, None] + none)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -179,6 +195,14 @@ class RepetitionSegment:
     def travelled(self) -> float:
         swings = (self.end - self.start) / (self.start - self.first)
         return swings * sum(segment.travelled for segment in self.swing.segments)
+
+    @property
+    def borders(self) -> Array:
+        period, inner = self.start - self.first, self.swing.borders
+        inner = inner[(inner >= self.first) & (inner <= self.start)]
+        count = np.arange(1, np.ceil((self.end - self.start) / period) + 1)
+        found = np.concatenate([(inner + period * count[:, None]).ravel(), [self.start, self.end]])
+        return np.unique(found[(found >= self.start) & (found <= self.end)])
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         period = self.start - self.first

@@ -154,6 +154,9 @@ def test_flywheel_and_motor(capsys: pytest.CaptureFixture[str]) -> None:
             "rms": duty.motor_rms,
             "peak": duty.motor_peak,
             "utilisation": duty.utilisation,
+            "from the mains": duty.mains_work,
+            "lost by slip": duty.slip_loss,
+            "mean power": duty.mains_work / duty.duration,
         },
         rel=3e-4,
     )

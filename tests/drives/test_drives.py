@@ -17,8 +17,9 @@ from scipy.optimize import brentq
 from support.exploring import examples
 
 import pinpress as pp
-from pinpress.drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
+from pinpress.drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor
 from pinpress.drives.protocol import Drive, corners_of
+from pinpress.drives.slip_clutch import SlipClutchMotor
 from pinpress.drives.transmission import Flywheel, Geared, PrescribedSpeed
 
 RPM = pp.RPM

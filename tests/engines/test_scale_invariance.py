@@ -15,7 +15,7 @@ from extremes.extreme_sizes import scaled
 from support.generators import large_linkages
 
 import pinpress as pp
-from pinpress.drives import motors, transmission
+from pinpress.drives import electric, motors, slip_clutch, transmission
 from pinpress.dynamics import applied_loads
 from pinpress.engines import forces as engine_forces
 from pinpress.engines.forces import REST
@@ -44,6 +44,7 @@ UNITS = [Units(length=2.0**-7), Units(mass=2.0**9), Units(time=2.0**-5), Units(2
 FORCE, TORQUE, INERTIA, POWER, RATE = (1, 1, -2), (2, 1, -2), (2, 1, 0), (2, 1, -3), (0, 0, -1)
 PRESSURE = (-1, 1, -2)
 LENGTH, TIME, PLAIN = (1, 0, 0), (0, 0, 1), (0, 0, 0)
+LOSSES = {"load_loss": POWER, "constant_loss": POWER, "rated_rise": PLAIN, "thermal_time": TIME}  # of every electric motor
 INSIDE = None  # an object with units of its own
 DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
     link.PointForce: {"link": PLAIN, "force": FORCE, "point": LENGTH},
@@ -109,6 +110,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
     pp.drives.ConstantTorque: {"value": TORQUE},
     pp.drives.Geared: {"drive": INSIDE, "ratio": PLAIN, "gear_inertia": INERTIA, "efficiency": PLAIN},
     pp.drives.InductionMotor: {
+        **LOSSES,
         "rated_power": POWER,
         "rated_speed": RATE,
         "frequency": RATE,
@@ -117,6 +119,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "inertia": INERTIA,
     },
     pp.drives.InverterMotor: {
+        **LOSSES,
         "rated_torque": TORQUE,
         "rated_speed": RATE,
         "frequency": RATE,
@@ -126,6 +129,8 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "breakdown_ratio": PLAIN,
         "curve": PLAIN,
         "inertia": INERTIA,
+        "inverter_efficiency": PLAIN,
+        "feeds_back": PLAIN,
     },
     pp.drives.ServoMotor: {
         "times": TIME,
@@ -137,6 +142,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "rated_torque": TORQUE,
     },
     pp.drives.SlipClutchMotor: {
+        **LOSSES,
         "rated_torque": TORQUE,
         "primary_speed": RATE,
         "top_speed": RATE,
@@ -144,6 +150,11 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "regulation": PLAIN,
         "lag": TIME,
         "inertia": INERTIA,
+        "amplification": TIME,
+        "integral_time": TIME,
+        "feedback": PLAIN,
+        "residual_current": PLAIN,
+        "excitation_power": POWER,
     },
     transmission.SwitchPoint: {"time": TIME, "angle": PLAIN},
     transmission.Clutch: {"torque": TORQUE, "closes": INSIDE, "opens": INSIDE, "rise": TIME},
@@ -153,9 +164,9 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
 
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
-    rooms = (process, contacts, pneumatics, motors, transmission, link)
+    rooms = (process, contacts, pneumatics, motors, slip_clutch, transmission, link)
     public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
-    inner = {transmission.Coupling, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_forces.FrictionLaw}
+    inner = {transmission.Coupling, electric.ElectricMotor, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_forces.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
     for cls, dimensions in DIMENSIONS.items():
         assert [field.name for field in fields(cls)] == list(dimensions)

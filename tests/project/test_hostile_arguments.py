@@ -41,6 +41,7 @@ MADE = {
     "StrokePhase",
     "DyadAngles",
     "MotorDuty",
+    "EnergyFlow",
     "GuideReaction",
     "SlideCompliance",
     "ExtremeValues",

@@ -42,12 +42,15 @@ def textbook():
     return texts.shipped("crank_slide", gravity=(0, 0, -9.80665))
 
 
+WARM = {"rated_rise": 80.0, "thermal_time": 1800.0}
+
+
 def slip_clutch(lag=0.0, ratio=3.0):
-    return pp.drives.Geared(pp.drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=lag), ratio)
+    return pp.drives.Geared(pp.drives.SlipClutchMotor(189.0, 1470 * RPM, 1320 * RPM, 900 * RPM, lag=lag, **WARM), ratio)
 
 
 def induction(power=3e4, ratio=5.0, inertia=0.2, efficiency=1.0):
-    return pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM, inertia=inertia), ratio, 0.0, efficiency)
+    return pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM, inertia=inertia, **WARM), ratio, 0.0, efficiency)
 
 
 def inverter():

@@ -148,6 +148,13 @@ def run():
 
 
 @cache
+def motor_energy():
+    motor = pp.drives.InductionMotor(11e3, 1450 * pp.RPM, load_loss=800.0, rated_rise=80.0, thermal_time=1800.0)
+    drive, flywheel = pp.drives.Geared(motor, 1450 * pp.RPM / SPEED), pp.drives.Flywheel(20.0)
+    return pp.measures.motor_energy(pp.simulate(press(), 0.1, speed=SPEED, drive=drive, flywheel=flywheel), initial_rise=20.0)
+
+
+@cache
 def on_springs():
     stiffness = pp.elasticity.Stiffness(dict.fromkeys(press().bearings, 2e8), moments={"slide_guide": 2e7})
     return pp.elasticity.Elastic(stiffness)
@@ -300,6 +307,7 @@ def made():
         ),
         *(pp.dead_centres(press()), pp.measures.duty_cycle(run()), *pp.measures.least_transmission_angles(press()), *checked()),
         *(pp.measures.phases(motion(), 0.05)[0], pp.measures.transmission_angle_curves(press(), motion())),
+        motor_energy(),
         *(
             balance(),
             *balance().changes,

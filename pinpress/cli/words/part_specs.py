@@ -19,10 +19,11 @@ from typing import Any, Generic, TypeVar
 
 from ...common import tables
 from ...common.errors import PinpressError, UnknownNameError, suggestion
-from ...common.parameters import declared, parameter
+from ...common.parameters import declared, in_signature, parameter
 from ...common.quantities import CRANK, RAM, DriverCoordinate
-from ...drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor, SlipClutchMotor
+from ...drives.motors import ConstantTorque, InductionMotor, InverterMotor, ServoMotor
 from ...drives.protocol import Drive
+from ...drives.slip_clutch import SlipClutchMotor
 from ...drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed, SwitchPoint
 from ...foundation.mounts import Frame, Mount, RubberPad, pad_mount
 from ...linkage.linkage import Linkage
@@ -472,7 +473,7 @@ def _keys(kind: Kind[Any]) -> dict[str, _Key]:
     """The keys of a kind, in the order of the fields of its class."""
     table = kind.table
     found = []
-    for field in fields(kind.made):
+    for field in in_signature(kind.made):
         optional = field.default is not MISSING
         if table is None or field.name not in table.into:
             found.append(_Key(field.name, _note(field, kind.driver), optional, _reader(field, kind.driver)))

@@ -165,6 +165,13 @@ class ElasticSegment:
         return self.solution.evaluations
 
     @property
+    def borders(self) -> Array:
+        knots, own = self.solution.panels.mesh.knots, self.solution.panels.mesh.borders - self.first
+        period = float(knots[-1] - knots[0])
+        found = (own + period * np.arange(np.ceil(self.end / period) + 1)[:, None]).ravel()
+        return np.unique(np.concatenate([found[(found > 0.0) & (found < self.end)], [0.0, self.end]]))
+
+    @property
     def travelled(self) -> float:
         ends = self.states(np.array([0.0, self.end]))
         return abs(float(np.diff(self.crank(*ends.whole)[0])[0]))
@@ -194,7 +201,9 @@ class ElasticSegment:
         _, acceleration = self.crank(at.whole[0], at.whole_acceleration)
         driving = self.solution.equations.driving(at.times, at.y, at.v, at.a, at.segments)
         angle = angle + self._whole_periods
-        return Sample(angle[None], speed[None], acceleration[None], driving.torque, driving.motor, driving.speed, self.integrals(at))
+        states = self.solution.equations.drive_states(at.v)
+        driven = driving.torque, driving.motor, driving.speed, states
+        return Sample(angle[None], speed[None], acceleration[None], *driven, self.integrals(at))
 
     @cached_property
     def _whole_periods(self) -> float:

@@ -404,6 +404,10 @@ class ElasticEquations:
             lost[there] = self.train.lost(mode, time[there], v[there])
         return Driving(torque, motor, self.train.shaft_speed(v), lost)
 
+    def drive_states(self, v: Array) -> Array:
+        """(k, n) the drive's own states, of rates (n, size)."""
+        return np.array(() if self.train is None else self.train.states(v)).reshape(-1, len(v))
+
 
 class Driving(NamedTuple):
     """What turns the crank, at n states.

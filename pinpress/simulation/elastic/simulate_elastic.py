@@ -227,7 +227,7 @@ def _free(task: Task, period: Trajectory | None, displacement: float) -> Task:
         found = _rigid_states(equations.sprung, motion_through_change_points(equations.sprung.press, angle, speed, acceleration))
         y, v, a = (np.pad(each, ((0, 0), (train.count, 0))) for each in found)
         if period is not None and train.scale:
-            states = _drive_states(period, times)
+            states = sample.drive_states
             assert driven.drive is not None
             v[:, : len(states)] = np.transpose(states) * train.scale
             a[:, : len(states)] = np.transpose(np.array(driven.drive.rates(speed, angle, times, tuple(states)))) * train.scale
@@ -237,19 +237,6 @@ def _free(task: Task, period: Trajectory | None, displacement: float) -> Task:
     gain = _gain(*rigid(np.array([0.0, until]))[0])
     equations = replace(equations, crank=None, train=train, direction=1 if speed > 0 else -1)
     return task._replace(equations=equations, rigid=rigid, period=until, speed=speed, gain=gain)
-
-
-def _drive_states(period: Trajectory, times: Array) -> Array:
-    """(k, n) states of the drive at times (n,) of a period of the rigid press."""
-    from ..time_solver import TimeSegment  # imports SciPy's integrators
-
-    starts = np.array([segment.start for segment in period.segments])
-    owner = np.clip(starts.searchsorted(times, side="right") - 1, 0, len(starts) - 1)
-    parts = []
-    for k, segment in enumerate(period.segments):
-        assert isinstance(segment, TimeSegment)
-        parts.append(np.where(owner == k, segment.drive_states(np.clip(times, segment.start, segment.end)), 0.0))
-    return np.asarray(sum(parts))
 
 
 def _rigid_states(sprung: PressOnSprings, motion: Motion) -> tuple[Array, Array, Array]:

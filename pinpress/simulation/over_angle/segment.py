@@ -62,6 +62,10 @@ class AngleSegment:
         return float(self.times[-1])
 
     @property
+    def borders(self) -> Array:
+        return self.times
+
+    @property
     def steps(self) -> int:
         return self.count
 
@@ -83,7 +87,7 @@ class AngleSegment:
         torque, acceleration = self._dynamics(panel, angle, speed)
         drive = self.driven.drive
         motor = torque if drive is None else np.asarray(drive.motor_torque(speed) + np.zeros_like(speed))
-        return Sample(angle[None], speed[None], acceleration[None], torque, motor, speed, integrals)
+        return Sample(angle[None], speed[None], acceleration[None], torque, motor, speed, np.zeros((0, len(times))), integrals)
 
     def _dynamics(self, panel: Indices, angle: Array, speed: Array) -> tuple[Array, Array]:
         """Torque of the drive and acceleration of the crank (n,) at states on panels (n,)."""

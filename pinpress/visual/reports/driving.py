@@ -133,6 +133,11 @@ def _duty(run: Run) -> Sequence[Figure]:
     ]
     if whole.utilisation is not None:
         figures.append(Figure("motor, use", f"{100 * whole.utilisation:.4g} %", "rms by rated torque"))
+    if whole.mains_work is not None:
+        reaches = "" if whole.efficiency is None else f"{100 * whole.efficiency:.4g} % reach the driver"
+        figures.append(Figure("from the mains", with_prefix(whole.mains_work / whole.duration, "W"), reaches))
+    if whole.settled_rise is not None:
+        figures.append(Figure("motor, settled rise", f"{whole.settled_rise:.4g} K", "of its temperature"))
     return figures
 
 

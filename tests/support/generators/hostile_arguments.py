@@ -256,6 +256,12 @@ def run() -> pp.Run:
 
 
 @cache
+def motor_run() -> pp.Run:
+    motor = pp.drives.InductionMotor(1e4, 150.0, load_loss=1e3, rated_rise=80.0, thermal_time=1800.0)
+    return pp.simulate(press(), 0.3, speed=7.0, drive=pp.drives.Geared(motor, 21.0))
+
+
+@cache
 def elastic_run() -> pp.ElasticRun:
     drive, elastic = pp.drives.PrescribedSpeed(30.0), pp.elasticity.Elastic(springs(), clearances={"P": pp.elasticity.Clearance(1e-4)})
     run = pp.simulate(press(), 0.22, drive=drive, elastic=elastic, points=21)
@@ -351,6 +357,10 @@ PATH = FOLDER / "written"
 SWEPT = FOLDER / "swept.sqlite"
 LENGTHS = {("W", "rod"): (0.41, 0.0, 0.0)}
 POINTS = {"top": (0.0, 0.0, 1.0)}
+
+
+def _losses() -> dict[str, Any]:
+    return {"load_loss": 1e3, "constant_loss": 200.0, "rated_rise": 80.0, "thermal_time": 1800.0}
 
 
 def pins() -> dict[str, Any]:
@@ -530,7 +540,15 @@ def calls() -> dict[str, Call]:
         (
             "drives.InductionMotor",
             pp.drives.InductionMotor,
-            lambda: {"rated_power": 1e4, "rated_speed": 150.0, "frequency": 50.0, "poles": 4, "breakdown_ratio": 2.5, "inertia": 0.1},
+            lambda: {
+                "rated_power": 1e4,
+                "rated_speed": 150.0,
+                "frequency": 50.0,
+                "poles": 4,
+                "breakdown_ratio": 2.5,
+                "inertia": 0.1,
+                **_losses(),
+            },
         ),
         (
             "drives.InverterMotor",
@@ -544,6 +562,9 @@ def calls() -> dict[str, Call]:
                 "overload": 1.5,
                 "breakdown_ratio": 2.5,
                 "inertia": 0.1,
+                "inverter_efficiency": 0.97,
+                "feeds_back": True,
+                **_losses(),
             },
         ),
         (
@@ -816,6 +837,12 @@ def calls() -> dict[str, Call]:
                 "regulation": 0.025,
                 "lag": 0.01,
                 "inertia": 0.1,
+                "amplification": 0.3,
+                "integral_time": 0.2,
+                "feedback": 0.9,
+                "residual_current": 0.1,
+                "excitation_power": 100.0,
+                **_losses(),
             },
         ),
         ("foundation.Frame", foundation.Frame, lambda: {"mass": 1e3, "centre": (0.0, 0.0, 0.3), "inertia": (500.0, 500.0, 500.0)}),
@@ -958,6 +985,7 @@ def calls() -> dict[str, Call]:
         ("duty_cycle", pp.measures.duty_cycle, lambda: {"run": run(), "start": 0.0, "end": 0.5}),
         ("duty_cycle", pp.measures.duty_cycle, lambda: {"run": run(), "end": 0.5}),
         ("stroke_duties", pp.measures.stroke_duties, lambda: {"run": run()}),
+        ("motor_energy", pp.measures.motor_energy, lambda: {"run": motor_run(), "initial_rise": 20.0}),
         ("extremes", pp.measures.extremes, lambda: {"reactions": reactions()}),
         ("driving_energy", pp.measures.driving_energy, lambda: {"reactions": reactions()}),
         ("harmonics", pp.measures.harmonics, lambda: {"motion": motion(), "force": reactions().shaking_force, "orders": 3}),

@@ -1,0 +1,195 @@
+"""What the motor of a run takes from the mains, where it goes, and how warm the motor becomes.
+
+The powers of an `ElectricMotor` follow from speed, torque and states of a run that is solved already, so that they are integrated
+afterwards, by Gauss-Legendre quadrature between the borders within which the run is smooth. Heat and rise have one time constant, so that
+the rise between two instants is exact for the heat at the nodes:
+rise(t2) = rise(t1) exp(-(t2 - t1) / T) + R / T x integral of exp(-(t2 - t) / T) heat(t) dt.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common import tables
+from ..common.errors import PinpressError
+from ..common.numerics import gauss_rule
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..drives.electric import ElectricMotor
+from ..drives.transmission import innermost
+from ..loads.caller_laws import as_given
+from .driven_press import DrivenPress
+from .trajectory import Sample, Trajectory
+
+LOSSES = ("slip", "load", "constant", "gears", "inverter", "resistor")
+FLOWS = ("mains", "drive", *LOSSES, "heat")
+"""Powers of a motor: from the mains, of the drive on the crank, those lost on the way, and of these what warms the motor."""
+MAINS, DRIVE, SLIP, HEAT = FLOWS.index("mains"), FLOWS.index("drive"), FLOWS.index("slip"), FLOWS.index("heat")
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class EnergyFlow(Tabular):
+    """Where the power of a motor goes in a run, at its n states. mains = drive + all losses, at every instant.
+
+    Attributes:
+        linkage: name of the linkage.
+        time: (n,) [s].
+        power: (n,) [W] by name: from the "mains" (negative where braking feeds them), of the "drive" on the crank's shaft; lost by "slip",
+            with the square of the "load", as a "constant", in "gears", "inverter", and the brake "resistor"; and the "heat" of slip,
+            load and constant loss that warms the motor.
+        work: (n,) the same since the start of the run [J].
+        strokes: number of strokes in the run; None where the slide has none.
+        temperature_rise: (n,) of the motor above its surroundings [K]; None where its rise at the rated point or its time constant is not
+            known.
+        settled_rise: to which it would settle, if the run were repeated for good [K].
+    """
+
+    linkage: str
+    time: Array
+    power: Mapping[str, Array]
+    work: Mapping[str, Array]
+    strokes: float | None
+    temperature_rise: Array | None
+    settled_rise: float | None
+
+    @property
+    def mean_power(self) -> float:
+        """From the mains [W]; 3600 times as much is taken in an hour [J]."""
+        return float(self.work["mains"][-1] / self.time[-1])
+
+    @property
+    def work_per_stroke(self) -> float | None:
+        """From the mains [J]; None where there is no stroke."""
+        return None if not self.strokes else float(self.work["mains"][-1]) / self.strokes
+
+    @property
+    def efficiency(self) -> float | None:
+        """Work of the drive on the crank by that from the mains; None where one of them is not positive."""
+        taken, given = float(self.work["mains"][-1]), float(self.work["drive"][-1])
+        return given / taken if taken > 0 and given > 0 else None
+
+    @property
+    def title(self) -> str:
+        taken, mean = float(self.work["mains"][-1]), self.mean_power
+        work, power = tables.scale("J", [taken]), tables.scale("W", [mean])
+        return (
+            f"EnergyFlow of {self.linkage}: {work.shown(taken)} {work.unit} from the mains in {self.time[-1]:.6g} s, mean"
+            f" {power.shown(mean)} {power.unit}"
+        )
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "time [s]", "mains_power [W]", "drive_power [W]"
+
+    def columns(self) -> dict[str, Array]:
+        """Time, all powers and losses, the work from the mains, and the temperature rise."""
+        found = {"time [s]": self.time}
+        found |= {f"{name}_{'loss' if name in LOSSES else 'power'} [W]": power for name, power in self.power.items()}
+        found["mains_work [J]"] = self.work["mains"]
+        return found | ({} if self.temperature_rise is None else {"temperature_rise [K]": self.temperature_rise})
+
+
+@dataclass(frozen=True, eq=False)
+class Spent:
+    """Powers of a motor, integrated between instants.
+
+    Attributes:
+        work: (flows, n) the `FLOWS` since the first instant [J].
+        cooled: (n,) share that is left of a rise at the first instant.
+        rise: (n,) rise by the heat since the first instant [K]; None where it is not known.
+        settled_rise: if what happens between the first and the last instant is repeated for good, at these [K].
+    """
+
+    work: Array
+    cooled: Array
+    rise: Array | None
+
+    @property
+    def settled_rise(self) -> float | None:
+        return None if self.rise is None else float(self.rise[-1] / (1.0 - self.cooled[-1]))
+
+
+def motor_of(driven: DrivenPress) -> ElectricMotor | None:
+    """The electric motor that drives a press; None where something else does."""
+    found = None if driven.drive is None else innermost(as_given(driven.drive))[0]
+    return found if isinstance(found, ElectricMotor) else None
+
+
+def needed_motor(driven: DrivenPress) -> ElectricMotor:
+    """`motor_of`; raises PinpressError where there is none."""
+    motor = motor_of(driven)
+    if motor is None:
+        raise PinpressError(
+            "the drive is no motor whose power from the mains is known: give an InductionMotor, InverterMotor or SlipClutchMotor"
+        )
+    return motor
+
+
+def flows(driven: DrivenPress, times: Array, sample: Sample) -> Array:
+    """(flows, n) the `FLOWS` of a sample at times (n,) [W]."""
+    motor, ratio = innermost(as_given(driven.drive))
+    assert isinstance(motor, ElectricMotor)
+    angle = sample.position[driven.press.driver_indices[0] if len(sample.position) > 1 else 0]
+    power = motor.power(ratio * sample.drive_speed, ratio * angle, times, tuple(sample.drive_states))
+    given = sample.drive_torque * sample.drive_speed
+    parts = (power.mains, given, power.slip, power.load, power.constant, power.shaft - given, power.inverter, power.resistor, power.heat)
+    return np.array([np.broadcast_to(part, times.shape) for part in parts])
+
+
+def spent(motor: ElectricMotor, driven: DrivenPress, trajectory: Trajectory, instants: Array) -> Spent:
+    """What a motor takes and loses between rising instants (n,)."""
+    rule, borders = gauss_rule(), trajectory.borders
+    edges = np.unique(np.concatenate([instants, borders[(borders > instants[0]) & (borders < instants[-1])]]))
+    half = 0.5 * np.diff(edges)
+    times = 0.5 * (edges[:-1] + edges[1:])[:, None] + half[:, None] * rule.nodes
+    power = flows(driven, times.ravel(), trajectory.at(times.ravel(), complete=False)).reshape(len(FLOWS), *times.shape)
+    gains = half * (power @ rule.weights)
+    work = np.concatenate([np.zeros((len(FLOWS), 1)), gains.cumsum(axis=1)], axis=1)
+    at = edges.searchsorted(instants)
+    if motor.thermal_resistance is None or motor.thermal_time is None:
+        return Spent(work[:, at], np.ones(len(instants)), None)
+    resistance, constant = float(np.ravel(motor.thermal_resistance)[0]), motor.thermal_time
+    warmed = resistance / constant * half * ((np.exp((times - edges[1:, None]) / constant) * power[HEAT]) @ rule.weights)
+    rise = [0.0]
+    for share, more in zip(np.exp(-2.0 * half / constant).tolist(), warmed.tolist(), strict=True):
+        rise.append(rise[-1] * share + more)
+    return Spent(work[:, at], np.exp((instants[0] - instants) / constant), np.array(rise)[at])
+
+
+def motor_energy_of(
+    driven: DrivenPress, times: Array, trajectory: Trajectory, strokes: float | None, initial_rise: float | None
+) -> EnergyFlow:
+    """The `EnergyFlow` at times (n,); raises PinpressError where there is no electric motor, or no temperature that could begin."""
+    motor = needed_motor(driven)
+    found = spent(motor, driven, trajectory, times)
+    if initial_rise is not None and found.rise is None:
+        raise PinpressError("initial_rise: the motor's temperature is not known: give the motor a rated_rise and a thermal_time")
+    power = flows(driven, times, trajectory.at(times, complete=False))
+    begin = found.settled_rise if initial_rise is None else initial_rise
+    rise = None if found.rise is None or begin is None else found.rise + begin * found.cooled
+    return EnergyFlow(
+        linkage=driven.press.name,
+        time=times,
+        power=dict(zip(FLOWS, power, strict=True)),
+        work=dict(zip(FLOWS, found.work, strict=True)),
+        strokes=strokes,
+        temperature_rise=rise,
+        settled_rise=found.settled_rise,
+    )
+
+
+def duty_of_motor(driven: DrivenPress, trajectory: Trajectory, start: float, end: float) -> dict[str, float | None]:
+    """What a motor takes and loses from one time to another, as fields of `MotorDuty`."""
+    motor = motor_of(driven)
+    names = ("mains_work", "slip_loss", "efficiency", "settled_rise")
+    if motor is None:
+        return dict.fromkeys(names)
+    found = spent(motor, driven, trajectory, np.array([start, end]))
+    mains, given, slip = (float(found.work[flow, -1]) for flow in (MAINS, DRIVE, SLIP))
+    efficiency = given / mains if mains > 0 and given > 0 else None
+    assert found.settled_rise is None or math.isfinite(found.settled_rise)
+    return dict(zip(names, (mains, slip, efficiency, found.settled_rise), strict=True))

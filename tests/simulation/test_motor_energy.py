@@ -1,0 +1,182 @@
+"""What the motor of a run takes from the mains: energy to rounding, temperature against closed forms and SciPy, batch against single."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import pinpress as pp
+from pinpress.drives import Brake, Clutch, Flywheel, Geared, InductionMotor, InverterMotor, SlipClutchMotor, SwitchPoint
+
+RPM = pp.RPM
+YCT = {"rated_torque": 189.0, "primary_speed": 1470 * RPM, "top_speed": 1320 * RPM, "set_speed": 900 * RPM}
+DATA = {"load_loss": 1500.0, "constant_loss": 900.0, "rated_rise": 80.0, "thermal_time": 1800.0}
+MAINS = InductionMotor(11e3, 1450 * RPM, **DATA)
+MOTORS = {
+    "mains": Geared(MAINS, 5.0, efficiency=0.94),
+    "inverter": Geared(InverterMotor(200.0, 1450 * RPM, 45.0, inverter_efficiency=0.97, **DATA), 5.0),
+    "slip clutch": Geared(SlipClutchMotor(**YCT, excitation_power=100.0, **DATA), 3.0, efficiency=0.96),
+    "slip clutch with states": Geared(SlipClutchMotor(**YCT, lag=0.1, integral_time=0.5, **DATA), 3.0),
+}
+LOSSES = ("slip", "load", "constant", "gears", "inverter", "resistor")
+BLANKING = [pp.loads.Blanking(force=400e3, start=0.006, end=0.003)]
+
+
+def press():
+    return pp.load("jf75g_125")
+
+
+def stored(run):
+    """Kinetic energy of press, flywheel and motor, and potential energy, at all states [J]: by Pinocchio, body by body."""
+    import pinocchio as pin
+
+    loaded, driven, found = press(), run.problem.driven, []
+    data = loaded.model.createData()
+    for q, v, own in zip(run.q, run.v, run.drive_speed, strict=True):
+        kinetic = pin.computeKineticEnergy(loaded.model, data, q, v)
+        found.append(kinetic + pin.computePotentialEnergy(loaded.model, data, q) + 0.5 * driven.inertia * own**2)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("name", MOTORS)
+def test_mains_are_work_and_losses_and_what_is_stored(name):
+    """At every state of a run that is not steady: an error of 1e-9 of the largest work."""
+    run = pp.simulate(press(), 0.5, speed=28.0, drive=MOTORS[name], flywheel=Flywheel(136.0), loads=BLANKING)
+    energy = pp.measures.motor_energy(run)
+    work, gained = energy.work, stored(run) - stored(run)[0]
+    missing = work["mains"] - (run.load_work + run.lost + gained + sum(work[each] for each in LOSSES))
+    assert np.abs(missing).max() < 1e-9 * stored(run).max()
+    assert np.abs(work["drive"] - run.drive_work).max() < 1e-9 * stored(run).max()
+    assert energy.power["mains"] == pytest.approx(energy.power["drive"] + sum(energy.power[each] for each in LOSSES), rel=1e-9, abs=1e-6)
+    duty = pp.measures.duty_cycle(run)
+    assert duty.mains_work == pytest.approx(work["mains"][-1], rel=1e-9)
+    assert duty.slip_loss == pytest.approx(work["slip"][-1], rel=1e-9)
+    assert duty.efficiency == pytest.approx(run.drive_work[-1] / work["mains"][-1], rel=1e-8)
+    assert duty.settled_rise == pytest.approx(energy.settled_rise, rel=1e-3)
+
+
+def test_clutch_and_brake_have_their_own_losses():
+    """The motor works on while the crank stands: what is lost in clutch and brake is no loss of the motor."""
+    drive, closes = MOTORS["slip clutch with states"], SwitchPoint(time=0.1)
+    couplings = {"clutch": Clutch(4e3, closes=closes, rise=0.05), "brake": Brake(5e3, opens=closes)}
+    wheel = Flywheel(136.0, speed=30.0)
+    run = pp.simulate(press(), 0.4, speed=0.0, drive=drive, flywheel=wheel, **couplings)
+    assert run.lost[-1] > 100
+    work = pp.measures.motor_energy(run).work
+    gained = stored(run) - stored(run)[0]
+    missing = work["mains"] - (run.lost + gained + sum(work[each] for each in LOSSES))
+    assert np.abs(missing).max() < 1e-9 * stored(run).max()
+
+
+def test_all_joints_agree_with_the_crank_alone():
+    at = {"speed": 28.0, "drive": MOTORS["slip clutch"], "flywheel": Flywheel(136.0), "loads": BLANKING}
+    crank, joints = (pp.measures.motor_energy(pp.simulate(press(), 0.1, method=m, **at)) for m in ("reduced", "constraint"))
+    assert joints.work["mains"] == pytest.approx(crank.work["mains"], rel=1e-7, abs=1e-6)
+
+
+@pytest.mark.exhaustive
+def test_stiff_springs_agree_with_the_rigid_press():
+    at = {"speed": 28.0, "drive": MOTORS["slip clutch"], "flywheel": Flywheel(136.0), "loads": BLANKING}
+    crank = pp.measures.motor_energy(pp.simulate(press(), 0.1, **at))
+    guides = dict.fromkeys(("slide_guide", "counterweight_guide"), 1e10)
+    stiff = pp.elasticity.Elastic(pp.elasticity.Stiffness(dict.fromkeys(press().bearings, 1e12), moments=guides))
+    on_springs = pp.measures.motor_energy(pp.simulate(press(), 0.1, elastic=stiff, **at))
+    assert on_springs.work["mains"][-1] == pytest.approx(crank.work["mains"][-1], rel=1e-3)
+
+
+# ---------------------------------------------------------------------------------------------------------------------- temperature
+
+
+def test_constant_loss_warms_exponentially():
+    """A press that is held at a speed by a motor without load: R P (1 - exp(-t / T)), in a run of several time constants."""
+    quick = dataclasses.replace(MAINS, constant_loss=2e3, thermal_time=0.3)
+    run = pp.simulate(pp.load("crank_slide", gravity=(0, 0, 0)), 1.5, speed=0.0, drive=Geared(quick, 5.0), flywheel=Flywheel(1e9))
+    energy = pp.measures.motor_energy(run, initial_rise=5.0)
+    heat = energy.power["heat"]
+    assert np.ptp(heat) < 1e-3 * heat[0]  # the wheel is so heavy that it stands
+    settled = 80.0 / quick.rated_heat * heat[0]
+    wanted = settled + (5.0 - settled) * np.exp(-run.time / 0.3)
+    assert energy.temperature_rise == pytest.approx(wanted, rel=2e-3)
+
+
+@pytest.mark.parametrize("name", ["inverter", pytest.param("slip clutch with states", marks=pytest.mark.exhaustive)])
+def test_temperature_against_scipy(name):
+    """T d(rise)/dt = R heat - rise, with a time constant as short as the stroke, so that the rise follows the load."""
+    given = MOTORS[name]
+    drive = dataclasses.replace(given, drive=dataclasses.replace(given.drive, thermal_time=0.2))
+    run = pp.simulate(press(), 0.4, speed=28.0, drive=drive, flywheel=Flywheel(136.0), loads=BLANKING, points=2001)
+    energy = pp.measures.motor_energy(run, initial_rise=12.0)
+    resistance = 80.0 / drive.drive.rated_heat
+
+    def warming(t, rise):
+        return (resistance * np.interp(t, run.time, energy.power["heat"]) - rise) / 0.2
+
+    found = solve_ivp(warming, (0.0, 0.4), [12.0], t_eval=[0.1, 0.25, 0.4], rtol=1e-9, atol=1e-9, max_step=4e-3)
+    ours = np.interp(found.t, run.time, energy.temperature_rise)
+    assert ours == pytest.approx(found.y[0], rel=1e-5)  # of the straight lines between the states
+
+
+def test_a_steady_stroke_comes_back_to_its_temperature():
+    drive = dataclasses.replace(MOTORS["slip clutch"], drive=SlipClutchMotor(**YCT, rated_rise=80.0, thermal_time=0.5))
+    steady = pp.steady_state(press(), 30.0, drive=drive, flywheel=Flywheel(136.0), loads=BLANKING)
+    rise = pp.measures.motor_energy(steady).temperature_rise
+    assert rise[0] == pytest.approx(rise[-1], rel=1e-12)
+    assert np.ptp(rise) > 1.0
+    mean = np.trapezoid(rise, steady.time) / steady.time[-1]
+    # over a period the mean of the equation leaves R x mean heat
+    work = pp.measures.motor_energy(steady).work["heat"][-1]
+    assert mean == pytest.approx(80.0 / drive.drive.rated_heat * work / steady.time[-1], rel=1e-4)
+    again = pp.measures.motor_energy(steady, initial_rise=float(rise[0])).temperature_rise
+    assert again == pytest.approx(rise, rel=1e-12)
+
+
+@pytest.mark.parametrize("feedback", [0.95, pytest.param(1.0, marks=pytest.mark.exhaustive)])
+def test_an_integral_keeps_the_mean_speed(feedback):
+    """Over a steady stroke the integral comes back, so that the mean speed is that set, to the share that is fed back."""
+    motor = SlipClutchMotor(**YCT, integral_time=0.4, amplification=0.02, feedback=feedback)
+    steady = pp.steady_state(press(), 30.0, drive=Geared(motor, 3.0), flywheel=Flywheel(136.0), loads=BLANKING)
+    mean = 2 * np.pi / steady.time[-1]
+    assert mean == pytest.approx(300 * RPM / feedback, rel=1e-8)
+
+
+# ---------------------------------------------------------------------------------------------------------------------------- around
+
+
+def test_batch_is_single():
+    inertias = np.array([60.0, 136.0])
+    drive = MOTORS["slip clutch"]
+    many = pp.simulate_batch(press(), 0.5, speed=28.0, drive=drive, flywheel=Flywheel(inertias), loads=BLANKING)
+    for k, inertia in enumerate(inertias):
+        alone = pp.simulate(press(), 0.5, speed=28.0, drive=drive, flywheel=Flywheel(float(inertia)), loads=BLANKING)
+        one, other = (pp.measures.motor_energy(run).work["mains"][-1] for run in (many[k], alone))
+        assert one == pytest.approx(other, rel=1e-8)
+
+
+def test_strokes_hours_and_columns():
+    steady = pp.steady_state(press(), 30.0, drive=MOTORS["mains"], flywheel=Flywheel(136.0), loads=BLANKING)
+    energy = pp.measures.motor_energy(steady)
+    assert energy.strokes == pytest.approx(1.0)
+    assert energy.work_per_stroke == pytest.approx(energy.mean_power * steady.time[-1])
+    assert energy.efficiency == pytest.approx(pp.measures.duty_cycle(steady).efficiency)
+    assert str(energy.title).startswith("EnergyFlow of jf75g_125: ")
+    columns = energy.columns()
+    assert {"mains_power [W]", "slip_loss [W]", "mains_work [J]", "temperature_rise [K]"} < set(columns)
+    swing = pp.simulate(press(), 0.05, speed=28.0, drive=MOTORS["mains"], flywheel=Flywheel(136.0), points=7)
+    assert pp.measures.motor_energy(swing).strokes < 1
+    strokes = pp.measures.stroke_duties(pp.simulate(press(), 0.5, speed=28.0, drive=MOTORS["mains"], flywheel=Flywheel(136.0)))
+    assert all(each.mains_work > 0 for each in strokes)
+
+
+def test_what_is_not_known_is_said():
+    constant = pp.simulate(press(), 0.1, speed=28.0, drive=pp.drives.ConstantTorque(10.0), flywheel=Flywheel(136.0))
+    assert pp.measures.duty_cycle(constant).mains_work is None
+    with pytest.raises(pp.PinpressError, match="no motor whose power from the mains is known: give an InductionMotor"):
+        pp.measures.motor_energy(constant)
+    plain = pp.simulate(press(), 0.1, speed=28.0, drive=Geared(InductionMotor(11e3, 1450 * RPM), 5.0), flywheel=Flywheel(136.0))
+    assert pp.measures.motor_energy(plain).temperature_rise is None
+    assert pp.measures.duty_cycle(plain).settled_rise is None
+    with pytest.raises(pp.PinpressError, match="initial_rise: the motor's temperature is not known: give the motor a rated_rise"):
+        pp.measures.motor_energy(plain, initial_rise=20.0)
+    with pytest.raises(pp.PinpressError, match="initial_rise is nan"):
+        pp.measures.motor_energy(plain, initial_rise=np.nan)
