@@ -87,10 +87,11 @@ N = TypeVar("N", bound=np.generic)
 class NamedArrays(Frozen, Mapping[str, NDArray[N]]):
     """Read-only mapping from the names of joints and loops to arrays.
 
-    An unknown name raises a `PinpressError` that lists the known ones; a name that was left out raises one that says so, with ``get`` too.
+    The values are an array, or what has rows and can be made read-only like one. An unknown name raises a `PinpressError` that lists the
+    known ones; a name that was left out raises one that says so, with ``get`` too.
     """
 
-    def __init__(self, names: tuple[str, ...], values: NDArray[N], left_out: tuple[str, ...] = ()) -> None:
+    def __init__(self, names: tuple[str, ...], values: Any, left_out: tuple[str, ...] = ()) -> None:
         values.setflags(write=False)
         self._names, self._values, self._left_out = names, values, left_out
 

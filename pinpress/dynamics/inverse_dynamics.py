@@ -26,7 +26,7 @@ from ..common.results import Tabular
 from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
-from ..engines.forces import AppliedConditions, AppliedForce, Wrenches, compliances
+from ..engines.forces import AppliedConditions, AppliedForce, SomeVectors, Wrenches, compliances
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..linkage.mobility import own_axes
@@ -297,8 +297,7 @@ def _reactions(
     names, several = press.bearings, len(press.drivers) > 1
     kept = names if len(wanted) == len(names) else tuple(names[k] for k in wanted)
     left_out = tuple(name for name in names if name not in kept) if len(kept) < len(names) else ()
-    for array in (wrenches.torque, wrenches.vectors):  # before there are views of them
-        array.setflags(write=False)
+    wrenches.torque.setflags(write=False)  # before there are views of it
     reactions: Reactions = object.__new__(Reactions)  # all arrays are read-only already: looking for them takes as long as a dyad
     vars(reactions).update(
         motion=motion,
@@ -369,8 +368,9 @@ def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
     """Raise PinpressError where a number is not finite. A sum shows it, and takes less time than looking at every number."""
     if wrenches.finite:
         return
-    total = np.add.reduce(wrenches.vectors, axis=None)
-    if wrenches.vectors.shape[1] < len(wrenches.friction):  # else the torques are among the moments
+    moment = wrenches.moment.some if isinstance(wrenches.moment, SomeVectors) else wrenches.moment
+    total = np.add.reduce(wrenches.force, axis=None) + np.add.reduce(moment, axis=None)
+    if len(wrenches.force) < len(wrenches.friction):  # else the torques are among the moments
         total += wrenches.torque.sum() + wrenches.coupling.sum()
     if math.isfinite(total):
         return
@@ -378,7 +378,7 @@ def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
         "driving torque": wrenches.torque,
         "torque of a gear pair": wrenches.coupling,
         "bearing force": wrenches.force,
-        "bearing moment": wrenches.moment,
+        "bearing moment": np.asarray(wrenches.moment),
     }
     for name, array in arrays.items():
         if not np.isfinite(array).all():

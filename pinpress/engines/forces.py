@@ -17,19 +17,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..common.arguments import number
 from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.frozen import Frozen
 from ..common.quantities import Array, DriverCoordinate
 
 REST = 1e-12  # share of the motion's largest speed below which a bearing rests: at a dead centre its speed is rounding
 MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many are needed only where friction nearly locks the linkage
 RANK = 1e-9  # singular values below this share of the largest count as zero, columns scaled to unit length
 INVERTIBLE = 1e-7  # share of the squared size of a matrix above which its smallest squared singular value is certainly no rounding
+_ZERO = bytes(8)  # the number 0
 WELL_CONDITIONED = 1e-3  # share of the largest squared singular value above which normal equations lose hardly a digit
 
 
@@ -72,6 +74,34 @@ class AppliedConditions(NamedTuple):
         return self._replace(loads=[load.part(points) for load in self.loads])
 
 
+def nothing(*shape: int) -> Array:
+    """Zeros that take no memory, and cannot be written to."""
+    return np.ndarray(shape, float, _ZERO, strides=(0,) * len(shape))
+
+
+class SomeVectors(Frozen, Sequence[Array]):
+    """Vectors (n, 3) of bearings most of which have none: the pins of a planar linkage transmit no moments.
+
+    Attributes:
+        some: (k, n, 3) those of the other bearings.
+        places: of every bearing its place among them, None where there is no vector.
+    """
+
+    def __init__(self, some: Array, places: Sequence[int | None]) -> None:
+        self.some, self.places = some, places
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def __getitem__(self, bearing: Any) -> Any:
+        place = self.places[bearing]
+        return nothing(*self.some.shape[1:]) if place is None else self.some[place]
+
+    def setflags(self, write: bool) -> None:
+        """As of an array."""
+        self.some.setflags(write=write)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Wrenches:
     """Driving torques, and the forces and moments of the bearings.
@@ -83,28 +113,18 @@ class Wrenches:
         torque: (drivers, n) on the driver joints, positive along their axes [N m, of a driver that slides N].
         coupling: (couplings, n) torque on the follower of every coupling, positive along its axis [N m, or N where it slides].
         friction: (bearings, n) power lost in every bearing [W].
-        vectors: (2, wanted bearings, n, 3) forces [N], and moments about the origin of the child's joint frame, of a loop about its point
-            [N m]. Along the axis in which a joint is free the moment is the effort of drive, gear pairs and friction.
+        force: (wanted bearings, n, 3) forces [N].
+        moment: (wanted bearings, n, 3) moments about the origin of the child's joint frame, of a loop about its point [N m], as an array or
+            as `SomeVectors`. Along the axis in which a joint is free the moment is the effort of drive, gear pairs and friction.
         finite: whether the engine has seen that all numbers are finite.
     """
 
     torque: Array
     coupling: Array
     friction: Array
-    vectors: Array
+    force: Array
+    moment: Any
     finite: bool = False
-
-    @property
-    def force(self) -> Array:
-        """(wanted bearings, n, 3) [N]."""
-        force: Array = self.vectors[0]
-        return force
-
-    @property
-    def moment(self) -> Array:
-        """(wanted bearings, n, 3) [N m]."""
-        moment: Array = self.vectors[1]
-        return moment
 
     @staticmethod
     def zeros(drivers: int, couplings: int, bearings: int, n: int, wanted: int) -> Wrenches:
@@ -112,16 +132,13 @@ class Wrenches:
 
         In memory the states are next to each other: components along one axis are filled in, and read, at once.
         """
-        return Wrenches(
-            torque=np.zeros((drivers, n)),
-            coupling=np.zeros((couplings, n)),
-            friction=np.zeros((bearings, n)),
-            vectors=np.zeros((2, 3, wanted, n)).transpose(0, 2, 3, 1),
-        )
+        force, moment = np.zeros((2, 3, wanted, n)).transpose(0, 2, 3, 1)
+        return Wrenches(np.zeros((drivers, n)), np.zeros((couplings, n)), np.zeros((bearings, n)), force, moment)
 
     def part(self, points: slice) -> Wrenches:
         """Views of a part of the motion."""
-        return Wrenches(self.torque[:, points], self.coupling[:, points], self.friction[:, points], self.vectors[:, :, points])
+        torque, coupling, friction = (array[:, points] for array in (self.torque, self.coupling, self.friction))
+        return Wrenches(torque, coupling, friction, self.force[:, points], self.moment[:, points])
 
 
 @dataclass(frozen=True, eq=False, repr=False)

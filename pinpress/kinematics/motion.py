@@ -32,7 +32,14 @@ from ..linkage.linkage import Linkage, SlideGuide
 from ..linkage.memo import per_linkage
 
 ENGINES = (PlanarEngine, SpatialEngine, PinocchioEngine)
-LATER = {"joint_position": "position", "v": "v", "a": "a", "closure_error": "gap"}  # by the names of `ChainStates`
+LATER = {  # what is computed when it is first read, by the names of `ChainStates`
+    "crank_speed": "speeds",
+    "crank_acceleration": "accelerations",
+    "joint_position": "position",
+    "v": "v",
+    "a": "a",
+    "closure_error": "gap",
+}
 TOO_FAST = 1e300  # rates of joints from which on their sums may be too large for floating point
 POINTS = 360  # states of a turn by default
 GRIDS_KEPT = 4  # grids of crank angles whose closures stay with a linkage
@@ -533,10 +540,7 @@ def _of_chain(
         closure = ChainClosure(chain, known.branch, angles)
         if key is not None:
             known.closures.keep(key, closure)
-    speed, acceleration = _each(speeds, n), _each(accelerations, n)
-    states = ChainStates(
-        closure, speeds if isinstance(speeds, float) else speed, accelerations if isinstance(accelerations, float) else acceleration
-    )
+    states = ChainStates(closure, *(of if isinstance(of, float) else _kept(of) for of in (speeds, accelerations)))
     if times is not None:
         times.setflags(write=False)
     motion: Motion = object.__new__(Motion)
@@ -546,8 +550,6 @@ def _of_chain(
         driver_coordinates=fixed.driver_coordinates,
         joints=fixed.joints,
         crank_angle=closure.angle,
-        crank_speed=speed,
-        crank_acceleration=acceleration,
         _time=times,
         _slots=fixed.slots,
         _guide=fixed.guide,
@@ -557,10 +559,9 @@ def _of_chain(
     return motion
 
 
-def _each(values: Array | float, n: int) -> Array:
-    """A read-only array (n,) of these values, or of one number."""
-    found = np.empty(n)
-    found[:] = values
+def _kept(values: Array) -> Array:
+    """A read-only copy of these values (n,)."""
+    found = np.array(values)
     found.setflags(write=False)
     return found
 

@@ -137,7 +137,7 @@ def judged(press, motion, loads=()):
     general = engine.inverse_dynamics(ClosedStates(newton.position, v, a), conditions, range(len(press.bearings)))
     assert np.abs(found._wrenches.force - general.force).max() <= 1e-12 * np.abs(general.force).max()
     scale = max(np.abs(general.moment).max(), np.abs(general.force).max() * press.size)
-    assert np.abs(found._wrenches.moment - general.moment).max() <= 1e-12 * scale
+    assert np.abs(np.array(found._wrenches.moment) - general.moment).max() <= 1e-12 * scale
     assert np.abs(found.driving_torque - general.torque[0]).max() <= 1e-12 * scale
     some = press.bearings[1::2]
     partly = pp.inverse_dynamics(press, motion, loads, bearings=some)
@@ -271,3 +271,20 @@ def test_speeds_too_large_are_refused():
     for speed in (1e155, 1e300):
         with pytest.raises(pp.PinpressError, match="too fast"):
             pp.cycle(press, speed)
+
+
+def test_a_slide_whose_forces_meet_on_its_guide_needs_no_moment():
+    """Pin and centre of mass stand where its joint does, and nothing has an arm; a load beside it has one."""
+    drawing = Drawing("no_arms")
+    pin = crank(drawing)
+    end = pin + 0.9 * np.exp(-0.3j)
+    drawing.joint("rod", "crank_link", "rod_link", pin)
+    drawing.joint("guide", "frame", "slide", end, along=1.0)
+    drawing.loop("pin", "rod_link", "slide", end)
+    drawing.body("rod_link", 2.0, 0.5 * (pin + end))
+    drawing.body("slide", 9.0, end)
+    press = texts.load(drawing.urdf("crank"))
+    motion = pp.servo_cycle(press, **gently(press))
+    assert not judged(press, motion).bearing_moment["guide"].any()
+    load = pp.loads.PointForce("slide", (0.0, 0.0, -50.0), (0.1, 0.0, 0.0))
+    np.testing.assert_allclose(judged(press, motion, [load]).bearing_moment["guide"], np.tile((0.0, -5.0, 0.0), (25, 1)), atol=1e-12)

@@ -85,6 +85,12 @@ class Chain:
     high: float = np.inf
 
     @cached_property
+    def ones_at(self) -> slice | list[int]:
+        """Index of the rows of ones; a slice where they are equally far from each other, which NumPy fills at once."""
+        steps = {after - before for before, after in zip(self.ones, self.ones[1:], strict=False)}
+        return list(self.ones) if len(steps) > 1 else slice(self.ones[0], self.ones[-1] + 1, *steps)
+
+    @cached_property
     def sense(self) -> float:
         """`Plane.sense` of the driver."""
         return float(self.plane.sense[self.plane.driver])
@@ -159,8 +165,7 @@ def _drive(chain: Chain, angle: Array, along: Along) -> None:
 
 def all_functions(chain: Chain, closed: Closed) -> ComplexArray:
     """The functions (rows, n), also those that closing does not need."""
-    for one in chain.ones:
-        closed.functions[one] = 1.0
+    closed.functions[chain.ones_at] = 1.0
     for way, rotor in chain.guides.items():
         if rotor is None:
             closed.functions[way] = closed.along.ways[way]
@@ -287,6 +292,8 @@ class ChainStates(ClosedStates):
         closure: the closed chain.
         speed: speed of the driver, (n,) or one number [rad/s or m/s].
         acceleration: its acceleration, (n,) or 0.0 [rad/s2 or m/s2].
+        speeds: (n,) the speed in every state.
+        accelerations: (n,) the acceleration in every state.
     """
 
     def __init__(self, closure: ChainClosure, speed: Array | float, acceleration: Array | float) -> None:
@@ -296,6 +303,10 @@ class ChainStates(ClosedStates):
     def __getattr__(self, name: str) -> Any:
         if name in ("position", "basis", "gap"):
             value = getattr(self.closure, name)
+        elif name in ("speeds", "accelerations"):
+            of, value = self.speed if name == "speeds" else self.acceleration, np.empty(len(self.closure.angle))
+            value[:] = of
+            value.setflags(write=False)
         elif name == "v":
             value = read_only(self.closure.influence[0] * self.speed)
         elif name == "a":

@@ -16,18 +16,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...common.quantities import Array, ComplexArray
-from ..forces import AppliedForce, Wrenches
+from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
 from ..joints import LARGE, SERIAL, Matrix, plain, product
 from .bodies import Bodies
 from .chain import Chain, ChainStates, Closed, all_functions, rate_of
 from .model import Plane, put_normal, to_complex
-
-NOTHING = bytes(8)  # the number 0
 
 
 class Tree(NamedTuple):
@@ -75,7 +74,7 @@ class ChainBodies:
         leaves: whether nothing hangs on the links on guides.
         spins: by link on guides that turns the row of its rotor, and its moment of inertia [kg m2].
         arms: `Bodies.arms` over the functions.
-        still: the values of these arms where they do not turn.
+        still: the values of these arms where they do not turn; None for those that are zero.
         carriers: of every loop the joints that carry one of its ends, with `Plane.incidence`.
     """
 
@@ -87,8 +86,24 @@ class ChainBodies:
     leaves: bool
     spins: Mapping[int, tuple[int, float]]
     arms: Matrix
-    still: tuple[ComplexArray, ...]
+    still: tuple[ComplexArray | None, ...]
     carriers: tuple[tuple[tuple[int, float], ...], ...]
+
+    @cached_property
+    def turned(self) -> tuple[int, ...]:
+        """The joints that transmit moments about the normal, rising: the driver, if it turns, and all guides."""
+        plane = self.chain.plane
+        return tuple(sorted({*plane.prismatic, plane.driver} if self.chain.sense else plane.prismatic))
+
+    def places(self, wanted: Sequence[int]) -> tuple[int | None, ...]:
+        """Places of the moments of the ``wanted`` bearings, see `SomeVectors`."""
+        turned = [bearing for bearing in self.turned if bearing in wanted]
+        return tuple(turned.index(bearing) if bearing in turned else None for bearing in wanted)
+
+    @cached_property
+    def all_places(self) -> tuple[int | None, ...]:
+        """Those of all bearings."""
+        return self.places(range(len(self.chain.rows) + len(self.carriers)))
 
     @property
     def first_force(self) -> int:
@@ -121,7 +136,7 @@ def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
     for joint, signs in enumerate(plane.loops_of_joint):
         for loop, sign in signs.items():
             carriers[loop].append((joint, sign))
-    still = () if bodies.arms_turn else tuple(np.array(arm) for arm in arms[:, chain.ones[0]])
+    still = () if bodies.arms_turn else tuple(np.array(arm) if arm else None for arm in arms[:, chain.ones[0]])
     spins = {}
     for j in on_guides:
         if rotor := plane.rotors[j]:
@@ -141,17 +156,18 @@ def _over_functions(chain: Chain, rows: ComplexArray, places: Sequence[int]) -> 
 def chain_forces(fixed: ChainBodies, states: ChainStates, loads: Sequence[AppliedForce], wanted: Sequence[int]) -> Wrenches:
     """Driving torque and the wrenches of the ``wanted`` bearings of a linkage in one plane, without friction."""
     plane, n = fixed.chain.plane, len(states.closure.angle)
-    count = len(plane.parents) + len(plane.loop_heights)
-    torque, vectors, finite = np.empty((1, n)), np.empty((2, 3, len(wanted), n)).transpose(0, 2, 3, 1), True
+    places = fixed.all_places if len(wanted) == len(fixed.all_places) else fixed.places(wanted)
+    torque, force, finite = np.empty((1, n)), np.empty((3, len(wanted), n)).transpose(1, 2, 0), True
+    moment = np.zeros((3, len(wanted) - places.count(None), n)).transpose(1, 2, 0)
     for s, closed in states.closure.pieces():
         if s.stop - s.start == n:
-            finite = _fill(fixed, closed, states.speed, states.acceleration, loads, wanted, torque[0], vectors)
+            finite = _fill(fixed, closed, states.speed, states.acceleration, loads, wanted, torque[0], force, moment)
             continue
         speed, acceleration = (of[s] if isinstance(of, np.ndarray) else of for of in (states.speed, states.acceleration))
         acting = [load.part(s) for load in loads]
-        finite &= _fill(fixed, closed, speed, acceleration, acting, wanted, torque[0, s], vectors[:, :, s])
-    no_friction = np.ndarray((count, n), float, NOTHING, strides=(0, 0))
-    return Wrenches(torque, np.empty((0, n)), no_friction, vectors, finite)
+        finite &= _fill(fixed, closed, speed, acceleration, acting, wanted, torque[0, s], force[:, s], moment[:, s])
+    no_friction = nothing(len(plane.parents) + len(plane.loop_heights), n)
+    return Wrenches(torque, np.empty((0, n)), no_friction, force, SomeVectors(moment, places), finite)
 
 
 def _fill(
@@ -162,12 +178,13 @@ def _fill(
     loads: Sequence[AppliedForce],
     wanted: Sequence[int],
     torque: Array,
-    vectors: Array,
+    force: Array,
+    moment: Array,
 ) -> bool:
-    """Fill in the driving torque (n,) and the ``vectors`` of `Wrenches` of a piece of the motion; returns whether a sum shows that they are
-    finite. The other arguments are those of `chain_forces`."""
+    """Fill in the driving torque (n,), the forces (wanted, n, 3) and the moments (k, n, 3) of `SomeVectors`, of a piece of the motion;
+    returns whether a sum shows that they are finite. The other arguments are those of `chain_forces`."""
     chain, plane = fixed.chain, fixed.chain.plane
-    guided = bool(plane.prismatic) and bool(wanted) and (len(wanted) > len(plane.parents) or any(j in wanted for j in plane.prismatic))
+    guided = any(joint in wanted for joint in plane.prismatic)
     open_tree = _open_tree(fixed, _second_derivatives(chain, closed, speed, acceleration), apart=bool(loads) and guided)
     for load in loads:
         if load.joint:
@@ -177,22 +194,25 @@ def _fill(
     row = chain.driver
     if chain.sense:
         at_driver = (closed.along.functions[row] * open_tree.work[row]).imag  # minus the effort of its rotor
-        torque[:] = at_driver if chain.sense < 0.0 else -at_driver
+        moments[plane.driver] = np.multiply(at_driver, np.array(-chain.sense), torque)
     else:
         torque[:] = open_tree.work[row].real
+    total = np.add.reduce(torque)
     if not wanted:
-        return math.isfinite(np.add.reduce(torque))
-    vectors[1] = 0.0
-    total = _put(plane, open_tree, wanted, vectors[0])
+        return math.isfinite(total)
+    total = total + _put(plane, open_tree, wanted, force)
     if guided:
         _add_guided(fixed, closed, open_tree, moments)
-    for joint, moment in moments.items():
+    if chain.sense < 0.0:
+        moments[plane.driver] = at_driver
+    place = 0
+    for joint in fixed.turned:
         if joint in wanted:
-            put_normal(plane, moment, vectors[1, wanted.index(joint)])
-            total += np.add.reduce(moment)
-    if chain.sense and plane.driver in wanted:
-        put_normal(plane, torque if chain.sense > 0.0 else at_driver, vectors[1, wanted.index(plane.driver)])
-    return math.isfinite(abs(total + np.add.reduce(torque)))
+            if isinstance(values := moments[joint], np.ndarray):
+                put_normal(plane, values, moment[place])
+                total = total + np.add.reduce(values)
+            place += 1
+    return math.isfinite(abs(total))
 
 
 def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> ComplexArray:
@@ -201,8 +221,7 @@ def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acce
     if isinstance(acceleration, np.ndarray):
         for row in chain.rows:
             second[row] += rate_of(chain, closed, row) * acceleration
-    for one in chain.ones:
-        second[one] = 1.0
+    second[chain.ones_at] = 1.0
     return np.conjugate(second, second)
 
 
@@ -312,8 +331,9 @@ def _turning(
     acceleration: Array | float,
     open_tree: OpenTree,
     loads: Sequence[AppliedForce],
-) -> dict[int, Array]:
-    """Moments (n,) about the normal that prismatic joints would have to transmit with all loops open, from the tips of the tree to them.
+) -> dict[int, Any]:
+    """Moments (n,) about the normal that prismatic joints would have to transmit with all loops open, from the tips of the tree to them;
+    the number 0.0 where nothing has an arm.
 
     Args:
         fixed: inertial constants.
@@ -326,7 +346,7 @@ def _turning(
     plane, joints = fixed.chain.plane, fixed.bodies.on_guides
     arms = product(fixed.arms[: 2 * len(joints)], all_functions(fixed.chain, closed)) if fixed.bodies.arms_turn else fixed.still
     places = {joint: place for place, joint in enumerate(joints)}
-    moments = [-(arms[place] * own).imag for place, own in enumerate(open_tree.own)]
+    moments = [_minus_moment(arm, own) for arm, own in zip(arms, open_tree.own, strict=False)]
     for joint, place in places.items():
         if joint in fixed.spins:
             rotor, inertia = fixed.spins[joint]
@@ -341,15 +361,22 @@ def _turning(
     for joint, place in places.items():
         parent = places.get(plane.parents[joint])
         if parent is not None:
-            moments[parent] += moments[place] - (arms[len(joints) + place] * open_tree.forces[joint]).imag
+            moments[parent] += moments[place] + _minus_moment(arms[len(joints) + place], open_tree.forces[joint])
     return {joint: moments[places[joint]] for joint in plane.prismatic}
 
 
-def _add_guided(fixed: ChainBodies, closed: Closed, open_tree: OpenTree, moments: dict[int, Array]) -> None:
+def _minus_moment(arm: ComplexArray | None, force: ComplexArray) -> Any:
+    """Im(arm force) with its sign changed, for the conjugate of a force: its moment. 0.0 without an arm."""
+    return 0.0 if arm is None else -(arm * force).imag
+
+
+def _add_guided(fixed: ChainBodies, closed: Closed, open_tree: OpenTree, moments: dict[int, Any]) -> None:
     """Add what the forces of the ``guided`` loops of `Bodies` do to the moments of prismatic joints."""
     plane, first = fixed.chain.plane, 2 * len(fixed.bodies.on_guides)
     arms = product(fixed.arms[first:], all_functions(fixed.chain, closed)) if fixed.bodies.arms_turn else fixed.still[first:]
     for (joint, loop), arm in zip(fixed.bodies.guided, arms, strict=True):
+        if arm is None:
+            continue
         by_force = (arm * open_tree.forces[len(plane.parents) + loop]).imag
         if plane.loops_of_joint[joint][loop] > 0.0:
             moments[joint] += by_force

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, ClosedStates, other_linkage
-from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
+from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, SomeVectors, Wrenches
 from ..joints import product
 from . import out_of_plane, statics
 from .bodies import Bodies, OpenTree
@@ -134,17 +134,21 @@ def _by_speed(answers: list[Any], bodies: Bodies, wanted: Sequence[int], speed: 
     inertia, weight = known.parts or _parts_by_speed(at)
     answers[:] = [known._replace(parts=(inertia, weight))]
     square = speed * speed
-    torque, coupling, vectors = (square * getattr(inertia, name) + getattr(weight, name) for name in ("torque", "coupling", "vectors"))
-    return Wrenches(torque, coupling, np.zeros(weight.friction.shape), vectors)
+    torque, coupling, force = (square * getattr(inertia, name) + getattr(weight, name) for name in ("torque", "coupling", "force"))
+    if isinstance(weight.moment, SomeVectors):
+        moment: Any = SomeVectors(square * inertia.moment.some + weight.moment.some, weight.moment.places)
+    else:
+        moment = square * inertia.moment + weight.moment
+    return Wrenches(torque, coupling, weight.friction, force, moment)
 
 
 def _parts_by_speed(at: Callable[[float], Wrenches]) -> tuple[Wrenches, Wrenches]:
     """`ForcesBySpeed.parts`, from the wrenches at rest and at a speed at which weights hardly count."""
     weight, inertia = at(0.0), at(FAST)
-    for name in ("torque", "coupling", "vectors"):
-        array = getattr(inertia, name)
-        array -= getattr(weight, name)
-        array /= FAST**2
+    moments = [pair for pair in zip(inertia.moment, weight.moment, strict=True) if pair[0].flags.writeable]
+    for by, rest in (*((getattr(inertia, name), getattr(weight, name)) for name in ("torque", "coupling", "force")), *moments):
+        by -= rest
+        by /= FAST**2
     return inertia, weight
 
 
