@@ -170,6 +170,34 @@ def run() -> Figure:
     return figure
 
 
+def pause() -> Figure:
+    """docs/press_parts.md: break-through of a blank at an even pace, after a pause, and on impact dampers."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        page: dict[str, Any] = {}
+        for block in re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "press_parts.md").read_text(encoding="utf-8"), re.DOTALL):
+            exec(block, page)
+            if "stroke" in page and "damper" in page:
+                break
+    figure = _figure((6.3, 3.8))
+    above, below = figure.subplots(2, 1, sharex=True)
+    for name, slowest, loads, colour in (
+        ("even pace", 1.0, [page["blank"]], "black"),
+        ("pause", 0.02, [page["blank"]], BLUE),
+        ("impact dampers", 1.0, [page["blank"], page["damper"]], RED),
+    ):
+        run, _ = page["stroke"](slowest, loads)
+        broken = next(time for time, _, place in run.events if abs(place - page["bottom"] - page["blank"].end) < 1e-9)
+        time = 1e3 * (run.time - broken)
+        near = np.abs(time + 10) < 50
+        above.plot(time[near], 1e3 * (run.slide_position[near] - page["bottom"]), color=colour, label=name)
+        below.plot(time[near], 1e-3 * run.bearing_force["P4"][near, 2], color=colour)
+    above.set_ylabel("slide [mm]")
+    above.legend(frameon=False)
+    below.set_ylabel("P4, upwards [kN]")
+    below.set_xlabel("time from break-through [ms]")
+    return figure
+
+
 def elastic_stroke() -> Figure:
     """docs/elastic_motion.md: the stroke that JF75G-125 repeats on its springs while it blanks, near bottom dead centre."""
     press, speed = pp.load("jf75g_125_plain"), 300 * pp.RPM
@@ -360,7 +388,7 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
     slide, polar, run, slip_clutch, tolerances, identifiability,
-    play, accuracy_budget, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
+    play, accuracy_budget, pause, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
     programs, sketch,
     lengths_too_short, notebook, report_page, live, process_force, measured_modes, orders,
 )  # fmt: skip

@@ -1,5 +1,8 @@
 from .contacts import Impact as Impact
 from .contacts import TwoSidedStop as TwoSidedStop
+from .hydraulics import HydraulicCushion as HydraulicCushion
+from .hydraulics import ImpactDamper as ImpactDamper
+from .hydraulics import orifice_coefficient as orifice_coefficient
 from .link import Friction as Friction
 from .link import PointForce as PointForce
 from .link import SpringDamper as SpringDamper
@@ -17,3 +20,4 @@ from .process import TimeForce as TimeForce
 from .process import datum as datum
 from .process import parameter as parameter
 from .process import step as step
+from .shearing import RateSensitiveBlanking as RateSensitiveBlanking

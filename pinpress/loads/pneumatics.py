@@ -25,6 +25,7 @@ from ..common.quantities import ATMOSPHERE, Array, Values
 from .caller_laws import LawError
 from .process import ForceInterval
 
+MOST_CYLINDERS = 1000
 MOST_HEAT = 5 / 3  # largest exponent: adiabatic exponent of a gas of single atoms
 
 
@@ -146,8 +147,8 @@ Air = BalanceCylinder | PneumaticCushion
 
 def _check_air(load: Air) -> None:
     name = type(load).__name__
-    if not is_whole_number(load.count) or load.count < 1:
-        raise PinpressError(f"{name}: count is {shown(load.count)}; give the number of cylinders, 1 or more")
+    if not is_whole_number(load.count) or not 1 <= load.count <= MOST_CYLINDERS:
+        raise PinpressError(f"{name}: count is {shown(load.count)}; give the number of cylinders, 1 to {MOST_CYLINDERS}")
     if not load.rod < load.bore:
         raise PinpressError(f"{name}: rod is {load.rod:g} m, not thinner than the bore, {load.bore:g} m; give both diameters in m")
     if not 1.0 <= load.exponent <= MOST_HEAT:

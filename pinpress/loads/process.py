@@ -76,7 +76,7 @@ class ConstantForce(Checked):
 
     @cached_property
     def _both_ways(self) -> tuple[ForceInterval, ...]:
-        return (ForceInterval(self.height, -math.inf, partial(_constant, self.force), heeds_velocity=False),)
+        return (ForceInterval(self.height, -math.inf, constant_law(self.force), heeds_velocity=False),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,7 @@ class Blanking(Checked):
         if downwards:
             law = partial(_sine, self.force, self.start, 0.5 * math.pi / (self.start - self.end))
         elif np.any(self.stripping):
-            law = partial(_constant, -self.stripping)
+            law = constant_law(-self.stripping)
         else:
             return ()
         return (ForceInterval(self.start, self.end, law, heeds_velocity=False),)
@@ -272,6 +272,11 @@ def _check_span(load: Blanking | DeepDrawing) -> None:
 
 
 # The laws are module functions that `partial` binds, not closures: loads can then be sent to other processes.
+
+
+def constant_law(force: Any) -> Law:
+    """The law of a force that depends on nothing, a number or (S,) [N]."""
+    return partial(_constant, force)
 
 
 def _constant(force: Any, height: Any, velocity: Any) -> Any:

@@ -36,6 +36,7 @@ LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # shares of a step at which the margins of e
 LOOKS = 200  # a press that stands is looked at this often in a run
 MOST_TRIES = 4  # most attempts to end a step at a corner of the drive's torque
 MOST_AT_ONCE = 100  # most events one after the other without time going on
+MOST_HALVINGS = 10_000  # most steps of the search for the instant of an event; a smooth margin takes ten
 LOOK, PATIENCE = 12_000, 3  # the pace is checked after so many evaluations; a run is given up after so many slow checks in a row
 MOST_EVALUATIONS = 15_000_000  # most evaluations of a run whose crank moves on
 # A press that moves by less between two checks creeps or vibrates [rad]; most evaluations of such a run.
@@ -490,7 +491,8 @@ def _zero(value: Callable[[float], float], since: float, until: float, low: floa
         since, until = since + risen * (until - since), since + 2 * risen * (until - since)
     if value(until) >= 0:
         return until
-    return float(brentq(value, since, until, xtol=4e-16 * abs(until) + 1e-300, rtol=1e-15))
+    # where a margin is flat at its zero, as the force of an orifice is at rest, Brent's method takes hundreds of steps
+    return float(brentq(value, since, until, xtol=4e-16 * abs(until) + 1e-300, rtol=1e-15, maxiter=MOST_HALVINGS))
 
 
 def _closed(system: HybridSystem, solver: OdeSolver) -> Array:

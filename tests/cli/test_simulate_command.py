@@ -24,9 +24,11 @@ from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor
 from pinpress.drives.slip_clutch import SlipClutchMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed
 from pinpress.loads.contacts import Impact, TwoSidedStop
+from pinpress.loads.hydraulics import HydraulicCushion, ImpactDamper
 from pinpress.loads.link import PointForce
 from pinpress.loads.pneumatics import BalanceCylinder, PneumaticCushion
 from pinpress.loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
+from pinpress.loads.shearing import RateSensitiveBlanking
 
 ROOT = Path(__file__).resolve().parents[2]
 MOTOR = "induction:rated_power=75e3,rated_speed=1400,inertia=1.2,ratio=20.7,efficiency=0.95"
@@ -332,6 +334,11 @@ def test_every_kind_of_load(files: dict[str, Path]) -> None:
         "drawing:force=5e5,start=0.05": DeepDrawing(5e5, 0.05),
         f"table:file={files['force']}": ForceStroke([0.02, 0.001, 0.0], [0.0, 5e5, 6e5]),
         "die:height=0.001,stiffness=1e9,damping=1e4": ElasticDie(0.001, 1e9, 1e4),
+        "shearing:force=6e5,start=4mm,end=2mm,sensitivity=0.05,reference_speed=1mm/s,peak=3mm,remaining=50%": RateSensitiveBlanking(
+            6e5, 0.004, 0.002, 0.05, 1e-3, 0.003, 0.5
+        ),
+        "impact-damper:heights=0/5mm/8mm,coefficients=2e6/1e6/0,exponent=1.5": ImpactDamper([0.0, 0.005, 0.008], [2e6, 1e6, 0.0], 1.5),
+        "hydraulic-cushion:force=300kN,height=60mm,rise=1mm,return_force=20kN": HydraulicCushion(3e5, 0.06, 1e-3, 2e4),
         "impact:height=1mm,stiffness=1e10,damping=1e5,depth=0.1mm": Impact(0.001, 1e10, 1.5, 1e5, 1e-4),
         "stops:lower=-1mm,upper=32mm,stiffness=1e10,exponent=2": TwoSidedStop(-0.001, 0.032, 1e10, 2.0),
         "balance-cylinder:bore=160mm,pressure=6bar,volume=80l,count=2,exponent=1.2": BalanceCylinder(

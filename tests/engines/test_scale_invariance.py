@@ -19,7 +19,7 @@ from pinpress.drives import electric, motors, slip_clutch, transmission
 from pinpress.dynamics import applied_loads
 from pinpress.engines import forces as engine_forces
 from pinpress.engines.forces import REST
-from pinpress.loads import contacts, link, pneumatics, process
+from pinpress.loads import contacts, hydraulics, link, pneumatics, process, shearing
 
 pytestmark = pytest.mark.filterwarnings("ignore::pinpress.PinpressWarning")  # that no press is as large, dense or fast
 
@@ -78,6 +78,19 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "exponent": PLAIN,
         "damping": (0, 1, -1),
         "depth": LENGTH,
+        "datum": LENGTH,
+    },
+    pp.loads.ImpactDamper: {"heights": LENGTH, "coefficients": (-1, 1, 0), "exponent": PLAIN, "datum": LENGTH},  # of the exponent 2
+    pp.loads.HydraulicCushion: {"force": FORCE, "height": LENGTH, "rise": LENGTH, "return_force": FORCE, "datum": LENGTH},
+    pp.loads.RateSensitiveBlanking: {
+        "force": FORCE,
+        "start": LENGTH,
+        "end": LENGTH,
+        "sensitivity": PLAIN,
+        "reference_speed": (1, 0, -1),
+        "peak": LENGTH,
+        "remaining": PLAIN,
+        "stripping": FORCE,
         "datum": LENGTH,
     },
     pp.loads.BalanceCylinder: {
@@ -164,7 +177,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
 
 def test_no_field_is_left_out():
     """Of any load, drive, clutch or friction of the library."""
-    rooms = (process, contacts, pneumatics, motors, slip_clutch, transmission, link)
+    rooms = (process, contacts, hydraulics, pneumatics, shearing, motors, slip_clutch, transmission, link)
     public = {cls for room in rooms for cls in vars(room).values() if dataclasses.is_dataclass(cls)}
     inner = {transmission.Coupling, electric.ElectricMotor, pp.loads.ForceInterval, engine_forces.AppliedForce, engine_forces.FrictionLaw}
     assert {cls for cls in public if cls.__module__.startswith("pinpress.") and cls not in inner} == set(DIMENSIONS)
@@ -209,6 +222,9 @@ LOADS = {
     "drawing": pp.loads.DeepDrawing(3e4, 0.05),
     "table": pp.loads.ForceStroke([0.0, 0.02, 0.06], [2e4, 1e4, 0.0]),
     "die": pp.loads.ElasticDie(0.02, 1e6, 1e3),
+    "dampers": pp.loads.ImpactDamper([-0.01, 0.1], [2e5, 1e5]),
+    "oil": pp.loads.HydraulicCushion(2e4, 0.05, 0.005, 3e3),
+    "shearing": pp.loads.RateSensitiveBlanking(3e4, 0.04, -0.01, 0.05, 1e-3, 0.02, 0.4, 5e3),
     "stops": pp.loads.TwoSidedStop(0.02, 0.25, 1e6, 1.0, 1e3, 0.01),
     "balance cylinder": pp.loads.BalanceCylinder(0.25, 6e5, 0.05),
     "cushion": pp.loads.PneumaticCushion(0.2, 5e5, 0.02, 0.06),

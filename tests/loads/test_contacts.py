@@ -1,10 +1,9 @@
 """ADAMS' IMPACT and BISTOP: their published formulas, runs against SciPy, energy, and contact on springs."""
 
-import math
-
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
+from support.oracles import crank_slide_by_scipy
 from support.texts import shipped
 
 import pinpress as pp
@@ -50,30 +49,6 @@ def test_forces_are_those_of_adams(exponent, damping):
                 assert each.force(inside, rate + 0 * inside) == pytest.approx([each.force(float(h), rate) for h in inside], rel=1e-13)
 
 
-def bouncing(speed, load, duration):
-    """Angles and speeds of the shipped crank-slide's crank at times, by SciPy from its equation written by hand."""
-    r, rod, g = 0.1, 0.4, 9.81
-
-    def kinetics(q):
-        s, c = math.sin(q), math.cos(q)
-        root = math.sqrt(rod * rod - (r * s) ** 2)
-        slope = r * s + r * r * s * c / root
-        turning = r * c / root
-        across, along = 0.5 * r * c, r * s + 0.5 * r * r * s * c / root
-        inertia = 20.0 + 0.10 + 20 * 0.03**2 + 15 * (across**2 + along**2) + 0.20 * turning**2 + 100 * slope**2
-        height = r + rod - r * c - root
-        return inertia, g * (-20 * 0.03 * c + 15 * (-r * c - 0.5 * root) + 100 * height), height, slope
-
-    def rates(time, y):
-        q, w = y
-        (after, up, *_), (before, down, *_) = kinetics(q + 1e-5), kinetics(q - 1e-5)
-        inertia, _, height, slope = kinetics(q)
-        accelerated = load(height, slope * w) * slope - (up - down) / 2e-5 - 0.5 * (after - before) / 2e-5 * w * w
-        return [w, accelerated / inertia]
-
-    return lambda times: solve_ivp(rates, (0.0, duration), [1.2, speed], "DOP853", t_eval=times, rtol=1e-9, atol=1e-11, max_step=2e-3).y
-
-
 @pytest.mark.parametrize("method", ["reduced", "constraint"])
 @pytest.mark.parametrize(
     ("load", "law"),
@@ -87,7 +62,7 @@ def test_runs_are_those_of_the_printed_functions(load, law, method):
     press = shipped("crank_slide")
     given = {"speed": -6.0, "angle": 1.2, "flywheel": pp.drives.Flywheel(20.0), "loads": [load], "method": method, "points": 41}
     run = pp.simulate(press, 0.4, **given)
-    expected = bouncing(-6.0, law, 0.4)(run.time)
+    expected = crank_slide_by_scipy.run(law, 1.2, -6.0, 20.0, run.time)
     heights = run.slide_position - pp.dead_centres(press).bottom_position
     assert heights.min() < 0.045  # met, below the depth of the damper
     assert run.crank_angle == pytest.approx(expected[0], abs=2e-7)  # SciPy does not stop at the kinks

@@ -45,12 +45,12 @@ RUN = [
 ]
 
 RUN += ["press_parts", "measured", "measured_vibration", "mistakes", "motor", "pin_table", "process_force", "pinocchio", "units_and_signs"]
-LONG = {"elastic_motion", "pinocchio", "ratings", "simulation", "sweep"}  # these take as long as all others
+LONG = {"elastic_motion", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}  # these take as long as all others
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "comparison", "mistakes", "motor", "papers"]
 PICTURED += ["live", "ratings", "recording", "simulation", "slide_accuracy", "sweep", "synthesis", "tolerances", "tour", "units_and_signs"]
-PICTURED += ["measured_vibration", "process_force"]
+PICTURED += ["measured_vibration", "press_parts", "process_force"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
 

@@ -28,9 +28,11 @@ from ...drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSp
 from ...foundation.mounts import Frame, Mount, RubberPad, pad_mount
 from ...linkage.linkage import Linkage
 from ...loads.contacts import Impact, TwoSidedStop
+from ...loads.hydraulics import HydraulicCushion, ImpactDamper
 from ...loads.link import Friction, Load, PointForce, SpringDamper
 from ...loads.pneumatics import BalanceCylinder, PneumaticCushion
 from ...loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
+from ...loads.shearing import RateSensitiveBlanking
 from ...simulation.elastic.contact import Clearance
 from .units import UNITS, read_quantity
 
@@ -114,15 +116,18 @@ LOADS: Mapping[str, Kind[Any]] = {
     "table": Kind(ForceStroke, "file=stroke.csv", Table("file", ("height [m]", "force [N]"), ("heights", "forces"))),
     "die": Kind(ElasticDie, "height=0.001,stiffness=1e9"),
     "impact": Kind(Impact, "height=1mm,stiffness=1e10,damping=1e5,depth=0.1mm"),
+    "shearing": Kind(RateSensitiveBlanking, "force=6e5,start=4mm,end=2mm,sensitivity=0.05,reference_speed=1mm/s,peak=3mm,remaining=0.5"),
     "stops": Kind(TwoSidedStop, "lower=-1mm,upper=32mm,stiffness=1e10"),
     "balance-cylinder": Kind(BalanceCylinder, "bore=160mm,pressure=6bar,volume=80l,count=2"),
+    "impact-damper": Kind(ImpactDamper, "heights=0mm/8mm,coefficients=2e6/2e6"),
+    "hydraulic-cushion": Kind(HydraulicCushion, "force=300kN,height=60mm,rise=1mm,return_force=20kN"),
     "air-cushion": Kind(PneumaticCushion, "bore=200mm,pressure=5bar,volume=40l,height=12mm"),
     "point-force": Kind(PointForce, "link=slide,force=0/0/5kN"),
 }
 
 SPRING = Kind(SpringDamper, "link1=frame,link2=slide,stiffness=200kN/m,free_length=0.4,point1=0/0/0.5")
 FRICTION = Kind(Friction, "coefficient=0.08,radius=60mm")
-HEIGHTS = "heights"  # key of heights with a slash between them; a table's are columns of its file
+LISTS = {"heights": "=H/H", "coefficients": "=C/C"}  # keys of numbers with a slash between them; a table's are columns of its file
 ALL = "all"  # in place of a bearing's name: every bearing and guide that is not named otherwise
 
 FLYWHEEL = Kind(Flywheel, "inertia=2000")
@@ -485,8 +490,8 @@ def _keys(kind: Kind[Any]) -> dict[str, _Key]:
 def _note(field: Field[Any], driver: DriverCoordinate = CRANK) -> str:
     if _is_speed(field):
         return "=RPM" if driver.turns else "=MM/S"
-    if field.name == HEIGHTS:
-        return "=H/H"
+    if field.name in LISTS:
+        return LISTS[field.name]
     if isinstance(field.default, bool):
         return "=yes|no"
     if _is_at(field):
@@ -508,12 +513,12 @@ def _reader(field: Field[Any], driver: DriverCoordinate = CRANK) -> Callable[[st
         return str
     if _is_speed(field):
         return partial(_speed, driver=driver)
-    if field.name == HEIGHTS:
-        return _heights
     if isinstance(field.default, bool):
         return _truth
     known = declared(field)
     unit = "-" if known is None else driver.in_place_of(known.unit)
+    if field.name in LISTS:
+        return partial(_list, unit=unit)
     return partial(_vector if known is not None and known.axes else read_quantity, unit=unit)
 
 
@@ -538,8 +543,8 @@ def _whole(text: str) -> int:
         raise ValueError("no whole number") from None
 
 
-def _heights(text: str) -> tuple[float, ...]:
-    return tuple(read_quantity(part, "m") for part in text.split("/"))
+def _list(text: str, unit: str) -> tuple[float, ...]:
+    return tuple(read_quantity(part, unit) for part in text.split("/"))
 
 
 def _truth(text: str) -> bool:

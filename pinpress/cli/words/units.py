@@ -39,6 +39,7 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"Pa": 1.0, "bar": 1e5, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6},
     {"m3": 1.0, "l": 1e-3, "cm3": 1e-6},
     {"N/m^e": 1.0},
+    {"N s^e/m^e": 1.0},
     {"Shore A": 1.0},
     {"K": 1.0},
     {"1/K": 1.0},

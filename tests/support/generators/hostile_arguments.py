@@ -507,6 +507,36 @@ def calls() -> dict[str, Call]:
         ("loads.DeepDrawing", pp.loads.DeepDrawing, lambda: {"force": 1e3, "start": 0.01, "end": 0.0, "datum": 0.0}),
         ("loads.ElasticDie", pp.loads.ElasticDie, lambda: {"height": 0.01, "stiffness": 1e5, "damping": 10.0, "datum": 0.0}),
         (
+            "loads.RateSensitiveBlanking",
+            pp.loads.RateSensitiveBlanking,
+            lambda: {
+                "force": 1e3,
+                "start": 0.01,
+                "end": 0.005,
+                "sensitivity": 0.05,
+                "reference_speed": 1e-3,
+                "peak": 0.007,
+                "remaining": 0.5,
+                "stripping": 10.0,
+                "datum": 0.0,
+            },
+        ),
+        (
+            "loads.ImpactDamper",
+            pp.loads.ImpactDamper,
+            lambda: {"heights": [0.0, 0.01], "coefficients": [1e5, 2e5], "exponent": 2.0, "datum": 0.0},
+        ),
+        (
+            "loads.HydraulicCushion",
+            pp.loads.HydraulicCushion,
+            lambda: {"force": 1e4, "height": 0.01, "rise": 1e-3, "return_force": 1e3, "datum": 0.0},
+        ),
+        (
+            "loads.orifice_coefficient",
+            pp.loads.orifice_coefficient,
+            lambda: {"piston": 0.1, "orifice": 0.01, "density": 870.0, "discharge": 0.6},
+        ),
+        (
             "loads.Impact",
             pp.loads.Impact,
             lambda: {"height": 0.01, "stiffness": 1e7, "exponent": 1.5, "damping": 10.0, "depth": 1e-3, "datum": 0.0},
