@@ -1,3 +1,5 @@
+from .experiments import full_factorial as full_factorial
+from .experiments import latin_hypercube as latin_hypercube
 from .operating_map import OperatingMap as OperatingMap
 from .operating_map import operating_points as operating_points
 from .sweeping import FailedPoint as FailedPoint

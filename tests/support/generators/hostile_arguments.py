@@ -1192,6 +1192,8 @@ def calls() -> dict[str, Call]:
             lambda: {"function": swept, "grid": {"x": [1.0, 2.0]}, "executor": Inline(), "paired": False, "in_flight": 2},
         ),
         ("sweeps.read", pp.sweeps.read, lambda: {"path": SWEPT}),
+        ("sweeps.full_factorial", pp.sweeps.full_factorial, lambda: {"ranges": {"x": (0.0, 1.0), "y": (2.0, 3.0)}, "levels": 3}),
+        ("sweeps.latin_hypercube", pp.sweeps.latin_hypercube, lambda: {"ranges": {"x": (0.0, 1.0)}, "count": 5, "seed": 1}),
         (
             "record",
             pp.record,
