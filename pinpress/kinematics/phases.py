@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common.arguments import typed
+from ..common.errors import PinpressError
 from ..common.results import Record, Records
 from .even_speed import evenest_window, inside_stroke
 from .periodic_curve import step_angle, step_time
@@ -75,6 +76,8 @@ def phases(motion: SlideMotion, length: float, downwards: bool = True) -> Record
     way, back = working_stroke(motion, downwards), working_stroke(motion, not downwards)
     start = evenest_window(way, inside_stroke(way.length, "length", length))[0]
     end = way.place_at(way.travel(np.array([start])) + length)[0]
+    if not way.start.real < start.real < end.real < way.end.real:
+        raise PinpressError(f"length is {length:g} m, nothing or the whole stroke but for rounding: give another")
     parts = (("approach", way, way.start, start), ("working", way, start, end), ("run-out", way, end, way.end))
     ends = [*parts, ("return", back, back.start, back.end)]
     return Records(StrokePhase, (_phase(motion, name, stroke, first.real, last.real, downwards) for name, stroke, first, last in ends))

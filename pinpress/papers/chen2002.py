@@ -21,18 +21,14 @@ from ..linkage.linkage import Linkage
 from ..linkage.loading import load
 from ..synthesis.design import Trial
 from ..synthesis.synthesis import SynthesisResult, synthesise
+from .chen2002_design import AXIS, DRAWN, HALF, SPEED, STROKE, charts_entry, weighing_entry
 from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Erratum, Page, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SPEED = 7.54  # speed of the crank [rad/s]
 POINTS = 720
-DRAWN = 0.120  # length that is to be drawn at even speed [m]
-STROKE, RATIO = 0.400, 1.5  # as the paper asks for [m, -]
-HALF = math.pi / 2 * (RATIO - 1) / (RATIO + 1)  # half of the angle between the bar's ends, (11)
 FORMULA, SOLVER = "formula", "independent solver"
-AXIS = (1.0, 0.0, 0.0)  # axis of the ram's guide
 
 ERRATA = (
     Erratum("(22), (23)", "l1 and l4 as variables of an objective", "l1 has no influence, and l4 no optimum: see below"),
@@ -63,6 +59,8 @@ def page() -> Page:
             _uniform(press, motion),
             _objective(press, motion),
             _even(motion, even),
+            charts_entry(press),
+            weighing_entry(press),
         ),
         ERRATA,
     )

@@ -276,7 +276,7 @@ def draw(across: str, panels: Sequence[Panel], high: float = 4.2, columns: int =
             for level in panel.levels:
                 axes.axhline(level, color=GREY, linestyle=(0, (2, 2)), linewidth=0.9)
             if panel.points:
-                axes.plot(*np.transpose(panel.points), color=GREY, marker="x", markersize=5.0, linestyle="none")
+                axes.plot(*np.transpose(panel.points), color=GREY, marker="x", markersize=5.0, linestyle="none", clip_on=False)
             if panel.logarithmic:
                 axes.set_yscale("log")
             if len(lines) > 1:

@@ -85,16 +85,21 @@ def synthesise(
             does not converge.
         UnknownNameError: the linkage has no such bearing or link.
     """
-    problem = _problem(press, variables, minimise, subject_to, geometry)
+    problem = stated_problem(press, variables, minimise, subject_to, geometry)
     refuse_unknown(loads)
     if not isinstance(method, str) or method not in ("local", "global"):
         raise PinpressError(f"unknown method {shown(method)}: write 'local' or 'global'")
     start = _start(press, problem, speed, points, loads)
     verify_gradients(start, [np.random.default_rng(0).uniform(0.5, 1.0, len(problem.variables))])
     search = Search(start.problem)
-    found = search.local(start) if method == "local" else search.best(start, seed)
-    _verify(found, speed, points)
-    return _result(start, found, search)
+    return _found(start, search, search.local(start) if method == "local" else search.best(start, seed), speed, points)
+
+
+def local_optimum(press: Linkage, problem: Problem, speed: float, points: int | None, loads: Sequence[Load]) -> SynthesisResult:
+    """The optimum next to the start of a problem whose gradients are known to be right. Raises as `synthesise`."""
+    start = _start(press, problem, speed, points, loads)
+    search = Search(start.problem)
+    return _found(start, search, search.local(start), speed, points)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,7 +170,7 @@ class BoundedQuantity(Record):
     upper: float | None
 
 
-def _problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
+def stated_problem(press: Linkage, variables: Any, minimise: Any, subject_to: Any, geometry: Any) -> Problem:
     """The problem that a caller's arguments state, after checking them; its requirements are not scaled yet."""
     planar(press)
     for name, mapping in (("variables", variables), ("subject_to", subject_to)):
@@ -246,11 +251,16 @@ def _scaled(requirement: Requirement, values: Array) -> Requirement:
     return Requirement(requirement.name, requirement.function, requirement.lower, requirement.upper, max(sizes) or 1.0)
 
 
-def _verify(found: Point, speed: float, points: int | None) -> None:
-    """Raise PinpressError where the press that was found does not move as its trial did, because it locks between two points."""
+def _found(start: Point, search: Search, found: Point, speed: float, points: int | None) -> SynthesisResult:
+    """The result of a search.
+
+    Raises:
+        PinpressError: the press that was found does not move as its trial did, because it locks between two points.
+    """
     motion, trial = period_at(found.design.press, speed, points), found.design.motion
     if not np.abs(motion.joint_position - trial.joint_position).max() <= SAME * (1 + found.design.plane.size):
         raise PinpressError("the press that was found moves in another assembly than it was drawn in: narrow the variables' bounds")
+    return _result(start, found, search)
 
 
 def _result(start: Point, found: Point, search: Search) -> SynthesisResult:

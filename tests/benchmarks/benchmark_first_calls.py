@@ -168,6 +168,7 @@ QUICK = {
 }
 SEARCHES = {
     "foundation.isolate": "foundation.isolate(press, frame, mounts, speeds=[7.0, 8.0], transmitted=0.9)",
+    "synthesis.trade_off": "pp.synthesis.trade_off(press, LENGTH, first=largest_force, second=lambda t: t.positions['P'][:, 2], speed=7.0)",
     "synthesis.synthesise": "pp.synthesis.synthesise(press, LENGTH, minimise=largest_force, speed=7.0)",
 }
 PLOTS = {

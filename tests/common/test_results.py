@@ -23,6 +23,7 @@ OF_CALLERS = {
     "ActiveBound",
     "ActiveConstraint",
     "BoundedQuantity",
+    "DesignTradeOff",
     "FailedPoint",
     "SweepTable",
     "SynthesisResult",

@@ -120,6 +120,12 @@ def test_refuses_lengths_outside_the_stroke(motion, length):
         pp.measures.phases(motion, length)
 
 
+@pytest.mark.parametrize("length", [1e-300, 1e-20])
+def test_refuses_lengths_that_are_rounding(motion, length):
+    with pytest.raises(pp.PinpressError, match="but for rounding"):
+        pp.measures.phases(motion, length)
+
+
 def test_pressure_angles_of_chen_2002(thin_wall, motion):
     """(18): |h - l3 sin theta3| / l4 is the sine of the angle between coupler and guide; the block pushes the bar squarely."""
     curves = pp.measures.transmission_angle_curves(thin_wall, motion)

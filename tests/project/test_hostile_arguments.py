@@ -38,6 +38,7 @@ MADE = {
     "ElasticDeadCentre",
     "DeadCentres",
     "Dyad",
+    "DesignTradeOff",
     "StrokePhase",
     "DyadAngles",
     "MotorDuty",

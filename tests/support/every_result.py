@@ -314,6 +314,9 @@ def made():
             *balance().active,
             *balance().counterweights,
             trade_off(),
+            pp.synthesis.trade_off(
+                press(), {"radius": (0.05, 0.1, 0.2)}, first=shortest, second=long_stroke, geometry=crank, speed=SPEED, points=24, designs=2
+            ),
             compared_conditions(),
             synthesis(),
             synthesis().table()[0],

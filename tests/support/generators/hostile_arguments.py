@@ -1187,6 +1187,22 @@ def calls() -> dict[str, Call]:
             },
         ),
         (
+            "synthesis.trade_off",
+            pp.synthesis.trade_off,
+            lambda: {
+                "press": press(),
+                "variables": {"P.crank.x": (0.05, 0.06, 0.2)},
+                "first": lambda trial: trial.variables["P.crank.x"],
+                "second": lambda trial: -trial.variables["P.crank.x"],
+                "subject_to": {},
+                "geometry": None,
+                "loads": [],
+                "speed": 7.0,
+                "points": 12,
+                "designs": 2,
+            },
+        ),
+        (
             "sweep",
             pp.sweeps.sweep,
             lambda: {"function": swept, "grid": {"x": [1.0, 2.0]}, "executor": Inline(), "paired": False, "in_flight": 2},

@@ -1,0 +1,270 @@
+"""Chen 2002: what a designer of this press would draw. Charts over crank and height of the ram, and even speed weighed against forces.
+
+In the charts l6 and l4 are those of the example in shares of l3, and the part worked is 30 % of the stroke, as 120 of 400 mm are. The paper
+prints no forces and no process; the process here, a force of 10 kN over the 120 mm, is ours.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..common.quantities import Array
+from ..derivatives.reshape import reshaped
+from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..kinematics.measures import bearing_positions, pressure_angle, quick_return_ratio, speed_variation, stroke
+from ..kinematics.motion import cycle
+from ..linkage.linkage import Linkage
+from ..loads.process import ForceStroke
+from ..plots.style import COLOURS, drawing, grid
+from ..synthesis.design import Trial
+from ..synthesis.pareto_curve import DesignTradeOff, trade_off
+from ..synthesis.synthesis import SynthesisResult, synthesise
+from .pages import BEYOND, PageEntry, Panel, Row, draw
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SPEED = 7.54  # speed of the crank [rad/s]
+STROKE, RATIO, DRAWN = 0.400, 1.5, 0.120  # stroke [m], time ratio and length drawn [m] of the example
+HALF = math.pi / 2 * (RATIO - 1) / (RATIO + 1)  # half of the angle between the bar's ends, (11)
+BAR = STROKE / (2 * math.sin(HALF))  # l3 by (21) [m]
+PRINTED = {"l1": 0.108, "l4": 0.220, "h": 0.630}  # [m]
+PRINTED_BAR, PIVOTS = 0.648, 0.350  # l3 and l6 of the example [m]
+AXIS = (1.0, 0.0, 0.0)  # axis of the ram's guide
+STEEPEST = math.radians(40)  # largest pressure angle that the paper allows
+
+# -------------------------------------------------------------------------------------------------------------------------------- charts
+
+CRANKS, HEIGHTS = np.linspace(0.08, 0.28, 11), np.linspace(0.88, 1.08, 11)  # l1 / l3 and h / l3
+FINE = 8  # points between two of them at which a formula is drawn
+CHARTED = 90  # states of a turn
+EXAMPLE = PRINTED["l1"] / PRINTED_BAR, PRINTED["h"] / PRINTED_BAR
+
+
+def charted(press: Linkage, crank: float, height: float) -> tuple[float, float, float, float]:
+    """Time ratio, stroke by l3, largest pressure angle [deg] and drop of speed [%] over 30 % of the stroke.
+
+    Args:
+        press: the press of the example.
+        crank: l1 / l3.
+        height: h / l3.
+    """
+    changed = reshaped(press, {("B", "crank"): (crank * PRINTED_BAR, 0, 0), ("slide_guide", "frame"): (0, 0, height * PRINTED_BAR)})
+    motion = cycle(changed, SPEED, points=CHARTED)
+    at, way = bearing_positions(changed, motion), stroke(motion)
+    steepest = math.degrees(pressure_angle(motion, at["E"], at["D"], AXIS))
+    return quick_return_ratio(motion), way / PRINTED_BAR, steepest, 100 * speed_variation(motion, DRAWN / STROKE * way)
+
+
+def steepest(crank: Any, height: Any) -> Any:
+    """Largest pressure angle [deg], as `charted`, by (18) at both ends of the height of the bar's end: l3 and l3 cos(theta / 2)."""
+    ends = np.maximum(np.abs(height - 1), np.abs(height - np.sqrt(1 - (crank * PRINTED_BAR / PIVOTS) ** 2)))
+    return np.degrees(np.arcsin(ends * PRINTED_BAR / PRINTED["l4"]))
+
+
+def charts_entry(press: Linkage) -> PageEntry:
+    """Time ratio and stroke over the crank, pressure angle and drop of speed over crank and height."""
+    values = np.array([[charted(press, crank, height) for crank in CRANKS] for height in HEIGHTS])
+    rows = []
+    for i, j in ((1, 2), (6, 8)):
+        crank, height, (ratio, way, angle, drop) = float(CRANKS[i]), float(HEIGHTS[j]), values[j, i].tolist()
+        half, where = math.asin(crank * PRINTED_BAR / PIVOTS), f"l1 / l3 = {crank:g}, h / l3 = {height:g}"
+        rows += [
+            Row(f"{where}: time ratio K", f"{(math.pi + 2 * half) / (math.pi - 2 * half):.6f}", ratio, 1e-4, None, "formula"),
+            Row(f"{where}: stroke / l3", f"{2 * math.sin(half):.6f}", way, 1e-4, None, "formula"),
+            Row(f"{where}: largest pressure angle [deg]", f"{steepest(crank, height):.5f}", angle, 1e-3, None, "formula"),
+            Row(f"{where}: drop of speed over 30 % of the stroke [%]", "", drop, places=2),
+        ]
+    for i in (1, 4, 8):
+        best = int(values[:, i, 3].argmin())
+        found = f"{values[best, i, 3]:.2f} % at h / l3 = {HEIGHTS[best]:.2f}, pressure angle {values[best, i, 2]:.1f} deg"
+        rows.append(Row(f"l1 / l3 = {CRANKS[i]:g}: least drop of speed in the chart", "", found))
+
+    def shown() -> "Figure":
+        cranks, heights = (np.linspace(each[0], each[-1], FINE * len(each)) for each in (CRANKS, HEIGHTS))
+        with drawing(13.0) as figure:
+            (ratio, way), (angle, drop) = figure.subplots(2, 2, sharex=True)
+            _curve(ratio, "time ratio K", values[0, :, 0])
+            _curve(way, "stroke / l3", values[0, :, 1])
+            _contours(angle, cranks, heights, steepest(cranks, heights[:, None]), (6, 10, 15, 20, 25), "%g deg")
+            _contours(drop, CRANKS, HEIGHTS, values[..., 3], (3, 3.25, 3.5, 3.75, 4, 4.25), "%g %%")
+        return figure
+
+    reason = (
+        "For a press with the proportions l6 / l3 = 0.540 and l4 / l3 = 0.340 of the example: the time ratio gives l1 / l3, the stroke"
+        " then gives l3, and the height is chosen between pressure angle and even speed. A longer crank makes the part worked evener and"
+        " the return quicker at once. The height of (19) has the least pressure angle, all but the rounding of the example; the speed is"
+        " evenest higher up, where the coupler pushes at 6 to 33 deg."
+    )
+    caption = (
+        "Above: time ratio and stroke over l1 / l3. Below: h / l3 over l1 / l3, with lines of equal largest pressure angle (left) and of"
+        " equal drop of speed over 30 % of the stroke (right). Cross: the example."
+    )
+    return PageEntry(("Design charts",), "over l1 / l3 and h / l3", BEYOND, tuple(rows), reason, "chen2002_charts", shown, caption)
+
+
+def _curve(axes: "Axes", label: str, values: Array) -> None:
+    grid(axes, label)
+    axes.plot(CRANKS, values, color=COLOURS[0])
+    axes.plot(EXAMPLE[0], np.interp(EXAMPLE[0], CRANKS, values), color=COLOURS[1], marker="x")
+
+
+def _contours(axes: "Axes", cranks: Array, heights: Array, values: Array, levels: tuple[float, ...], words: str) -> None:
+    grid(axes, "h / l3")
+    lines = axes.contour(cranks, heights, values, levels=levels, colors=COLOURS[0])
+    axes.clabel(lines, fmt=words)
+    axes.plot(*EXAMPLE, color=COLOURS[1], marker="x")
+    axes.set_xlabel("l1 / l3")
+
+
+# ------------------------------------------------------------------------------------------------------------ even speed against forces
+
+FORCE = 10e3  # of the process [N]
+PROCESS = ForceStroke(heights=[-0.075, -0.055, 0.065, 0.085], forces=[0.0, FORCE, FORCE, 0.0], datum=0.2193)  # about the ram's middle
+VARIABLES = {"l1": (0.080, 0.108, 0.160), "l4": (0.080, 0.220, 0.600), "h": (0.600, 0.630, 0.700)}  # bounds are ours
+STATES, JUDGED = 60, 720  # states of a turn in searches, and in what is shown of their results
+DESIGNS = 4
+
+
+def with_middle_kept(l1: Any, l4: Any, h: Any) -> Mapping[tuple[str, str], Any]:
+    """All lengths for the paper's stroke and time ratio [m]; the frame's pins are moved along the guide so that the ram works where it did,
+    and the process with it."""
+    middle = np.sqrt(l4**2 - (h - BAR) ** 2)
+    aside = math.sqrt(PRINTED["l4"] ** 2 - (PRINTED["h"] - PRINTED_BAR) ** 2) - middle
+    return {
+        ("A", "frame"): (aside, 0, l1 / math.sin(HALF)),
+        ("C", "frame"): (aside, 0, 0),
+        ("B", "crank"): (l1, 0, 0),
+        ("D", "bar"): (BAR, 0, 0),
+        ("E", "coupler"): (l4, 0, 0),
+        ("slide_guide", "frame"): (0, 0, h),
+    }
+
+
+def drop(trial: Trial) -> float:
+    """Drop of speed over 120 mm [-]."""
+    return speed_variation(trial.motion, DRAWN)
+
+
+def pins(trial: Trial) -> Array:
+    """Forces in the crank's pin and in the bar's end, the largest of all pins [N]."""
+    forces = trial.reactions.bearing_force
+    return np.concatenate([_size(forces["B"]), _size(forces["D"])])
+
+
+def guide(trial: Trial) -> Array:
+    """Side force on the ram's guide [N]."""
+    return _size(trial.reactions.bearing_force["slide_guide"])
+
+
+def _size(force: Array) -> Array:
+    return np.asarray(np.sqrt((force * force).sum(axis=1)))
+
+
+def weighing_entry(press: Linkage) -> PageEntry:
+    """Trade-offs between even speed and forces, and the design that weighs all of them equally."""
+    fronts = {"pins": front(press, pins), "guide": front(press, guide)}
+    best, example = weighed(press), worth(press)
+    shown_of = {name: [worth(design.press) for design in curve.designs] for name, curve in fronts.items()}
+    rows = [Row("as printed: drop of speed; torque; pins; guide", "", _worth_words(example))]
+    for name, words in (("pins", "force in the pins"), ("guide", "side force on the guide")):
+        for k, (design, values) in enumerate(zip(fronts[name].designs, shown_of[name], strict=True), 1):
+            rows += [
+                Row(f"even speed against {words}, design {k}: l1; l4; h [mm]", "", _lengths(design)),
+                Row(f"even speed against {words}, design {k}: drop of speed; torque; pins; guide", "", _worth_words(values)),
+            ]
+    rows += [
+        Row("all four weighed equally: l1; l4; h [mm]", "", _lengths(best)),
+        Row("all four weighed equally: drop of speed; torque; pins; guide", "", _worth_words(worth(best.press))),
+    ]
+
+    def shown() -> "Figure":
+        panels = []
+        for name, place, label in (("pins", 2, "largest force in a pin [kN]"), ("guide", 3, "side force on the guide [kN]")):
+            x, y = (np.array([values[k] for values in shown_of[name]]) for k in (0, place))
+            panels.append(Panel(label, {"": (x, y)}, (), ((example[0], example[place]),)))
+        return draw("drop of speed over 120 mm [%]", panels, 4.5)
+
+    reason = (
+        "Stroke and time ratio are the paper's, l3 follows from them, and l1 (80 to 160 mm, with l6), l4 (80 to 600 mm) and h are free"
+        " under a pressure angle of 40 deg. The process is ours: 10 kN over 120 mm; the bodies keep the masses of the example. The torque"
+        " knows no conflict: by virtual work it is force times speed of the ram, and it differs by 0.4 % between all designs. The forces in"
+        " the crank's pin fall with its length, which even speed does not feel. What even speed costs is side force: a short coupler that"
+        " pushes at 40 deg brings 3.4 instead of 3.7 %, and multiplies the side force on the guide by more than five. Weighed equally, a"
+        " longer crank and a long coupler are better than the example in all four."
+    )
+    caption = "Lines: designs of which none is better in both; cross: the example."
+    return PageEntry(
+        ("Weighed",), "even speed, torque and bearing forces together", BEYOND, tuple(rows), reason, "chen2002_weighed", shown, caption
+    )
+
+
+def _worth_words(values: tuple[float, float, float, float]) -> str:
+    even, torque, largest, side = values
+    return f"{even:.2f} %; {torque:.0f} N m; {largest:.2f} kN; {side:.2f} kN"
+
+
+def _lengths(design: SynthesisResult) -> str:
+    return "; ".join(f"{1e3 * design.variables[name]:.1f}" for name in VARIABLES)
+
+
+def worth(press: Linkage) -> tuple[float, float, float, float]:
+    """Drop of speed over 120 mm [%], largest driving torque [N m], largest force in a pin and side force on the guide [kN]."""
+    motion = cycle(press, SPEED, points=JUDGED)
+    reactions = inverse_dynamics(press, motion, loads=[PROCESS])
+    sizes = {name: float(np.linalg.norm(force, axis=1).max()) / 1e3 for name, force in reactions.bearing_force.items()}
+    largest = max(sizes[pin] for pin in ("A", "B", "C", "D", "E"))
+    return 100 * speed_variation(motion, DRAWN), float(reactions.driving_torque.max()), largest, sizes["slide_guide"]
+
+
+def weighed(press: Linkage) -> SynthesisResult:
+    """The least sum of drop of speed, torque, force in the pins and side force, each by that of the example.
+
+    A largest value has corners. So three more variables stand above torque and forces, and their sum is minimised.
+    """
+    even, *loads = worth(press)
+    forces = {"torque": (_torque, loads[0]), "pins": (pins, 1e3 * loads[1]), "guide": (guide, 1e3 * loads[2])}
+
+    def below(name: str) -> Any:
+        function, unit = forces[name]
+        return lambda trial: function(trial) / unit - trial.variables[name]
+
+    return synthesise(
+        press,
+        VARIABLES | dict.fromkeys(forces, (0.1, 1.2, 6.0)),
+        minimise=lambda trial: 100 * drop(trial) / even + sum(trial.variables[name] for name in forces),
+        subject_to=_steep() | {name: (below(name), None, 0.0) for name in forces},
+        geometry=lambda l1, l4, h, **_: with_middle_kept(l1, l4, h),
+        speed=SPEED,
+        points=STATES,
+        loads=[PROCESS],
+    )
+
+
+def _torque(trial: Trial) -> Array:
+    return trial.reactions.driving_torque
+
+
+def front(press: Linkage, second: Any) -> DesignTradeOff:
+    """Even speed against a force, with a pressure angle of up to 40 deg."""
+    return trade_off(
+        press,
+        VARIABLES,
+        first=drop,
+        second=second,
+        subject_to=_steep(),
+        geometry=with_middle_kept,
+        speed=SPEED,
+        points=STATES,
+        loads=[PROCESS],
+        designs=DESIGNS,
+    )
+
+
+def _steep() -> dict[str, tuple[Any, None, float]]:
+    return {
+        "pressure angle": (lambda trial: pressure_angle(trial.motion, trial.positions["E"], trial.positions["D"], AXIS), None, STEEPEST)
+    }

@@ -1,0 +1,138 @@
+"""Trade-off between two objectives of a synthesis: the designs of which none is better in both (their Pareto curve).
+
+Each design is an optimum that `synthesise` found: the first objective is minimised under a limit of the second (the epsilon-constraint
+method: Y. Y. Haimes et al., IEEE Transactions on Systems, Man, and Cybernetics 1 (1971) 296-297), which finds designs on dents of the curve
+too, where weighted sums find none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..common.arguments import typed, whole_number
+from ..common.errors import PinpressError, shown
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..derivatives.motion import Pivots
+from ..linkage.linkage import Linkage
+from ..loads.link import Load
+from .problem import Function
+from .synthesis import UNCONSTRAINED, SynthesisResult, local_optimum, stated_problem, synthesise
+
+FIRST, SECOND = "first objective", "second objective"  # names of constraints
+GIVEN = 1e-4  # an end of the curve may be worse than the best by this share of the curve's range, to improve the other objective
+SAME = 1e-7  # relative difference below which the values at both ends differ by rounding: there is no conflict
+MOST_DESIGNS = 1000
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DesignTradeOff(Tabular):
+    """Presses on the Pareto curve of two objectives: one that is better in one is worse in the other.
+
+    Attributes:
+        designs: what was found, from the best in the first objective to the best in the second. One design where the objectives do not
+            conflict.
+        values: (designs, 2) values of both objectives; of an array the largest element [SI].
+    """
+
+    designs: tuple[SynthesisResult, ...]
+    values: Array
+
+    @property
+    def title(self) -> str:
+        first, second = (f"{self.values[0, k]:.6g} to {self.values[-1, k]:.6g}" for k in (0, 1))
+        name = self.designs[0].press.name
+        return f"DesignTradeOff of {name}: {len(self.designs)} designs, first objective {first}, second {second}"
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return SECOND, FIRST
+
+    def columns(self) -> dict[str, Array]:
+        """A row for each design: both objectives and the variables, in SI units."""
+        columns = {FIRST: self.values[:, 0], SECOND: self.values[:, 1]}
+        return columns | {name: np.array([design.variables[name] for design in self.designs]) for name in self.designs[0].variables}
+
+
+@typed
+def trade_off(
+    press: Linkage,
+    variables: Mapping[str, tuple[float, float, float]],
+    *,
+    first: Function,
+    second: Function,
+    subject_to: Mapping[str, tuple[Function, float | None, float | None]] = UNCONSTRAINED,
+    geometry: Callable[..., Pivots] | None = None,
+    speed: float,
+    points: int | None = None,
+    loads: Sequence[Load] = (),
+    designs: int = 9,
+) -> DesignTradeOff:
+    """Find the trade-off between two objectives, from the least of one to the least of the other.
+
+    Between the ends the first objective is minimised under equally spaced limits of the second, each search starting from the design before
+    it. All optima are those next to their start; a third objective is a constraint.
+
+    Args:
+        press: a planar press, as for `synthesise`.
+        variables: name -> (lower bound, start, upper bound) [SI].
+        first: function of a `Trial` that returns a number, or an array (m,) whose largest element counts.
+        second: the other objective, likewise.
+        subject_to: constraints along the whole curve, as for `synthesise`.
+        geometry: function of the variables that returns pivots, as for `synthesise`.
+        speed: speed of the crank [rad/s].
+        points: number of crank angles of the period at which trials are judged; by default 360 a turn.
+        loads: constant forces, and process loads with a datum.
+        designs: number of designs, 2 to 1000.
+
+    Raises:
+        PinpressError: as `synthesise`; a constraint has the name of an objective; ``designs`` is out of its range.
+        UnknownNameError: the linkage has no such bearing or link.
+    """
+    count = whole_number("designs", designs, 2, MOST_DESIGNS)
+    if not isinstance(subject_to, Mapping):
+        raise PinpressError(f"subject_to is a {type(subject_to).__name__}, no mapping from names")
+    if taken := {FIRST, SECOND} & subject_to.keys():
+        raise PinpressError(f"subject_to: {shown(min(taken))} is the name of an objective here: give the constraint another")
+    objectives = {FIRST: (first, None, None), SECOND: (second, None, None)}
+    asked: dict[str, Any] = {"geometry": geometry, "speed": speed, "points": points, "loads": loads}
+    ends = [synthesise(press, variables, minimise=each, subject_to={**subject_to, **objectives}, **asked) for each in (first, second)]
+
+    def best(minimise: Function, start: Mapping[str, Any], limits: Mapping[str, Any]) -> SynthesisResult:
+        # at an optimum, where it starts, slopes may be too small to be compared with difference quotients
+        problem = stated_problem(press, start, minimise, {**subject_to, **objectives, **limits}, geometry)
+        return local_optimum(press, problem, speed, points, loads)
+
+    at_first, at_second = (_values(end) for end in ends)
+    # Where an objective leaves variables free, the other one decides.
+    allowed = [low + GIVEN * max(high - low, SAME * abs(low)) for low, high in ((at_first[0], at_second[0]), (at_second[1], at_first[1]))]
+    begin = best(second, _from(variables, ends[0]), {FIRST: (first, None, allowed[0])})
+    found = [best(first, _from(variables, ends[1]), {SECOND: (second, None, allowed[1])})]
+    (_, high), (_, low) = _values(begin), _values(found[0])
+    if not high - low > SAME * max(abs(high), abs(low)):
+        return _curve(found)
+    for limit in np.linspace(low, high, count)[1:-1].tolist():
+        found.append(best(first, _from(variables, found[-1]), {SECOND: (second, None, limit)}))
+    return _curve([begin, *found[::-1]])
+
+
+def _from(variables: Mapping[str, tuple[float, float, float]], found: SynthesisResult) -> dict[str, tuple[float, float, float]]:
+    """The variables with their starts at a design."""
+    return {name: (lower, min(max(found.variables[name], lower), upper), upper) for name, (lower, _, upper) in variables.items()}
+
+
+def _values(found: SynthesisResult) -> tuple[float, float]:
+    """Values of both objectives."""
+    first, second = (float(np.max(found.constraints[name])) for name in (FIRST, SECOND))
+    return first, second
+
+
+def _curve(designs: Sequence[SynthesisResult]) -> DesignTradeOff:
+    """The curve of designs of which none is as good as another in both objectives."""
+    values = np.array([_values(each) for each in designs])
+    kept = [k for k, (x, y) in enumerate(values) if not any((a <= x) & (b <= y) & ((a < x) | (b < y)) for a, b in values)]
+    return DesignTradeOff(tuple(designs[k] for k in kept), values[kept])
