@@ -27,6 +27,16 @@ UNITS = {  # directions in which the redundant presses stay closed: crank pins, 
         ("O_right", "frame"): (-0.5, 0, 0.2),
         ("slide_guide", "frame"): (0, 0, 0.4),
     },
+    "eccentric_blocks": {
+        **{(f"P2_{side}", f"crank_{side}"): (0.3, 0, 0) for side in ("left", "right")},
+        **{(f"P4_{side}", f"main_rod_{side}"): (-0.7, 0, 0) for side in ("left", "right")},
+    },
+    "pirica_double_knuckle": {
+        ("A", "crank"): (0.2, 0, 0),
+        **{(f"C_{side}", f"upper_arm_{side}"): (0.4, 0, 0) for side in ("left", "right")},
+        **{(f"N_{side}", f"rocker_{side}"): (0.3, 0, 0) for side in ("left", "right")},
+        **{(f"D_{side}", f"toggle_{side}"): (-0.5, 0, 0) for side in ("left", "right")},
+    },
     "jf75g_125_two_point": {
         **{(f"P2_{end}", "crank"): (0.3, 0, 0.1) for end in ("back", "front")},
         **{(f"P4_{end}", f"main_rod_{end}"): (-0.7, 0, 0.2) for end in ("back", "front")},

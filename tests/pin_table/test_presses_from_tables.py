@@ -44,11 +44,12 @@ def crank_slide(**changes):
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", pp.presses())
 def test_shipped_tables_and_urdfs_are_one_press(name):
-    """Motion, torque and every bearing force, with its name and sign."""
+    """Motion, torque, every bearing force with its name and sign, and the moments on the foundation, which feel where masses stand."""
     built, loaded = reactions(pp.build(URDF / f"{name}.yaml")), reactions(pp.load(name))
     assert np.abs(built.motion.slide_position - loaded.motion.slide_position).max() < 1e-14
     assert np.abs(built.driving_torque - loaded.driving_torque).max() < 5e-14 * np.abs(loaded.driving_torque).max()
     largest = max(np.abs(force).max() for force in loaded.bearing_force.values())
+    assert np.abs(built.shaking_moment - loaded.shaking_moment).max() < 5e-14 * largest * loaded._press.size
     assert list(built.bearing_force)
     assert set(built.bearing_force) == set(loaded.bearing_force)
     for bearing, force in loaded.bearing_force.items():

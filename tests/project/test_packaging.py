@@ -14,12 +14,16 @@ from support.sampling import rest_exhaustive
 
 ROOT = Path(__file__).parents[2]
 PRESSES = (
+    "aida_balance_slide",
     "crank_slide",
+    "eccentric_blocks",
     "jf75g_125",
     "jf75g_125_plain",
     "jf75g_125_symmetric",
     "jf75g_125_two_point",
+    "pirica_double_knuckle",
     "thin_wall",
+    "underdrive",
     "zxn2_3000b",
     "zxn2_3000b_balanced",
 )

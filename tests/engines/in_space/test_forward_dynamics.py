@@ -62,7 +62,7 @@ FAMILIES["geared_ring"] = lambda: redundant_linkages.wheels(("s1", "crank", -1.0
 FAMILIES |= {f"random_{seed}": lambda seed=seed: random_text(seed) for seed in RANDOM}
 
 # A gear pair that depends on the loops, or many gear pairs; all others take Pinocchio's constraint dynamics.
-GENERAL = {"jf75g_125_symmetric", "geared_ring", "long_train"}
+GENERAL = {"eccentric_blocks", "jf75g_125_symmetric", "geared_ring", "long_train"}
 
 # One of each kind; the others are exhaustive.
 ALWAYS = ("zxn2_3000b", "jf75g_125_symmetric", "three_cranks", "bennett", "cassie", "four_bar_spherical", "random_6")
