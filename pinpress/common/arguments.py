@@ -44,6 +44,7 @@ MAKERS = {
     "WhirlDiagram": "foundation.whirl",
     "MeasuredRun": "measured.record",
     "Frame": "Frame",
+    "ElasticFrame": "foundation.beam_frame, reduced_frame or read_frame",
     "RubberPad": "RubberPad",
     "SlidePlay": "tolerances.play",
     "AccuracyBudget": "tolerances.budget",

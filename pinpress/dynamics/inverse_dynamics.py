@@ -419,7 +419,7 @@ def shaking(
     frame = press.model.inertias[0]
     add_force(frame.mass * press.model.gravity.linear, 0.0, frame.lever)
     for k in on_frame(press):
-        for sign, point in _on_frame_at(press, motion, k):
+        for sign, point in on_frame_at(press, motion, k):
             add_force(sign * force[k], sign * moment[k], point)
     for load in loads:
         if load.joint == 0:
@@ -427,7 +427,7 @@ def shaking(
     return total[0], total[1]
 
 
-def _on_frame_at(press: Linkage, motion: Motion, bearing: int) -> Iterator[tuple[float, Array]]:
+def on_frame_at(press: Linkage, motion: Motion, bearing: int) -> Iterator[tuple[float, Array]]:
     """The sign with which the force of a bearing acts on the frame, and its point of action, (3,) or (n, 3), in world axes [m].
 
     Both sides of a loop may be on the frame.

@@ -67,7 +67,7 @@ class Rotor(Checked):
 
     Attributes:
         inertia: moment of inertia about its axis [kg m2].
-        axis: (3,) direction of its axis in world axes, of any length; its spin is positive about it [-].
+        axis: (3,) direction of its axis in world axes, given in any length; its spin is positive about it [-].
         ratio: its speed divided by the crank's, negative where it turns the other way about ``axis`` [-].
         on: name of the part that carries it; None: the one that carries crank and guides.
 
@@ -82,18 +82,28 @@ class Rotor(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        axis = np.asarray(self.axis, dtype=float)
-        if axis.shape != (3,) or not np.linalg.norm(axis) > 0:
-            raise PinpressError(f"Rotor: axis is {shown(self.axis)}: give x, y, z of its direction")
+        set_field(self, "axis", direction("Rotor: axis", self.axis))
         if self.on is not None and not isinstance(self.on, str):
             raise PinpressError(f"Rotor: on is {shown(self.on)}: give the name of a part of the frame")
-        set_field(self, "axis", tuple(axis.tolist()))
 
     @property
     def momentum(self) -> Array:
         """(3,) angular momentum in world axes at a crank speed of 1 rad/s [kg m2]."""
-        axis = np.array(self.axis)
-        return np.asarray(self.inertia * self.ratio * axis / np.linalg.norm(axis))
+        return np.asarray(self.inertia * self.ratio * np.array(self.axis))
+
+
+def direction(what: str, given: ArrayLike) -> Vector:
+    """A caller's direction as a vector (3,) of length 1; ``what``: where it stands, for the message.
+
+    Raises:
+        PinpressError: it is no vector (3,) of finite numbers other than zero.
+    """
+    vector = np.asarray(given, dtype=float)
+    if vector.shape != (3,) or not vector.any():
+        raise PinpressError(f"{what} is {shown(given)}: give x, y, z of a direction")
+    near_one = vector / np.abs(vector).max()
+    x, y, z = (near_one / np.linalg.norm(near_one)).tolist()
+    return x, y, z
 
 
 class Body(NamedTuple):

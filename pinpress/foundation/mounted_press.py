@@ -4,7 +4,8 @@ The system is M u'' + C u' + K u = f, where f is the wrench that the machine exe
 
 The coordinates u of each rigid part of the frame are the displacement of its point at the world origin and its small turn,
 (x, y, z, rx, ry, rz) in world axes [m, rad]. The bed's come first, then the crown's where the frame has two parts, then those of what
-stands on the frame on springs of its own. Spatial inertias and wrenches are about the world origin too, so that no other point of
+stands on the frame on springs of its own. A frame that bends has six coordinates of its mean motion, then its free vibrations, see
+`elastic_frame`. Spatial inertias and wrenches are about the world origin too, so that no other point of
 reference is needed; `frame_parts` has the matrices.
 
 The moving links of the press ride with the frame. For joint motions q(t) relative to the frame the six equations of a floating tree are
@@ -26,17 +27,20 @@ from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.arguments import expect, typed, whole_number
-from ..common.errors import PinpressError, shown
+from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import Column
+from ..dynamics.inverse_dynamics import on_frame
 from ..engines.joints import data_of
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
+from .elastic_frame import WHOLE, ElasticFrame
 from .frame_parts import (
     Attachment,
     Body,
@@ -58,8 +62,10 @@ from .frame_parts import (
 from .mounts import Frame, Mount, listed_mounts
 
 POSES = 180  # poses of a turn over which the moving mass is averaged; harmonics below this order leave the mean exact
+MOST_ROWS = 24  # of modes in words
 MOST_ORDERS = 10_000  # most orders of `resonance_speeds`, against lists without end
 MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
+BENDING = "bending"  # the motion in which most of the elastic energy is that of the frame
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,7 +73,8 @@ class MountedPress(Tabular):
     """A press on its mounts, made by `mounted`. All arrays are read-only.
 
     There are n coordinates: displacement (x, y, z) and small turn (rx, ry, rz) at the world origin, in world axes [m, rad], of the frame,
-    or of its bed and then of its crown; then those of each attachment on springs.
+    or of its bed and then of its crown; or those of the mean motion of an elastic frame and then its free vibrations of modal mass 1 kg;
+    then those of each attachment on springs.
 
     Attributes:
         press: the press.
@@ -77,9 +84,11 @@ class MountedPress(Tabular):
         uprights: columns between bed and crown.
         attached: name of what stands on the frame -> what it is.
         rotors: what spins on the frame.
-        parts: name of a part of the frame, "frame" or "bed" and "crown", or of an attachment -> (6, n) its displacement and turn at the
-            world origin by one of each coordinate.
+        parts: name of a part of the frame, "frame" or "bed" and "crown", of an interface of an elastic frame, whose mean motion is "frame",
+            or of an attachment -> (6, n) its displacement and turn at the world origin by one of each coordinate.
+        bed: name of the part on which the loads on the frame act.
         carrier: name of the part that carries crank and guides.
+        rigid: (n, 6) coordinates when everything moves as one body, by its displacement and turn at the world origin.
         mass: (n, n) mass matrix of frame and press, with moving masses at their mean.
         damping: (n, n) matrix of viscous damping.
         stiffness: (n, n) stiffness matrix for vibrations, with the effect of the static forces.
@@ -93,14 +102,16 @@ class MountedPress(Tabular):
     """
 
     press: Linkage
-    frame: Frame
+    frame: Frame | ElasticFrame
     crown: Frame | None
     mounts: tuple[Mount, ...]
     uprights: tuple[Mount, ...]
     attached: Mapping[str, Attachment]
     rotors: tuple[Rotor, ...]
     parts: Mapping[str, Array]
+    bed: str
     carrier: str
+    rigid: Array
     mass: Array
     damping: Array
     stiffness: Array
@@ -140,11 +151,6 @@ class MountedPress(Tabular):
             "pressure [Pa]": list(self.pressure),
         }
 
-    @cached_property
-    def rigid(self) -> Array:
-        """(n, 6) coordinates when everything moves as one body, displacement and turn at the world origin."""
-        return read_only(np.linalg.lstsq(np.vstack(list(self.parts.values())), np.tile(np.eye(6), (len(self.parts), 1)), rcond=None)[0])
-
     @property
     def total_mass(self) -> float:
         """Mass of frame and press [kg]."""
@@ -176,18 +182,13 @@ class MountedPress(Tabular):
     @cached_property
     def mount_rows(self) -> Array:
         """(mounts, 3, n) displacement of each mount's point by one of each coordinate."""
-        return read_only(np.array([rows_at(self.parts[self.bed], mount.point) for mount in self.mounts]))
-
-    @property
-    def bed(self) -> str:
-        """Name of the part on which the loads on the frame act."""
-        return next(iter(self.parts))
+        return read_only(np.array([rows_at(self.parts[_foot(self.frame, self.bed, mount)], mount.point) for mount in self.mounts]))
 
 
 @typed
 def mounted(
     press: Linkage,
-    frame: Frame,
+    frame: Frame | ElasticFrame,
     mounts: Sequence[Mount],
     *,
     crown: Frame | None = None,
@@ -200,15 +201,16 @@ def mounted(
     Args:
         press: the press. Its links ride with the frame, or with the crown; their inertia is averaged over a period, mostly one turn of the
             crank.
-        frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force).
-        mounts: mounts between floor and frame.
+        frame: the frame in one part; with ``crown`` its lower part, the bed, on which the loads on the frame act (the process force); or a
+            frame that bends, of `beam_frame`, `reduced_frame` or `read_frame`.
+        mounts: mounts between floor and frame; those of a frame that bends at its interfaces.
         crown: upper part of the frame, which carries crank and guides.
         uprights: columns between bed and crown, as springs.
         attached: name -> what stands on the frame, bolted on or on springs, such as the motor; None: nothing.
         rotors: what spins on the frame, such as flywheel and rotor of the motor. Their masses belong to the parts that carry them.
 
     Raises:
-        UnknownNameError: an attachment or a rotor is on a part that there is not.
+        UnknownNameError: an attachment or a rotor is on a part that there is not, or an elastic frame carries a bearing that is none on it.
         PinpressError: an argument is of another kind, the crank does not turn fully, the mounts leave the frame free to move, the weight
             pulls at a mount, or the press tips over.
     """
@@ -218,7 +220,14 @@ def mounted(
     if crown is not None:
         expect("crown", crown, Frame, "Frame")
         uprights = listed_mounts(uprights, "uprights")
-    own = ("frame",) if crown is None else ("bed", "crown")
+    if isinstance(frame, ElasticFrame):
+        if crown is not None:
+            raise PinpressError("the frame bends, so that it has no crown= and uprights=: leave them out")
+        carried = tuple(press.bearings[k] for k in on_frame(press))
+        for bearing in frame.bearings:
+            if bearing not in carried:
+                raise UnknownNameError("bearing on the frame", bearing, carried)
+    own = tuple(_own_parts(frame, crown)[0])
     for name, each in (attached or {}).items():
         if not isinstance(name, str) or name in own or not isinstance(each, Attachment):
             raise PinpressError(f"attached has {shown(name)}: {shown(each)}: give an Attachment under a name other than {', '.join(own)}")
@@ -274,7 +283,8 @@ class VibrationModes(Tabular):
         eigenvalues: (2 n,) eigenvalues of the damped system in first order, which give damped frequencies and ratios [1/s].
         motion: (n,) motions with most of each mode's kinetic energy, about the centres of mass: "along z", "rocking about y", ... In a
             frame of two parts ", against" follows where bed and crown move against each other; along z this is "stretching". The name
-            of an attachment follows where that has more of the energy than the frame: "rocking about y, motor".
+            of an attachment follows where that has more of the energy than the frame: "rocking about y, motor". It is "bending" where
+            most of the elastic energy is that of a frame that bends.
     """
 
     press_name: str
@@ -293,7 +303,8 @@ class VibrationModes(Tabular):
         rows = [["motion", "frequency", "speed", "damping ratio"]]
         for motion, frequency, ratio in zip(self.motion, self.natural_frequency / (2 * np.pi), self.damping_ratio, strict=True):
             rows.append([motion, f"{frequency:.3f} Hz", f"{60 * frequency:.1f} per min", f"{ratio:.4f}"])
-        return "\n".join([f"{self.press_name} on its mounts: modes", *tables.table(rows, [18, 12, 18, 15])])
+        more = [f"  and {len(rows) - 1 - MOST_ROWS} more"] if len(rows) > 1 + MOST_ROWS else []
+        return "\n".join([f"{self.press_name} on its mounts: modes", *tables.table(rows[: 1 + MOST_ROWS], [18, 12, 18, 15]), *more])
 
     def resonance_speeds(self, orders: int = 4) -> Array:
         """(orders, n) speeds of the crank at which its first, second, ... harmonic meets each natural frequency [rad/s].
@@ -355,9 +366,10 @@ def modes(system: MountedPress) -> VibrationModes:
 
 def undamped(system: MountedPress) -> tuple[Array, Array]:
     """Squares of the natural frequencies (n,), rising [rad2/s2], and shapes (n, n), a mode a column, of modal mass 1 kg."""
-    root = np.linalg.inv(np.linalg.cholesky(system.mass))
-    squared, vectors = np.linalg.eigh(root @ system.stiffness @ root.T)
-    return np.asarray(squared), np.asarray(root.T @ vectors)
+    # M = A A^T, K = B B^T: the singular values of B^-1 A are the reciprocal frequencies, precise beside those of a frame that hardly bends
+    mass_factor = np.linalg.cholesky(system.mass)
+    _, reciprocal, vectors = np.linalg.svd(np.linalg.solve(np.linalg.cholesky(system.stiffness), mass_factor))
+    return np.asarray(reciprocal**-2), np.linalg.solve(mass_factor.T, vectors.T)
 
 
 def quadrature(system: MountedPress) -> Array:
@@ -380,7 +392,7 @@ def state_matrix(system: MountedPress, speed: float = 0.0) -> Array:
 
 def _assembled(
     press: Linkage,
-    frame: Frame,
+    frame: Frame | ElasticFrame,
     mounts: tuple[Mount, ...],
     crown: Frame | None,
     uprights: tuple[Mount, ...],
@@ -389,39 +401,57 @@ def _assembled(
     moving: Array,
 ) -> MountedPress:
     """The linear system of checked parts; ``moving`` is the mean inertia of the press. Raises as `mounted`."""
-    gravity, own = np.asarray(press.model.gravity.linear), ("frame",) if crown is None else ("bed", "crown")
-    bed, carrier = own[0], own[-1]
-    parts = motions_of([*own, *(name for name, each in attached.items() if each.springs)])
-    count = len(parts[bed].T)
+    gravity = np.asarray(press.model.gravity.linear)
+    parts, bed, carrier = _own_parts(frame, crown)
+    own, first = tuple(parts), len(next(iter(parts.values())).T)
+    sprung = [name for name, each in attached.items() if each.springs]
+    count = first + 6 * len(sprung)
+    parts = {name: np.pad(motion, ((0, 0), (0, count - first))) for name, motion in parts.items()}
     on = {name: part_named({part: parts[part] for part in own}, each.on, carrier) for name, each in attached.items()}
+    parts |= {name: np.eye(6, count, first + 6 * k) for k, name in enumerate(sprung)}
     parts |= {name: parts[on[name]] for name, each in attached.items() if not each.springs}
-    bodies = [Body(part, body_inertia(each)) for part, each in zip(own, (frame, crown), strict=False) if each is not None]
+    elastic = np.arange(6, first if isinstance(frame, ElasticFrame) else 6)
+    own_stiffness = np.zeros(count)
+    if isinstance(frame, ElasticFrame):
+        own_stiffness[elastic] = frame.natural_frequency**2
+        bodies = [Body(WHOLE, frame.inertia)]
+    else:
+        bodies = [Body(part, body_inertia(each)) for part, each in zip(own, (frame, crown), strict=False) if each is not None]
     bodies += [Body(name, body_inertia(each.body)) for name, each in attached.items()]
     between = [Spring(upright, carrier, bed) for upright in uprights]
     between += [Spring(mount, name, on[name]) for name, each in attached.items() for mount in each.springs]
-    springs = [Spring(mount, bed, None) for mount in mounts] + between
+    springs = [Spring(mount, _foot(frame, bed, mount), None) for mount in mounts] + between
     rows = [spring_rows(spring, parts) for spring in springs]
     moved = [*bodies, Body(carrier, moving)]
     mass = np.asarray(sum(parts[body.part].T @ body.inertia @ parts[body.part] for body in moved))
+    mass[elastic, elastic] += 1.0
     weight = np.asarray(sum(weight_wrench(body.inertia, gravity) @ parts[body.part] for body in moved))
 
     def together(constants: Sequence[object]) -> Array:
         return springs_together(zip(np.asarray(constants, dtype=float), rows, strict=True), count)
 
-    refuse_loose(mass, "frame and press have no inertia for", "give the frame its mass and inertia")
-    static = together([spring.mount.static for spring in springs])
-    refuse_loose(static, "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
+    refuse_loose(
+        np.delete(np.delete(mass, elastic, axis=0), elastic, axis=1),
+        "frame and press have no inertia for",
+        "give the frame its mass and inertia",
+    )
+    static = together([spring.mount.static for spring in springs]) + np.diag(own_stiffness)
+    refuse_loose(_condensed(static, elastic), "the mounts leave the frame free in", "give mounts there, and stiffness in all directions")
     rest = np.linalg.solve(static, weight)
     sag = np.array([at @ rest for at in rows[: len(mounts)]])
     load = -np.array([mount.static for mount in mounts]) * sag
     refuse_pulled(load, gravity)
-    acting = [(parts[body.part], body.inertia[0, 0] * gravity, centre_of(body.inertia)) for body in moved]
+    turning = parts | dict.fromkeys(own, parts[WHOLE]) if isinstance(frame, ElasticFrame) else parts  # a bent frame turns as on the mean
+    acting = [(turning[body.part], body.inertia[0, 0] * gravity, centre_of(body.inertia)) for body in moved]
     for spring, at in zip(springs, rows, strict=True):
         force, point = -np.array(spring.mount.static) * (at @ rest), np.array(spring.mount.point)
-        acting.append((parts[spring.part], force, point))
+        acting.append((turning[spring.part], force, point))
         if spring.other is not None:
-            acting.append((parts[spring.other], -force, point))
-    stiffness = together([spring.mount.stiffness for spring in springs]) + turning_stiffness(acting, count)
+            acting.append((turning[spring.other], -force, point))
+    stiffness = together([spring.mount.stiffness for spring in springs]) + turning_stiffness(acting, count) + np.diag(own_stiffness)
+    loss = together([spring.mount.loss_factor * np.array(spring.mount.stiffness) for spring in springs])
+    if isinstance(frame, ElasticFrame):
+        loss += frame.loss_factor * np.diag(own_stiffness)
     system = MountedPress(
         press=press,
         frame=frame,
@@ -431,11 +461,13 @@ def _assembled(
         attached=FrozenMapping(attached),
         rotors=rotors,
         parts=FrozenMapping(parts),
+        bed=bed,
         carrier=carrier,
+        rigid=np.insert(np.tile(np.eye(6), ((count - len(elastic)) // 6, 1)), np.full(len(elastic), 6), 0.0, axis=0),
         mass=mass,
         damping=together([spring.mount.damping for spring in springs]),
         stiffness=0.5 * (stiffness + stiffness.T),
-        loss=together([spring.mount.loss_factor * np.array(spring.mount.stiffness) for spring in springs]),
+        loss=loss,
         gyroscopic=gyroscopic_matrix(rotors, parts, carrier, count),
         weight=weight,
         press_weight=weight_wrench(moving, gravity),
@@ -450,14 +482,39 @@ def _assembled(
     return system
 
 
+def _own_parts(frame: Frame | ElasticFrame, crown: Frame | None) -> tuple[dict[str, Array], str, str]:
+    """Motions (6, n) of the parts of the frame itself, and the names of bed and carrier."""
+    if isinstance(frame, ElasticFrame):
+        motions = dict(frame.motions)
+        return {WHOLE: np.eye(6, len(motions[frame.bed].T))} | motions, frame.bed, frame.carrier
+    own = ("frame",) if crown is None else ("bed", "crown")
+    return motions_of(own), own[0], own[-1]
+
+
+def _foot(frame: Frame | ElasticFrame, bed: str, mount: Mount) -> str:
+    """Name of the part at which a mount stands; raises PinpressError where an elastic frame has no interface there."""
+    return frame.node_at(mount.point) if isinstance(frame, ElasticFrame) else bed
+
+
+def _condensed(stiffness: Array, elastic: NDArray[np.intp]) -> Array:
+    """Stiffness of the other coordinates where those of the elastic frame follow."""
+    rest = np.setdiff1d(np.arange(len(stiffness)), elastic)
+    across = stiffness[np.ix_(elastic, rest)]
+    return np.asarray(stiffness[np.ix_(rest, rest)] - across.T @ np.linalg.solve(stiffness[np.ix_(elastic, elastic)], across))
+
+
 def _motion(system: MountedPress, shape: Array) -> str:
     """The motion with most of the kinetic energy of a mode shape (n,), as in `VibrationModes.motion`."""
-    own = [part for part in system.parts if part not in system.attached]
+    own = [WHOLE] if isinstance(system.frame, ElasticFrame) else [part for part in system.parts if part not in system.attached]
     sprung = [name for name, each in system.attached.items() if each.springs]
     moved = {part: _part_moved(system, part, shape) for part in (*own, *sprung)}
     energy = {"": np.sum([moved[part][1] for part in own], axis=0)} | {name: moved[name][1] for name in sprung}
     where = max(energy, key=lambda name: float(energy[name].sum()))
     most = int(energy[where].argmax())
+    if isinstance(system.frame, ElasticFrame):
+        bent = shape[6 : 6 + len(system.frame.natural_frequency)] * system.frame.natural_frequency
+        if bent @ bent > 0.5 * shape @ system.stiffness @ shape:
+            return BENDING
     if where:
         return f"{MOTIONS[most]}, {where}"
     if len(own) == 2 and moved[own[0]][0][most] * moved[own[1]][0][most] < 0:

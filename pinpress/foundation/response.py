@@ -23,10 +23,11 @@ from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
 from ..drives.transmission import Flywheel
 from ..dynamics.harmonics import is_cycle
-from ..dynamics.inverse_dynamics import Reactions
+from ..dynamics.inverse_dynamics import Reactions, on_frame_at
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
+from .elastic_frame import ElasticFrame
 from .frame_parts import part_named, rows_at
 from .mounted_press import MountedPress, quadrature, state_matrix
 
@@ -36,7 +37,7 @@ NOTHING = 1e-9  # a shaking force below this share of the weight is rounding
 EVEN = 1e-9  # the crank's speed is constant up to this relative difference
 SAME_SPEED = 1e-6  # relative difference up to which speeds at both ends of a period, or of flywheel and crank, are equal
 RESONANCE = "a harmonic meets a natural frequency that has no damping: give the mounts damping or a loss factor, or another speed"
-Points = Mapping[str, "ArrayLike | tuple[str, ArrayLike]"]
+Points = Mapping[str, "ArrayLike | str | tuple[str, ArrayLike]"]
 
 
 @typed
@@ -49,7 +50,8 @@ def steady_response(system: MountedPress, reactions: Reactions, *, points: Point
         system: the press on its mounts.
         reactions: reactions of this press over one period at constant speed (`cycle`), or over one period of `steady_state`.
         points: name -> (3,) point of the frame in world axes [m]. In a frame of two parts this is a point of the bed, and
-            ("crown", (x, y, z)) one of the crown; ("motor", (x, y, z)) is one of the attachment of that name.
+            ("crown", (x, y, z)) one of the crown; ("motor", (x, y, z)) is one of the attachment of that name. Of
+            an elastic frame it is a node of its model; the name of an interface, or (interface, (x, y, z)) for what moves with that.
         flywheel: flywheel on the crank's shaft; it matters where the speed changes. Its inertia is its angular momentum about the crank's
             axis divided by the crank's speed. For a flywheel on another shaft this is its inertia times the ratio of its speed to the
             crank's, negative where it turns the other way.
@@ -330,9 +332,10 @@ def _refuse_slip(motion: Motion) -> None:
 def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> Array:
     """Forces (states, n) of the machine on the coordinates of the frame, less the weight at its mean place [N, N m].
 
-    In a frame of two parts the loads on the frame act on the bed, and everything else on the crown. The torque of a motor on the frame is
-    no load: its casing exerts on the frame the reaction to what its rotor gives the crank. The flywheel is not in the URDF; see
-    `flywheel_moment`. Rotors react to their own changes of speed.
+    In a frame of two parts the loads on the frame act on the bed, and everything else on the crown; in one that bends, likewise at the
+    interfaces that it names for bed, crank and bearings. The torque of a motor on the frame is no load: its casing exerts on the frame the
+    reaction to what its rotor gives the crank. The flywheel is not in the URDF; see `flywheel_moment`. Rotors react to their own changes of
+    speed.
 
     Raises:
         PinpressError: the reactions are of another press, there are both rotors and a flywheel, or as `flywheel_moment`.
@@ -355,7 +358,19 @@ def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheel 
         for load in reactions._conditions.loads:
             if load.joint == 0:
                 wrench += np.hstack([load.force, np.cross(load.point, load.force)]) @ (bed - carrier)
+    if isinstance(system.frame, ElasticFrame):
+        for bearing, interface in system.frame.bearings.items():
+            wrench += _bearing_on_frame(system.press, reactions, bearing) @ (system.parts[interface] - carrier)
     return wrench + _reaction_of_rotors(system, reactions.motion)
+
+
+def _bearing_on_frame(press: Linkage, reactions: Reactions, bearing: str) -> Array:
+    """Wrench (states, 6) of a bearing on the frame about the world origin [N, N m]."""
+    force, moment = reactions.bearing_force[bearing], reactions.bearing_moment[bearing]
+    total = np.zeros((len(force), 6))
+    for sign, point in on_frame_at(press, reactions.motion, press.bearings.index(bearing)):
+        total += sign * np.hstack([force, moment + np.cross(point, force)])
+    return total
 
 
 def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
@@ -368,10 +383,17 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
     expect("points", points, Mapping, "{'top_beam': (x, y, z), ...}")
     rows = {}
     for name, given in points.items():
-        part, place = _part_and_place(given) or (system.bed, given)
+        named = _part_and_place(given)
+        part, place = named or (system.bed, given)
+        if isinstance(system.frame, ElasticFrame) and isinstance(given, str):
+            part, place = given, system.frame.nodes.get(given, system.frame.nodes[system.bed])
         point = finite_numbers(place)
         if not isinstance(name, str) or point is None or point.shape != (3,):
             raise PinpressError(f"point {shown(name)} is {shown(given)}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
+        if isinstance(system.frame, ElasticFrame) and named is None and not isinstance(given, str):
+            near = system.frame.rows_near(point)
+            rows[name] = np.pad(near, ((0, 0), (0, len(system.mass) - len(near.T))))
+            continue
         rows[name] = rows_at(system.parts[part_named(system.parts, part, system.carrier)], point)
     return rows
 

@@ -24,6 +24,7 @@ from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import doubt_speeds, period_at
 from ..linkage.linkage import Linkage
+from .elastic_frame import ElasticFrame
 from .frame_parts import rows_at
 from .mounted_press import MountedPress, mounted, undamped, with_mounts
 from .mounts import Frame, Mount, listed_mounts
@@ -322,7 +323,7 @@ def wrench_spectra(system: MountedPress, speed: Array) -> tuple[Array, ComplexAr
     """
     press, fast = system.press, float(speed[-1])
     doubt_speeds(press, fast)
-    one, two = (frame_wrench(system, _idle(press, some), None) for some in (fast, 2 * fast))
+    one, two = (frame_wrench(system, _idle(system, some), None) for some in (fast, 2 * fast))
     growing = (two - one) / (3 * fast**2)
     size = max(np.abs(one).max(), np.abs(system.weight[:3]).max())
     states = _states(system)
@@ -356,8 +357,10 @@ def rising_positive(name: str, given: ArrayLike) -> Array:
     return suitable_numbers(name, given, wanted, (None,), lambda values: len(values) and values[0] > 0 and np.all(np.diff(values) > 0))
 
 
-def _idle(press: Linkage, speed: float) -> Reactions:
-    return inverse_dynamics(press, period_at(press, speed, STATES * press.period_turns), bearings=())
+def _idle(system: MountedPress, speed: float) -> Reactions:
+    press, frame = system.press, system.frame
+    elsewhere = tuple(frame.bearings) if isinstance(frame, ElasticFrame) else ()
+    return inverse_dynamics(press, period_at(press, speed, STATES * press.period_turns), bearings=elsewhere)
 
 
 def _states(system: MountedPress) -> int:

@@ -224,7 +224,7 @@ def test_a_rotor_that_speeds_up():
     ("make", "error", "says"),
     [
         (lambda: foundation.Rotor(-1.0, (0, 1, 0)), PinpressError, "inertia is -1.0"),
-        (lambda: foundation.Rotor(1.0, (0, 0, 0)), PinpressError, "x, y, z of its direction"),
+        (lambda: foundation.Rotor(1.0, (0, 0, 0)), PinpressError, "x, y, z of a direction"),
         (lambda: foundation.Rotor(1.0, (0, 1)), PinpressError, "axis"),
         (lambda: foundation.Rotor(1.0, (0, 1, 0), on=3), PinpressError, "on is 3"),
         (lambda: foundation.Attachment("motor"), PinpressError, "body is 'motor'"),

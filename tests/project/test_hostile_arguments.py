@@ -90,6 +90,7 @@ MADE |= {
     "Isolation",
     "VibrationModes",
     "WhirlDiagram",
+    "ElasticFrame",
     "MountedPress",
     "SpeedResponse",
     "ForceInterval",

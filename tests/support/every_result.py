@@ -24,6 +24,7 @@ X, Z = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_for
 STIFFNESS = pp.elasticity.Stiffness({"W": 1e9, "P": 2e9, "O": 4e9}, {}, [pp.elasticity.Rod("rod", ("P", "W"), 5e8)], frame=8e9)
 CAPACITIES = pp.ratings.Capacities(1e5, nominal_height=0.01, bearings={"W": 2e5}, flywheel_inertia=100.0, speed_drop=0.1, motor_power=2e4)
 MOUNTS = [foundation.Mount((x, y, -0.5), (1e6, 1e6, 2e6), (1e3, 1e3, 2e3)) for x in (-1.0, 1.0) for y in (-0.5, 0.5)]
+BEAM = foundation.FrameBeam("a", "b", 0.3, 0.2, (0, 0, 1))
 ROTOR = foundation.Rotor(50.0, (0.0, 1.0, 0.0))
 FRAME = foundation.Frame(6000.0, (0.0, 0.0, 0.2), np.diag([900.0, 1100.0, 700.0]))
 
@@ -429,7 +430,13 @@ def made():
             *motor_choice().tried,
         ),
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
-        *(foundation.Attachment(FRAME), ROTOR, foundation.whirl(foundation.mounted(press(), FRAME, MOUNTS, rotors=[ROTOR]), [5.0, SPEED])),
+        foundation.beam_frame({"a": (0, 0, 0), "b": (0, 1, 0)}, [BEAM], bed="a", carrier="b", elements=1),
+        *(
+            BEAM,
+            foundation.Attachment(FRAME),
+            ROTOR,
+            foundation.whirl(foundation.mounted(press(), FRAME, MOUNTS, rotors=[ROTOR]), [5.0, SPEED]),
+        ),
         foundation.over_speeds(mounted(), [5.0, SPEED], points={"head": (0.0, 0.0, 1.0)}),
         foundation.isolate(press(), FRAME, MOUNTS, speeds=[40.0, 50.0], transmitted=0.5),
         *(DEEP, pp.loads.ForceStroke([0.0, 0.1], [1e3, 2e3]), pp.loads.TimeForce(even, edges=[0.1]), *DEEP.intervals(True)),

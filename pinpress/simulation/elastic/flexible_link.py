@@ -18,7 +18,6 @@ centrifugal ones stretch the link, those of Coriolis bend it. Stiffness by tensi
 
 from __future__ import annotations
 
-import io
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -32,10 +31,10 @@ from ...common import files
 from ...common.arguments import number, numbers, whole_number
 from ...common.errors import PinpressError, shown
 from ...common.frozen import Frozen
+from ...common.matrix_files import read_model, symmetric_matrix
 from ...common.quantities import Array, ComplexArray
 
 MOST_ROWS = 2000  # of matrices: larger ones are reduced in seconds by programs that keep them sparse
-MOST_BYTES = 200_000_000  # of a file of matrices
 MOST_MODES = 50
 RIGID = 1e-6  # share of the stiffness that a motion of the whole link may cost by rounding
 AGREE = 0.02  # share by which the matrices and the linkage may differ in mass, moment of inertia, and lengths
@@ -73,7 +72,7 @@ class FlexibleLink(Frozen):
     def __post_init__(self) -> None:
         what, own = f"FlexibleLink of {shown(self.link)}", vars(self)
         for name in ("mass", "stiffness"):
-            own[name] = _matrix(f"{what}: {name}", own[name])
+            own[name] = symmetric_matrix(f"{what}: {name}", own[name], MOST_ROWS)
         count = len(self.mass)
         if self.stiffness.shape != self.mass.shape:
             raise PinpressError(f"{what}: stiffness has shape {self.stiffness.shape}, mass {self.mass.shape}: give both for the same rows")
@@ -138,55 +137,8 @@ def read_flexible_link(
     Raises:
         PinpressError: a file cannot be read, lacks an array, or the arrays make no sense.
     """
-    path = files.path_of("file", file)
-    if stiffness is None:
-        arrays = _arrays(path)
-        if nodes is not None or degrees is not None:
-            raise PinpressError(f"{path} brings its own nodes and degrees: leave out nodes= and degrees=, or give stiffness= too")
-        missing = [name for name in ("mass", "stiffness", "nodes", "degrees") if name not in arrays]
-        if missing:
-            raise PinpressError(f"{path} lacks {', '.join(missing)}: write numpy.savez(file, mass=, stiffness=, nodes=, degrees=)")
-        mass, other, nodes, degrees = (arrays[name] for name in ("mass", "stiffness", "nodes", "degrees"))
-    else:
-        if nodes is None or degrees is None:
-            raise PinpressError(f"{path} holds a matrix alone: give nodes= and degrees= too, which say what its rows are")
-        mass, other = _market(path), _market(files.path_of("stiffness", stiffness))
-    return FlexibleLink(link, bearings, mass, other, nodes, degrees, modes, damping_ratio)
-
-
-# --------------------------------------------------------------------------------------------------------------------------------- reading
-
-
-def _matrix(what: str, given: Any) -> Array:
-    if hasattr(given, "toarray"):  # of SciPy, sparse
-        if max(given.shape) > MOST_ROWS:
-            raise PinpressError(f"{what} has shape {given.shape}: at most {MOST_ROWS} rows; condense the model where it was made")
-        given = given.toarray()
-    found = numbers(what, given, (None, None))
-    if found.shape[0] != found.shape[1] or not 0 < len(found) <= MOST_ROWS:
-        raise PinpressError(f"{what} has shape {found.shape}: give a square matrix of at most {MOST_ROWS} rows")
-    if np.abs(found - found.T).max() > 1e-6 * np.abs(found).max():
-        raise PinpressError(f"{what} is not symmetric: give the whole matrix, both of its halves")
-    return np.asarray(0.5 * (found + found.T))
-
-
-def _arrays(path: str) -> dict[str, Any]:
-    try:
-        with np.load(io.BytesIO(files.read(path, MOST_BYTES)), allow_pickle=False) as archive:
-            if not hasattr(archive, "files"):
-                raise ValueError
-            return {name: archive[name] for name in archive.files}
-    except (ValueError, OSError, EOFError, KeyError, AttributeError, TypeError) as error:
-        raise PinpressError(f"{path} is no file of arrays: write it with numpy.savez(file, mass=, stiffness=, nodes=, degrees=)") from error
-
-
-def _market(path: str) -> Any:
-    from scipy.io import mmread  # SciPy takes its time to load
-
-    try:
-        return mmread(io.BytesIO(files.read(path, MOST_BYTES)))
-    except (ValueError, TypeError, OSError, IndexError, OverflowError) as error:
-        raise PinpressError(f"{path} is no Matrix Market file: {error}; give the matrix as .mtx, or all arrays in one .npz") from error
+    other = None if stiffness is None else files.path_of("stiffness", stiffness)
+    return FlexibleLink(link, bearings, *read_model(files.path_of("file", file), other, nodes, degrees), modes, damping_ratio)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- reduction

@@ -13,7 +13,7 @@ from ...common.quantities import RPM, Array
 from ...dynamics.extremes import AXES
 from ...dynamics.inputs import Inputs, described
 from ...foundation.mounted_press import MountedPress, VibrationModes
-from ...foundation.mounts import Mount
+from ...foundation.mounts import Frame, Mount
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
@@ -53,8 +53,8 @@ def _inputs(system: MountedPress) -> Inputs:
         for name, each in system.attached.items()
     ]
     spinning = [(f"rotor {k + 1}", described(rotor)) for k, rotor in enumerate(system.rotors)]
-    standing = [*((name, described(part)) for name, part in parts), *((name, mounts_in_words(some)) for name, some in springs)]
-    return [*standing, *aside, *spinning]
+    own = [(name, described(part) if isinstance(part, Frame) else part.title) for name, part in parts]
+    return [*own, *((name, mounts_in_words(some)) for name, some in springs), *aside, *spinning]
 
 
 def mounts_in_words(mounts: Sequence[Mount]) -> str:

@@ -309,6 +309,36 @@ def system() -> foundation.MountedPress:
     return foundation.mounted(press(), frame, [mount(x, y) for x in (-0.5, 0.5) for y in (-0.4, 0.4)])
 
 
+def beam_model() -> dict[str, object]:
+    return {
+        "places": {"a": (0.0, 0.0, 0.0), "b": (0.0, 1.0, 0.0)},
+        "beams": [foundation.FrameBeam("a", "b", 0.3, 0.2, (0.0, 0.0, 1.0))],
+        "bed": "a",
+        "carrier": "b",
+        "bearings": {"O": "a"},
+        "elements": 2,
+        "modes": 2,
+        "loss_factor": 0.01,
+    }
+
+
+def matrices_of_a_frame() -> dict[str, object]:
+    joined = np.kron([[1.0, -1.0], [-1.0, 1.0]], 1e6 * np.eye(6))
+    return {
+        "mass": np.eye(12),
+        "stiffness": joined,
+        "nodes": [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)],
+        "degrees": [(k, i) for k in (0, 1) for i in range(6)],
+        "interfaces": {"a": 0, "b": 1},
+        "bed": "a",
+        "carrier": "b",
+        "bearings": {"O": "a"},
+        "modes": 2,
+        "loss_factor": 0.01,
+        "lines": [(0, 1)],
+    }
+
+
 def spinning() -> foundation.MountedPress:
     return foundation.mounted(press(), system().frame, system().mounts, rotors=[foundation.Rotor(10.0, (0.0, 1.0, 0.0))])
 
@@ -894,6 +924,21 @@ def calls() -> dict[str, Call]:
             lambda: {"body": system().frame, "springs": system().mounts, "on": "frame"},
         ),
         (
+            "foundation.FrameBeam",
+            foundation.FrameBeam,
+            lambda: {
+                "start": "a",
+                "end": "b",
+                "width": 0.3,
+                "height": 0.2,
+                "across": (0.0, 0.0, 1.0),
+                "wall": 0.02,
+                "modulus": 2e11,
+                "shear_modulus": 8e10,
+                "density": 7850.0,
+            },
+        ),
+        (
             "foundation.Rotor",
             foundation.Rotor,
             lambda: {"inertia": 10.0, "axis": (0.0, 1.0, 0.0), "ratio": 2.0, "on": "frame"},
@@ -1302,6 +1347,25 @@ def calls() -> dict[str, Call]:
                 "uprights": (),
                 "attached": {"motor": foundation.Attachment(system().frame)},
                 "rotors": [foundation.Rotor(1.0, (0.0, 1.0, 0.0))],
+            },
+        ),
+        ("foundation.beam_frame", foundation.beam_frame, beam_model),
+        ("foundation.reduced_frame", foundation.reduced_frame, matrices_of_a_frame),
+        (
+            "foundation.read_frame",
+            foundation.read_frame,
+            lambda: {
+                "file": "frame.npz",
+                "interfaces": {"a": 0},
+                "bed": "a",
+                "carrier": "a",
+                "stiffness": None,
+                "nodes": None,
+                "degrees": None,
+                "bearings": None,
+                "modes": 2,
+                "loss_factor": 0.01,
+                "lines": None,
             },
         ),
         ("foundation.whirl", foundation.whirl, lambda: {"system": spinning(), "speeds": [5.0, 6.0]}),

@@ -1,0 +1,84 @@
+"""Mass and stiffness matrices of finite-element models: NumPy archives, files in the Matrix Market format, and what a caller hands over."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+
+from . import files
+from .arguments import numbers
+from .errors import PinpressError
+from .quantities import Array
+
+MOST_BYTES = 200_000_000  # of a file of matrices
+ASYMMETRY = 1e-6  # share of the largest entry by which the halves of a matrix may differ
+
+
+def symmetric_matrix(what: str, given: Any, most: int) -> Array:
+    """A caller's matrix, dense or sparse, as a symmetric array (n, n).
+
+    Raises:
+        PinpressError: it is no square, symmetric matrix of finite numbers, or has more than ``most`` rows.
+    """
+    if hasattr(given, "toarray"):  # of SciPy, sparse
+        if max(given.shape) > most:
+            raise PinpressError(f"{what} has shape {given.shape}: at most {most} rows; condense the model where it was made")
+        given = given.toarray()
+    found = numbers(what, given, (None, None))
+    if found.shape[0] != found.shape[1] or not 0 < len(found) <= most:
+        raise PinpressError(f"{what} has shape {found.shape}: give a square matrix of at most {most} rows")
+    if np.abs(found - found.T).max() > ASYMMETRY * np.abs(found).max():
+        raise PinpressError(f"{what} is not symmetric: give the whole matrix, both of its halves")
+    return np.asarray(0.5 * (found + found.T))
+
+
+def read_archive(path: str, wanted: tuple[str, ...]) -> dict[str, Any]:
+    """Arrays of a file of `numpy.savez`.
+
+    Raises:
+        PinpressError: it is no such file, or one of the wanted arrays is not in it.
+    """
+    how = f"numpy.savez(file, {', '.join(f'{name}=' for name in wanted)})"
+    try:
+        with np.load(io.BytesIO(files.read(path, MOST_BYTES)), allow_pickle=False) as archive:
+            if not hasattr(archive, "files"):
+                raise ValueError
+            arrays = {name: archive[name] for name in archive.files}
+    except (ValueError, OSError, EOFError, KeyError, AttributeError, TypeError) as error:
+        raise PinpressError(f"{path} is no file of arrays: write it with {how}") from error
+    if missing := [name for name in wanted if name not in arrays]:
+        raise PinpressError(f"{path} lacks {', '.join(missing)}: write {how}")
+    return arrays
+
+
+def read_market(path: str) -> Any:
+    """The matrix of a file in the Matrix Market format, dense or sparse.
+
+    Raises:
+        PinpressError: it is no such file.
+    """
+    from scipy.io import mmread  # SciPy takes its time to load
+
+    try:
+        return mmread(io.BytesIO(files.read(path, MOST_BYTES)))
+    except (ValueError, TypeError, OSError, IndexError, OverflowError) as error:
+        raise PinpressError(f"{path} is no Matrix Market file: {error}; give the matrix as .mtx, or all arrays in one .npz") from error
+
+
+def read_model(path: str, stiffness: str | None, nodes: Any, degrees: Any) -> tuple[Any, Any, Any, Any]:
+    """Mass and stiffness matrix, nodes and degrees of freedom of a model: all of one archive, or two files of matrices and what is given.
+
+    Raises:
+        PinpressError: a file cannot be read or lacks an array, or nodes and degrees are given where the file brings them, or neither.
+    """
+    wanted = ("mass", "stiffness", "nodes", "degrees")
+    if stiffness is None:
+        arrays = read_archive(path, wanted)
+        if nodes is not None or degrees is not None:
+            raise PinpressError(f"{path} brings its own nodes and degrees: leave out nodes= and degrees=, or give stiffness= too")
+        return arrays["mass"], arrays["stiffness"], arrays["nodes"], arrays["degrees"]
+    if nodes is None or degrees is None:
+        raise PinpressError(f"{path} holds a matrix alone: give nodes= and degrees= too, which say what its rows are")
+    return read_market(path), read_market(stiffness), nodes, degrees

@@ -1,0 +1,392 @@
+"""Frames that bend: a finite-element model of the frame, reduced by the method of Craig and Bampton.
+
+Of the motions of the model those are kept that its interfaces can cause, the nodes at which mounts, bearings, guides, bed and attachments
+are: what it does where one after another of their six displacements is imposed slowly, and its lowest vibrations with all interfaces held
+(Craig and Bampton, AIAA Journal 6 (1968) 1313). The statics of forces at the interfaces is exact then, whatever is kept of the vibrations.
+
+The reduced model is written in six coordinates of the mean motion of the frame, displacement and turn of its point at the world origin, and
+in its free vibrations q of modal mass 1: M = diag(Y, 1), K = diag(0, w^2) with the spatial inertia Y of the whole. The frame's momentum is
+that of the first six alone. So a frame as stiff as can be is, to rounding, the rigid one.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from ..common import files, tables
+from ..common.arguments import number, numbers, typed, whole_number
+from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.frozen import FrozenMapping, read_only
+from ..common.matrix_files import read_model, symmetric_matrix
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..common.tables import Column
+from .frame_parts import rows_at
+
+MOST_ROWS = 6000  # of matrices: the reduction takes seconds; larger models are condensed where they were made
+MOST_MODES = 200
+RIGID = 1e-6  # share of the stiffness that a motion of the whole frame may cost by rounding
+LOOSE = 1e-12  # share of the square of the fastest frequency up to which that of a free vibration is zero
+AT = 1e-3  # share of the size of a frame by which a place may lie beside a node
+WHOLE = "frame"  # name of the mean motion of the frame among its parts
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ElasticFrame(Tabular):
+    """A frame that bends, made by `reduced_frame`, `read_frame` or `beam_frame`. All arrays are read-only.
+
+    Attributes:
+        nodes: name of an interface -> (3,) its place in world axes [m].
+        bed: name of the interface on which the loads on the frame act (the process force).
+        carrier: name of the interface that carries crank and guides, and the mass of the links.
+        bearings: name of a bearing or guide on the frame -> name of the interface that carries it instead.
+        inertia: (6, 6) spatial inertia of the frame about the world origin, linear before angular [kg, kg m, kg m2].
+        natural_frequency: (m,) natural frequencies of the free frame as it is reduced, rising [rad/s].
+        motions: name of an interface -> (6, 6 + m) its displacement at the world origin and its turn, by the mean motion of the frame and
+            its free vibrations of modal mass 1 kg.
+        places: (k, 3) nodes of the model, for pictures and for points of the frame [m].
+        shapes: (k, 3, 6 + m) their displacements, likewise.
+        lines: (l, 2) numbers of the nodes that a picture joins.
+        loss_factor: loss of the frame's material and joints, the same at all frequencies [-].
+    """
+
+    nodes: Mapping[str, tuple[float, float, float]]
+    bed: str
+    carrier: str
+    bearings: Mapping[str, str]
+    inertia: Array
+    natural_frequency: Array
+    motions: Mapping[str, Array]
+    places: Array
+    shapes: Array
+    lines: NDArray[np.intp]
+    loss_factor: float
+
+    @property
+    def title(self) -> str:
+        lowest = self.natural_frequency[0] / (2 * np.pi)
+        return f"ElasticFrame: {self.mass:.6g} kg, {len(self.nodes)} interfaces, {len(self.natural_frequency)} modes from {lowest:.4g} Hz"
+
+    def __str__(self) -> str:
+        rows = [["interface", "place", ""]]
+        for name, place in self.nodes.items():
+            uses = [*(["bed"] if name == self.bed else []), *(["crank and guides"] if name == self.carrier else [])]
+            uses += [bearing for bearing, node in self.bearings.items() if node == name]
+            rows.append([name, ", ".join(f"{value:.4g}" for value in place) + " m", ", ".join(uses)])
+        lowest = ", ".join(f"{w / (2 * np.pi):.4g}" for w in self.natural_frequency[:6])
+        return "\n".join([f"Frame of {self.mass:.6g} kg", *tables.fitted(rows), tables.entry("free vibrations", lowest, "Hz")])
+
+    def columns(self) -> dict[str, Column]:
+        """A row for each free vibration: its number and its natural frequency."""
+        return {"mode": np.arange(1, len(self.natural_frequency) + 1), "natural_frequency [rad/s]": self.natural_frequency}
+
+    @property
+    def mass(self) -> float:
+        """Mass of the frame [kg]."""
+        return float(self.inertia[0, 0])
+
+    def stiffness_between(self, one: str, other: str, *, axis: str = "z") -> float:
+        """Static stiffness of the free frame against two forces that press two interfaces apart, such as slide and bed [N/m].
+
+        Args:
+            one: name of an interface.
+            other: name of another one.
+            axis: direction of the forces, "x", "y" or "z"; they stand on one line along it, else they turn the frame.
+
+        Raises:
+            UnknownNameError: there is no such interface.
+            PinpressError: the axis is another, or the interfaces do not stand above each other along it.
+        """
+        for name in (one, other):
+            if name not in self.nodes:
+                raise UnknownNameError("interface", name, self.nodes)
+        if not isinstance(axis, str) or axis not in ("x", "y", "z"):
+            raise PinpressError(f"axis is {shown(axis)}: write 'x', 'y' or 'z'")
+        along = "xyz".index(axis)
+        apart = np.delete(np.subtract(self.nodes[one], self.nodes[other]), along)
+        if np.abs(apart).max() > AT * size_of(self.places):
+            raise PinpressError(f"{one} and {other} do not stand on one line along {axis}: two forces there would turn the frame")
+        stretch = (rows_at(self.motions[one], self.nodes[one]) - rows_at(self.motions[other], self.nodes[other]))[along, 6:]
+        yielding = float(((stretch / self.natural_frequency) ** 2).sum())
+        if yielding == 0:
+            raise PinpressError(f"{one} and {other} do not move apart in any vibration of the frame: they are one place")
+        return 1 / yielding
+
+    def node_at(self, point: ArrayLike) -> str:
+        """Name of the interface at a place in world axes [m].
+
+        Raises:
+            PinpressError: there is none.
+        """
+        names = list(self.nodes)
+        away = np.linalg.norm(np.array(list(self.nodes.values())) - np.asarray(point, dtype=float), axis=1)
+        nearest = int(away.argmin())
+        if away[nearest] > AT * size_of(self.places):
+            raise PinpressError(
+                f"no interface of the frame is at {shown(point)}: the nearest, {names[nearest]}, is {1e3 * away[nearest]:.4g} mm away; make"
+                " an interface there"
+            )
+        return names[nearest]
+
+    def rows_near(self, point: ArrayLike) -> Array:
+        """Rows (3, 6 + m) of the displacement of a node of the model at a place in world axes [m].
+
+        Raises:
+            PinpressError: there is none.
+        """
+        away = np.linalg.norm(self.places - np.asarray(point, dtype=float), axis=1)
+        nearest = int(away.argmin())
+        if away[nearest] > AT * size_of(self.places):
+            place = ", ".join(f"{value:.4g}" for value in self.places[nearest])
+            raise PinpressError(
+                f"no node of the frame is at {shown(point)}: the nearest is at ({place}) m; give that, or (interface, place) for a place"
+                " that moves with an interface"
+            )
+        return np.asarray(self.shapes[nearest])
+
+
+@typed
+def reduced_frame(
+    mass: Any,
+    stiffness: Any,
+    *,
+    nodes: ArrayLike,
+    degrees: ArrayLike,
+    interfaces: Mapping[str, int],
+    bed: str,
+    carrier: str,
+    bearings: Mapping[str, str] | None = None,
+    modes: int = 20,
+    loss_factor: float = 0.0,
+    lines: ArrayLike | None = None,
+) -> ElasticFrame:
+    """Reduce a finite-element model of a frame that nothing holds.
+
+    Leave out all links of the press, and what is attached. In programs for finite elements an interface is a master node with six degrees
+    of freedom, which spreads its displacement over the bore of a bearing or the face of a foot.
+
+    Args:
+        mass: (n, n) mass matrix, dense or sparse [kg, kg m, kg m2].
+        stiffness: (n, n) stiffness matrix [N/m, N, N m].
+        nodes: (k, 3) places of the nodes in world axes [m].
+        degrees: (n, 2) of each row of the matrices: the number of its node, and 0, 1, 2 for its displacement along x, y, z, or 3, 4, 5 for
+            its turn about them; -1, -1 for a coordinate of a model that is reduced already.
+        interfaces: name -> number of its node, with all six degrees of freedom; one at every mount.
+        bed: name of the interface on which the loads on the frame act.
+        carrier: name of the interface that carries crank and guides, and the mass of the links.
+        bearings: name of a bearing or guide of the press on the frame -> name of the interface that carries it instead; None: all on
+            ``carrier``.
+        modes: number of vibrations with all interfaces held that are kept.
+        loss_factor: loss of the frame's material and joints [-].
+        lines: (l, 2) numbers of the nodes that a picture joins; None: none.
+
+    Raises:
+        UnknownNameError: ``bed``, ``carrier`` or a bearing's interface is none of the interfaces.
+        PinpressError: the matrices are not those of a free frame, or do not go with nodes and degrees; an interface lacks a degree of
+            freedom.
+    """
+    what = "the frame"
+    m, k = (symmetric_matrix(f"{what}: {name}", given, MOST_ROWS) for name, given in (("mass", mass), ("stiffness", stiffness)))
+    if m.shape != k.shape:
+        raise PinpressError(f"{what}: stiffness has shape {k.shape}, mass {m.shape}: give both for the same rows")
+    places = numbers(f"{what}: nodes", nodes, (None, 3), unit="m")
+    rows = _rows_of_degrees(degrees, len(m), len(places))
+    numbered = _checked_interfaces(interfaces, rows, len(places))
+    for name, each in (("bed", bed), ("carrier", carrier), *(bearings or {}).items()):
+        if not isinstance(each, str) or each not in numbered:
+            raise UnknownNameError(f"interface for {name}", each, numbered)
+    loss = number("loss_factor", loss_factor)
+    if loss < 0:
+        raise PinpressError(f"loss_factor is {loss:g}: give a number that is not negative; welded steel has 0.002 to 0.02")
+    joined = np.zeros((0, 2), dtype=np.intp) if lines is None else numbers(f"{what}: lines", lines, (None, 2)).astype(np.intp)
+    if joined.size and not (joined.min() >= 0 and joined.max() < len(places)):
+        raise PinpressError(f"{what}: lines name nodes from 0 to {len(places) - 1}")
+    inertia, frequency, motions = _free_vibrations(m, k, places, rows, numbered, whole_number("modes", modes, 0, MOST_MODES))
+    shapes = np.zeros((len(places), 3, motions.shape[1]))
+    for (node, direction), row in rows.items():
+        if direction < 3:
+            shapes[node, direction] = motions[row]
+    at_nodes = {name: np.array([motions[rows[node, along]] for along in range(6)]) for name, node in numbered.items()}
+    return ElasticFrame(
+        nodes=FrozenMapping({name: tuple(places[node].tolist()) for name, node in numbered.items()}),
+        bed=bed,
+        carrier=carrier,
+        bearings=FrozenMapping(dict(bearings or {})),
+        inertia=read_only(inertia),
+        natural_frequency=read_only(frequency),
+        motions=FrozenMapping({name: _at_origin(each, places[numbered[name]]) for name, each in at_nodes.items()}),
+        places=read_only(np.array(places)),
+        shapes=read_only(shapes),
+        lines=read_only(joined),
+        loss_factor=loss,
+    )
+
+
+@typed
+def read_frame(
+    file: str | os.PathLike[str],
+    *,
+    interfaces: Mapping[str, int],
+    bed: str,
+    carrier: str,
+    stiffness: str | os.PathLike[str] | None = None,
+    nodes: Any = None,
+    degrees: Any = None,
+    bearings: Mapping[str, str] | None = None,
+    modes: int = 20,
+    loss_factor: float = 0.0,
+    lines: ArrayLike | None = None,
+) -> ElasticFrame:
+    """Read the matrices of a frame, and reduce them: one NumPy file, or two files in the Matrix Market format.
+
+    Args:
+        file: a file `.npz` with ``mass``, ``stiffness``, ``nodes`` and ``degrees`` of `reduced_frame`; or the mass matrix, `.mtx`.
+        interfaces: as for `reduced_frame`.
+        bed: as for `reduced_frame`.
+        carrier: as for `reduced_frame`.
+        stiffness: the stiffness matrix, `.mtx`, where ``file`` is one.
+        nodes: (k, 3) places of the nodes [m], likewise.
+        degrees: (n, 2) node and direction of each row, likewise.
+        bearings: as for `reduced_frame`.
+        modes: as for `reduced_frame`.
+        loss_factor: as for `reduced_frame`.
+        lines: as for `reduced_frame`.
+
+    Raises:
+        PinpressError: a file cannot be read, lacks an array, or as `reduced_frame`.
+    """
+    other = None if stiffness is None else files.path_of("stiffness", stiffness)
+    mass, stiff, nodes, degrees = read_model(files.path_of("file", file), other, nodes, degrees)
+    return reduced_frame(
+        mass,
+        stiff,
+        nodes=nodes,
+        degrees=degrees,
+        interfaces=interfaces,
+        bed=bed,
+        carrier=carrier,
+        bearings=bearings,
+        modes=modes,
+        loss_factor=loss_factor,
+        lines=lines,
+    )
+
+
+def size_of(places: Array) -> float:
+    """Largest extent of places (k, 3) along an axis [m]."""
+    return float(np.ptp(places, axis=0).max()) or 1.0
+
+
+def _rows_of_degrees(degrees: ArrayLike, count: int, nodes: int) -> dict[tuple[int, int], int]:
+    """Row of each degree of freedom, (node, direction); raises PinpressError where they are not as in `reduced_frame`."""
+    given = numbers("the frame: degrees", degrees, (count, 2))
+    node, direction = given.T
+    known = (node >= 0) & (node < nodes) & (direction >= 0) & (direction < 6) | ((node == -1) & (direction == -1))
+    rows = {(int(a), int(b)): row for row, (a, b) in enumerate(given) if a >= 0}
+    if (given != np.round(given)).any() or not known.all() or len(rows) < np.count_nonzero(node >= 0):
+        raise PinpressError(
+            f"the frame: degrees must say for each row of the matrices the number of its node, from 0 to {nodes - 1}, and 0, 1, 2 for its"
+            " displacement along x, y, z or 3, 4, 5 for its turn about them, each once"
+        )
+    return rows
+
+
+def _checked_interfaces(interfaces: Mapping[str, int], rows: Mapping[tuple[int, int], int], nodes: int) -> dict[str, int]:
+    """Number of the node of each interface; raises PinpressError as `reduced_frame`."""
+    if not isinstance(interfaces, Mapping) or not interfaces:
+        raise PinpressError(f"interfaces is {shown(interfaces)}: give a mapping, name of each interface: number of its node")
+    found: dict[str, int] = {}
+    for name, given in interfaces.items():
+        if not isinstance(name, str) or name == WHOLE:
+            raise PinpressError(f"interface {shown(name)}: give it another name; {WHOLE!r} is the mean motion of the frame")
+        node = whole_number(f"node of interface {shown(name)}", given, 0, nodes - 1)
+        if any((node, along) not in rows for along in range(6)):
+            raise PinpressError(
+                f"interface {shown(name)}: node {node} does not have all six degrees of freedom: make it a master node that spreads its"
+                " displacement over the nodes around it"
+            )
+        if node in found.values():
+            raise PinpressError(f"interface {shown(name)}: node {node} is an interface already: name it once")
+        found[name] = node
+    return found
+
+
+def _free_vibrations(
+    mass: Array, stiffness: Array, places: Array, rows: Mapping[tuple[int, int], int], interfaces: Mapping[str, int], modes: int
+) -> tuple[Array, Array, Array]:
+    """Spatial inertia (6, 6), frequencies (m,) and motions (n, 6 + m) of all rows, of the reduced frame; raises PinpressError."""
+    from scipy.linalg import null_space  # SciPy takes its time to load
+
+    whole = _whole_motions(len(mass), places, rows)
+    reach = max(1.0, float(np.abs(places).max()))
+    if np.abs(stiffness @ whole).max() > RIGID * np.abs(stiffness).max() * reach:
+        raise PinpressError(
+            "the frame: its stiffness matrix resists when the frame moves as a whole: give that of a frame that nothing holds, with nodes"
+            " in m"
+        )
+    basis, outer = _craig_bampton(mass, stiffness, rows, interfaces, modes)
+    rigid = np.vstack([whole[outer], np.zeros((basis.shape[1] - len(outer), 6))])
+    if np.abs(basis @ rigid - whole).max() > RIGID * reach:
+        raise PinpressError(
+            "the frame: rows without a node move when the frame moves as a whole: give all nodes, or the reduced coordinates"
+        )
+    inertia = whole.T @ mass @ whole
+    small, stiff = basis.T @ mass @ basis, basis.T @ stiffness @ basis
+    beside = null_space(rigid.T @ small)
+    try:
+        np.linalg.cholesky(inertia)
+        factor = np.linalg.inv(np.linalg.cholesky(beside.T @ small @ beside))
+    except np.linalg.LinAlgError as error:
+        raise PinpressError("the frame: its mass matrix is not positive definite: give the consistent mass matrix of all rows") from error
+    squared, vectors = np.linalg.eigh(factor @ (beside.T @ stiff @ beside) @ factor.T)
+    if not len(squared) or squared[0] <= LOOSE * squared[-1]:
+        raise PinpressError("the frame: more than six of its motions cost no energy: its parts are not joined, or it has a hinge")
+    return inertia, np.sqrt(squared), np.hstack([whole, basis @ (beside @ (factor.T @ vectors))])
+
+
+def _whole_motions(count: int, places: Array, rows: Mapping[tuple[int, int], int]) -> Array:
+    """(n, 6) displacements and turns of all rows when the frame moves as a whole, by those of its point at the world origin."""
+    whole = np.zeros((count, 6))
+    for (node, direction), row in rows.items():
+        if direction < 3:
+            whole[row, :3], whole[row, 3:] = np.eye(3)[direction], -pin.skew(places[node])[direction]
+        else:
+            whole[row, direction] = 1.0
+    return whole
+
+
+def _craig_bampton(
+    mass: Array, stiffness: Array, rows: Mapping[tuple[int, int], int], interfaces: Mapping[str, int], modes: int
+) -> tuple[Array, NDArray[np.intp]]:
+    """(n, c) motions of all rows: each degree of freedom of the interfaces moved by itself, then vibrations with all of them held."""
+    from scipy.linalg import cho_factor, cho_solve, eigh  # SciPy takes its time to load
+
+    outer = np.array([rows[node, along] for node in interfaces.values() for along in range(6)])
+    inner = np.setdiff1d(np.arange(len(mass)), outer)
+    kept = min(modes, len(inner))
+    basis = np.zeros((len(mass), len(outer) + kept))
+    basis[outer, np.arange(len(outer))] = 1.0
+    if len(inner):
+        held = stiffness[np.ix_(inner, inner)]
+        try:
+            basis[inner, : len(outer)] = -cho_solve(cho_factor(held), stiffness[np.ix_(inner, outer)])
+            if kept:
+                basis[inner, len(outer) :] = eigh(held, mass[np.ix_(inner, inner)], subset_by_index=[0, kept - 1])[1]
+        except np.linalg.LinAlgError as error:
+            raise PinpressError(
+                "the frame: it moves though all its interfaces are held, or its mass matrix is not positive definite: some rows lack"
+                " stiffness or mass"
+            ) from error
+    return basis, outer
+
+
+def _at_origin(motion: Array, place: Array) -> Array:
+    """(6, n) displacement at the world origin and turn, from the displacement at a place (3,) and the turn of a node."""
+    return read_only(np.vstack([motion[:3] + pin.skew(place) @ motion[3:], motion[3:]]))

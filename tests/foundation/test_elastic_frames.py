@@ -1,0 +1,346 @@
+"""Frames that bend: beams against Timoshenko's equations, the reduction against the full model, the rigid limit, balances."""
+
+import functools
+
+import numpy as np
+import pytest
+from scipy.io import mmwrite
+from scipy.linalg import eigh, expm
+from scipy.optimize import brentq
+from scipy.sparse import csr_matrix
+from support.generators.frames import harmonic_force, turns, weightless
+from support.texts import shipped
+
+import pinpress as pp
+from pinpress import PinpressError, UnknownNameError, foundation
+from pinpress.foundation import beams
+from pinpress.foundation.frame_parts import rows_at
+from pinpress.foundation.response import displacement_amplitudes
+
+FEET = {f"foot {k}": (x, y, -1.3) for k, (x, y) in enumerate([(-0.55, -0.5), (-0.55, 0.6), (0.55, -0.5), (0.55, 0.6)])}
+PLACES = {"bed": (0, 0.05, -1), "left": (0, 0.6, -1), "right": (0, -0.5, -1), "crown": (0, 0.05, 0.5)}
+PLACES |= {"upper left": (0, 0.6, 0.5), "upper right": (0, -0.5, 0.5)} | FEET
+MOUNTS = [foundation.Mount(foot, (8e6, 8e6, 9e8), (2e4, 3e4, 4e5)) for foot in FEET.values()]
+
+
+def members(stiffer=1.0):
+    """A bed and a crown of boxes on two columns, and a leg to each foot."""
+    material = {"modulus": 2.1e11 * stiffer, "shear_modulus": 8.1e10 * stiffer}
+    box = {"width": 0.8, "height": 0.5, "wall": 0.04, "across": (1, 0, 0)} | material
+    found = [foundation.FrameBeam(*ends, **box) for ends in [("right", "bed"), ("bed", "left")]]
+    found += [foundation.FrameBeam(*ends, **box) for ends in [("upper right", "crown"), ("crown", "upper left")]]
+    column = {"width": 0.6, "height": 0.25, "wall": 0.05, "across": (1, 0, 0)} | material
+    found += [foundation.FrameBeam("left", "upper left", **column), foundation.FrameBeam("right", "upper right", **column)]
+    leg = {"width": 0.3, "height": 0.3, "across": (0, 1, 0)} | material
+    sides = ("right", "left", "right", "left")
+    return found + [foundation.FrameBeam(side, foot, **leg) for side, foot in zip(sides, FEET, strict=True)]
+
+
+@functools.cache
+def frame(stiffer=1.0, modes=20, elements=3, loss_factor=0.0, guided="crown"):
+    bearings = {} if guided == "crown" else {"slide_guide": guided}
+    more = {"elements": elements, "modes": modes, "loss_factor": loss_factor, "bearings": bearings}
+    return foundation.beam_frame(PLACES, members(stiffer), bed="bed", carrier="crown", **more)
+
+
+def full_model(monkeypatch, elements=3):
+    """The matrices that `beam_frame` reduces, and what goes with them."""
+    with monkeypatch.context() as patched:
+        patched.setattr(beams, "reduced_frame", lambda mass, stiffness, **more: (mass, stiffness, more))
+        return foundation.beam_frame(PLACES, members(), bed="bed", carrier="crown", elements=elements)
+
+
+# --------------------------------------------------------------------------------------------------------------------------------- beams
+
+
+def timoshenko(beam, length, moment, shear, count):
+    """Frequencies of a free beam: roots of what its end lacks, from the equations of Timoshenko integrated along it."""
+    bending, sheared = beam.modulus * moment, beam.shear_modulus * shear
+
+    def end(w):  # w' = slope + shear force, slope' = moment, moment' = -shear force - rotary inertia, shear force' = -inertia
+        a = np.zeros((4, 4))
+        a[0, 1], a[0, 3] = 1.0, 1 / sheared
+        a[1, 2] = 1 / bending
+        a[2, 1], a[2, 3] = -beam.density * moment * w**2, -1.0
+        a[3, 0] = -beam.density * beam.area * w**2
+        return np.linalg.det(expm(a * length)[2:, :2] / np.array([[bending], [sheared]]))
+
+    slender = np.pi**2 * np.sqrt(bending / (beam.density * beam.area)) / length**2
+    trials = np.linspace(0.05, 8.0, 400) * slender
+    values = [end(w) for w in trials]
+    found = [brentq(end, *trials[k : k + 2], xtol=1e-10) for k in range(len(trials) - 1) if values[k] * values[k + 1] < 0]
+    return np.array(found[:count])
+
+
+def test_a_free_beam_vibrates_as_timoshenko_says():
+    """A short solid beam, five heights long: bending both ways, stretching and twisting; errors fall with the square of the elements."""
+    ends, length = {"a": (0.1, 0.2, 0.3), "b": (0.1, 1.2, 0.3)}, 1.0
+    beam = foundation.FrameBeam("a", "b", 0.3, 0.2, (1, 1, 0))
+    exact = [timoshenko(beam, length, beam.second_moments[k], beam.shear_areas[k], 2) for k in (0, 1)]
+    errors = []
+    for elements in (10, 20):
+        found = foundation.beam_frame(ends, [beam], bed="a", carrier="b", elements=elements, modes=200).natural_frequency
+        errors.append([found[np.abs(found / w - 1).argmin()] / w - 1 for w in np.ravel(exact)])
+    coarse, fine = np.array(errors)
+    assert ((coarse / fine > 3.5) & (coarse / fine < 4.5)).all()
+    np.testing.assert_allclose((4 * fine - coarse) / 3, 0.0, atol=1e-4)
+    twist = np.pi / length * np.sqrt(beam.shear_modulus * beam.torsion_constant / (beam.density * sum(beam.second_moments)))
+    stretch = np.pi / length * np.sqrt(beam.modulus / beam.density)
+    for w in (twist, stretch):
+        assert np.abs(found / w - 1).min() < np.pi**2 / 24 / 20**2 * 1.1  # linear displacement in an element
+
+
+@pytest.mark.parametrize(("along", "moment", "shear"), [((0, 0, 1), 0, 0), ((1, 0, 0), 1, 1)])
+def test_a_beam_on_two_supports_sags(along, moment, shear):
+    """P (L^3 / 48 E I + L / 4 G A_s) in the middle, exact for any number of elements; stretched, L / E A."""
+    beam = {"width": 0.4, "height": 0.3, "wall": 0.02, "across": (1, 0, 0), "density": 1.0}
+    halves = [foundation.FrameBeam(*ends, **beam) for ends in (("a", "middle"), ("middle", "b"))]
+    places = {"a": (0, 0, 0), "middle": (0, 1, 0), "b": (0, 2, 0)}
+    one = halves[0]
+    bent = foundation.beam_frame(places, halves, bed="middle", carrier="middle", elements=1)
+    compliance = 1 / bent.stiffness_between("a", "b", axis="y")
+    assert compliance == pytest.approx(2.0 / (one.modulus * one.area), rel=1e-9)
+    rows = [rows_at(bent.motions[name], places[name])["xyz".index("z") if along[2] else 0] for name in places]
+    stretch = (rows[1] - 0.5 * (rows[0] + rows[2]))[6:]
+    expected = 8.0 / (48 * one.modulus * one.second_moments[moment]) + 2.0 / (4 * one.shear_modulus * one.shear_areas[shear])
+    assert ((stretch / bent.natural_frequency) ** 2).sum() == pytest.approx(expected, rel=1e-9)
+
+
+def test_two_supports_on_a_line_do_not_hold_a_beam():
+    beam = [foundation.FrameBeam("a", "b", 0.4, 0.3, (1, 0, 0))]
+    places = {"a": (0, -1, 0), "b": (0, 1, 0)}
+    bent = foundation.beam_frame(places, beam, bed="a", carrier="b")
+    with pytest.raises(PinpressError, match="the mounts leave the frame free in turn about y"):
+        foundation.mounted(weightless(), bent, [foundation.Mount(place, (1e6, 1e6, 1e6)) for place in places.values()])
+
+
+def test_sections_of_boxes():
+    """A solid square has 0.1406 a^4 against twisting; a hollow one the moments of the outer box less those of the inner one."""
+    solid = foundation.FrameBeam("a", "b", 0.2, 0.2, (1, 0, 0))
+    assert solid.torsion_constant == pytest.approx(0.1406 * 0.2**4, rel=3e-3)
+    hollow = foundation.FrameBeam("a", "b", 0.3, 0.2, (1, 0, 0), wall=0.01)
+    assert hollow.area == pytest.approx(0.3 * 0.2 - 0.28 * 0.18, rel=1e-12)
+    assert hollow.second_moments[0] == pytest.approx((0.3 * 0.2**3 - 0.28 * 0.18**3) / 12, rel=1e-12)
+    assert hollow.torsion_constant == pytest.approx(4 * (0.29 * 0.19) ** 2 * 0.01 / (2 * (0.29 + 0.19)), rel=1e-12)
+
+
+# ----------------------------------------------------------------------------------------------------------------------------- reduction
+
+
+def test_reduced_frame_on_its_mounts_beside_the_full_model(monkeypatch):
+    """Natural frequencies of the full matrices with the mounts' springs: from above, closer with each mode kept, all kept to rounding."""
+    mass, stiffness, more = full_model(monkeypatch)
+    held = stiffness.copy()
+    for foot, mount in zip(FEET, MOUNTS, strict=True):
+        rows = 6 * more["interfaces"][foot] + np.arange(3)
+        held[rows, rows] += mount.stiffness
+    full = np.sqrt(eigh(held, mass, eigvals_only=True))
+    press = pp.load("crank_slide", gravity=(0, 0, 0)).with_inertias(list(weightless().model.inertias))
+    off = []
+    for modes in (0, 6, 30, 200):
+        found = foundation.modes(foundation.mounted(press, frame(modes=modes), MOUNTS)).natural_frequency[:12]
+        off.append(found / full[:12] - 1)
+        assert (off[-1] > -1e-9).all()
+    assert (off[0] >= off[1] - 1e-9).all()
+    assert (off[1] >= off[2] - 1e-9).all()
+    assert off[0].max() > 1e-2 > off[2].max()
+    assert off[2][:6].max() < 1e-4
+    np.testing.assert_allclose(off[3], 0.0, atol=1e-9)
+
+
+def test_statics_of_forces_at_the_interfaces_are_exact(monkeypatch):
+    """The compliance between crown and bed of the full model (least squares through its rigid motions), with no vibration kept."""
+    _, stiffness, more = full_model(monkeypatch)
+    force = np.zeros(len(stiffness))
+    force[6 * more["interfaces"]["crown"] + 2], force[6 * more["interfaces"]["bed"] + 2] = 1.0, -1.0
+    expected = 1 / (force @ np.linalg.lstsq(stiffness, force, rcond=1e-12)[0])
+    for modes in (0, 20):
+        assert frame(modes=modes).stiffness_between("crown", "bed") == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_frame_is_read_as_it_is_given(monkeypatch, tmp_path):
+    mass, stiffness, more = full_model(monkeypatch, elements=1)
+    given = {key: more[key] for key in ("interfaces", "bed", "carrier")}
+    expected = foundation.reduced_frame(mass, stiffness, **more)
+    np.savez(tmp_path / "frame.npz", mass=mass, stiffness=stiffness, nodes=more["nodes"], degrees=more["degrees"])
+    mmwrite(tmp_path / "mass.mtx", csr_matrix(mass))
+    mmwrite(tmp_path / "stiffness.mtx", csr_matrix(stiffness))
+    matrices = {"stiffness": tmp_path / "stiffness.mtx", "nodes": more["nodes"], "degrees": more["degrees"]}
+    for read in (
+        foundation.read_frame(tmp_path / "frame.npz", **given),
+        foundation.read_frame(tmp_path / "mass.mtx", **given, **matrices),
+    ):
+        np.testing.assert_allclose(read.natural_frequency, expected.natural_frequency, rtol=1e-7)
+        np.testing.assert_allclose(read.inertia, expected.inertia, rtol=1e-9, atol=1e-6)
+    assert "crank and guides" in str(expected)
+
+
+# -------------------------------------------------------------------------------------------------------------------------- the rigid limit
+
+
+@pytest.mark.parametrize("guided", ["crown", "upper left"])
+def test_a_stiff_frame_is_the_rigid_one(guided):
+    """1e10 times as stiff as steel: the results of a rigid frame of the same inertia, to 1e-9, wherever the guide is. In time it is 1e-7:
+    there vibrations 1e8 times as fast as the step go through a matrix exponential, and the sudden start makes them ring."""
+    stiff, press = frame(stiffer=1e10, guided=guided), shipped("jf75g_125")
+    centre = np.array([stiff.inertia[5, 1], stiff.inertia[3, 2], stiff.inertia[4, 0]]) / stiff.mass
+    tensor = stiff.inertia[3:, 3:] - stiff.mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    aside = {"attached": {"motor": foundation.Attachment(foundation.Frame(450, (0, 0.9, 0.9), (20, 10, 20)))}, "rotors": ROTORS}
+    rigid = foundation.mounted(press, foundation.Frame(stiff.mass, centre, tensor), MOUNTS, **aside)
+    bent = foundation.mounted(press, stiff, MOUNTS, **aside)
+    np.testing.assert_allclose(bent.mount_load, rigid.mount_load, atol=1e-9 * rigid.mount_load.max())
+    one, two = foundation.modes(bent), foundation.modes(rigid)
+    np.testing.assert_allclose(one.natural_frequency[:6], two.natural_frequency, rtol=1e-9)
+    assert one.motion[:6] == two.motion
+    assert set(one.motion[6:]) == {"bending"}
+    crown, top = {"top": ("crown", (0.1, 0.2, 0.9))}, {"top": (0.1, 0.2, 0.9)}
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, 20.0, points=180))
+    motion = pp.inverse_dynamics(press, turns(press, 20.0, 1, 180))
+    for respond, given, share in ((foundation.steady_response, reactions, 1e-9), (foundation.time_response, motion, 1e-7)):
+        mine, theirs = respond(bent, given, points=crown), respond(rigid, given, points=top)
+        for name in ("displacement", "acceleration")[: 1 if share > 1e-9 else 2]:
+            one, two = getattr(mine, name)["top"], getattr(theirs, name)["top"]
+            np.testing.assert_allclose(one, two, atol=share * np.abs(two).max())
+        np.testing.assert_allclose(mine.floor_force, theirs.floor_force, atol=10 * share * np.abs(theirs.floor_force).max())
+    over = [foundation.over_speeds(system, [10.0, 20.0], points=there).rms["top"] for system, there in ((bent, crown), (rigid, top))]
+    np.testing.assert_allclose(over[0], over[1], atol=1e-9 * over[1].max())
+
+
+ROTORS = [foundation.Rotor(136, (0, -1, 0))]
+
+
+# -------------------------------------------------------------------------------------------------------------------------------- balances
+
+
+@functools.cache
+def bent(loss_factor=0.02):
+    return foundation.mounted(shipped("jf75g_125"), frame(loss_factor=loss_factor, guided="upper left"), MOUNTS, rotors=ROTORS)
+
+
+def test_force_on_the_floor_is_what_momentum_leaves():
+    """The frame's momentum is that of its mean motion, whatever bends."""
+    system, press = bent(), shipped("jf75g_125")
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, 20.0, points=180))
+    response = foundation.steady_response(system, reactions, points={"bed": "bed"})
+    spectrum = np.fft.rfft(response.coordinates, axis=0) * (1j * 20.0 * np.arange(91)[:, None]) ** 2
+    momentum = np.fft.irfft(spectrum, 180, axis=0) @ system.mass @ system.rigid
+    left = response.shaking_force - momentum[:, :3]
+    np.testing.assert_allclose(response.floor_force, left, atol=1e-7 * np.abs(response.shaking_force).max())
+    plain = np.array(reactions.shaking_force) - system.press_weight[:3]
+    np.testing.assert_allclose(response.shaking_force, plain, atol=1e-9 * np.abs(plain).max())
+
+
+def test_displacement_by_a_force_is_reciprocal():
+    """At standstill, with loss: what a force at A along z does at B along x, the same at B along x does at A along z."""
+    system = bent()
+    one = rows_at(system.parts["upper left"], PLACES["upper left"])[2]
+    two = rows_at(system.parts["foot 1"], FEET["foot 1"])[0]
+    w = np.array([30.0, 200.0, 900.0])
+    there = [displacement_amplitudes(system, w, np.broadcast_to(force.astype(complex), (3, len(force)))) for force in (one, two)]
+    np.testing.assert_allclose(there[0] @ two, there[1] @ one, rtol=1e-8)
+    assert np.abs(there[0] @ two).min() > 0
+
+
+def test_slide_and_bed_move_apart_as_the_stiffness_says():
+    """Pressed apart slowly at crown and bed, the frame opens by force / stiffness, about 0.3 mm under 1250 kN."""
+    press = weightless()
+    system = foundation.mounted(press, frame(), MOUNTS)
+    force, stiffness = 1.25e6, frame().stiffness_between("crown", "bed")
+    pair = [harmonic_force(press, -force)]
+    result = pp.inverse_dynamics(press, pp.cycle(press, 0.1, points=32), loads=pair)
+    wrench = (
+        np.cos(result.motion.crank_angle)[:, None]
+        * force
+        * (rows_at(system.parts["crown"], PLACES["crown"])[2] - rows_at(system.parts["bed"], PLACES["bed"])[2])
+    )
+    still = np.linalg.solve(system.stiffness, wrench[0])
+    opened = (rows_at(system.parts["crown"], PLACES["crown"])[2] - rows_at(system.parts["bed"], PLACES["bed"])[2]) @ still
+    assert opened == pytest.approx(force / stiffness, rel=2e-3)  # the mounts resist the little that the feet turn
+    on_bed = foundation.steady_response(system, result, points={"bed": PLACES["bed"], "named": "bed", "with": ("bed", PLACES["bed"])})
+    for name in ("named", "with"):
+        np.testing.assert_allclose(on_bed.displacement[name], on_bed.displacement["bed"], rtol=1e-9, atol=1e-15)
+
+
+# ---------------------------------------------------------------------------------------------------------------------------------- errors
+
+BEAM = {"width": 0.3, "height": 0.2, "across": (0, 0, 1)}
+TWO = {"a": (0, 0, 0), "b": (1, 0, 0)}
+
+
+def box(**more):
+    return foundation.FrameBeam("a", "b", **BEAM | more)
+
+
+def simple(places=TWO, beam=None, **more):
+    return foundation.beam_frame(places, [beam or box()], **{"bed": "a", "carrier": "b"} | more)
+
+
+def matrices(**more):
+    """Two bodies at one place, joined in all six directions."""
+    joined = np.kron([[1.0, -1.0], [-1.0, 1.0]], 1e6 * np.eye(6))
+    given = {"nodes": [(0, 0, 0), (0, 0, 0)], "degrees": [(k, i) for k in (0, 1) for i in range(6)], "interfaces": {"a": 0, "b": 1}}
+    return foundation.reduced_frame(**{"mass": np.eye(12), "stiffness": joined, "bed": "a", "carrier": "b"} | given | more)
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "says"),
+    [
+        (lambda: box(width=-1.0), PinpressError, "width is -1.0"),
+        (lambda: box(wall=0.1), PinpressError, "fills the box"),
+        (lambda: box(across=(0, 0, 0)), PinpressError, "x, y, z of a direction"),
+        (lambda: foundation.FrameBeam(1, "b", **BEAM), PinpressError, "names of places"),
+        (lambda: simple(beam=box(across=(1, 0, 0))), PinpressError, "lies along it"),
+        (lambda: simple({"a": (0, 0, 0)}), PinpressError, "at least two"),
+        (lambda: simple({"a": (0, 0, 0), "b": (0, 0, 0)}), PinpressError, "are one"),
+        (lambda: simple({"a": (0, 0, 0), "b": (0, 1)}), PinpressError, "place 'b'"),
+        (lambda: simple(TWO | {"frame": (0, 1, 1)}), PinpressError, "another name"),
+        (lambda: simple(TWO | {"c": (0, 1, 1)}), PinpressError, "no beam reaches c"),
+        (lambda: simple(beam=foundation.FrameBeam("a", "d", **BEAM)), UnknownNameError, "no place 'd'"),
+        (lambda: simple(bed="c"), UnknownNameError, "no interface for bed 'c'"),
+        (lambda: simple(bearings={"O": "c"}), UnknownNameError, "no interface for O 'c'"),
+        (lambda: simple(elements=0), PinpressError, "elements is 0"),
+        (lambda: simple(modes=-1), PinpressError, "modes is -1"),
+        (lambda: simple(loss_factor=-0.1), PinpressError, "loss_factor is -0.1"),
+        (lambda: foundation.beam_frame(TWO, [], bed="a", carrier="b"), PinpressError, "at least one"),
+        (lambda: simple().stiffness_between("a", "c"), UnknownNameError, "no interface 'c'"),
+        (lambda: simple().stiffness_between("a", "b"), PinpressError, "would turn the frame"),
+        (lambda: simple().stiffness_between("a", "b", axis="up"), PinpressError, "axis is 'up'"),
+        (lambda: matrices(mass=np.eye(6)), PinpressError, "give both for the same rows"),
+        (lambda: matrices(stiffness=np.eye(12)), PinpressError, "resists when the frame moves as a whole"),
+        (lambda: matrices(stiffness=np.zeros((12, 12))), PinpressError, "more than six of its motions cost no energy"),
+        (lambda: matrices(mass=-np.eye(12)), PinpressError, "not positive definite"),
+        (lambda: matrices(degrees=[(0, 0)] * 12), PinpressError, "each once"),
+        (lambda: matrices(interfaces={}), PinpressError, "give a mapping"),
+        (lambda: matrices(interfaces={"a": 0, "b": 0}), PinpressError, "name it once"),
+        (lambda: matrices(interfaces={"a": 0, "frame": 1}), PinpressError, "another name"),
+        (lambda: matrices(lines=[(0, 5)]), PinpressError, "lines name nodes"),
+        (
+            lambda: matrices(degrees=[(0, i) for i in range(6)] + [(1, 0)] + [(-1, -1)] * 5),
+            PinpressError,
+            "does not have all six degrees of freedom",
+        ),
+        (lambda: stand([foundation.Mount((0, 0, 9), (1e6,) * 3)]), PinpressError, "no interface of the frame is at"),
+        (lambda: stand(crown=foundation.Frame(1.0, (0, 0, 0), (1, 1, 1)), uprights=MOUNTS), PinpressError, "has no crown="),
+        (lambda: stand(attached={"bed": foundation.Attachment(foundation.Frame(1, (0, 0, 0), (1, 1, 1)))}), PinpressError, "a name other"),
+        (lambda: foundation.mounted(shipped("jf75g_125"), odd_bearing(), MOUNTS), UnknownNameError, "no bearing on the frame 'P2'"),
+        (lambda: respond({"p": (9, 9, 9)}), PinpressError, "no node of the frame is at"),
+        (lambda: respond({"p": "top"}), UnknownNameError, "no part of the frame 'top'"),
+        (lambda: foundation.isolate(shipped("jf75g_125"), frame(), MOUNTS, speeds=[1.0], transmitted=0.5), PinpressError, "frame is"),
+    ],
+)
+def test_what_makes_no_sense_is_named(make, error, says):
+    with pytest.raises(error, match=says):
+        make()
+
+
+def stand(mounts=MOUNTS, **more):
+    return foundation.mounted(shipped("jf75g_125"), frame(), mounts, **more)
+
+
+def odd_bearing():
+    return foundation.beam_frame(PLACES, members(), bed="bed", carrier="crown", bearings={"P2": "bed"}, elements=1)
+
+
+def respond(points):
+    press = shipped("jf75g_125")
+    return foundation.steady_response(bent(), pp.inverse_dynamics(press, pp.cycle(press, 20.0, points=60)), points=points)
