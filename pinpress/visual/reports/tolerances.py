@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...common import tables
 from ...common.conic_program import PROVED
 from ...common.errors import PinpressError
-from ...dynamics.inputs import Inputs
+from ...common.quantities import Array
+from ...dynamics.harmonics import is_cycle
+from ...dynamics.inputs import Inputs, of_friction
+from ...kinematics.motion import Motion
 from ...tolerances.accuracy_budget import NEGLIGIBLE, PARTS, AccuracyBudget
 from ...tolerances.allocation import AllocatedTolerances
 from ...tolerances.clearances import GuideClearance, SlidePlay
@@ -28,8 +32,8 @@ def play(found: SlidePlay, shown: Shown) -> Section:
     """The section of a slide in its clearances; raises `PinpressError` where it is of another press."""
     _refuse_others("play", found.press_name, shown)
     motion, first = found.motion, found.motion.driver_coordinates[0]
-    order = np.argsort(motion.shown_position, kind="stable")
-    along, across = motion.shown_position[order], f"{first.counted} [{first.shown_unit}]"
+    order, along = _around(motion)
+    across = f"{first.counted} [{first.shown_unit}]"
     low, high = found.bottom_band
     figures = [
         Figure("bottom dead centre", _mm(found.bottom_shift), f"{_mm(low)} to {_mm(high)}"),
@@ -64,9 +68,22 @@ def play(found: SlidePlay, shown: Shown) -> Section:
         )
     note = (
         "Offset from the rigid press without clearances, positive upwards, with every bearing closed by its force. Between lowest and"
-        f" highest where a force is below {100 * found.known_to:.3g} % of its parts, so that its direction is not known."
+        f" highest where a force is below {100 * found.known_to:.3g} % of its parts, so that its direction is not known"
+        f"{', and where contacts with friction lean' if found.friction else ''}."
     )
     return Section("Slide in its clearances", blocks, _clearances_in_words(found), note)
+
+
+def _around(motion: Motion) -> tuple[NDArray[np.intp], Array]:
+    """The states in the order of the crank angle, and where they are drawn [deg]; a period ends with its first state once more. Those of a
+    driver that slides to and fro keep their order [mm]."""
+    places = motion.shown_position
+    if not motion.driver_coordinates[0].turns:
+        return np.arange(len(places)), places
+    order = np.argsort(places, kind="stable")
+    if not is_cycle(motion) or motion.period_turns is None:
+        return order, places[order]
+    return np.append(order, order[0]), np.append(places[order], places[order[0]] + 360.0 * motion.period_turns)
 
 
 def over_speeds(found: DeadCentresInClearances, shown: Shown) -> Section:
@@ -190,7 +207,10 @@ def parallelism(found: SlideParallelism, shown: Shown) -> Section:
     tilted = [(k, slope) for k, slope in enumerate(found.slopes) if slope.worst_case]
     first = found.coordinate
     blocks: list[Block] = [Figures([_spread(slope) for _, slope in tilted])] if tilted else []
-    lines = [Line(slope.quantity, 3e6 * found.slope_sd[:, k], first.scale * found.crank_angle) for k, slope in tilted]
+    turned, spread = first.scale * found.crank_angle, found.slope_sd
+    if first.turns:  # of a period, without its end
+        turned, spread = np.append(turned, 2 * turned[-1] - turned[-2]), np.concatenate([spread, spread[:1]])
+    lines = [Line(slope.quantity, 3e6 * spread[:, k], turned) for k, slope in tilted]
     if lines:
         across = f"{first.counted} [{first.shown_unit}]"
         blocks.append(LineChart("Three standard deviations over the turn", "µm/m", lines, across=across, follows="position"))
@@ -220,7 +240,8 @@ def _clearances_in_words(found: SlidePlay) -> Inputs:
             else f"{1e3 * width:.4g} mm"
         )
         alike.setdefault(wide, []).append(name)
-    return [("radial clearance", "; ".join(f"{', '.join(names)}: {wide}" for wide, names in alike.items()))]
+    friction = [("friction in them", words) for _, words in of_friction(found.friction)] if found.friction else []
+    return [("radial clearance", "; ".join(f"{', '.join(names)}: {wide}" for wide, names in alike.items())), *friction]
 
 
 def _mm(value: float) -> str:
