@@ -67,7 +67,7 @@ def _presses(axes: Axes, scatter: Scatter, limit: float | None) -> None:
     """How many presses of the sample deviate by how much."""
     reach = float(max(np.abs(scatter.deviation).max(), np.abs(scatter.corners).max(), limit or 0.0))
     scale = tables.scale(scatter.unit, [reach])
-    unit, factor = ("µm", 1e6) if scatter.unit == "m" else (scale.unit, scale.factor)
+    unit, factor = {"m": ("µm", 1e6), "m/m": ("µm/m", 1e6)}.get(scatter.unit, (scale.unit, scale.factor))
     grid(axes, "presses [%]")
     axes.yaxis.grid(False)
     weights = np.full(len(scatter.deviation), 100.0 / len(scatter.deviation))

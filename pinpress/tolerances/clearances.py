@@ -190,7 +190,7 @@ class SlidePlay(Tabular):
         """A row for each state: driver, offset with its band, shares of the bearings, and the slide in its guide."""
         columns = self.motion._of_drivers(0) | {"offset [m]": self.offset, "lowest [m]": self.lowest, "highest [m]": self.highest}
         columns |= {f"offset_{name} [m]": share for name, share in self.by_bearing.items()}
-        if self.shift.any():
+        if self.shift.any() or self.rotation.any():
             columns |= tables.by_axis("shift", "m", self.shift) | tables.by_axis("rotation", "rad", self.rotation)
         return columns
 

@@ -105,11 +105,11 @@ def followed_to(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
 def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> Ended:
     """`followed_to` of a piece; ``slopes``: (nv, k) of the joint coordinates."""
     guide, _, sign = shapes.press.slide_guide
-    moved = slopes @ deviations
+    moved, added = slopes @ deviations, shapes.added(deviations)
     x = ending.start[:, None] + moved
     with np.errstate(all="ignore"):  # a set that fails shows in its gap
         for _ in range(MOST_NEWTON_STEPS + 1):
-            found = shapes.evaluated(x, deviations)
+            found = shapes.evaluated(x, added)
             turn = _turned(shapes, x, deviations, found, ending)
             close = found.gap <= ACCEPTED * shapes.tolerance
             at_rest = np.abs(turn) <= (TURNED_BACK if ending.kind == "dead centre" else TURNED)

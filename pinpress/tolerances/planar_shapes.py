@@ -57,8 +57,11 @@ class PlanarShapes(Shapes):
         slopes = changes[:, places[:, 0], places[:, 1]].T
         return PlanarShapes(press, guide_slopes, plane.tolerance, plane, tuple(shifts), places, slopes)
 
-    def evaluated(self, x: Array, deviations: Array) -> Evaluated:
-        plane, added = self.plane, self.slopes @ deviations
+    def added(self, deviations: Array) -> ComplexArray:
+        return np.asarray(self.slopes @ deviations)
+
+    def evaluated(self, x: Array, added: ComplexArray) -> Evaluated:
+        plane = self.plane
         loops = len(plane.loop_points)
         basis = basis_at(plane, x)
         rows = self._rows(basis, added, len(plane.closure))

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -49,8 +49,12 @@ class Shapes(ABC):
         return np.asarray(sign * (joint_position[guide] + self.guide_slopes @ deviations) + offset)
 
     @abstractmethod
-    def evaluated(self, x: Array, deviations: Array) -> Evaluated:
-        """The loop equations of sets with deviations (k, n) at joint coordinates (nv, n)."""
+    def added(self, deviations: Array) -> Any:
+        """What deviations (k, n) add to the equations of every set, for `evaluated`."""
+
+    @abstractmethod
+    def evaluated(self, x: Array, added: Any) -> Evaluated:
+        """The loop equations of sets at joint coordinates (nv, n)."""
 
     @abstractmethod
     def joint_slopes(self, start: Array) -> tuple[Array, Array]:

@@ -53,8 +53,11 @@ class SpatialShapes(Shapes):
         loops = build_loops(press.spatial_model)
         return SpatialShapes(press, along @ joints[guide.joint], press.spatial_model.tolerance, loops, joints, ends)
 
-    def evaluated(self, x: Array, deviations: Array) -> Evaluated:
-        found = equations(self.loops, x, Moved(self.joints @ deviations, self.ends @ deviations))
+    def added(self, deviations: Array) -> Moved:
+        return Moved(self.joints @ deviations, self.ends @ deviations)
+
+    def evaluated(self, x: Array, added: Moved) -> Evaluated:
+        found = equations(self.loops, x, added)
         gap = found.widest()
         found.entries[:, ~(np.isfinite(gap) & np.isfinite(found.entries).all(axis=0))] = 0.0
         passive = PassiveColumns(self.loops, found.entries)

@@ -86,6 +86,11 @@ def test_parallelism_in_a_report(tmp_path):
     section = next(each for each in data_in(page)["report"]["sections"] if each["title"] == "Parallelism on 2 points")
     three = curve(section, "Three standard deviations over the turn", "slope along (0, 1, 0)")
     assert three == pytest.approx(3e6 * np.append(found.slope_sd[:, 1], found.slope_sd[0, 1]), rel=1e-5)
+    low, high = (f"{1e6 * end:.2f}".replace("-", "−") for end in found.slopes[1].band(0.95))
+    assert section["blocks"][0]["figures"] == [{"name": "slope along (0, 1, 0)", "value": f"{low} to {high} µm/m", "at": "95 % of presses"}]
+    presses = pp.plots.tolerances(found.slopes[1], 5e-5).axes[1]
+    assert presses.get_xlabel() == "deviation of slope along (0, 1, 0) [µm/m]"
+    assert sorted(np.asarray(line.get_xdata())[0] for line in presses.lines)[-1] == pytest.approx(1e6 * found.slopes[1].worst_case)
     other = texts.shipped("crank_slide")
     with pytest.raises(pp.PinpressError, match="the parallelism is of jf75g_125_two_point, the page of crank_slide"):
         pp.report(other, pp.cycle(other, 7.0, points=24), tmp_path / "other.html", results=[found])

@@ -252,6 +252,29 @@ def test_of_several_turning_points_the_outermost_of_each_press_counts(tmp_path):
     assert 0 < near_second < 8
 
 
+def test_a_turning_point_may_become_the_outermost_one_where_one_dimension_alone_deviates(tmp_path):
+    """The shaft's place shifts the two tops against each other; its smallest deviation in the sample does nothing."""
+    (tmp_path / "knee.yaml").write_text(KNEE)
+    press = pp.build(tmp_path / "knee.yaml")
+    found = tol.bottom_dead_centre(press, [tol.pin_position(press, "A", "x", 1e-3)], samples=30)
+    order, nominal = np.argsort(found.deviations[0]), pp.dead_centres(press)
+    ends = [pp.dead_centres(built(press, found, int(k))) for k in order[[0, -1]]]
+    assert sum(abs(each.top_angle - nominal.top_angle) > 1.0 for each in ends) == 1
+    assert found.top.nominal + found.top.deviation[order[[0, -1]]] == pytest.approx([each.top_position for each in ends], abs=1e-12)
+
+
+def test_a_dimension_that_moves_the_slide_at_one_end_alone_is_not_doubted():
+    """The guide beside a crank-slide that stands in its bottom dead centre; the suite takes warnings for errors."""
+    press = texts.shipped("crank_slide")
+    guide = tol.pin_position(press, "slide_guide", "x", 1e-4)
+    found = tol.bottom_dead_centre(press, [guide], motion=pp.servo_cycle(press, [0.0, 1.0], speed=0.0), samples=50)
+    assert found.gradient == pytest.approx([0.0], abs=1e-12)
+    assert abs(found.top.gradient[0]) > 0.1
+    along = tol.pin_position(press, "slide_guide", "z", 1e-4)
+    with pytest.warns(pp.PinpressWarning, match="'slide_guide z' moves the slide at neither dead centre"):
+        tol.bottom_dead_centre(press, [guide, along], samples=50)
+
+
 def test_torque_and_speed_are_those_of_the_reshaped_press(press, found):
     """At the height above its own bottom dead centre, found among the states of one turn."""
     other = built(press, found, LATE)

@@ -5,6 +5,7 @@ import pinocchio as pin
 import pytest
 from support import texts
 from support.generators.spatial_crank_slide import SPATIAL
+from support.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress import tolerances
@@ -174,6 +175,8 @@ def test_a_slide_stands_askew_in_its_guide_where_the_load_is_beside_its_axis(lig
     assert found.shift[0] == pytest.approx([at_ends.mean(), 0, 0])
     assert found.rotation[0] == pytest.approx([0, (at_ends[0] - at_ends[1]) / length, 0])
     assert bool(found.rotation.any()) == (beside > 0)
+    assert found.columns()["shift_x [m]"] == pytest.approx(found.shift[:, 0])
+    assert found.columns()["rotation_y [rad]"] == pytest.approx(found.rotation[:, 1])
     pin_moved = found.shift[0, 0] - middle * found.rotation[0, 1]
     place = pivot_positions(light)["slide_guide", "frame"]
     moved = reshaped(light, {("slide_guide", "frame"): place + np.array([1e-3 * np.sign(pin_moved), 0, 0])})
@@ -193,6 +196,26 @@ def test_a_ball_joint_in_space_displaced_in_the_linkage_moves_the_slide_as_the_f
     assert 0 < abs(found.by_bearing["P"][0]) < 2e-5 * 2
     with pytest.raises(pp.PinpressError, match="is not planar: give the clearance of guide"):
         tolerances.play(press, motion, {"guide": tolerances.GuideClearance(1e-5, 0.2)})
+
+
+def test_two_servos_that_move_together_and_their_clearances(tmp_path):
+    """The slide hangs from its pin, then a force that grows lifts it; it stands where a linkage with this pin displaced has it."""
+    (tmp_path / "servos.yaml").write_text(TWO_SERVOS)
+    press = pp.build(tmp_path / "servos.yaml")
+    angles = np.column_stack([np.linspace(-0.3, 0.3, 25), np.zeros(25)])
+    motion = pp.servo_cycle(press, angles, speed=0.0)
+    rising = pp.loads.PointForce("slide", lambda motion: np.outer(np.linspace(0.0, 1e4, 25), [0.0, 0.0, 1.0]))  # the slide weighs 4.9 kN
+    found = tolerances.play(press, motion, {"S": 5e-5}, [rising])
+    (reversal,) = found.reversals
+    assert (reversal.bearing, reversal.side) == ("S", "pressed")
+    assert np.degrees(reversal.crank_angle) == pytest.approx(
+        np.degrees(np.interp(4905.0, np.linspace(0.0, 1e4, 25), angles[:, 0])), abs=0.5
+    )
+    force = pp.inverse_dynamics(press, motion, [rising]).bearing_force["S"][0] * [1, 0, 1]
+    turned = poses(press, motion.joint_position[:1]).rotation[press.loops[press.bearings.index("S") - len(press.joints)].joint1][0]
+    place = pivot_positions(press)["S", "rod"] - 5e-5 * turned.T @ force / np.linalg.norm(force)
+    moved = pp.servo_cycle(reshaped(press, {("S", "rod"): place}), angles[:1], speed=0.0)
+    assert found.offset[0] == pytest.approx(moved.slide_position[0] - motion.slide_position[0], abs=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -206,7 +206,7 @@ def parallelism(found: SlideParallelism, shown: Shown) -> Section:
     _refuse_others("parallelism", found.press_name, shown)
     tilted = [(k, slope) for k, slope in enumerate(found.slopes) if slope.worst_case]
     first = found.coordinate
-    blocks: list[Block] = [Figures([_spread(slope) for _, slope in tilted])] if tilted else []
+    blocks: list[Block] = [Figures([_scattered(slope) for _, slope in tilted])] if tilted else []
     turned, spread = first.scale * found.crank_angle, found.slope_sd
     if first.turns:  # of a period, without its end
         turned, spread = np.append(turned, 2 * turned[-1] - turned[-2]), np.concatenate([spread, spread[:1]])
@@ -221,13 +221,10 @@ def parallelism(found: SlideParallelism, shown: Shown) -> Section:
         ]
         blocks.append(Table(f"{slope.quantity}: what decides", ["dimension", "tolerance", "share"], rows))
     return Section(
-        f"Parallelism on {len(found.points)} points", blocks, note="Slopes of the slide against the table, at bottom dead centre."
+        f"Parallelism on {len(found.points)} points",
+        blocks,
+        note="Slopes of the slide against the table; their bands at bottom dead centre.",
     )
-
-
-def _spread(slope: Scatter) -> Figure:
-    low, high = (f"{1e6 * end:+.1f}".replace("-", MINUS) for end in slope.band(0.95))
-    return Figure(slope.quantity, f"{1e6 * slope.first_order_sd:.4g} µm/m", f"standard deviation; 95 %: {low} to {high}")
 
 
 def _clearances_in_words(found: SlidePlay) -> Inputs:
