@@ -53,6 +53,13 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option("--added", action="append", default=[], metavar="RECORD:LINK=KG", help="mass fastened to a link for one record; with currents")
     option("--prior", type=float, default=0.2, metavar="P", help="share by which masses may differ from the description (default: 0.2)")
     option(
+        "--known",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE,SD",
+        help='weighed or gauged, in SI units: "slide mass=2200,5" [repeatable]',
+    )
+    option(
         "--friction", default="crank,slide_guide", metavar="KINDS", help="of crank, pins, slide_guide, gibs, or none (default: %(default)s)"
     )
     option("--cylinder", action="store_true", help="a balance cylinder carries the slide")
@@ -73,13 +80,17 @@ def run(options: argparse.Namespace) -> int:
     press = load_press(options)
     friction = [] if options.friction == "none" else options.friction.split(",")
     runs = _runs(options)
-    revealed = identifiability(press, runs, prior=options.prior, friction=friction, cylinder=options.cylinder)
-    found = identify(press, runs, prior=options.prior, friction=friction, cylinder=options.cylinder, drive_inertia=options.drive_inertia)
+    known = _known(options.known)
+    revealed = identifiability(press, runs, prior=options.prior, known=known, friction=friction, cylinder=options.cylinder)
+    found = identify(
+        press, runs, prior=options.prior, known=known, friction=friction, cylinder=options.cylinder, drive_inertia=options.drive_inertia
+    )
     if options.out is not None:
         make_folder(options.out)
     notes = [f"  {each.name}: {note}" for each in runs for note in each.notes]
     print("\n".join([*(each.title for each in runs), *notes, "", str(revealed), "", str(found)]))
     given = [("records", ", ".join(options.records)), ("prior", f"{options.prior:g}"), ("friction", options.friction)]
+    given += [("known", "; ".join(options.known))] if known else []
     print_inputs([*of_press(press), *given, *([("cylinder", "yes")] if options.cylinder else []), stated()])
     if options.out is not None:
         _write(found, revealed, options.out)
@@ -110,6 +121,21 @@ def _added(words: Sequence[str], records: Sequence[str]) -> dict[str, dict[str, 
             found.setdefault(matching[0], {})[link] = read_quantity(mass, "kg")
         except ValueError as error:
             raise PinpressError(f"--added {text}: the mass is {error}") from None
+    return found
+
+
+def _known(words: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Values and standard deviations by the names of parameters."""
+    found: dict[str, tuple[float, float]] = {}
+    for text in words:
+        name, _, numbers = text.partition("=")
+        try:
+            value, deviation = (float(each) for each in numbers.split(","))
+        except ValueError:
+            raise PinpressError(
+                f"--known {shown(text)} is no value with its standard deviation: write NAME=VALUE,SD, as in --known 'slide mass=2200,5'"
+            ) from None
+        found[name.strip()] = value, deviation
     return found
 
 

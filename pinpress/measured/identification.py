@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -24,34 +24,35 @@ from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import Motion, moved
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce
 from .estimates.base_parameters import base_parameters
+from .estimates.encoder_zero import likely_zero
 from .estimates.least_squares import Fit, fitted
-from .estimates.prior import Losses, Unknowns, unknowns_of
-from .estimates.weak_form import Rows, SmoothAngle, quantities, smoothed
+from .estimates.prior import NOTHING, ZERO, Losses, Unknowns, unknowns_of
+from .estimates.run_rows import BY_FORCE, Known, RunEquations
+from .estimates.weak_form import quantities, smoothed
 from .records import MeasuredRun
 from .regressor import (
     PIN,
-    InertialEquations,
-    loss_columns,
-    loss_parameters,
     refuse_losses,
     slide_rates,
 )
 
 WIDE = 1.96  # standard deviations of a 95 % interval
-PASSES = 4  # of forces in bearings, by which friction is
-STEP = 1e-3  # deviations by which masses are changed for slopes of friction
+PASSES = 20  # of rows about the last estimates: of forces in bearings, by which friction is, and of the encoder's zero
+SETTLED = 1e-3  # share of its own deviation by which an estimate may change in the last pass
+UNSETTLED = 1e-2  # share above which it is refused
+SHRINKING = 0.5  # of the last change, by which a change falls at least where whole steps are good
 ROUNDING = 1e-6  # of its deviation, below which a value is shown as 0
-EACH = 3  # of so many points one is taken for them
-SETTLED = 1e-4  # share of its own deviation by which an estimate may change from pass to pass
 HIDDEN = 0.3  # of the rms torque: a loss whose deviation makes as much is not known
 DISAGREEING = 2.5  # ratio of the two deviations of a known parameter from which on they are said to disagree
 UNLIKELY = 1e-4  # probability below which masses are said to be off by more than the prior
 COARSE = 4000  # fewest counts a turn of the crank at which noise of the encoder is small
 EVEN = 0.05  # spread of speeds over all runs below which they are one
+FAR = 0.3  # an encoder's zero that is hardly meant [rad]
+UNTOLD = 0.5  # deviation of the encoder's zero by that before, above which it is said that records do not tell it
 _NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 
 
@@ -168,6 +169,7 @@ def identify(
     runs: Sequence[MeasuredRun],
     *,
     prior: float | Mapping[str, float] = 0.2,
+    known: Mapping[str, tuple[float, float]] = NOTHING,
     friction: Sequence[str] = ("crank", "slide_guide"),
     cylinder: bool = False,
     radii: Mapping[str, float] | None = None,
@@ -180,10 +182,15 @@ def identify(
     step with the stroke. Where runs have currents in place of torques, the motor constant is found too; it is as exact as a known mass that
     was fastened to a link for one run, ``MeasuredRun(..., added_mass={"slide": 200.0})``, makes it.
 
+    The encoder's zero is found with them: "encoder zero" among the parameters is the angle that the records show where the press is as
+    drawn, the same in all of them. The crank's angle is theirs less this.
+
     Args:
         press: the press as described, with one crank.
         runs: records of it without process force.
         prior: relative standard deviation of masses and inertias as described; or by name of a link or parameter, the others 0.2.
+        known: value and standard deviation of what was weighed or gauged, by the name of a parameter or "total mass" of all links:
+            {"slide mass": (2200.0, 5.0), "encoder zero": (0.0, 0.001)}, in its unit.
         friction: what resists: "crank" (constant and viscous torque on the crank), "pins" (one coefficient for all pins), "slide_guide"
             (coefficient by the guide's force), "gibs" (a constant force on the slide).
         cylinder: whether a balance cylinder carries the slide, force + stiffness x height above bottom dead centre.
@@ -194,52 +201,48 @@ def identify(
     Raises:
         PinpressError: several drivers; a record shorter than one stroke and a half, or without torque; currents beside torques; a prior
             or a friction that makes no sense; a press without a slide with friction of its guide.
-        UnknownNameError: a link, pin or kind of friction that does not exist.
+        UnknownNameError: a link, pin, parameter or kind of friction that does not exist.
 
     Warns:
-        PinpressWarning: all runs are at one speed; a loss that hides behind others; an encoder that is too coarse; masses that are off by
-            more than the prior allows; two standard deviations of a parameter that disagree.
+        PinpressWarning: all runs are at one speed; a loss or an encoder's zero that the records do not tell; a zero that is off by more
+            than some degrees; an encoder that is too coarse; masses that are off by more than the prior allows; two standard deviations
+            of a parameter that disagree.
     """
     refuse_losses(press, friction, cylinder)
     wanted = Losses(tuple(friction), cylinder, checked_radii(press, radii))
-    unknowns = unknowns_of(press, prior, wanted)
+    unknowns = unknowns_of(press, prior, wanted, known)
     records = checked_runs(press, runs)
     _doubt_runs(records)
-    smooth = [smoothed(run) for run in records]
-    known = _Known(checked_inertia(drive_inertia), tuple(loads))
-    fixed = [_fixed_rows(unknowns.equations, run, each, known) for run, each in zip(records, smooth, strict=True)]
-    current = records[0].current is not None
-    start = np.array([each.value for each in unknowns.parameters])
-    rows = [row for parts in zip(smooth, fixed, strict=True) for row in _with_losses(unknowns, start, *parts, wanted, {})]
-    fit, slopes = fitted(unknowns, rows, current), [dict[str, Array]() for _ in smooth]
-    for step in range(PASSES if {"pins", "slide_guide"} & set(friction) else 0):  # with the forces in bearings of what was found
-        if step == 0:
-            slopes = [_friction_slopes(unknowns, fit.values, each, wanted) for each in smooth]
-        parts_of_runs = zip(smooth, fixed, strict=True)
-        rows = [
-            row for parts, own in zip(parts_of_runs, slopes, strict=True) for row in _with_losses(unknowns, fit.values, *parts, wanted, own)
-        ]
-        last, fit = fit, fitted(unknowns, rows, current)
-        if (np.abs(fit.values - last.values) <= SETTLED * fit.deviation).all():
-            break
+    beside = Known(checked_inertia(drive_inertia), tuple(loads))
+    equations = [RunEquations(unknowns, wanted, beside, run, smoothed(run)) for run in records]
+    about, start = likely_zero(unknowns, equations)
+    unknowns = unknowns.about_zero(about)
+    fit = _settled(unknowns, [each._replace(unknowns=unknowns) for each in equations], start, current=records[0].current is not None)
     _doubt_fit(unknowns, fit)
     return _result(unknowns, fit, unknowns.equations.pressed(fit.values[: unknowns.inertial]), wanted)
 
 
-class _Known(NamedTuple):
-    """What acts beside the unknowns: inertia of the drive [kg m2] and loads."""
-
-    inertia: float
-    loads: tuple[Load, ...]
-
-
-class _Parts(NamedTuple):
-    """Of one quantity of a run: rows by masses and inertias, what was measured, and what is known of it."""
-
-    quantity: str
-    columns: Array
-    values: Array
-    known: Array
+def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, current: bool) -> Fit:
+    """Estimates about which the rows are those of the estimates; ``zero``: of the encoder, to begin with [rad]."""
+    start = np.array([each.value for each in unknowns.parameters])
+    start[unknowns.zero] = zero
+    fit = fitted(unknowns, [row for run in runs for row in run.rows(start, {})], current)
+    slopes = [run.friction_slopes(fit.values) if set(BY_FORCE) & set(run.losses.friction) else {} for run in runs]
+    about, change, step = fit.values, math.inf, 1.0
+    for _ in range(PASSES):
+        fit = fitted(unknowns, [row for run, own in zip(runs, slopes, strict=True) for row in run.rows(about, own)], current)
+        last, moving = change, fit.deviation > 0
+        change = float((np.abs(fit.values - about)[moving] / fit.deviation[moving]).max())
+        if change <= SETTLED:
+            return fit
+        step = min(2 * step, 1.0) if change < (1 - SHRINKING * step) * last else 0.5 * step  # less where cones turn steps to and fro
+        about = about + step * (fit.values - about)
+    if not change <= UNSETTLED:
+        raise PinpressError(
+            f"estimates still change by {change:.2g} of their deviations after {PASSES} passes: look at the angle's zero and signs,"
+            " leave out kinds of friction, or measure at more speeds"
+        )
+    return fit
 
 
 def checked_runs(press: Linkage, runs: Sequence[MeasuredRun], for_torque: bool = True) -> list[MeasuredRun]:
@@ -282,116 +285,6 @@ def checked_radii(press: Linkage, radii: Mapping[str, float] | None) -> Mapping[
     return {name: positive(f"radius of {name}", radius, "m") for name, radius in radii.items()}
 
 
-def _fixed_rows(equations: InertialEquations, run: MeasuredRun, smooth: SmoothAngle, known: _Known) -> list[_Parts]:
-    """The rows of a run that do not depend on what is found."""
-    measured, found = quantities(run), []
-    coefficients = equations.coefficients(smooth.angle, tuple(measured))
-    added = _added(equations, run)
-    for name, values in measured.items():
-        columns = smooth.equations(coefficients[name])
-        extra = columns @ added
-        if name == "torque" and known.inertia:
-            extra = extra + smooth.equations(_constant_inertia(smooth.angle, known.inertia))[:, 0]
-        if name == "torque" and known.loads:
-            motion = moved(equations.press, equations.press.branch, smooth.angle, smooth.speed, 0.0 * smooth.angle, None, "auto")
-            plain, loaded = (inverse_dynamics(equations.press, motion, loads, bearings=()) for loads in ((), known.loads))
-            extra = extra + smooth.integrals((loaded.driving_torque - plain.driving_torque)[:, None])[:, 0]
-        rows = columns, smooth.measured(values), extra
-        found.append(_Parts(name, *(rows if name == "torque" else map(smooth.without_offset, rows))))
-    return found
-
-
-def _constant_inertia(angle: Array, inertia: float) -> Any:
-    from .regressor import Coefficients  # beside its only use
-
-    one = np.ones((len(angle), 1))
-    return Coefficients(inertia * one, 0 * one, 0 * one, 0.5)
-
-
-def _added(equations: InertialEquations, run: MeasuredRun) -> Array:
-    """(inertial,) parameters of masses that were fastened to links."""
-    added, starts = np.zeros(len(equations.parameters)), np.cumsum([0, *(basis.shape[1] for basis in equations.bases)])
-    model = equations.press.model
-    for link, mass in run.added_mass.items():
-        frame = model.frames[model.getFrameId(link)]
-        if frame.parentJoint == 0:
-            continue  # on the frame of the press it makes no torque
-        at, basis = frame.placement.translation, equations.bases[frame.parentJoint - 1]
-        tensor = mass * (at @ at * np.eye(3) - np.outer(at, at))
-        ten = np.array([mass, *(mass * at), tensor[0, 0], tensor[0, 1], tensor[1, 1], tensor[0, 2], tensor[1, 2], tensor[2, 2]])
-        own = ten if basis.shape[1] == 10 else _plane_part(basis, ten)
-        added[starts[frame.parentJoint - 1] : starts[frame.parentJoint]] += own
-    return added
-
-
-def _plane_part(basis: Array, ten: Array) -> Array:
-    """The four parameters in the plane of the ten of a mass at a point."""
-    first, second = basis[1:4, 1] @ ten[1:4], basis[1:4, 2] @ ten[1:4]
-    return np.array([ten[0], first, second, (first**2 + second**2) / ten[0]])
-
-
-def loss_rows(press: Linkage, smooth: SmoothAngle, losses: Losses, cylinder: tuple[float, float] = (0.0, 0.0)) -> Array:
-    """(rows, losses) of a run by its losses; forces in bearings are those of this press with this cylinder."""
-    angle, speed, acceleration = smooth.angle, smooth.speed, smooth.acceleration
-    friction, there = losses.friction, losses.cylinder
-    return smooth.integrals(loss_columns(press, angle, speed, acceleration, friction, there, radii=losses.radii, cylinder_load=cylinder))
-
-
-def _with_losses(
-    unknowns: Unknowns, at: Array, smooth: SmoothAngle, parts: list[_Parts], losses: Losses, slopes: Mapping[str, Array]
-) -> list[Rows]:
-    """The rows of a run with those of losses beside them, whose forces in bearings are linear in masses and cylinder about these values."""
-    inertial, rows = unknowns.inertial, []
-    press = unknowns.equations.pressed(at[:inertial]) if at[inertial:].any() else unknowns.equations.press
-    lost = loss_rows(press, smooth, losses, _cylinder(at, losses))
-    names = [each.name for each in unknowns.parameters]
-    changing = sum((at[names.index(name)] * each for name, each in slopes.items()), np.zeros(1))
-    for part in parts:
-        # Friction is between links, and the cylinder stands on the frame: nothing of them reaches the foundation.
-        more = lost if part.quantity == "torque" else np.zeros((len(part.values), lost.shape[1]))
-        columns, known = np.concatenate([part.columns, more], axis=1), part.known
-        if part.quantity == "torque" and slopes:
-            columns, known = columns + changing, known - changing @ at
-        rows.append(Rows(part.quantity, columns, part.values, known))
-    return rows
-
-
-def _cylinder(values: Array, losses: Losses) -> tuple[float, float]:
-    """Force and stiffness of the balance cylinder among the unknowns."""
-    return (float(values[-2]), float(values[-1])) if losses.cylinder else (0.0, 0.0)
-
-
-def _friction_slopes(unknowns: Unknowns, at: Array, smooth: SmoothAngle, losses: Losses) -> dict[str, Array]:
-    """(rows, unknowns) by which the torque of friction in pins and in the guide changes with masses and cylinder, at these values, by a
-    unit of each such unknown."""
-    inertial = unknowns.inertial
-    by_force = [name for name in losses.friction if name in ("pins", "slide_guide")]
-    some = slice(None, None, EACH)
-    points = smooth.angle[some], smooth.speed[some], smooth.acceleration[some]
-
-    def friction(values: Array) -> Array:
-        press, cylinder = unknowns.equations.pressed(values[:inertial]), _cylinder(values, losses)
-        return loss_columns(press, *points, by_force, False, radii=losses.radii, cylinder_load=cylinder)
-
-    plain, spread = friction(at), unknowns.at(np.zeros(inertial))[1]
-    moving = np.abs(spread).max(axis=0) > 0
-    by_deviation = [(friction(at + STEP * np.append(step, np.zeros(len(at) - inertial))) - plain) / STEP for step in spread[:, moving].T]
-    found = np.zeros((len(by_force), len(points[0]), len(at)))
-    found[:, :, :inertial] = np.stack(by_deviation, axis=-1).swapaxes(0, 1) @ np.linalg.pinv(spread[:, moving])
-    if losses.cylinder:
-        weight = 9.81 * sum(each.mass for each in unknowns.equations.press.model.inertias)
-        for k, size in ((-2, weight), (-1, weight / unknowns.equations.press.size)):
-            step = np.zeros(len(at))
-            step[k] = STEP * size
-            found[:, :, k] = ((friction(at + step) - plain) / (STEP * size)).T
-    where, there = np.arange(len(smooth.angle)), np.arange(len(smooth.angle))[some]
-    names = [each.name for each in loss_parameters(by_force, False, losses.radii is not None)]
-    return {
-        name: smooth.integrals(np.stack([np.interp(where, there, column) for column in each.T], axis=1))
-        for name, each in zip(names, found, strict=True)
-    }
-
-
 # ---------------------------------------------------------------------------------------------------------------------------- what is said
 
 
@@ -417,12 +310,23 @@ def _doubt_fit(unknowns: Unknowns, fit: Fit) -> None:
     from scipy.special import chdtrc  # to save start-up time
 
     deviation, by_noise = unknowns.deviation, np.sqrt(np.diag(fit.posterior))
-    losses = range(unknowns.inertial, len(unknowns.parameters))
+    losses = range(unknowns.inertial, unknowns.zero)
     hidden = [unknowns.parameters[k].name for k in losses if by_noise[k] * fit.weight[k] > HIDDEN]
     if hidden:
         caution(
             f"{', '.join(hidden)}: these records do not tell it from the others; leave it out, or measure at other speeds, so that what"
             " grows with the speed is told from what does not"
+        )
+    zero, spread = float(fit.values[unknowns.zero]), float(by_noise[unknowns.zero])
+    if abs(zero) > FAR:
+        caution(
+            f"the angle is {math.degrees(zero):.5g} deg where the press is as drawn, of the records as they were read: give"
+            " record(..., zero=) the reading of the encoder there"
+        )
+    if spread > UNTOLD * deviation[unknowns.zero]:
+        caution(
+            f"these records do not tell the encoder's zero, which is taken as {math.degrees(zero):.3g} ± {math.degrees(spread):.2g} deg:"
+            f" gauge it at bottom dead centre, and give known={{'{ZERO}': (angle, deviation)}} [rad]"
         )
     changed, learnt = fit.misfit
     if learnt > 0 and chdtrc(learnt, changed) < UNLIKELY:
@@ -445,8 +349,8 @@ def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> Ide
     width = WIDE * fit.deviation
     records, before_sd = [], unknowns.deviation
     for k, each in enumerate(unknowns.parameters):
-        value, inertial = float(fit.values[k]), k < unknowns.inertial
-        if inertial and not before_sd[k]:
+        value, known = float(fit.values[k]), bool(np.isfinite(before_sd[k]))
+        if not before_sd[k]:
             continue
         never_negative = each.name.endswith("mass") or "friction" in each.name or each.name.endswith((" I", " xx", " yy", " zz"))
         low = value - width[k]
@@ -454,13 +358,13 @@ def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> Ide
             IdentifiedParameter(
                 each.name,
                 each.unit,
-                each.value if inertial else None,
+                each.value if known else None,
                 value,
                 float(max(low, 0.0) if never_negative else low),
                 float(value + width[k]),
                 float(by_noise[k]),
                 float(by_blocks[k]),
-                float(fit.deviation[k] / before_sd[k]) if inertial else None,
+                float(fit.deviation[k] / before_sd[k]) if known else None,
             )
         )
     bases = base_parameters(unknowns.equations)
@@ -473,7 +377,7 @@ def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> Ide
         spread = float(np.linalg.norm(row @ unknowns.at(np.zeros(len(row)))[1]))
         doubt = max(own, other) / spread if spread else None
         sums.append(IdentifiedParameter(name, bases.units[k], float(before[k]), value, value - wide, value + wide, own, other, doubt))
-    found = {each.name: float(fit.values[k]) for k, each in enumerate(unknowns.parameters) if k >= unknowns.inertial}
+    found = {each.name: float(fit.values[k]) for k, each in enumerate(unknowns.parameters) if unknowns.inertial <= k < unknowns.zero}
     friction: dict[str, Friction] = {}
     turning = [name for name, axis in zip(press.joints, press.axes, strict=True) if axis.turns]
     pins = [*turning, *(loop.name for loop in press.loops if loop.type != "fixed")]
@@ -484,7 +388,7 @@ def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> Ide
     if "slide guide friction" in found:
         friction[press.joints[press.slide_guide.joint]] = Friction(found["slide guide friction"])
     constant = fit.constant
-    kept = [k for k in range(len(unknowns.parameters)) if k >= unknowns.inertial or before_sd[k] > 0]
+    kept = np.flatnonzero(before_sd > 0)
     return IdentifiedPress(
         press,
         Records(IdentifiedParameter, records),

@@ -34,10 +34,11 @@ from ..common.tables import Column
 from ..kinematics.motion import Motion
 from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
-from .regressor import LOSSES, Parameter, inertial_equations, loss_columns, loss_parameters, refuse_losses
+from .estimates.prior import NOTHING, USUAL, ZERO_DEVIATION, Losses, Unknowns, unknowns_of
+from .estimates.run_rows import TURN
+from .regressor import LOSSES, InertialEquations, loss_columns, refuse_losses
 
 STATES = 72  # of a stroke of `measuring_motions`
-PRIOR = 0.2  # relative standard deviation of masses and inertias, as of `identify`
 LOSS = 0.05  # share of the rms torque that a loss is expected to make where nothing is said
 FASTEST = 1e4  # speed of a crank [rad/s]
 DOUBT = 2.0  # relative standard deviation of losses as expected
@@ -179,7 +180,8 @@ def plan(
     noise: float,
     time: float = 24.0,
     rate: float = 500.0,
-    prior: float = PRIOR,
+    prior: float | Mapping[str, float] = USUAL,
+    known: Mapping[str, tuple[float, float]] = NOTHING,
     friction: Sequence[str] = ("crank", "gibs"),
     cylinder: bool = False,
     expected: Mapping[str, float] = _NONE_GIVEN,
@@ -193,7 +195,8 @@ def plan(
         noise: standard deviation of a sample of the torque at the crank [N m].
         time: time of measuring in all [s].
         rate: samples a second [Hz].
-        prior: relative standard deviation of masses and inertias as described.
+        prior: relative standard deviation of masses and inertias as described, as of `identify`.
+        known: what was weighed or gauged, as of `identify`.
         friction: what resists, as of `identify`: "crank", "pins", "slide_guide", "gibs".
         cylinder: whether there is a balance cylinder.
         expected: about what losses are, give or take twice as much, by name ("crank friction": 800.0), in their units; by default each
@@ -214,15 +217,18 @@ def plan(
     refuse_losses(press, friction, cylinder)
     seconds, scatter = positive("time", time, "s"), positive("noise", noise, "N m")
     samples = positive("rate", rate, "Hz") / scatter**2
-    task = _task(press, motions, (tuple(friction), cylinder), positive("prior", prior, "-", 10.0), expected)
+    losses = Losses(tuple(friction), cylinder, None)
+    for name, motion in motions.items():
+        if motion.linkage != press.name or motion.crank_angle.ndim != 1:
+            raise PinpressError(f"motion {name!r} is one of {motion.linkage}, not of {press.name}")
+    task = _task(unknowns_of(press, prior, losses, known), motions, losses, expected)
     information = seconds * samples * task.information
     chosen = _chosen(task, information, wanted)
-    weights = np.zeros(len(task.sizes))
-    weights[chosen] = 1 / task.sizes[chosen] ** 2
-    share, gap = _shares(task.before, information, weights)
-    alone = np.array([_deviations(task.before + each) for each in information])
-    after = _deviations(task.before + np.tensordot(share, information, 1))
-    names = tuple(task.parameters[k].name for k in chosen)
+    relative = task.spread[chosen] / task.sizes[chosen][:, None]
+    share, gap = _shares(task.before, information, relative.T @ relative)
+    alone = np.array([_deviations(task, task.before + each) for each in information])
+    after = _deviations(task, task.before + np.tensordot(share, information, 1))
+    names = tuple(task.unknowns.parameters[k].name for k in chosen)
     unknown = tuple(tuple(name for name, left in zip(names, _left(task, each, chosen), strict=True) if left) for each in alone)
     never = [name for name, left in zip(names, _left(task, after, chosen), strict=True) if left]
     if never:
@@ -243,80 +249,89 @@ def plan(
 
 
 class _Task(NamedTuple):
-    """What is looked for, p parameters.
+    """What is looked for, p parameters, in q numbers about one.
 
     Attributes:
-        parameters: masses and inertias, then losses.
-        inertial: how many are masses and inertias.
-        sizes: (p,) of the parameters; 0 of what a press does not have.
-        prior: relative standard deviation of masses and inertias before.
-        before: (p, p) information before.
-        information: (m, p, p) of each motion, by sample of unit noise.
+        unknowns: with what is known before.
+        sizes: (p,) with which deviations are compared; 0 of what a press does not have.
+        spread: (p, q) changes of the parameters by the numbers.
+        before: (q, q) information before.
+        information: (m, q, q) of each motion, by sample of unit noise.
     """
 
-    parameters: tuple[Parameter, ...]
-    inertial: int
+    unknowns: Unknowns
     sizes: Array
-    prior: float
+    spread: Array
     before: Array
     information: Array
 
 
-def _task(
-    press: Linkage, motions: Mapping[str, Motion], losses: tuple[tuple[str, ...], bool], prior: float, expected: Mapping[str, float]
-) -> _Task:
-    equations = inertial_equations(press)
-    more = loss_parameters(*losses, False)
-    parameters = (*equations.parameters, *more)
-    inertial, rms, information = len(equations.parameters), [], []
-    for name, motion in motions.items():
-        if motion.linkage != press.name or motion.crank_angle.ndim != 1:
-            raise PinpressError(f"motion {name!r} is one of {motion.linkage}, not of {press.name}")
-        columns = equations.columns(motion)
-        angle, speed, acceleration = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
-        columns = np.hstack([columns, loss_columns(press, angle, speed, acceleration, *losses)])
-        duration = np.gradient(motion.time) if len(motion.time) > 1 else np.ones(1)
-        weight = (duration / duration.sum())[:, None]
-        information.append(columns.T @ (weight * columns))
-        torque = columns[:, :inertial] @ equations.values
-        rms.append((np.sqrt(weight[:, 0] @ torque**2), np.sqrt((weight * columns**2).sum(axis=0))))
-    sizes = np.array([each.size for each in equations.parameters] + [0.0] * len(more))
+def _task(unknowns: Unknowns, motions: Mapping[str, Motion], losses: Losses, expected: Mapping[str, float]) -> _Task:
+    equations, inertial = unknowns.equations, unknowns.inertial
+    lost = unknowns.parameters[inertial : unknowns.zero]
     for name in expected:
-        if name not in [each.name for each in more]:
-            raise UnknownNameError("loss", name, [each.name for each in more])
-    for k, each in enumerate(more, inertial):
-        usual = max(LOSS * torque / column[k] for torque, column in rms if column[k] > 0)
+        if name not in [each.name for each in lost]:
+            raise UnknownNameError("loss", name, [each.name for each in lost])
+    columns = {name: _columns(equations, motion, losses) for name, motion in motions.items()}
+    weights = {name: _weights(motion) for name, motion in motions.items()}
+    sizes = np.array([each.size for each in equations.parameters] + [0.0] * len(lost) + [ZERO_DEVIATION])
+    rms = {
+        name: (np.sqrt(weights[name] @ (each[:, :inertial] @ equations.values) ** 2), np.sqrt(weights[name] @ each**2))
+        for name, each in columns.items()
+    }
+    for k, each in enumerate(lost, inertial):
+        usual = max(LOSS * torque / own[k] for torque, own in rms.values() if own[k] > 0)
         sizes[k] = positive(f"expected {each.name}", expected[each.name], each.unit) if each.name in expected else usual
-    doubts = sizes * np.where(np.arange(len(sizes)) < inertial, prior, DOUBT)
-    before = np.diag(1 / np.where(doubts > 0, doubts, 1.0) ** 2)
-    return _Task(parameters, inertial, sizes, prior, before, np.array(information))
+    spread = unknowns.scaled(np.append(DOUBT * sizes[inertial : unknowns.zero], ZERO_DEVIATION))
+    spread = spread[:, np.abs(spread).max(axis=0) > 0]
+    values = np.append(equations.values, sizes[inertial : unknowns.zero])
+    information = []
+    for name, motion in motions.items():
+        slopes = [_columns(equations, motion, losses, turn) @ values for turn in (TURN, -TURN)]
+        whole = np.column_stack([columns[name], (slopes[0] - slopes[1]) / (2 * TURN)]) @ spread
+        information.append(whole.T @ (weights[name][:, None] * whole))
+    weighed = unknowns.weighed @ spread
+    return _Task(unknowns, sizes, spread, np.eye(spread.shape[1]) + weighed.T @ weighed, np.array(information))
+
+
+def _columns(equations: InertialEquations, motion: Motion, losses: Losses, zero: float = 0.0) -> Array:
+    """(n, p - 1) torque by all parameters but the encoder's zero, where it is this."""
+    angle, speed, acceleration = motion.crank_angle - zero, motion.crank_speed, motion.crank_acceleration
+    inertial = equations.coefficients(angle)["torque"].columns(speed, acceleration)
+    return np.hstack([inertial, loss_columns(equations.press, angle, speed, acceleration, losses.friction, losses.cylinder)])
+
+
+def _weights(motion: Motion) -> Array:
+    """(n,) shares of the states in the time."""
+    duration = np.gradient(motion.time) if len(motion.time) > 1 else np.ones(1)
+    return np.asarray(duration / duration.sum())
 
 
 def _chosen(task: _Task, information: Array, wanted: Sequence[str] | None) -> list[int]:
     """Places of the parameters that matter."""
-    names = [each.name for each in task.parameters]
+    names = [each.name for each in task.unknowns.parameters[:-1]]  # the zero is found with them
     if wanted is None:
-        together = _deviations(task.before + information.mean(axis=0))
-        learnt = [k for k in range(task.inertial) if task.sizes[k] > 0 and together[k] < LEARNT * task.prior * task.sizes[k]]
-        return [*learnt, *range(task.inertial, len(names))]
+        together, before = _deviations(task, task.before + information.mean(axis=0)), task.unknowns.deviation
+        learnt = [k for k in range(task.unknowns.inertial) if task.sizes[k] > 0 and together[k] < LEARNT * before[k]]
+        return [*learnt, *range(task.unknowns.inertial, len(names))]
     found = list(wanted)
     for name in found:
         if not isinstance(name, str) or name not in names or task.sizes[names.index(name)] == 0:
-            raise UnknownNameError("parameter", name, [name for name, size in zip(names, task.sizes, strict=True) if size > 0])
+            raise UnknownNameError("parameter", name, [name for name, size in zip(names, task.sizes, strict=False) if size > 0])
     if not found:
         raise PinpressError("wanted is empty: name one parameter or more")
     return [names.index(name) for name in found]
 
 
-def _shares(before: Array, information: Array, weights: Array) -> tuple[Array, float]:
-    """Shares that make the weighted sum of variances least, and how much less, relative, it can be at most."""
+def _shares(before: Array, information: Array, matter: Array) -> tuple[Array, float]:
+    """Shares that make the trace of ``matter`` x covariance least, and how much less, relative, it can be at most."""
     scale = 1 / np.sqrt(np.diag(before + information.sum(axis=0)))
-    start, parts, matter = scale[:, None] * before * scale, scale[:, None] * information * scale, weights * scale**2
+    start, parts, aim = (scale[:, None] * each * scale for each in (before, information, matter))
     share = np.full(len(parts), 1 / len(parts))
     for _ in range(STEPS):
         inverse = np.linalg.inv(start + np.tensordot(share, parts, 1))
-        sensitive = inverse * matter @ inverse
-        value = float(matter @ np.diag(inverse))
+        sensitive = inverse @ aim @ inverse
+        value = float((aim * inverse).sum())
         slopes = np.tensordot(parts, sensitive, 2)  # how much the sum falls by a share
         gap = float(slopes.max() - share @ slopes) / value
         if gap < GAP:
@@ -325,19 +340,22 @@ def _shares(before: Array, information: Array, weights: Array) -> tuple[Array, f
         share /= share.sum()
     kept = np.where(share >= SHARED, share, 0.0)
     kept /= kept.sum()
-    rounded = float(matter @ np.diag(np.linalg.inv(start + np.tensordot(kept, parts, 1))))
+    rounded = float((aim * np.linalg.inv(start + np.tensordot(kept, parts, 1))).sum())
     return kept, max(1 - (1 - gap) * value / rounded, 0.0)
 
 
-def _deviations(information: Array) -> Array:
+def _deviations(task: _Task, information: Array) -> Array:
+    """(p,) standard deviations for an information matrix (q, q)."""
     scale = 1 / np.sqrt(np.diag(information))
-    return np.asarray(scale * np.sqrt(np.diag(np.linalg.inv(scale[:, None] * information * scale))))
+    root = np.linalg.cholesky(scale[:, None] * information * scale)
+    return np.asarray(np.linalg.norm(np.linalg.solve(root, (task.spread * scale).T), axis=0))
 
 
 def _left(task: _Task, deviation: Array, chosen: Sequence[int]) -> list[bool]:
     """Whether each of the chosen parameters is left unknown."""
+    before = task.unknowns.deviation
     return [
-        bool(deviation[k] > LEARNT * task.prior * task.sizes[k]) if k < task.inertial else bool(WIDE * deviation[k] > KNOWN * task.sizes[k])
+        bool(deviation[k] > LEARNT * before[k]) if k < task.unknowns.inertial else bool(WIDE * deviation[k] > KNOWN * task.sizes[k])
         for k in chosen
     ]
 

@@ -12,8 +12,9 @@ Power is what crank and slide share: with the crank's angle q and speed w, the t
     torque = d/dt ((J + A) w) - A' w^2 / 2 + C + friction - F z',
 
 where J turns with the crank (motor, gears, flywheel), A(q) is the inertia of the links at the crank, C(q) their weight, and z(q) the height
-of the slide with z' = dz/dq. The force F, upwards on the slide positive, is linear between heights and zero above the highest. The equation
-is multiplied with B-splines phi over time and integrated by parts twice,
+of the slide with z' = dz/dq. The force F, upwards on the slide positive, is linear between heights and zero above the highest, on the way
+down, and where asked for on the way up, by other heights. The equation is multiplied with B-splines phi over time and integrated by parts
+twice,
 
     integral of phi torque dt = integral of phi'' (J q + G) dt + integral of phi (C - A' w^2 / 2 + friction - F z') dt
 
@@ -26,7 +27,7 @@ In a press that springs, force over angle holds, but the slide is higher than th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -44,6 +45,7 @@ from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
 from ..kinematics.motion import moved
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, PointForce
+from .estimates.prior import ZERO
 from .identification import IdentifiedPress, checked_inertia
 from .records import MeasuredRun
 from .regressor import InertialEquations, inertial_equations, slide_rates
@@ -71,9 +73,13 @@ class MeasuredForce(Tabular):
         heights: (k,) heights above bottom dead centre by the crank angle, rising [m].
         force: (k,) forces on the slide on its way down, upwards positive: those that resist the stroke [N].
         deviation: (k,) their standard deviations [N].
-        covariance: (k, k) of the forces [N2].
+        heights_up: (j,) heights of the way up, where strippers and ejectors act; none where none were asked for [m].
+        force_up: (j,) forces on the slide on its way up, upwards positive: one that holds the slide back is negative [N].
+        deviation_up: (j,) their standard deviations [N].
+        covariance: (k + j, k + j) of the forces, down, then up [N2].
         slide_height: (k,) heights at which the slide really is, higher by force / stiffness [m]; ``heights`` for a rigid press.
-        work: work of the force over the stroke, what the slide gave [J].
+        slide_height_up: (j,) the same of the way up [m].
+        work: work of the force over the stroke, down and up, what the slide gave [J].
         work_deviation: its standard deviation [J].
         noise: standard deviation of a sample of the torque [N m].
         misfit: residuals while the force acts, by those that noise makes, root mean square [-].
@@ -84,8 +90,12 @@ class MeasuredForce(Tabular):
     heights: Array
     force: Array
     deviation: Array
+    heights_up: Array
+    force_up: Array
+    deviation_up: Array
     covariance: Array
     slide_height: Array
+    slide_height_up: Array
     work: float
     work_deviation: float
     noise: float
@@ -106,14 +116,21 @@ class MeasuredForce(Tabular):
         return np.asarray(self.force[:, None] + np.array([-1.96, 1.96]) * self.deviation[:, None])
 
     @property
+    def interval_up(self) -> Array:
+        """(j, 2) lowest and highest force on the way up at 95 % [N]."""
+        return np.asarray(self.force_up[:, None] + np.array([-1.96, 1.96]) * self.deviation_up[:, None])
+
+    @property
     def edges(self) -> bool:
         """Whether residuals say that the force has edges which straight lines between these heights do not have."""
         return self.misfit > EDGED * max(self.idle_misfit, 1.0)
 
     def __str__(self) -> str:
         rows = [["height", "force", "95 % interval"]]
-        for height, force, (low, high) in zip(self.heights, self.force, self.interval, strict=True):
-            rows.append([f"{1e3 * height:.4g} mm", f"{1e-3 * force:.4g} kN", f"{1e-3 * low:.4g} to {1e-3 * high:.4g} kN"])
+        ways = [("", self.heights, self.force, self.interval), (" up", self.heights_up, self.force_up, self.interval_up)]
+        for way, heights, forces, intervals in ways:
+            for height, force, (low, high) in zip(heights, forces, intervals, strict=True):
+                rows.append([f"{1e3 * height:.4g} mm{way}", f"{1e-3 * force:.4g} kN", f"{1e-3 * low:.4g} to {1e-3 * high:.4g} kN"])
         lines = [self.title, *tables.fitted(rows), f"  residuals by noise: {self.misfit:.2f} under force, {self.idle_misfit:.2f} without"]
         if self.edges:
             lines.append("  the force has edges between these heights: set them closer where it changes")
@@ -124,12 +141,13 @@ class MeasuredForce(Tabular):
         return "height [m]", "force [N]"
 
     def columns(self) -> dict[str, Column]:
-        """A row for each height: height, force, its deviation, and where the slide really is."""
+        """A row for each height, of the way down, then of the way up: height, force, its deviation, and where the slide really is."""
         return {
-            "height [m]": self.heights,
-            "force [N]": self.force,
-            "deviation [N]": self.deviation,
-            "slide_height [m]": self.slide_height,
+            "way": ["down"] * len(self.heights) + ["up"] * len(self.heights_up),
+            "height [m]": np.append(self.heights, self.heights_up),
+            "force [N]": np.append(self.force, self.force_up),
+            "deviation [N]": np.append(self.deviation, self.deviation_up),
+            "slide_height [m]": np.append(self.slide_height, self.slide_height_up),
         }
 
 
@@ -154,8 +172,9 @@ class ProcessForceSensor(Frozen):
 
     Attributes:
         press: the press.
-        heights: (k,) heights above bottom dead centre between which the force is linear, rising [m].
-        identified: what records said of the press, its friction and balance cylinder; None where it is as described.
+        heights: (k,) heights above bottom dead centre between which the force is linear on the way down, rising [m].
+        heights_up: (j,) the same of the way up [m].
+        identified: what records said of the press, its friction, balance cylinder and encoder; None where it is as described.
         friction: friction of bearings and guides of a press as described.
         drive_inertia: what turns with the crank and is not in the press, at the crank [kg m2].
         stiffness: of the press between crank and die [N/m]; None: rigid.
@@ -163,6 +182,7 @@ class ProcessForceSensor(Frozen):
 
     press: Linkage
     heights: Array
+    heights_up: Array
     identified: IdentifiedPress | None
     friction: Mapping[str, Friction]
     drive_inertia: float
@@ -173,10 +193,10 @@ class ProcessForceSensor(Frozen):
         """The force of a run of one stroke, or of several with the same tool and blank.
 
         Args:
-            run: of the crank angle and the torque of the drive at the crank.
+            run: of the crank angle and the torque of the drive at the crank; of an identified press by the same encoder, as its zero.
 
         Raises:
-            PinpressError: the run has no torque, no way down through all heights, or is sampled too slowly for them.
+            PinpressError: the run has no torque, no way through all heights, or is sampled too slowly for them.
 
         Warns:
             PinpressWarning: residuals say that the force has edges between the heights, or that the press is not as it is described.
@@ -192,12 +212,17 @@ class ProcessForceSensor(Frozen):
         """
         expect("run", run, MeasuredRun, "measured.record")
         period = self._coefficients.period
-        phase = np.floor((run.angle - self._top) / period)
+        phase = np.floor((run.angle - self._zero - self._top) / period)
         for turn in range(int(phase.min()), int(phase.max()) + 1):
             within = phase == turn
             times = run.time[within]
             if len(times) >= FEWEST and np.ptp(run.angle[within]) > 0.98 * period:
                 yield self.force(run.between(float(times[0]), float(times[-1])))
+
+    @property
+    def _zero(self) -> float:
+        """Reading of the encoder where the press is as drawn [rad]."""
+        return 0.0 if self.identified is None else self.identified.values[ZERO]
 
     @property
     def _top(self) -> float:
@@ -210,6 +235,7 @@ def force_sensor(
     press: Linkage | IdentifiedPress,
     heights: ArrayLike,
     *,
+    heights_up: ArrayLike = (),
     friction: Mapping[str, Friction] = NONE_GIVEN,
     drive_inertia: float = 0.0,
     stiffness: float | None = None,
@@ -218,8 +244,9 @@ def force_sensor(
 
     Args:
         press: the press with one crank and a slide: what `identify` found, with its friction and cylinder, or a press as described.
-        heights: (k,) heights above bottom dead centre between which the force is linear [m]; above the highest there is none. Close ones
-            follow edges, such as where a blank breaks, wide ones have less noise.
+        heights: (k,) heights above bottom dead centre between which the force is linear on the way down [m]; above the highest there is
+            none. Close ones follow edges, such as where a blank breaks, wide ones have less noise.
+        heights_up: (j,) the same of the way up, on which strippers and ejectors act [m]; by default no force acts there.
         friction: friction of bearings and guides of a press as described, as of `inverse_dynamics`.
         drive_inertia: of all that turns with the crank and is not in the press: motor, gears, flywheel, each times its ratio squared
             [kg m2].
@@ -239,18 +266,26 @@ def force_sensor(
     if press.period_turns is None:
         raise PinpressError(f"the crank of {press.name} does not turn fully: a sensor of forces needs whole strokes")
     coefficients = _coefficients_of(press, equations)
-    knots = numbers("heights", heights, (None,), unit="m")
     stroke = float(coefficients.height(np.linspace(0.0, coefficients.period, STATES)).max())
-    if not 2 <= len(knots) <= MOST_HEIGHTS or not (np.diff(knots) > 0).all():
-        raise PinpressError(f"heights is {shown(heights)}: give 2 to {MOST_HEIGHTS} rising heights above bottom dead centre [m]")
-    if knots[0] < -1e-9 * stroke or knots[-1] >= stroke:
-        raise PinpressError(
-            f"heights reach from {knots[0]:.6g} to {knots[-1]:.6g} m; the slide of {press.name} moves from 0 to {stroke:.6g} m above bottom"
-            " dead centre: give heights within its stroke, in m"
-        )
+    down, up = _knots("heights", heights, stroke, press.name), np.zeros(0)
+    if not (isinstance(heights_up, Sequence) and not len(heights_up)):
+        up = _knots("heights_up", heights_up, stroke, press.name)
     inertia = checked_inertia(drive_inertia)
     spring = None if stiffness is None else positive("stiffness", stiffness, "N/m")
-    return ProcessForceSensor(press, knots, identified, dict(friction), inertia, spring, coefficients)
+    return ProcessForceSensor(press, down, up, identified, dict(friction), inertia, spring, coefficients)
+
+
+def _knots(name: str, heights: ArrayLike, stroke: float, press: str) -> Array:
+    """Heights of one way as numbers; raises PinpressError where they make no sense."""
+    knots = numbers(name, heights, (None,), unit="m")
+    if not 2 <= len(knots) <= MOST_HEIGHTS or not (np.diff(knots) > 0).all():
+        raise PinpressError(f"{name} is {shown(heights)}: give 2 to {MOST_HEIGHTS} rising heights above bottom dead centre [m]")
+    if knots[0] < -1e-9 * stroke or knots[-1] >= stroke:
+        raise PinpressError(
+            f"{name} reach from {knots[0]:.6g} to {knots[-1]:.6g} m; the slide of {press} moves from 0 to {stroke:.6g} m above bottom"
+            " dead centre: give heights within its stroke, in m"
+        )
+    return knots
 
 
 @typed
@@ -259,6 +294,7 @@ def process_force(
     run: MeasuredRun,
     heights: ArrayLike,
     *,
+    heights_up: ArrayLike = (),
     friction: Mapping[str, Friction] = NONE_GIVEN,
     drive_inertia: float = 0.0,
     stiffness: float | None = None,
@@ -269,6 +305,7 @@ def process_force(
         press: as of `force_sensor`.
         run: of the crank angle and the torque of the drive at the crank.
         heights: as of `force_sensor`.
+        heights_up: as of `force_sensor`.
         friction: as of `force_sensor`.
         drive_inertia: as of `force_sensor`.
         stiffness: as of `force_sensor`.
@@ -276,7 +313,8 @@ def process_force(
     Raises:
         PinpressError: as `force_sensor` and `ProcessForceSensor.force`.
     """
-    return force_sensor(press, heights, friction=friction, drive_inertia=drive_inertia, stiffness=stiffness).force(run)
+    sensor = force_sensor(press, heights, heights_up=heights_up, friction=friction, drive_inertia=drive_inertia, stiffness=stiffness)
+    return sensor.force(run)
 
 
 def _coefficients_of(press: Linkage, equations: InertialEquations) -> _Coefficients:
@@ -335,20 +373,22 @@ def _measured(sensor: ProcessForceSensor, run: MeasuredRun) -> MeasuredForce:
         raise PinpressError(f"{run.name}: no torque was measured: name its column, or give the constant, record(..., motor_constant=)")
     if len(run.time) < FEWEST:
         raise PinpressError(f"{run.name}: {len(run.time)} samples are too few for a stroke: sample faster")
-    smooth, noise = _smooth(run), _noise(run.torque)
-    inertia, weight, height = (spline(run.angle) for spline in sensor._coefficients[:3])
+    smooth, noise, angle = _smooth(run), _noise(run.torque), run.angle - sensor._zero
+    inertia, weight, height = (spline(angle) for spline in sensor._coefficients[:3])
     weights = _weights(run, (smooth.noise / noise) * (sensor.drive_inertia + inertia))
-    basis = _hats(sensor.heights, height)
-    rate = sensor._coefficients.height(run.angle, 1)
-    basis[rate * smooth.speed >= 0] = 0.0  # on the way up
+    rate = sensor._coefficients.height(angle, 1)
+    down = (rate * smooth.speed < 0)[:, None]
+    basis = _hats(sensor.heights, height) * down
+    if len(sensor.heights_up):
+        basis = np.hstack([basis, _hats(sensor.heights_up, height) * ~down])
     columns = weights.of(-basis * rate[:, None])
     _refuse_unseen(sensor, run, columns)
-    momentum = sensor.drive_inertia * run.angle + sensor._coefficients.summed(run.angle)
-    idle = weight - 0.5 * sensor._coefficients.inertia(run.angle, 1) * smooth.speed**2
+    momentum = sensor.drive_inertia * angle + sensor._coefficients.summed(angle)
+    idle = weight - 0.5 * sensor._coefficients.inertia(angle, 1) * smooth.speed**2
     without = weights.of(run.torque - idle) - weights.of(momentum - momentum[0], twice=True)
     independent = weights.independent(columns) / noise
     acting = (columns != 0).any(axis=1)
-    force = np.zeros(len(sensor.heights))
+    force = np.zeros(basis.shape[1])
     rubs = bool(sensor.friction) or sensor.identified is not None
     for _ in range(PASSES if rubs else 1):
         lost = weights.of(_losses(sensor, run, smooth, basis @ force)) if rubs else 0.0
@@ -410,18 +450,20 @@ def _hats(heights: Array, at: Array) -> Array:
 
 def _refuse_unseen(sensor: ProcessForceSensor, run: MeasuredRun, columns: Array) -> None:
     """Raise PinpressError where no sample says anything of a height."""
-    missing = np.flatnonzero(np.count_nonzero(columns, axis=0) < 2)
-    if len(missing):
+    missed, count = np.flatnonzero(np.count_nonzero(columns, axis=0) < 2), len(sensor.heights)
+    if len(missed):
+        first = int(missed[0])
+        way, height = ("down", sensor.heights[first]) if first < count else ("up", sensor.heights_up[first - count])
         raise PinpressError(
-            f"{run.name}: no samples on the way down between the heights around {sensor.heights[missing[0]]:.6g} m: give heights further"
-            f" apart, sample faster than {1 / run.sampling:.4g} Hz, or record the whole stroke"
+            f"{run.name}: no samples on the way {way} between the heights around {height:.6g} m: give heights further apart, sample faster"
+            f" than {1 / run.sampling:.4g} Hz, or record the whole stroke"
         )
 
 
 def _losses(sensor: ProcessForceSensor, run: MeasuredRun, smooth: _Smooth, force: Array) -> Array:
     """(n,) torque of friction under a process force (n,), and of a balance cylinder [N m]."""
     press = sensor.press
-    motion = moved(press, press.branch, run.angle, smooth.speed, smooth.acceleration, None, press.engine())
+    motion = moved(press, press.branch, run.angle - sensor._zero, smooth.speed, smooth.acceleration, None, press.engine())
     loads = [PointForce(press.slide, force[:, None] * press.slide_direction)] if force.any() else []  # type: ignore[arg-type]  # it has one
     without = inverse_dynamics(press, motion, loads, bearings=()).driving_torque
     if sensor.identified is not None:
@@ -450,15 +492,20 @@ def _result(
     free = max(int(np.count_nonzero(acting)) - len(force), 1)
     misfit = float(np.sqrt((residual[acting] ** 2).sum() / free))
     covariance = covariance * max(1.0, misfit, idle_misfit) ** 2
-    steps = np.diff(sensor.heights)
-    lengths = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))
+    count, deviation = len(sensor.heights), np.sqrt(np.diag(covariance))
+    lifted = 0.0 * force if sensor.stiffness is None else force / sensor.stiffness
+    lengths = np.append(_lengths(sensor.heights), -_lengths(sensor.heights_up))  # on the way up a force upwards gives to the slide
     found = MeasuredForce(
         name=run.name,
         heights=sensor.heights,
-        force=force,
-        deviation=np.sqrt(np.diag(covariance)),
+        force=force[:count],
+        deviation=deviation[:count],
+        heights_up=sensor.heights_up,
+        force_up=force[count:],
+        deviation_up=deviation[count:],
         covariance=covariance,
-        slide_height=sensor.heights + (0.0 if sensor.stiffness is None else force / sensor.stiffness),
+        slide_height=sensor.heights + lifted[:count],
+        slide_height_up=sensor.heights_up + lifted[count:],
         work=float(lengths @ force),
         work_deviation=float(np.sqrt(lengths @ covariance @ lengths)),
         noise=noise,
@@ -473,6 +520,12 @@ def _result(
     if found.edges:
         caution(
             f"{run.name}: residuals under force are {misfit:.3g} times the noise: the force has edges between heights"
-            f" {1e3 * steps.min():.3g} mm apart, where it jumps or breaks; set them closer there"
+            f" {1e3 * np.diff(sensor.heights).min():.3g} mm apart, where it jumps or breaks; set them closer there"
         )
     return found
+
+
+def _lengths(heights: Array) -> Array:
+    """(k,) lengths by which forces at heights are summed."""
+    steps = np.diff(heights)
+    return 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps)) if len(heights) else steps

@@ -19,9 +19,10 @@ from ..engines.planar.engine import PlanarEngine
 from ..linkage.linkage import Linkage
 from .estimates.base_parameters import base_parameters
 from .estimates.least_squares import VAGUE
-from .estimates.prior import Losses, Unknowns, unknowns_of
+from .estimates.prior import NOTHING, Losses, Unknowns, unknowns_of
+from .estimates.run_rows import TURN, loss_rows
 from .estimates.weak_form import smoothed
-from .identification import checked_radii, checked_runs, loss_rows
+from .identification import checked_radii, checked_runs
 from .records import MeasuredRun
 from .regressor import refuse_losses
 
@@ -102,6 +103,7 @@ def identifiability(
     runs: Sequence[MeasuredRun] = (),
     *,
     prior: float | Mapping[str, float] = 0.2,
+    known: Mapping[str, tuple[float, float]] = NOTHING,
     friction: Sequence[str] = ("crank", "slide_guide"),
     cylinder: bool = False,
     radii: Mapping[str, float] | None = None,
@@ -114,6 +116,7 @@ def identifiability(
         runs: records, of which times and angles alone are looked at: ``MeasuredRun(time, angle)`` will do for runs that are planned; none:
             only what is determined at all is found.
         prior: as of `identify`.
+        known: as of `identify`.
         friction: as of `identify`.
         cylinder: as of `identify`.
         radii: as of `identify`.
@@ -125,7 +128,7 @@ def identifiability(
     """
     refuse_losses(press, friction, cylinder)
     losses = Losses(tuple(friction), cylinder, checked_radii(press, radii))
-    unknowns = unknowns_of(press, prior, losses)
+    unknowns = unknowns_of(press, prior, losses, known)
     share = number("noise", noise, positive=True)
     if share < LEAST_NOISE:
         raise PinpressError(f"noise is {share:g}: give it as a share of the largest torque that is measured, such as 0.01")
@@ -162,31 +165,33 @@ def _learnt(
     largest = dict.fromkeys(matrices, 0.0)
     for run in runs:
         smooth = smoothed(run)
-        found = equations.coefficients(smooth.angle, tuple(matrices))
+        found, ahead, behind = (equations.coefficients(smooth.angle - turn, tuple(matrices)) for turn in (0.0, TURN, -TURN))
         for name, each in found.items():
-            rows = smooth.equations(each) if name == "torque" else smooth.without_offset(smooth.equations(each))
-            more = loss_rows(equations.press, smooth, losses) if name == "torque" else np.zeros((len(rows), count - inertial))
-            matrices[name].append(np.concatenate([rows, more], axis=1))
+            rows = np.zeros((smooth.weighted.shape[0], count))
+            rows[:, :inertial] = smooth.equations(each)
+            rows[:, -1] = (smooth.equations(ahead[name]) - smooth.equations(behind[name])) @ equations.values / (2 * TURN)
+            if name == "torque":
+                rows[:, inertial:-1] = loss_rows(equations.press, smooth, losses)
+            matrices[name].append(rows if name == "torque" else smooth.without_offset(rows))
             values = each.columns(smooth.speed, smooth.acceleration) @ equations.values
             largest[name] = max(largest[name], float(np.abs(values).max()))
     whole = {name: np.concatenate(parts) for name, parts in matrices.items()}
-    spread = unknowns.at(np.zeros(inertial))[1]
     rms = float(np.sqrt(((whole["torque"][:, :inertial] @ equations.values) ** 2).mean()))
-    weight = np.sqrt((whole["torque"][:, inertial:] ** 2).mean(axis=0)) / rms
-    turned = np.diag(np.concatenate([np.ones(inertial), np.divide(1, weight, out=np.zeros_like(weight), where=weight > 0)]))
-    turned[:inertial, :inertial] = spread
+    weight = np.sqrt((whole["torque"] ** 2).mean(axis=0)) / rms
+    priors = unknowns.deviation
+    vague = ~np.isfinite(priors)
+    sizes = np.where(vague, np.divide(1, weight, out=np.zeros(count), where=weight > 0), priors)
+    turned = unknowns.scaled(sizes[inertial:])
     moving = np.abs(turned).max(axis=0) > 0
-    turned, wide = turned[:, moving], np.where(np.flatnonzero(moving) < inertial, 1.0, VAGUE)
-    before = np.sqrt((turned[:inertial] ** 2).sum(axis=1))
-    information, doubts, learnt = np.diag(1 / wide**2), [], []
+    turned, weighed = turned[:, moving], unknowns.weighed @ turned[:, moving]
+    before = np.diag(np.where(vague, VAGUE, 1.0)[moving] ** -2) + weighed.T @ weighed
+    information, doubts, learnt = before, [], []
     for names in (("torque",), tuple(shaking)):
         for name in names:
             scaled = whole[name] @ turned / (share * largest[name])
             information = information + scaled.T @ scaled
         covariance = np.linalg.inv(information)
-        learnt.append(float((1 - np.diag(covariance) / wide**2).sum()))
-        after = np.sqrt(np.diag(turned @ covariance @ turned.T))
-        doubts.append(np.concatenate([after[:inertial] / np.where(before > 0, before, 1.0), after[inertial:] * weight]))
+        learnt.append(float(np.trace(np.eye(len(before)) - covariance @ before)))
+        doubts.append(np.sqrt(np.diag(turned @ covariance @ turned.T)) / np.where(sizes > 0, sizes, 1.0))
     pairs = [(float(a), float(b)) for a, b in zip(*doubts, strict=True)]
-    there = [*(before > 0), *(weight > 0)]
-    return [pair if known else None for pair, known in zip(pairs, there, strict=True)], (learnt[0], learnt[1])
+    return [pair if size > 0 else None for pair, size in zip(pairs, sizes, strict=True)], (learnt[0], learnt[1])

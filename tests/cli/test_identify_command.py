@@ -15,12 +15,13 @@ COLUMNS = ["--angle", "crank [deg]", "--torque", "motor [N m]", "--ratio", "20.7
 def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
     """The slide of these records has 7640 kg, 8 % more than described."""
     press = shipped("zxn2_3000b")
-    arguments = [*map(str, RECORDS), *COLUMNS, "--friction", "crank,gibs", "--cylinder", "--prior", "0.15", "--out", str(tmp_path / "out")]
+    arguments = [*map(str, RECORDS), *COLUMNS, "--friction", "crank,gibs", "--cylinder", "--prior", "0.15", "--known", "total mass=12100,100"]
+    arguments += ["--out", str(tmp_path / "out")]
     assert main(["identify", "zxn2_3000b", *arguments]) == 0
     out, err = capsys.readouterr()
     assert err == ""
     runs = [pp.measured.record(file, "crank [deg]", "motor [N m]", ratio=20.7) for file in RECORDS]
-    options = {"prior": 0.15, "friction": ("crank", "gibs"), "cylinder": True}
+    options = {"prior": 0.15, "friction": ("crank", "gibs"), "cylinder": True, "known": {"total mass": (12100.0, 100.0)}}
     found = pp.measured.identify(press, runs, **options)
     for part in (found, pp.measured.identifiability(press, runs, **options), *(run.title for run in runs), "starts anew"):
         assert str(part) in out
@@ -39,6 +40,8 @@ def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
         (["--torque", "engine"], "no column in"),
         (["--added", "22.csv:slide=200"], "names no record: write RECORD:LINK=KG, as in --added 21.csv:slide=200"),
         (["--added", "21.csv:slide=heavy"], "the mass is no number"),
+        (["--known", "slide mass=2200"], "write NAME=VALUE,SD, as in --known 'slide mass=2200,5'"),
+        (["--known", "slid mass=2200,5"], "did you mean 'slide mass'"),
     ],
 )
 def test_wrong_words(capsys, words, said):

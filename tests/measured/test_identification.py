@@ -1,6 +1,7 @@
 """Presses whose masses, friction, cylinder and motor constant are known are found again, with intervals that hold."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -45,17 +46,32 @@ def noisy(name, seed, counts=8192, noise=0.01, friction=LOSSES):
     return runs, masses, losses, size
 
 
-@pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125", "knuckle"])
+def shifted(runs, zero):
+    """The same records by an encoder that shows this where the press is as drawn."""
+    return [replace(each, angle=each.angle + zero) for each in runs]
+
+
+@pytest.mark.parametrize(
+    ("name", "zero", "known", "exact"),
+    [
+        ("zxn2_3000b", 0.0, {"encoder zero": (0.0, 1e-15)}, 1e-8),
+        ("zxn2_3000b", 0.05, {}, 1e-7),
+        pytest.param("knuckle", -0.05, {}, 1e-7, marks=pytest.mark.exhaustive),
+        pytest.param("jf75g_125", 0.05, {}, 1e-7, marks=pytest.mark.exhaustive),
+    ],
+)
 @pytest.mark.filterwarnings("ignore:.*residuals scatter more:pinpress.PinpressWarning")  # without noise they are the rounding of sums
-def test_without_noise_base_parameters_are_exact(name):
+def test_without_noise_base_parameters_are_exact(name, zero, known, exact):
+    """The encoder's zero hides behind others, ten times as much as they behind each other; those of the JF75G-125 are told least."""
     runs, masses = clean(name, rate=4000.0 if name == "jf75g_125" else 2000.0, friction=("crank",), losses=(80.0, 6.0))
-    found = identify(press_of(name), runs, friction=("crank",))
+    found = identify(press_of(name), shifted(runs, zero), friction=("crank",), known=known)
     equations = inertial_equations(press_of(name))
     base = base_parameters(equations)
     sizes = np.abs(base.matrix) @ [each.size for each in equations.parameters]
     errors = [abs(each.value - true) for each, true in zip(found.base_parameters, base.matrix @ masses, strict=True)]
-    assert (errors / sizes).max() < 1e-8
-    assert found.losses == pytest.approx({"crank friction": 80.0, "crank viscous friction": 6.0}, rel=1e-8)
+    assert (errors / sizes).max() < exact
+    assert found.values["encoder zero"] == pytest.approx(zero, abs=exact)
+    assert found.losses == pytest.approx({"crank friction": 80.0, "crank viscous friction": 6.0}, rel=10 * exact)
 
 
 @pytest.mark.filterwarnings("ignore:.*residuals scatter more:pinpress.PinpressWarning")
@@ -72,13 +88,15 @@ def test_the_press_found_moves_as_the_records_say(tmp_path):
         np.testing.assert_allclose(pp.inverse_dynamics(again, motion).driving_torque, found.torque(motion), atol=1e-6 * np.abs(true).max())
 
 
-@pytest.mark.parametrize("name", STROKES)
+@pytest.mark.parametrize(
+    "name", ["jf75g_125", "rssp", *(pytest.param(each, marks=pytest.mark.exhaustive) for each in ("zxn2_3000b", "knuckle"))]
+)
 def test_noisy_records_are_within_intervals(name):
     """A press in space among them; nothing is warned of."""
     runs, masses, losses, noise = noisy(name, 3)
     found = identify(press_of(name), runs, friction=LOSSES, cylinder=True)
     truth = dict(zip([each.name for each in inertial_equations(press_of(name)).parameters], masses, strict=True))
-    truth |= dict(zip(found.losses, losses, strict=True))
+    truth |= dict(zip(found.losses, losses, strict=True)) | {"encoder zero": 0.0}
     missed = [each for each in found.intervals if not wide(found.intervals[each], 2.0, truth[each])]
     assert missed == []  # within twice the intervals
     assert found.noise["torque"] == pytest.approx(noise, rel=0.05)
@@ -90,6 +108,67 @@ def wide(interval, by, value):
     """Whether a value is within an interval that is so many times as wide."""
     low, high = interval
     return abs(value - (low + high) / 2) <= by * (high - low) / 2 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "degrees"),
+    [("zxn2_3000b", 4.0), *(pytest.param(*each, marks=pytest.mark.exhaustive) for each in (("knuckle", -3.0), ("jf75g_125", 170.0)))],
+)
+def test_the_encoders_zero_is_found_and_changes_nothing_else(name, degrees):
+    """Some degrees off, or by far, as where it was set at another dead centre, which is said."""
+    runs, *_ = noisy(name, 4)
+    plain = identify(press_of(name), runs, friction=LOSSES, cylinder=True)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        found = identify(press_of(name), shifted(runs, np.radians(degrees)), friction=LOSSES, cylinder=True)
+    assert ["give record(..., zero=)" in str(each.message) for each in said] == [True] * (abs(degrees) > 90)
+    assert wide(found.intervals["encoder zero"], 1.5, np.radians(degrees))
+    deviations = {each.name: each.posterior for each in plain.parameters}
+    for each in found.parameters:
+        if each.name != "encoder zero":
+            assert each.value == pytest.approx(plain.values[each.name], abs=0.05 * deviations[each.name])
+    motion = pp.cycle(press_of(name), 5.0, points=20)
+    np.testing.assert_allclose(found.torque(motion), plain.torque(motion), atol=1e-3 * np.abs(plain.torque(motion)).max())
+
+
+def test_an_encoder_that_counts_downwards_is_half_a_count_off():
+    """Two minutes by 8192 counts: nothing is doubted, the zero is half a count."""
+    strokes, step, rng = 40, 2 * np.pi / 8192, np.random.default_rng(3)
+    moved = drive(strokes, seconds=100.0, rate=500.0)
+    masses = drawn("zxn2_3000b", rng)
+    torque = columns("zxn2_3000b", strokes, ("crank",), False, 100.0, 500.0) @ [*masses, 500.0, 80.0]
+    noise = 0.01 * np.abs(torque).max() * rng.normal(size=len(torque))
+    found = identify(
+        press_of("zxn2_3000b"), [MeasuredRun(moved.time, np.floor(moved.angle / step) * step, torque + noise)], friction=("crank",)
+    )
+    assert wide(found.intervals["encoder zero"], 1.5, -step / 2)
+    low, high = found.intervals["encoder zero"]
+    assert high - low < step
+    assert wide(found.intervals["crank friction"], 1.5, 500.0)
+
+
+def test_what_was_weighed_narrows_what_hides_behind_it():
+    """In the JF75G-125 slide and counterweight hide behind each other; the sum of all masses tells the rest of them."""
+    name = "jf75g_125"
+    runs, masses, losses, _ = noisy(name, 6)
+    names = [each.name for each in inertial_equations(press_of(name)).parameters]
+    slide, other = (masses[names.index(f"{link} mass")] for link in ("slide", "counterweight"))
+    total = sum(mass for each, mass in zip(names, masses, strict=True) if each.endswith(" mass"))
+    made = [
+        identify(press_of(name), runs, friction=LOSSES, cylinder=True, known=known)
+        for known in ({}, {"slide mass": (slide + 1.0, 2.0)}, {"slide mass": (slide + 1.0, 2.0), "total mass": (total, 5.0)})
+    ]
+    plain, weighed = ({each.name: each for each in found.parameters} for found in made[:2])
+    assert weighed["slide mass"].posterior == pytest.approx(2.0, rel=0.01)
+    assert weighed["slide mass"].value == pytest.approx(slide + 1.0, abs=0.5)
+    assert weighed["counterweight mass"].posterior < 0.5 * plain["counterweight mass"].posterior
+    assert wide(made[1].intervals["counterweight mass"], 1.5, other)
+    summed = np.array([each.name.endswith(" mass") for each in made[0].parameters], dtype=float)
+    deviations = [float(np.sqrt(summed @ found.covariance @ summed)) for found in made]
+    assert deviations[2] < 5.0 < 20.0 < deviations[1] < deviations[0]
+    assert summed @ list(made[2].values.values()) == pytest.approx(total, abs=10.0)
+    assert made[1].learnt < made[0].learnt  # the records add less to it
+    assert wide(made[2].intervals["crank friction"], 2.0, losses[0])
 
 
 def rubbing(name, seed=0, added=None, constant=None, noise=0.0, in_bearings=1.0):
@@ -230,6 +309,9 @@ def test_what_cannot_be_told_is_refused_or_warned_of():
         ({"runs": [good], "prior": {"flywheel": 0.1}}, "no link or parameter 'flywheel'"),
         ({"runs": [good], "friction": ("pin",)}, "did you mean 'pins'"),
         ({"runs": [good], "radii": {"X": 0.1}}, "no bearing 'X'"),
+        ({"runs": [good], "known": {"slid mass": (100.0, 1.0)}}, "no parameter 'slid mass', did you mean 'slide mass'"),
+        ({"runs": [good], "known": {"slide mass": (100.0, 0.0)}}, "value and standard deviation, both above 0"),
+        ({"runs": [good], "known": {"slide mass": 100.0}}, "known slide mass has shape"),
     ):
         with pytest.raises(pp.PinpressError, match=words):
             identify(press, **arguments)
@@ -239,6 +321,8 @@ def test_what_cannot_be_told_is_refused_or_warned_of():
         identify(press, [run(even, steady + 20.0, rng, 2.0)], friction=())
     with pytest.warns(pp.PinpressWarning, match="1024 steps a turn"):
         identify(press, [run(moved, good.torque, rng, 0.0, 1024)], friction=("crank",))
+    with pytest.warns(pp.PinpressWarning, match="do not tell the encoder's zero"):
+        identify(press, [run(moved, good.torque, rng, 1e5)], friction=())
     with pytest.warns(pp.PinpressWarning, match="times the prior: give a larger prior"):
         identify(press, [run(moved, torque @ (2 * values) + 20.0, rng, 2.0)], prior=0.05, friction=("crank",))
 
@@ -275,22 +359,25 @@ def test_the_spline_follows_the_angle_and_finds_its_noise():
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("name", ["zxn2_3000b", "jf75g_125"])
 def test_intervals_hold_and_errors_are_those_of_the_bound(name):
-    """500 presses each, drawn from the prior. Errors by the bound of Cramer and Rao of plain least squares; the prior makes them less."""
-    presses = 500
+    """60 presses each and encoders that are some degrees off, drawn from the prior. Errors by the bound of Cramer and Rao of plain least
+    squares; the prior makes them less."""
+    presses = 60
+    rest = ("crank friction", "crank viscous friction", "gibs friction", "cylinder force", "cylinder stiffness", "encoder zero")
     equations = inertial_equations(press_of(name))
     base = base_parameters(equations)
     inside, errors = [], []
     for seed in range(presses):
         runs, masses, losses, noise = noisy(name, seed)
-        found = quietly(name, runs)
-        truth = np.concatenate([base.matrix @ masses, losses])
-        ends = [(each.low, each.high) for each in found.base_parameters] + [found.intervals[each] for each in found.losses]
-        values = np.array([each.value for each in found.base_parameters] + [found.values[each] for each in found.losses])
+        zero = np.random.default_rng(10_000 + seed).normal(scale=0.1)
+        found = quietly(name, shifted(runs, zero))
+        truth = np.concatenate([base.matrix @ masses, losses, [zero]])
+        ends = [(each.low, each.high) for each in found.base_parameters] + [found.intervals[each] for each in rest]
+        values = np.array([each.value for each in found.base_parameters] + [found.values[each] for each in rest])
         inside.append([low <= true <= high for (low, high), true in zip(ends, truth, strict=True)])
         errors.append(values - truth)
     whole = np.concatenate([columns(name, strokes, LOSSES, True) for strokes in STROKES[name]])
     first = [next(k for k, each in enumerate(equations.parameters) if words.startswith(each.name)) for words in base.names]
-    chosen = whole[:, [*first, *range(len(equations.parameters), whole.shape[1])]]
+    chosen = np.column_stack([whole[:, [*first, *range(len(equations.parameters), whole.shape[1])]], by_angle(name)])
     sizes = np.linalg.norm(chosen, axis=0)
     _, values, rows = np.linalg.svd(chosen / sizes, full_matrices=False)
     seen = values > 1e-9 * values[0]
@@ -298,8 +385,17 @@ def test_intervals_hold_and_errors_are_those_of_the_bound(name):
     bound = np.where(told, noise / sizes * np.sqrt(((rows[seen].T / values[seen]) ** 2).sum(axis=1)), np.inf)
     cover, ratio = np.mean(inside, axis=0), np.sqrt(np.mean(np.square(errors), axis=0)) / bound
     assert 0.93 <= cover.mean() <= 0.98
-    assert cover.min() >= 0.9
-    assert ratio.max() <= 1.1
+    assert cover.min() >= 0.85
+    assert ratio.max() <= 1.2
+
+
+def by_angle(name):
+    """How the torque of a press as described changes with the angle."""
+    equations, found = inertial_equations(press_of(name)), []
+    for moved in map(drive, STROKES[name]):
+        ends = [equations.coefficients(moved.angle + step)["torque"].columns(moved.speed, moved.acceleration) for step in (-1e-5, 1e-5)]
+        found.append((ends[1] - ends[0]) @ equations.values / 2e-5)
+    return np.concatenate(found)
 
 
 def quietly(name, runs):

@@ -124,6 +124,62 @@ def test_edges_between_heights_are_said():
     assert not found.edges
 
 
+UP = np.array([0.0, 2.0, 5.0, 9.0]) * 1e-3
+STRIPPING = np.array([-2e4, -9e4, -4e4, 0.0])  # holds the slide back, most at 2 mm
+
+
+def stripped(noise=0.0, seed=0):
+    """A stroke that forms on its way down, and strips on its way up."""
+    press, (time, angle, _, needed) = shipped(NAME), torque(TABLE)
+    motion = pp.servo_cycle(press, angle, speed=SPEED, acceleration=0.0)
+    height = motion.slide_position - pp.dead_centres(press).bottom_position
+    force = np.interp(height, UP, STRIPPING, right=0.0) * (motion.slide_velocity > 0)
+    pulled = pp.loads.PointForce("slide", force[:, None] * [0.0, 0.0, 1.0])
+    more = pp.inverse_dynamics(press, motion, loads=[pulled], bearings=()).driving_torque
+    more = more - pp.inverse_dynamics(press, motion, bearings=()).driving_torque
+    return measured.MeasuredRun(time, angle, needed + more + noise * np.random.default_rng(seed).normal(size=len(time)))
+
+
+def test_a_force_on_the_way_up_is_found():
+    """Down and up have their own heights; the work is that of both, and a stripper takes work from the slide too."""
+    found = measured.process_force(shipped(NAME), stripped(), KNOTS, heights_up=UP, stiffness=4e9)
+    np.testing.assert_allclose(found.force, TABLE.forces, atol=0.01 * 9e5)
+    np.testing.assert_allclose(found.force_up, STRIPPING, atol=0.02 * 9e4)
+    np.testing.assert_allclose(found.slide_height_up, UP + found.force_up / 4e9)
+    assert found.work == pytest.approx(np.trapezoid(TABLE.forces, KNOTS) - np.trapezoid(STRIPPING, UP), rel=2e-3)
+    assert "2 mm up" in str(found)
+    assert found.columns()["way"] == ["down"] * 5 + ["up"] * 4
+    with pytest.warns(PinpressWarning, match="where no force acts the press takes another torque"):
+        measured.process_force(shipped(NAME), stripped(20.0), KNOTS)
+
+
+@pytest.mark.exhaustive
+def test_bands_hold_on_the_way_up():
+    inside = []
+    for seed in range(200):
+        found = measured.process_force(shipped(NAME), stripped(1380.0, seed), KNOTS, heights_up=UP)
+        inside.append([*((found.interval_up[:, 0] < STRIPPING) & (found.interval_up[:, 1] > STRIPPING))])
+    assert 0.92 < np.mean(inside) < 0.98
+    assert np.mean(inside, axis=0).min() > 0.88
+
+
+def test_the_encoders_zero_of_an_identified_press_is_taken_off():
+    """The press is known to stand 3 degrees elsewhere than its encoder says; forces are as if it stood right."""
+    press, rng = shipped("crank_slide"), np.random.default_rng(4)
+    time = np.arange(6000) / 1000
+    angle = 7.0 * time + 1.2 * np.sin(2.9 * time)
+    state = pp.servo_cycle(press, angle, speed=7.0 + 3.48 * np.cos(2.9 * time), acceleration=-10.092 * np.sin(2.9 * time))
+    heights = np.array([0.0, 6.0, 12.0, 18.0, 24.0]) * 1e-3
+    load = ForceStroke(heights, [1e4, 2e4, 1.5e4, 5e3, 0.0])
+    idle, pressing = (pp.inverse_dynamics(press, state, each).driving_torque + 0.5 * rng.normal(size=6000) for each in ((), [load]))
+    sensors = []
+    for zero in (0.0, np.radians(3)):
+        found = measured.identify(press, [measured.MeasuredRun(time, angle + zero, idle)], friction=())
+        sensors.append(measured.force_sensor(found, heights).force(measured.MeasuredRun(time, angle + zero, pressing)))
+    np.testing.assert_allclose(sensors[1].force, sensors[0].force, atol=0.01 * 2e4)
+    assert sensors[0].force.max() == pytest.approx(2e4, rel=0.03)
+
+
 def test_friction_under_the_force_is_taken():
     """The bearings rub under the process force itself; a press without friction would give more force than there is."""
     run = recorded(TABLE, friction=True, noise=100.0)
@@ -198,6 +254,8 @@ def test_a_press_that_springs():
     [
         (lambda: measured.force_sensor(shipped(NAME), [0.0, 10.0]), r"within its stroke, in m"),
         (lambda: measured.force_sensor(shipped(NAME), [0.01, 0.0]), "rising heights"),
+        (lambda: measured.force_sensor(shipped(NAME), KNOTS, heights_up=[0.0, 9.0]), "heights_up reach from 0 to 9 m"),
+        (lambda: measured.force_sensor(shipped(NAME), KNOTS, heights_up=[0.0]), "heights_up is"),
         (lambda: measured.force_sensor(shipped(NAME), KNOTS, drive_inertia=-1.0), "drive_inertia is -1"),
         (lambda: measured.force_sensor(shipped(NAME), KNOTS, stiffness=0.0), "stiffness is 0"),
         (lambda: measured.force_sensor(shipped("crank_slide"), [0.0, 0.01]).force(None), "run is a NoneType, no MeasuredRun"),

@@ -33,7 +33,7 @@ class Fit(NamedTuple):
         posterior: (unknowns, unknowns) covariance of the Gaussian posterior.
         sandwich: (unknowns, unknowns) covariance by blocks of time.
         learnt: trace of information / (information + prior).
-        misfit: square of the changes of masses and inertias by their prior deviations, and how many were learnt.
+        misfit: square of the changes of masses and inertias by their prior deviations, and how many were learnt, by scales too.
         noise: by quantity the standard deviation of one sample.
         weight: (unknowns,) rms torque that one unit of each makes, by the rms of what was measured.
         constant: motor constant and its deviation; None where torques were measured.
@@ -77,71 +77,73 @@ def _fitted(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
     torque = rows.get("torque")
     rms = 1.0 if torque is None else float(np.sqrt((torque.values**2).mean()))
     weight = np.zeros(count) if torque is None else np.sqrt((torque.columns**2).mean(axis=0)) / rms
-    losses = np.zeros(count)
-    losses[inertial:] = np.divide(1.0, weight[inertial:], out=np.zeros(count - inertial), where=weight[inertial:] > 0)
-    # Both in numbers about one: deviations of masses, and losses that make the rms torque alone.
-    moving = np.concatenate([np.concatenate([each.deviation for each in unknowns.bodies]) > 0, losses[inertial:] > 0])
-    deviation = np.where(np.arange(count) < inertial, 1.0, VAGUE)[moving]
+    # All in numbers about one: deviations where something is known before, and losses that make the rms torque alone.
+    priors = unknowns.deviation
+    vague = ~np.isfinite(priors)
+    sizes = np.where(vague, np.divide(1.0, weight, out=np.zeros(count), where=weight > 0), priors)
+    moving = np.append(np.concatenate([each.deviation for each in unknowns.bodies]), sizes[inertial:]) > 0
+    information = np.diag(np.where(vague, VAGUE, 1.0)[moving] ** -2)
     change = np.zeros(count)
 
     def turned(at: Array) -> tuple[Array, Array]:
         """(unknowns,) values there, and (unknowns, k) their changes by the numbers that are looked for."""
         values, spread = unknowns.at(at[:inertial])
-        whole = np.diag(losses)
+        whole = np.diag(sizes)
         whole[:inertial, :inertial] = spread
-        return np.concatenate([values, (losses * at)[inertial:]]), whole[:, moving]
+        return np.concatenate([values, (start + sizes * at)[inertial:]]), whole[:, moving]
 
-    noise = {name: _noise(row.columns @ turned(change)[1], targets[name]) for name, row in rows.items()}
-    system = np.concatenate([row.columns / noise[name] for name, row in rows.items()])
-    target = np.concatenate([targets[name] / noise[name] for name in rows])
-    sizes = np.linalg.norm(system, axis=0)
-    sizes[sizes == 0] = 1.0
-    orthogonal, triangle = np.linalg.qr(system / sizes)
-    short = orthogonal.T @ target
-    triangle = triangle * sizes
+    # Few rows, whose least squares are those of all.
+    short = {name: np.linalg.qr(np.column_stack([row.columns, targets[name]]), mode="r") for name, row in rows.items()}
+    noise = {name: _noise(each[:, :-1] @ turned(change)[1], each[:, -1], len(targets[name])) for name, each in short.items()}
+    joined = np.concatenate([short[name] / noise[name] for name in rows])
+    triangle, goal = joined[:, :-1], joined[:, -1]
+    whole = np.concatenate([triangle, unknowns.weighed])
     for _ in range(STEPS):
         values, spread = turned(change)
-        solved = _solved(triangle @ spread, short - triangle @ (values - start), deviation, change[moving])
+        weighed = unknowns.weights - unknowns.weighed @ values
+        left = np.concatenate([goal - triangle @ (values - start), weighed])
+        solved = _solved(whole @ spread, left, information, change[moving])
         change[moving] += solved.change
         if (np.abs(solved.change) <= SETTLED * np.sqrt(np.diag(solved.covariance))).all():
             break
     values, spread = turned(change)
     found = within_cones(unknowns, values, spread, solved._replace(change=np.zeros(len(solved.change))))
     posterior = spread @ solved.covariance @ spread.T
-    left = target - system @ (values - start)
-    sandwich = spread @ _sandwich(system @ spread, left, deviation, solved.covariance) @ spread.T
+    before = information + (unknowns.weighed @ spread).T @ (unknowns.weighed @ spread)
+    system = np.concatenate([row.columns / noise[name] for name, row in rows.items()])
+    left = np.concatenate([targets[name] / noise[name] for name in rows]) - system @ (values - start)
+    sandwich = spread @ _sandwich(system @ spread, left, before, solved.covariance) @ spread.T
     masses = np.flatnonzero(moving) < inertial
-    shares = 1 - np.diag(solved.covariance) / deviation**2
-    misfit = float((change[moving][masses] ** 2).sum()), float(shares[masses].sum())
-    return Fit(found, posterior, sandwich, float(shares.sum()), misfit, noise, weight)
+    learnt = float(np.trace(np.eye(len(before)) - solved.covariance @ before))
+    told = float((1 - np.diag(solved.covariance))[masses].sum())  # by records and scales
+    return Fit(found, posterior, sandwich, learnt, (float((change[moving][masses] ** 2).sum()), told), noise, weight)
 
 
-def _noise(matrix: Array, target: Array) -> float:
-    """Standard deviation of one sample, of what no choice of unknowns explains."""
+def _noise(matrix: Array, target: Array, count: int) -> float:
+    """Standard deviation of one of so many samples, of what no choice of unknowns explains."""
     sizes = np.linalg.norm(matrix, axis=0)
-    used = matrix[:, sizes > 0] / sizes[sizes > 0]
-    orthogonal, triangle = np.linalg.qr(used)
-    inner, values, _ = np.linalg.svd(triangle)  # of few numbers: rank and directions are those of all rows
-    directions = orthogonal @ inner[:, values > 1e-9 * values[0]]
+    directions, values, _ = np.linalg.svd(matrix[:, sizes > 0] / sizes[sizes > 0], full_matrices=False)
+    directions = directions[:, values > 1e-9 * values[0]]
     left = target - directions @ (directions.T @ target)
-    freedom = max(len(target) - directions.shape[1], 1)
+    freedom = max(count - directions.shape[1], 1)
     return max(float(np.sqrt((left**2).sum() / freedom)), 1e-13 * float(np.abs(target).max()), 1e-300)
 
 
-def _solved(system: Array, target: Array, deviation: Array, change: Array) -> Solved:
-    """One step of least squares of whitened rows, with priors about zero of what has changed so far."""
-    stacked = np.concatenate([system, np.diag(1 / deviation)])
+def _solved(system: Array, target: Array, information: Array, change: Array) -> Solved:
+    """One step of least squares of whitened rows, with priors about zero, (k, k) diagonal, of what has changed so far."""
+    root = np.sqrt(information)
+    stacked = np.concatenate([system, root])
     orthogonal, triangle = np.linalg.qr(stacked)
     inverse = np.linalg.solve(triangle, np.eye(len(triangle)))
-    return Solved(inverse @ (orthogonal.T @ np.concatenate([target, -change / deviation])), inverse @ inverse.T)
+    return Solved(inverse @ (orthogonal.T @ np.concatenate([target, -root @ change])), inverse @ inverse.T)
 
 
-def _sandwich(system: Array, left: Array, deviation: Array, covariance: Array) -> Array:
+def _sandwich(system: Array, left: Array, information: Array, covariance: Array) -> Array:
     """Covariance by the sums of residuals x columns over blocks of time."""
     block = blocks(len(left), BLOCKS)
     starts = np.searchsorted(block, np.arange(block[-1] + 1))
     sums = np.add.reduceat(system * left[:, None], starts, axis=0)
-    meat = sums.T @ sums + np.diag(1 / deviation**2)
+    meat = sums.T @ sums + information
     return np.asarray(covariance @ meat @ covariance)
 
 
@@ -154,7 +156,11 @@ def _fitted_to_currents(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
     constant = float(expected @ expected / (expected @ torque.values))
     if constant <= 0:
         raise PinpressError("the currents have the other sign than the torque of this press: give the ratio with the other sign")
-    more = unknowns._replace(parameters=(*unknowns.parameters, Parameter("motor constant", "-", 0.0, 0.0)))
+    more = unknowns._replace(
+        parameters=(*unknowns.parameters, Parameter("motor constant", "-", 0.0, 0.0)),
+        others=np.append(unknowns.others, np.inf),
+        weighed=np.column_stack([unknowns.weighed, np.zeros(len(unknowns.weights))]),
+    )
     for _ in range(PASSES):
         expected = torque.columns @ estimate + torque.known
         scaled = {name: _beside(row, constant, expected) for name, row in rows.items()}

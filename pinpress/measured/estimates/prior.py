@@ -1,5 +1,8 @@
 """What is looked for, and what is known of it before: masses, centres of mass and inertias about them, each within a share of itself.
 
+Beside them are losses, of which nothing is known, and the reading of the encoder where the press is as drawn, which is off by some degrees.
+What was weighed or gauged, the mass of the slide on a crane or of all links together, is one more equation each.
+
 A link's uncertain numbers are its mass, its centre of mass (within a share of the radius of gyration) and its tensor about that. The
 equations are linear in mass, first moments and inertia about the joint, which are products of these: their changes by one deviation of each
 are taken at the present estimate. So a prior of a fifth never means a body that cannot be.
@@ -13,14 +16,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.arguments import number
-from ...common.errors import PinpressError, UnknownNameError
+from ...common.arguments import number, numbers
+from ...common.errors import PinpressError, UnknownNameError, shown
+from ...common.frozen import FrozenMapping
 from ...common.quantities import Array
 from ...linkage.linkage import Linkage
 from ..regressor import TENSOR, InertialEquations, Parameter, inertial_equations, loss_parameters
 
 USUAL = 0.2  # share by which masses may be off where nothing is said
 WIDEST = 10.0
+ZERO = "encoder zero"
+ZERO_DEVIATION = 0.1  # of the encoder's reading where the press is as drawn, where nothing is said [rad]
+TOTAL = "total mass"
+NOTHING: Mapping[str, tuple[float, float]] = FrozenMapping({})
 
 
 class Losses(NamedTuple):
@@ -49,19 +57,25 @@ class BodyPrior(NamedTuple):
 
 
 class Unknowns(NamedTuple):
-    """What is looked for, in the order of columns.
+    """What is looked for, in the order of columns, k unknowns.
 
     Attributes:
         equations: of masses and inertias.
-        parameters: of these, then losses.
+        parameters: of these, then losses, then the encoder's zero.
         inertial: how many are masses and inertias.
         bodies: what is known of them.
+        others: (k - inertial,) standard deviations before of the rest; infinite where nothing is known.
+        weighed: (rows, k) of what was weighed or gauged, each by its standard deviation.
+        weights: (rows,) what was found so, by its standard deviation.
     """
 
     equations: InertialEquations
     parameters: tuple[Parameter, ...]
     inertial: int
     bodies: tuple[BodyPrior, ...]
+    others: Array
+    weighed: Array
+    weights: Array
 
     def at(self, change: Array) -> tuple[Array, Array]:
         """(inertial,) masses and inertias, and (inertial, inertial) their changes by deviations, at a change in deviations (inertial,)."""
@@ -74,19 +88,48 @@ class Unknowns(NamedTuple):
 
     @property
     def deviation(self) -> Array:
-        """(inertial,) standard deviations before the records; 0 of what is fixed."""
-        return np.asarray(np.sqrt((self.at(np.zeros(self.inertial))[1] ** 2).sum(axis=1)))
+        """(k,) standard deviations before the records; 0 of what is fixed, infinite where nothing is known."""
+        return np.append(np.sqrt((self.at(np.zeros(self.inertial))[1] ** 2).sum(axis=1)), self.others)
+
+    @property
+    def zero(self) -> int:
+        """Place of the encoder's zero."""
+        return self.place(ZERO)
+
+    @property
+    def cylinder(self) -> tuple[int, int] | None:
+        """Places of force and stiffness of the balance cylinder; None where there is none."""
+        names = [each.name for each in self.parameters]
+        return (self.place("cylinder force"), self.place("cylinder stiffness")) if "cylinder force" in names else None
+
+    def about_zero(self, angle: float) -> Unknowns:
+        """The same where the encoder's zero is about another angle [rad]."""
+        own = self.parameters[self.zero]._replace(value=angle)
+        return self._replace(parameters=tuple(own if each.name == ZERO else each for each in self.parameters))
+
+    def place(self, name: str) -> int:
+        """Place of the unknown of this name."""
+        return [each.name for each in self.parameters].index(name)
+
+    def scaled(self, sizes: Array) -> Array:
+        """(k, k) changes of the unknowns, as described, by numbers about one; ``sizes``: (k - inertial,) those of the rest."""
+        spread = np.diag(np.append(np.zeros(self.inertial), sizes))
+        spread[: self.inertial, : self.inertial] = self.at(np.zeros(self.inertial))[1]
+        return spread
 
 
-def unknowns_of(press: Linkage, prior: float | Mapping[str, float], losses: Losses) -> Unknowns:
-    """The unknowns of a press with their prior.
+def unknowns_of(
+    press: Linkage, prior: float | Mapping[str, float], losses: Losses, known: Mapping[str, tuple[float, float]] = NOTHING
+) -> Unknowns:
+    """The unknowns of a press with their prior; ``known``: value and standard deviation of what was weighed or gauged, by its name.
 
     Raises:
         PinpressError: several drivers, or a prior that makes no sense.
-        UnknownNameError: a prior of a link that does not exist.
+        UnknownNameError: a prior of a link that does not exist, or something known of a parameter that is not looked for.
     """
     equations = inertial_equations(press)
-    more = loss_parameters(losses.friction, losses.cylinder, losses.radii is not None)
+    lost = loss_parameters(losses.friction, losses.cylinder, losses.radii is not None)
+    more = (*lost, Parameter(ZERO, "rad", 0.0, 0.0))
     names = [each.name for each in equations.parameters]
     shares = np.full(len(names), USUAL)
     if isinstance(prior, Mapping):
@@ -104,7 +147,28 @@ def unknowns_of(press: Linkage, prior: float | Mapping[str, float], losses: Loss
         own = shares[start : start + basis.shape[1]]
         bodies.append(_described(press.model.inertias[body], basis, own))
         start += basis.shape[1]
-    return Unknowns(equations, (*equations.parameters, *more), len(names), tuple(bodies))
+    parameters = (*equations.parameters, *more)
+    others = np.append(np.full(len(lost), np.inf), ZERO_DEVIATION)
+    found = Unknowns(equations, parameters, len(names), tuple(bodies), others, *_weighed(parameters, known))
+    for name, row in zip(known, found.weighed, strict=True):
+        if not (found.deviation[row != 0] > 0).any():
+            raise PinpressError(f"{name} is known, but the description of {press.name} has 0 there, which is kept: describe it first")
+    return found
+
+
+def _weighed(parameters: tuple[Parameter, ...], known: Mapping[str, tuple[float, float]]) -> tuple[Array, Array]:
+    """(rows, unknowns) and (rows,) of what is known of unknowns, each by its standard deviation."""
+    names = [each.name for each in parameters]
+    rows, values = np.zeros((len(known), len(names))), np.zeros(len(known))
+    for k, (name, given) in enumerate(known.items()):
+        if name not in (*names, TOTAL):
+            raise UnknownNameError("parameter", name, [*names, TOTAL])
+        parts = [each for each in range(len(names)) if names[each] == name or (name == TOTAL and names[each].endswith(" mass"))]
+        value, deviation = numbers(f"known {name}", given, (2,), unit=parameters[parts[0]].unit)
+        if deviation <= 0 or (name.endswith("mass") and value <= 0):
+            raise PinpressError(f"known {name} is {shown(given)}: give value and standard deviation, both above 0, as (2200.0, 5.0)")
+        rows[k, parts], values[k] = 1 / deviation, value / deviation
+    return rows, values
 
 
 def _described(inertia: object, basis: Array, shares: Array) -> BodyPrior:

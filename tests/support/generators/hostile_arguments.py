@@ -151,14 +151,21 @@ def swinging() -> dict[str, Any]:
 
 
 def planned() -> dict[str, Any]:
-    asked = {"noise": 10.0, "time": 20.0, "rate": 100.0, "prior": 0.1, "friction": ["crank"], "cylinder": True}
+    asked = {"noise": 10.0, "time": 20.0, "rate": 100.0, "prior": 0.1, "known": {}, "friction": ["crank"], "cylinder": True}
     motions = {"even": pp.cycle(press(), 7.0, points=24)}
     return {"press": press(), "motions": motions, **asked, "expected": {"crank friction": 5.0}, "wanted": ["slide mass"]}
 
 
 def sensing() -> dict[str, Any]:
     laws = {"W": pp.loads.Friction(0.02, radius=0.03)}
-    return {"press": press(), "heights": [0.0, 0.02, 0.04], "friction": laws, "drive_inertia": 20.0, "stiffness": 1e9}
+    return {
+        "press": press(),
+        "heights": [0.0, 0.02, 0.04],
+        "heights_up": [0.0, 0.03],
+        "friction": laws,
+        "drive_inertia": 20.0,
+        "stiffness": 1e9,
+    }
 
 
 def accelerations() -> dict[str, Any]:
@@ -199,6 +206,7 @@ def identified() -> dict[str, Any]:
         "press": press(),
         "runs": [measured_run()],
         "prior": 0.2,
+        "known": {"slide mass": (100.0, 1.0)},
         "friction": ("crank", "pins", "slide_guide", "gibs"),
         "cylinder": True,
         "radii": {"O": 0.05},
