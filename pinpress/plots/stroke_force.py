@@ -37,7 +37,8 @@ def measured_force(forces: Mapping[str, MeasuredForce], *, ax: Axes | Iterable[A
         raise PinpressError("there is nothing to draw: give what process_force returns, under a name: {'stroke 1': force}")
     with panels(ax, 1, HEIGHT, lambda figure: [figure.subplots()]) as drawn:
         (panel,) = drawn.axes
-        lines, names = [], []
+        lines: list[Line2D] = []
+        names: list[str] = []
         for k, (name, found) in enumerate(forces.items()):
             colour = COLOURS[k % len(COLOURS)]
             down = _drawn(panel, (found.slide_height, found.force, found.interval), colour, "-")

@@ -15,8 +15,8 @@ COLUMNS = ["--angle", "crank [deg]", "--torque", "motor [N m]", "--ratio", "20.7
 def test_it_prints_and_writes_what_the_library_gives(capsys, tmp_path):
     """The slide of these records has 7640 kg, 8 % more than described."""
     press = shipped("zxn2_3000b")
-    arguments = [*map(str, RECORDS), *COLUMNS, "--friction", "crank,gibs", "--cylinder", "--prior", "0.15", "--known", "total mass=12100,100"]
-    arguments += ["--out", str(tmp_path / "out")]
+    arguments = [*map(str, RECORDS), *COLUMNS, "--friction", "crank,gibs", "--cylinder", "--prior", "0.15"]
+    arguments += ["--known", "total mass=12100,100", "--out", str(tmp_path / "out")]
     assert main(["identify", "zxn2_3000b", *arguments]) == 0
     out, err = capsys.readouterr()
     assert err == ""

@@ -93,7 +93,7 @@ def _fitted(unknowns: Unknowns, rows: Mapping[str, Rows]) -> Fit:
         return np.concatenate([values, (start + sizes * at)[inertial:]]), whole[:, moving]
 
     # Few rows, whose least squares are those of all.
-    short = {name: np.linalg.qr(np.column_stack([row.columns, targets[name]]), mode="r") for name, row in rows.items()}
+    short = {name: np.asarray(np.linalg.qr(np.column_stack([row.columns, targets[name]]), mode="r")) for name, row in rows.items()}
     noise = {name: _noise(each[:, :-1] @ turned(change)[1], each[:, -1], len(targets[name])) for name, each in short.items()}
     joined = np.concatenate([short[name] / noise[name] for name in rows])
     triangle, goal = joined[:, :-1], joined[:, -1]
