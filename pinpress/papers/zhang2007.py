@@ -1,8 +1,8 @@
 """Zhang X. 2007, master thesis, Southeast University: the high-speed press JF75G-125, 1250 kN, and how to balance it, by ADAMS.
 
 The thesis prints masses and moments of inertia but no lengths: those of the shipped presses are inferred, each with its reason in the file.
-Chapter 3 is here, chapter 2 in `zhang2007_vibration`, the balancing of chapter 5 in `zhang2007_balancing`, and the runs of chapter 4 and of
-5.7 in `zhang2007_runs`.
+Chapter 3 is here, chapter 2 in `zhang2007_vibration`, the balancing of chapter 5 in `zhang2007_balancing` and `zhang2007_search`, and the
+runs of chapter 4 and of 5.7 in `zhang2007_runs`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from ..balancing import classical
 from ..balancing.counterweights import Counterweight, with_counterweights
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
-from . import zhang2007_balancing, zhang2007_runs, zhang2007_vibration
+from . import zhang2007_balancing, zhang2007_runs, zhang2007_search, zhang2007_vibration
 from .pages import FINDINGS, FORMULAS, NO_RESULT, NOT, Erratum, Page, PageEntry, Panel, Row, draw, figures
 from .zhang2007_balancing import GRAVITY, POINTS, SPEED, clean, presses, turning
 
@@ -45,6 +45,7 @@ def page() -> Page:
             *_balancing(given),
             *zhang2007_runs.motion_entries(given),
             PageEntry(figures(5, 1, 7), "flow chart, ADAMS models, schemes and screenshot", NO_RESULT),
+            *zhang2007_search.entries(given["jf75g_125"]),
             *zhang2007_balancing.entries(given),
             *zhang2007_runs.load_entries(given["jf75g_125_symmetric"]),
         ),

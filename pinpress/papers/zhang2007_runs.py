@@ -1,8 +1,9 @@
 """Zhang 2007, chapter 4 and 5.7: the press runs under a constant torque, behind its motor with a slip clutch, and under process loads."""
 
 import math
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,12 +15,12 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
-from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, step
-from ..simulation.run import Run
+from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, TimeForce, step
+from ..simulation.run import Run, duty_cycle
 from ..simulation.simulate import simulate
 from ..simulation.steady_state import steady_state
 from .pages import CURVES, DATA, FORMULAS, NO_RESULT, NOT, PageEntry, Panel, Row, draw, figures
-from .zhang2007_balancing import SPEED, weight
+from .zhang2007_balancing import SPEED, clean, weight
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,6 +38,8 @@ SOLVED = {
     0.4: ("12.863252626586", "33.055508095625", "0.688295013346", "0.151986910463", "16.354749187920"),
     0.6: ("19.542827320549", "33.819423745531", "3.615793850155", "0.336661987484", "13.330787953640"),
 }
+FIVE, LASTING = 5, 1.0  # strokes of figures 5-13 to 5-15, and how long they last there [s]
+PEAKS = {"piling": "3046.0493", "blanking": "2831.9312", "drawing": "2479.5322"}  # of their vertical forces [N]
 NAMES = ("crank angle [rad]", "crank speed [rad/s]", "height [mm]", "slide velocity [m/s]", "slide acceleration [m/s2]")
 TOP, PRIMARY, SET = 1320 * RPM, 1470 * RPM, 900 * RPM  # the thesis prints the first; 900 r/min are 300 strokes/min behind its 3 to 1
 # Process loads
@@ -80,13 +83,27 @@ def _motor(press: Linkage) -> PageEntry:
         Row("power at 189 N m and 1470 r/min, slip included [kW]", "30", 189 * PRIMARY / 1e3, places=1),
         Row("blanking 5 mm with 1250 kN, set to 300 strokes/min: strokes/min held", "", float(60 / steady.time[-1]), places=2),
         Row("its speed variation within a stroke [%]", "", float(100 * np.ptp(speed) / speed.mean()), places=2),
+        *_slip(press),
     )
     reason = (
         "YCT280-4A: 30 kW, 189 N m, 1320 to 132 r/min, regulation 2.5 %, 750 kg. (4.3.1) is the law of `SlipClutchMotor`; its K follows"
         " from the torque at top speed, the amplifier's gain from the regulation, and the primary speed of 1470 r/min is ours, as none is"
-        " printed. The power does not belong to torque and top speed; it is nearer to that of the motor before the clutch."
+        " printed. The power does not belong to torque and top speed; it is nearer to that of the motor before the clutch. The thesis says"
+        " that losses by eddy currents are large at low speed: the clutch loses the torque times the difference of its speeds (last rows)."
     )
     return PageEntry(("Table 4-1",), "motor with slip clutch", DATA, rows, reason)
+
+
+def _slip(press: Linkage) -> Iterator[Row]:
+    """What the clutch loses at set speeds of 150, 300 and 440 strokes/min, the last at its top speed."""
+    for strokes in (150, 300, 440):
+        drive, wheel, load = Geared(motor(3 * strokes * RPM), 3.0), Flywheel(FLYWHEEL_INERTIA), Blanking(NOMINAL / 4, 0.010, 0.005)
+        duty = duty_cycle(steady_state(press, strokes * RPM, drive=drive, flywheel=wheel, loads=[load]))
+        assert duty.slip_loss is not None
+        assert duty.efficiency is not None
+        words = f"a quarter of this load, set to {strokes} strokes/min"
+        yield Row(f"{words}: lost by slip in a stroke [J]", "", duty.slip_loss, places=0)
+        yield Row(f"{words}: share of the motor's work that reaches the crank [%]", "", 100 * duty.efficiency, places=1)
 
 
 def _run(press: Linkage) -> PageEntry:
@@ -140,7 +157,7 @@ def on_slide(load: ProcessLoad, heights: Array) -> Array:
     return force
 
 
-def run(press: Linkage, load: ProcessLoad, duration: float = 0.2, points: int = 4001) -> Run:
+def run(press: Linkage, load: ProcessLoad | TimeForce, duration: float = 0.2, points: int = 4001) -> Run:
     """One stroke under the thesis' constant torque, from bottom dead centre at 300 strokes/min."""
     drive, wheel = ConstantTorque(TORQUE), Flywheel(FLYWHEEL_INERTIA)
     return simulate(press, duration, speed=START, drive=drive, flywheel=wheel, loads=[load], points=points)
@@ -193,24 +210,29 @@ def _step() -> PageEntry:
 
 
 def _cases(press: Linkage) -> tuple[PageEntry, ...]:
-    printed = {
-        "piling": ("Fig. 5-13", "3046.0493", ()),
-        "blanking": ("Fig. 5-14", "2831.9312", _windows(press) + _stroke(press, "blanking", BREAK_HEIGHT, BLANKING)),
-        "drawing": ("Fig. 5-15", "2479.5322", _stroke(press, "drawing", 0.0, DRAWING)),
+    cases = {
+        "piling": ("Fig. 5-13", ()),
+        "blanking": ("Fig. 5-14", _windows(press) + _stroke(press, "blanking", BREAK_HEIGHT, BLANKING)),
+        "drawing": ("Fig. 5-15", _stroke(press, "drawing", 0.0, DRAWING)),
     }
     entries = []
-    for name, (number, peak, rows) in printed.items():
+    for name, (number, rows) in cases.items():
+        peak = PEAKS[name]
         found = [_peak(press, laws(force)[name]) for force in (NOMINAL, ALLEGED)]
         peaks = (
             Row("peak of the vertical force [N], with 1250 kN", peak, found[0], places=0),
             Row("with 1250 N", peak, found[1], places=0),
         )
         shown = _figure(press, laws(NOMINAL)[name])
-        entries.append(PageEntry((number,), f"forces under {name}", NOT, (*peaks, *rows), _WHY[name], f"zhang2007_{name}", shown, _CAPTION))
+        rows = (*peaks, *_five_strokes(press, name), *rows)
+        entries.append(PageEntry((number,), f"forces under {name}", NOT, rows, _WHY[name], f"zhang2007_{name}", shown, _CAPTION))
     return tuple(entries)
 
 
-_CAPTION = "Vertical force of the mechanism on the frame, less the weight; the die's reaction on the bed is left out. One stroke."
+_CAPTION = (
+    "Forces of the mechanism on the frame in five strokes under 567 N m, less the weight; the die's reaction on the bed is left out. The"
+    " lateral forces of both main shafts cancel."
+)
 _NOMINAL = (
     "Sizes of the peaks; the thesis' are negative, as it lets the force act along the slide's motion, where a process resists it. Its load"
     " functions read 1250, without a unit, in a model whose forces are in newtons (table 5-1). The peaks fit 1250 N in order of size: they"
@@ -286,22 +308,75 @@ def _speed_at(press: Linkage, stroke: Run, height: float) -> float:
     return float(stroke.trajectory.at(np.array([time])).speed[driver, 0])
 
 
-def _forces(press: Linkage, load: ProcessLoad) -> tuple[Array, Array]:
-    """Time [s] and vertical force of the mechanism on the frame [N], the weight and the die's reaction on the bed left out."""
-    stroke = run(press, load, 0.205, 2001)
-    force = inverse_dynamics(press, stroke, loads=[load]).bearing_force
-    guides = ("O_left", "O_right", "slide_guide", "counterweight_guide")  # what is on the frame
-    return stroke.time, np.asarray(-sum(force[name][:, 2] for name in guides) + weight(press))
+class FrameForces(NamedTuple):
+    """Forces of the mechanism on the frame, the weight and the die's reaction on the bed left out.
+
+    Attributes:
+        run: n states.
+        vertical: (n,) [N].
+        lateral: (n,) [N].
+        shaft: (n,) lateral, of the left main shaft alone [N].
+    """
+
+    run: Run
+    vertical: Array
+    lateral: Array
+    shaft: Array
 
 
-def _peak(press: Linkage, load: ProcessLoad) -> float:
-    _, force = _forces(press, load)
-    return float(np.abs(force).max())
+def frame_forces(press: Linkage, load: ProcessLoad | TimeForce, duration: float = 0.205, points: int = 2001) -> FrameForces:
+    """The forces on the frame under a load, from bottom dead centre on; see `run`."""
+    strokes = run(press, load, duration, points)
+    force = inverse_dynamics(press, strokes, loads=[load]).bearing_force
+    on_frame = -sum(force[name] for name in ("O_left", "O_right", "slide_guide", "counterweight_guide"))
+    return FrameForces(strokes, on_frame[:, 2] + weight(press), on_frame[:, 0], -force["O_left"][:, 0])
+
+
+def _peak(press: Linkage, load: ProcessLoad | TimeForce, duration: float = 0.205, points: int = 2001) -> float:
+    return float(np.abs(frame_forces(press, load, duration, points).vertical).max())
+
+
+def printed(name: str) -> TimeForce:
+    """A load of 5.7 as it is printed: windows in time in each of five strokes, along the motion of the slide, with 1250 N.
+
+    `STEP` opens and shuts them within 0.1 ms, that of drawing within 0.01 ms. The pulses of piling have bottom dead centre at 0.1 s, the
+    others at 0.2 s.
+    """
+    start, end, shut, over = {
+        "piling": (0.0975, 0.1025, 1e-4, math.inf),
+        "blanking": (0.1616, 0.1838, 1e-4, 0.0488),
+        "drawing": (0.1616, 0.2, 1e-5, 0.0244),
+    }[name]
+    strokes = 0.2 * np.arange(FIVE)
+    edges = np.add.outer(strokes, [start - 1e-4, start, end - shut, end]).ravel().tolist()
+    return TimeForce(partial(_printed_force, start, end, shut, over), edges)
+
+
+def _printed_force(start: float, end: float, shut: float, over: float, time: Array) -> Array:
+    within = np.mod(time, 0.2)
+    wave = 1.0 if math.isinf(over) else np.sin((within - start) * np.pi / over)
+    return np.asarray(-ALLEGED * wave * step(within, start - 1e-4, 0.0, start, 1.0) * step(within, end - shut, 1.0, end, 0.0))
+
+
+def _five_strokes(press: Linkage, name: str) -> tuple[Row, ...]:
+    """Five strokes with 1250 kN over the slide's height, and with the load as it is printed."""
+    found, in_time = frame_forces(press, laws(NOMINAL)[name], LASTING, 5001), _peak(press, printed(name), LASTING)
+    peak, turns = float(np.abs(found.vertical).max()), float(found.run.crank_angle[-1] / (2 * np.pi))
+    shaft, both = (float(np.ptp(force)) for force in (found.shaft, found.lateral))
+    return (
+        Row("five strokes as printed, 1250 N along the motion, in windows of time: peak [N]", PEAKS[name], in_time),
+        Row("five strokes: turns of the crank in 1 s", "5", turns, places=3),
+        Row("five strokes: range of the lateral force, one main shaft [kN]", "", shaft / 1e3, places=2),
+        Row("five strokes: the same, both shafts [kN]", "", clean(both, peak) / 1e3, places=2),
+    )
 
 
 def _figure(press: Linkage, load: ProcessLoad) -> "Callable[[], Figure]":
     def shown() -> "Figure":
-        time, force = _forces(press, load)
-        return draw("time [s]", [Panel("vertical force [kN]", {"": (time, force / 1e3)})], 4.5)
+        found = frame_forces(press, load, LASTING, 5001)
+        time = found.run.time
+        lateral = {"one main shaft": (time, found.shaft / 1e3), "both": (time, found.lateral / 1e3)}
+        panels = [Panel("(a) vertical force [kN]", {"": (time, found.vertical / 1e3)}), Panel("(b) lateral force [kN]", lateral)]
+        return draw("time [s]", panels, 4.5)
 
     return shown

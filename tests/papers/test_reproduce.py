@@ -16,7 +16,7 @@ from support.sampling import rest_exhaustive
 
 import pinpress as pp
 from pinpress.accuracy.peers import six_bar_script
-from pinpress.papers import DOCUMENTS, __main__, kong2025, pages, reproduced, zhang2007_balancing, zhang2007_runs
+from pinpress.papers import DOCUMENTS, __main__, kong2025, pages, reproduced, zhang2007_balancing, zhang2007_runs, zhang2007_search
 from pinpress.papers.pages import BEYOND, CURVES, DATA, FINDINGS, FORMULAS, KINDS, NO_RESULT, NOT, PARTLY, REPRODUCED, Page, PageEntry, Row
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -418,7 +418,7 @@ def test_zhang_masses_change_a_press_as_they_should():
     """`ranges` from three presses against a press with these masses, and against the shipped one."""
     opposed = zhang2007_balancing.presses()["jf75g_125"]
     masses = np.array([[130.0, 1100.0], [113.31, 1045.0]])
-    found = zhang2007_balancing.ranges(opposed, masses)
+    found = zhang2007_balancing.ranges(opposed)(masses)
     changed = zhang2007_balancing.turning(zhang2007_balancing.with_masses(opposed, 130.0, 1100.0)).shaking_force[:, 2]
     shipped = zhang2007_balancing.turning(opposed).shaking_force[:, 2]
     assert found == pytest.approx([np.ptp(changed), np.ptp(shipped)], rel=1e-9)
@@ -515,14 +515,62 @@ def test_zhang_forces_on_the_frame_balance():
     """Mechanism and die together put the shaking force on the frame."""
     press = zhang2007_balancing.presses()["jf75g_125_symmetric"]
     load = zhang2007_runs.laws(1250e3)["drawing"]
-    time, force = zhang2007_runs._forces(press, load)
+    found = zhang2007_runs.frame_forces(press, load)
     stroke = zhang2007_runs.run(press, load, 0.205, 2001)
-    np.testing.assert_array_equal(time, stroke.time)
+    np.testing.assert_array_equal(found.run.time, stroke.time)
     down = stroke.slide_velocity < 0
     on_slide = np.where(down, zhang2007_runs.on_slide(load, stroke.slide_position - pp.dead_centres(press).bottom_position), 0.0)
     shaking = pp.inverse_dynamics(press, stroke, loads=[load]).shaking_force[:, 2] + zhang2007_balancing.weight(press)
-    np.testing.assert_allclose(force, shaking + on_slide, atol=1e-6 * 1250e3)
-    assert np.abs(force).max() == pytest.approx(1250e3, rel=1e-3)
+    np.testing.assert_allclose(found.vertical, shaking + on_slide, atol=1e-6 * 1250e3)
+    assert np.abs(found.vertical).max() == pytest.approx(1250e3, rel=1e-3)
+
+
+def test_zhang_printed_loads_are_those_of_5_7():
+    """The functions of 5.7.3 to 5.7.5 written out, with the sum over five strokes."""
+    time = np.linspace(0.0, 0.9999, 20001)
+
+    def adams(x, x0, h0, x1, h1):
+        d = np.clip((x - x0) / (x1 - x0), 0, 1)
+        return h0 + (h1 - h0) * d * d * (3 - 2 * d)
+
+    def window(start, begin, shut, end):
+        return adams(time, start, 0.0, begin, 1.0) * adams(time, shut, 1.0, end, 0.0)
+
+    strokes = 0.2 * np.arange(5)
+    piling = sum(window(0.0974 + s, 0.0975 + s, 0.1024 + s, 0.1025 + s) for s in strokes)
+    blanking = sum(np.sin((time - 0.1616 - s) * np.pi / 0.0488) * window(0.1615 + s, 0.1616 + s, 0.1837 + s, 0.1838 + s) for s in strokes)
+    drawing = sum(np.sin((time - 0.1616 - s) * np.pi / 0.0244) * window(0.1615 + s, 0.1616 + s, 0.19999 + s, 0.2 + s) for s in strokes)
+    for name, wanted in {"piling": piling, "blanking": blanking, "drawing": drawing}.items():
+        np.testing.assert_allclose(zhang2007_runs.printed(name).force(time), -1250 * wanted, atol=1e-6)
+
+
+def test_zhang_lateral_forces_of_two_shafts_cancel():
+    press = zhang2007_balancing.presses()["jf75g_125_symmetric"]
+    found = zhang2007_runs.frame_forces(press, zhang2007_runs.laws(1250e3)["blanking"])
+    assert np.abs(found.lateral).max() < 1e-9 * 1250e3
+    # each rod carries half of the process force, at its slope
+    idle = -pp.inverse_dynamics(press, found.run).bearing_force["O_left"][:, 0]
+    heights = found.run.slide_position - pp.dead_centres(press).bottom_position
+    force = np.where(found.run.slide_velocity < 0, zhang2007_runs.on_slide(zhang2007_runs.laws(1250e3)["blanking"], heights), 0.0)
+    slope = 0.05 * np.sin(found.run.crank_angle)
+    np.testing.assert_allclose(np.abs(found.shaft - idle), 0.5 * force * np.abs(slope) / np.sqrt(1 - slope**2), atol=1e-8 * 1250e3)
+
+
+def test_zhang_searches_end_where_their_methods_do(made):
+    """The simplex ends at the optimum of an independent solver; a search along the coordinates stalls in the valley: at its end every step
+    along one mass leads up, and one along the valley down."""
+    opposed = zhang2007_balancing.presses()["jf75g_125"]
+    objective = zhang2007_balancing.ranges(opposed)
+    found = zhang2007_search.searches(objective)
+    assert found["simplex of Nelder and Mead"].least == pytest.approx(0.04138, rel=2e-3)
+    stalled = found["along the coordinates"]
+    steps = 1e-3 * np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])
+    assert (objective(stalled.masses + steps) > stalled.least).all()
+    rod, counterweight = stalled.masses
+    assert objective(np.array([[rod - 1.0, counterweight + 1.0]]))[0] < stalled.least - 1.0
+    assert min(each.least for each in found.values()) >= zhang2007_search.proved(opposed).least * (1 - 1e-9)
+    assert found["at random"].evaluations == len(zhang2007_search.tried("at random")) == 1000
+    assert row(made("zhang2007"), "proved optimum, range [N]").ours == pytest.approx(0.04138, rel=2e-3)
 
 
 # ------------------------------------------------------------------------------------------------------------------------ Chen 2002

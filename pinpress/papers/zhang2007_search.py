@@ -1,0 +1,162 @@
+"""Zhang 2007, chapter 5: a counterweight on a rod by its formulas, and searches of the kinds that it names beside the proved optimum."""
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..balancing.counterweights import Counterweight, with_counterweights
+from ..balancing.optimum import balance
+from ..balancing.problem import Range
+from ..balancing.regions import CounterweightRegion
+from ..common.quantities import Array
+from ..kinematics.motion import cycle
+from ..linkage.linkage import Linkage
+from ..sweeps.experiments import full_factorial, latin_hypercube
+from .pages import BEYOND, FORMULAS, PageEntry, Panel, Row, draw
+from .zhang2007_balancing import POINTS, SEARCH, SPEED, ranges
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MASSES = {"m5": (0.0, 150.0), "m6": (900.0, 1200.0)}  # of auxiliary rod and counterweight, within which is searched; ours [kg]
+COUNT, LEVELS = 1000, 32  # points of a search at random; levels of each mass of one on a grid
+FIRST_STEP, LAST_STEP = 16.0, 1e-4  # of the search along the coordinates [kg]
+MOST_PASSES = 10_000
+DISC, AT, TURNED = 0.10, 0.15, np.radians(150.0)  # counterweight of the example: radius, distance from the pin, angle from the rod; ours
+FORMULA = "formula"
+
+
+class Search(NamedTuple):
+    """What a search has found.
+
+    Attributes:
+        masses: (2,) of auxiliary rod and counterweight [kg].
+        least: range of the vertical force with them [N].
+        evaluations: number of masses tried.
+    """
+
+    masses: Array
+    least: float
+    evaluations: int
+
+
+def entries(press: Linkage) -> tuple[PageEntry, ...]:
+    """(5-3) to (5-6), and the searches, of the opposed press."""
+    return (_counterweight(press), _searches(press))
+
+
+def _counterweight(press: Linkage) -> PageEntry:
+    joint = press.model.getJointId("P3")
+    rod = press.model.inertias[joint]
+    mass, along = rod.mass / 2, np.array([rod.lever[0], rod.lever[2]])
+    own, phi = float(np.linalg.norm(along)), float(np.arctan2(along[1], along[0]))
+    beta = phi + TURNED
+    place = AT * np.array([np.cos(beta), np.sin(beta)])
+    # as printed, with the rod's centre l_i at phi and the counterweight's l_b at beta, both in the rod's own axes
+    total = rod.mass + mass
+    moments = mass * AT * np.sin(TURNED), rod.mass * own + mass * AT * np.cos(TURNED)
+    gamma = phi + np.arctan(moments[0] / moments[1])
+    eccentric = moments[0] / (total * np.sin(gamma - phi))
+    middle = eccentric * np.array([np.cos(gamma), np.sin(gamma)])
+    p, q = (float(np.linalg.norm(centre - middle)) for centre in (along, place))
+    inertia = rod.inertia[1, 1] + mass * DISC**2 / 2 + rod.mass * p**2 + mass * q**2
+    weight = Counterweight("auxiliary_rod", mass, (float(place[0]), 0.0, float(place[1])), inertia=mass * DISC**2 / 2)
+    found = with_counterweights(press, [weight]).model.inertias[joint]
+    angle, distance = float(np.arctan2(found.lever[2], found.lever[0])), float(np.linalg.norm(found.lever))
+    rows = (
+        Row("(5-3), mass of both [kg]", f"{total:.4f}", float(found.mass), 1e-3, None, FORMULA),
+        Row("(5-4), angle of their centre [deg]", f"{np.degrees(gamma):.4f}", float(np.degrees(angle)), 1e-3, None, FORMULA),
+        Row("(5-5), its distance from the pin [mm]", f"{1e3 * eccentric:.4f}", 1e3 * distance, 1e-3, None, FORMULA),
+        Row("(5-6), moment of inertia about it [kg m2]", f"{inertia:.6f}", float(found.inertia[1, 1]), 1e-3, None, FORMULA),
+    )
+    reason = (
+        "`Counterweight(link, mass, position, inertia=)` and `with_counterweights` do what (5-3) to (5-6) do, m_b r_b^2 / 2 of a disc being"
+        " its `inertia`. The thesis has no example. Ours: on the auxiliary rod a disc of half its mass, as 5.5.4 advises, with a radius of"
+        " 100 mm, 150 mm from the pin, 150 degrees from the rod's own centre. (5-4) finds the angle only where m l + m_b l_b cos(beta -"
+        " phi) is positive, and (5-5) is 0 / 0 of a counterweight on the rod's line, where most are."
+    )
+    return PageEntry(("(5-3) to (5-6)",), "a rod with its counterweight", FORMULAS, rows, reason)
+
+
+def _searches(press: Linkage) -> PageEntry:
+    objective = ranges(press)
+    found, best = searches(objective), proved(press)
+    rows = [Row(f"{name}, range after {each.evaluations} evaluations [N]", "", each.least, places=4) for name, each in found.items()]
+    rows += [
+        Row(f"{name}, m5 and m6 [kg]", "", f"{each.masses[0]:.3f}, {each.masses[1]:.3f}")
+        for name, each in found.items()
+        if each.least < 10 * best.least
+    ]
+    rows += [
+        Row("proved optimum, range [N]", "", best.least, places=4),
+        Row("table 5-1 after its 17 steps, with our lengths, range [N]", SEARCH[-1][2], float(objective(np.array([SEARCH[-1][:2]]))[0])),
+    ]
+
+    def shown() -> "Figure":
+        points = {name: np.minimum.accumulate(objective(tried(name))) for name in ("at random", "Latin hypercube", "full factorial")}
+        curves = {name: (np.arange(1.0, len(least) + 1), least) for name, least in points.items()}
+        return draw("evaluations", [Panel("best range so far [N]", curves, (best.least,), logarithmic=True)], 6.5)
+
+    reason = (
+        "5.4 names methods without using them. Ours, between m5 = 0 and 150 kg and m6 = 900 and 1200 kg: points at random, evenly spread"
+        " or on a grid find the valley and no more. A search along one mass after the other, from the start of table 5-1, goes down to"
+        " the valley and stalls there as ADAMS did, because the valley runs along m5 + m6. The simplex follows it to its end, and knows no"
+        " proof. The convex program is at the optimum in one solution. Times: `python tests/benchmarks/benchmark_searches.py`."
+    )
+    title = "searches at random, on a grid, step by step, and the proved optimum"
+    return PageEntry(("5.4",), title, BEYOND, tuple(rows), reason, "zhang2007_searches", shown, "Dashes: the proved optimum.")
+
+
+def proved(press: Linkage) -> Search:
+    """The optimum of table 5-1's problem by `pinpress.balancing.balance`, one convex program."""
+    regions = [CounterweightRegion("auxiliary_rod", replaces=True), CounterweightRegion("counterweight", replaces=True)]
+    best = balance(press, cycle(press, SPEED, points=POINTS), regions=regions, minimise=Range("shaking_force", "z"))
+    return Search(np.array([weight.mass for weight in best.counterweights]), float(best.changes[0].after), 1)
+
+
+def searches(objective: Callable[[Array], Array]) -> Mapping[str, Search]:
+    """Searches of an objective, (k,) of masses (k, 2), by the names of their methods."""
+    found = {}
+    for name in ("at random", "Latin hypercube", "full factorial"):
+        masses = tried(name)
+        values = objective(masses)
+        found[name] = Search(masses[values.argmin()], float(values.min()), len(masses))
+    return found | {"along the coordinates": along_coordinates(objective), "simplex of Nelder and Mead": by_simplex(objective)}
+
+
+def tried(name: str) -> Array:
+    """(k, 2) the masses that a search without steps tries [kg]."""
+    if name == "full factorial":
+        axes = full_factorial(MASSES, LEVELS)
+        return np.array(np.meshgrid(*axes.values(), indexing="ij")).reshape(2, -1).T
+    if name == "Latin hypercube":
+        return np.array(list(latin_hypercube(MASSES, COUNT, seed=1).values())).T
+    low, high = np.array(list(MASSES.values())).T
+    return np.asarray(np.random.default_rng(1).uniform(low, high, (COUNT, 2)))
+
+
+def along_coordinates(objective: Callable[[Array], Array]) -> Search:
+    """Steps along one mass after the other from the start of table 5-1, halved where neither way leads down."""
+    at, step, count = np.array(SEARCH[0][:2], dtype=float), FIRST_STEP, 1
+    value = float(objective(at[None])[0])
+    for _ in range(MOST_PASSES):
+        before = value
+        for way in step * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]):
+            found, count = float(objective((at + way)[None])[0]), count + 1
+            if found < value:
+                at, value = at + way, found
+        if value == before:
+            step /= 2
+        if step < LAST_STEP:
+            break
+    return Search(at, value, count)
+
+
+def by_simplex(objective: Callable[[Array], Array]) -> Search:
+    """The simplex method of SciPy from the start of table 5-1."""
+    from scipy.optimize import minimize  # slow to import
+
+    options = {"xatol": LAST_STEP, "fatol": 1e-8, "maxfev": 100_000}
+    found = minimize(lambda at: float(objective(at[None])[0]), np.array(SEARCH[0][:2], dtype=float), method="Nelder-Mead", options=options)
+    return Search(found.x, float(found.fun), int(found.nfev))
