@@ -90,7 +90,12 @@ def _searches(press: Linkage) -> PageEntry:
     ]
     rows += [
         Row("proved optimum, range [N]", "", best.least, places=4),
-        Row("table 5-1 after its 17 steps, with our lengths, range [N]", SEARCH[-1][2], float(objective(np.array([SEARCH[-1][:2]]))[0])),
+        Row(
+            "masses of table 5-1 after its 17 steps, with our lengths, range [N]",
+            "",
+            places=2,
+            ours=float(objective(np.array([SEARCH[-1][:2]]))[0]),
+        ),
     ]
 
     def shown() -> "Figure":
