@@ -379,6 +379,102 @@ def test_bad_sizes_of_the_auxiliary_crank_slide_are_refused(sizes, said):
 # --------------------------------------------------------------------------------------------------------------------------- symmetric
 
 
+@pytest.mark.parametrize("orders", [(1, 2), (2,), (1, 4)])
+@FIXED
+@given(seed=SEEDS)
+def test_balance_shafts_leave_the_other_orders_along_the_slide(folder, seed, orders):
+    """Any plane, drawn angle and sense, also with centres of mass off the pins' lines: m_C r w^2 A_k of the orders without a pair."""
+    press = loaded(drawn(seed)[0], folder)
+    main = classical.as_crank_slider(press)
+    shafts = classical.with_balance_shafts(press, radius=0.1, shaft_distance=0.7, orders=orders)
+    motion = pp.cycle(shafts, W, points=96)
+    result = pp.inverse_dynamics(shafts, motion)
+    theta = main.drawn_angle + motion.crank_angle
+    coefficients = classical.harmonic_coefficients(main.ratio, 40)
+    series = sum(coefficients[k] * np.cos(k * theta) for k in (1, *range(2, 41, 2)) if k not in orders)
+    left = main.crank_radius * W**2 * series * main.reciprocating_mass
+    expected = np.outer(left.real, main.direction) + np.outer(left.imag, main.across)
+    force = result.shaking_force - result.shaking_force.mean(axis=0)
+    before = pp.inverse_dynamics(press, pp.cycle(press, W, points=96))
+    size = max(np.abs(each).max() for each in before.bearing_force.values())
+    tail = 10 * main.crank_radius * W**2 * abs(main.reciprocating_mass) * main.ratio**20  # of the series
+    np.testing.assert_allclose(force, expected - expected.mean(axis=0), rtol=0, atol=1e-11 * size + tail)
+    np.testing.assert_allclose(result.driving_torque.mean(), before.driving_torque.mean(), rtol=0, atol=1e-9 * size)
+
+
+def test_balance_shafts_of_the_jf75g_125():
+    """By hand: m_C = 2200 + 77.49 / 2 kg, r = 15 mm, lambda = 0.05; no moment, and masses of m_C r A_k / (2 k^2 R)."""
+    plain = texts.shipped("jf75g_125_plain")
+    shafts = classical.with_balance_shafts(plain, radius=0.15, shaft_distance=0.8)
+    coefficients = classical.harmonic_coefficients(0.05, 4)
+    masses = {name: inertia.mass for name, inertia in zip(shafts.model.names, shafts.model.inertias, strict=True) if "balance" in name}
+    assert list(masses) == [f"balance_shaft_{order}_{side}_bearing" for order in (1, 2) for side in ("left", "right")]
+    reciprocating = 2200 + 77.49 / 2
+    for order in (1, 2):
+        expected = reciprocating * 0.015 * coefficients[order] / (2 * order**2 * 0.15)
+        assert masses[f"balance_shaft_{order}_left_bearing"] == pytest.approx(expected, rel=1e-12)
+        assert masses[f"balance_shaft_{order}_right_bearing"] == pytest.approx(expected, rel=1e-12)
+    assert sum(masses.values()) == pytest.approx(2 * 111.937 + 2 * 1.4001, rel=1e-4)
+    before, after = (pp.inverse_dynamics(press, pp.cycle(press, W, points=96)) for press in (plain, shafts))
+    changes = {(c.quantity, c.order): c.change for c in classical.compare_harmonics(before, after)}
+    assert [changes["force along the slide", order] for order in (1, 2, 4)] == ["cancelled", "cancelled", "unchanged"]
+    assert changes["force across the slide", 1] == "cancelled"
+    rotating = pp.inverse_dynamics(
+        changed := with_counterweights(plain, [classical.approximate_balance(plain, 0.15, share=0.0)]), pp.cycle(changed, W, points=96)
+    )
+    np.testing.assert_allclose(np.ptp(after.shaking_moment[:, 1]), np.ptp(rotating.shaking_moment[:, 1]), rtol=1e-9)
+    pinocchio = pp.inverse_dynamics(shafts, pp.cycle(shafts, W, points=24), engine="pinocchio")
+    plane = pp.inverse_dynamics(shafts, pp.cycle(shafts, W, points=24), engine="plane")
+    np.testing.assert_allclose(pinocchio.shaking_force, plane.shaking_force, rtol=0, atol=1e-9)
+
+
+def test_mirrored_with_blocks_is_the_shipped_press_of_eccentric_blocks():
+    """Zhang 2007, Fig. 1-2: `approximate_balance` with the share 1, on both of two mirrored cranks. The blocks of the shipped press balance
+    the slide and the whole of both rods at their crank pins, which is the same sum."""
+    plain, shipped = texts.shipped("jf75g_125_plain"), texts.shipped("eccentric_blocks")
+    blocks = with_counterweights(plain, [classical.approximate_balance(plain, 0.15, share=1.0)])
+    made = mirrored(blocks, 0.5)
+    ours, theirs = (pp.inverse_dynamics(press, pp.cycle(press, W, points=72)) for press in (made, shipped))
+    size = np.abs(theirs.bearing_force["O_left"]).max()
+    np.testing.assert_allclose(ours.shaking_force, theirs.shaking_force, rtol=0, atol=2e-6 * size)  # the block's mass has six digits
+    force = theirs.shaking_force[:, 2]
+    harmonic = np.abs(np.fft.rfft(force)) / len(force) * 2
+    coefficients = classical.harmonic_coefficients(0.05, 2)
+    assert harmonic[1] < 1e-5 * harmonic[2]
+    assert harmonic[2] == pytest.approx((2200 + 77.49 / 2) * 0.015 * W**2 * coefficients[2], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "said"),
+    [
+        ({"orders": (3,)}, "orders 1, 2, 4, 6"),
+        ({"orders": (2, 2)}, "each once"),
+        ({"orders": ()}, "each once"),
+        ({"orders": (0,)}, "from 1"),
+        ({"radius": 0.0}, "radius"),
+        ({"shaft_distance": -1.0}, "shaft_distance"),
+    ],
+)
+def test_bad_balance_shafts_are_refused(sizes, said):
+    with pytest.raises(pp.PinpressError, match=said):
+        classical.with_balance_shafts(texts.shipped("jf75g_125_plain"), **({"radius": 0.1, "shaft_distance": 0.5} | sizes))
+
+
+def test_opposed_with_a_die_leaves_the_weight_alone():
+    """Zhang 2007, 3.5: (m6 + m4 e4 / L4) L2 = (m5 + m7 + m3 e3 / L3) L1."""
+    plain = texts.shipped("jf75g_125_plain")
+    opposed = with_opposed_balancer(plain, 0.0297, die_mass=350.0)
+    masses = {name: inertia.mass for name, inertia in zip(opposed.model.names, opposed.model.inertias, strict=True)}
+    assert masses["slide_guide"] == pytest.approx(2550.0, rel=1e-14)
+    rod = 77.49 * 0.015 / 0.0297
+    assert (masses["counterweight_guide"] + rod / 2) * 0.0297 == pytest.approx((2200 + 350 + 77.49 / 2) * 0.015, rel=1e-12)
+    result = pp.inverse_dynamics(opposed, pp.cycle(opposed, W, points=72))
+    size = max(np.abs(each).max() for each in result.bearing_force.values())
+    assert np.ptp(result.shaking_force, axis=0).max() < ROUNDING * size * 10
+    with pytest.raises(pp.PinpressError, match="die_mass is -1"):
+        with_opposed_balancer(plain, 0.0297, die_mass=-1)
+
+
 def test_symmetric_of_the_shipped_press_is_the_shipped_symmetric_one():
     """Torque, gear pair, shaking force and every bearing force of `jf75g_125_symmetric`, from `jf75g_125`: joints have the same names."""
     made, shipped = mirrored(texts.shipped("jf75g_125"), 0.5), texts.shipped("jf75g_125_symmetric")
@@ -519,11 +615,11 @@ def test_radii_of_counterweights_are_positive(radii, link):
 
 
 @pytest.mark.exhaustive
-def test_the_table_is_what_its_script_prints():
+def test_the_page_is_what_its_script_prints():
     spec = importlib.util.spec_from_file_location("viz_arrangements", ROOT / "viz" / "arrangements.py")
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    assert script.table() in (ROOT / "viz" / "arrangements.md").read_text(encoding="utf-8")
+    assert script.page() == (ROOT / "viz" / "arrangements.md").read_text(encoding="utf-8")
 
 
 def test_a_press_whose_centre_of_mass_rests_runs_as_without_weight() -> None:

@@ -154,6 +154,7 @@ QUICK = {
     "classical.approximate_balance": "classical.approximate_balance(crank_slide, radius=0.2, share=0.5)",
     "classical.complete_balance": "classical.complete_balance(crank_slide, rod_radius=0.2, crank_radius=0.2)",
     "classical.compare_harmonics": "classical.compare_harmonics(reactions, reactions)",
+    "classical.with_balance_shafts": "classical.with_balance_shafts(crank_slide, radius=0.1, shaft_distance=0.5)",
     "classical.as_crank_slider": "classical.as_crank_slider(crank_slide)",
     "classical.mirrored": "classical.mirrored(crank_slide, shaft_distance=1.0)",
     "classical.unbalance": "classical.unbalance(press, 'crank')",

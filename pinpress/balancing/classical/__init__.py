@@ -4,7 +4,8 @@
 
     press = pp.load("jf75g_125_plain")
     classical.complete_balance(press, rod_radius=0.3, crank_radius=0.15)  # counterweights for with_counterweights
-    classical.with_opposed_balancer(press, crank_radius=0.03)  # a new press
+    classical.with_balance_shafts(press, radius=0.15, shaft_distance=0.8)  # a new press
+    classical.with_opposed_balancer(press, crank_radius=0.03, die_mass=300.0)
     classical.mirrored(press, shaft_distance=0.5)
 
 | arrangement | Zhang 2007 | what is left of the shaking force, beside the weight | and of the moment |
@@ -12,6 +13,7 @@
 | `static_balance`, `two_plane_balance` of a rotor | 3.1.1 | nothing | a couple; nothing |
 | `complete_balance` | 3.3 | nothing | larger than before |
 | `approximate_balance` | 3.4 | first order (1 - share) along, share across; higher orders along | changed |
+| `with_balance_shafts` for the orders 1 and 2 | 1.2.1 | fourth and higher orders along | as before, but for the rotating masses |
 | `with_opposed_balancer`, same ratio of rod and crank | 3.5 | nothing | odd orders, from the rods' inertia |
 | `mirrored` crank-slider | 3.6 | all along the slide, nothing across | nothing |
 | `mirrored` press with opposed balancer | 3.6 | nothing | nothing |

@@ -1,4 +1,5 @@
 from .arrangements import mirrored as mirrored
+from .arrangements import with_balance_shafts as with_balance_shafts
 from .arrangements import with_opposed_balancer as with_opposed_balancer
 from .crank_slider import CrankSlider as CrankSlider
 from .crank_slider import HarmonicChange as HarmonicChange

@@ -1,9 +1,10 @@
-"""Two arrangements that balance a whole press, made from a press without them.
+"""Arrangements that balance a whole press, made from a press without them.
 
-In one an auxiliary crank-slider moves a counterweight against the slide (`with_opposed_balancer`, Zhang 2007, 3.5). In the other two halves
-stand on two shafts that turn against each other (`mirrored`, Zhang 2007, 3.6).
+In one an auxiliary crank-slider moves a counterweight against the slide (`with_opposed_balancer`, Zhang 2007, 3.5). In another geared pairs
+of shafts with eccentric blocks turn against each other (`with_balance_shafts`, as those of Lanchester). In the third two halves stand on
+two shafts that turn against each other (`mirrored`, Zhang 2007, 3.6).
 
-Both draw up the plan of a planar press (`PressPlan`). In a plan every part has its place in the world, in the closed drawn pose, so that
+All draw up the plan of a planar press (`PressPlan`). In a plan every part has its place in the world, in the closed drawn pose, so that
 parts can be added, shifted and mirrored without regard to which carries which. The new press is written as a URDF and loaded from that.
 """
 
@@ -15,8 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from ...common.arguments import positive, typed
-from ...common.errors import PinpressError
+from ...common.arguments import positive, suitable_numbers, typed, whole_number
+from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
 from ...kinematics.motion import poses
 from ...linkage import loading
@@ -24,11 +25,12 @@ from ...linkage.linkage import Linkage
 from ...linkage.urdf import reader
 from ...linkage.urdf.document import Document, check_command, refuse_errors
 from ...linkage.urdf.text import MOMENTS, tag
-from ..counterweights import combined, rigid_body
-from .crank_slider import CENTRED, CrankSlider, as_crank_slider
+from ..counterweights import Counterweight, combined, rigid_body, with_counterweights
+from .crank_slider import CENTRED, CrankSlider, approximate_balance, as_crank_slider, harmonic_coefficients
 
 SPARE = 0.1  # distance of the counterweight's limits beyond its travel, in auxiliary crank radii
 SIDES = ("left", "right")
+HIGHEST_ORDER = 100  # of balance shafts
 BELOW_ROUNDING = 1e-15  # rounding of a zero in turned frames, as a share of a quantity's size
 
 
@@ -40,6 +42,7 @@ def with_opposed_balancer(
     rod_length: float | None = None,
     rod_mass: float | None = None,
     rod_inertia: float | None = None,
+    die_mass: float = 0.0,
 ) -> Linkage:
     """Add an auxiliary crank-slider, turned by 180 degrees about the shaft, which moves a counterweight against the slide.
 
@@ -49,7 +52,7 @@ def with_opposed_balancer(
     of mass as vectors along the links)
 
         m_crank2 e2 + m_rod2 r2 (1 - a2 / l2) = m_crank1 e1 + m_rod1 r1 (1 - a1 / l1)    rotating masses
-        (m_counterweight + m_rod2 a2 / l2) r2 = (m_slide + m_rod1 a1 / l1) r1            reciprocating masses
+        (m_counterweight + m_rod2 a2 / l2) r2 = (m_slide + m_die + m_rod1 a1 / l1) r1    reciprocating masses
 
     The centre of mass of the auxiliary rod divides its length as that of the main rod does. The auxiliary crank has the mass
     m_crank1 r1 / r2, its centre where the first equation puts it (beyond the shaft for a heavy rod), and the moment of inertia of a crank
@@ -72,6 +75,7 @@ def with_opposed_balancer(
         rod_mass: mass of the auxiliary rod [kg]; by default m_rod1 r1 / r2.
         rod_inertia: moment of inertia of the auxiliary rod about its centre of mass [kg m2]; by default that of a rod with the main rod's
             shape, J_rod1 m_rod2 / m_rod1 (l2 / l1)^2.
+        die_mass: mass of an upper die, m7 of the thesis, which is fixed to the slide in its centre of mass and balanced with it [kg].
 
     Returns:
         The new press, in memory alone (`write_urdf` writes it). It keeps the drawn pose, crank angle, gravity, names and inertias of
@@ -82,10 +86,63 @@ def with_opposed_balancer(
             than its crank, or so heavy that no mass is left for the counterweight.
     """
     main = as_crank_slider(press)
+    die = float(suitable_numbers("die_mass", die_mass, "a mass that is not negative [kg]", suits=lambda mass: mass >= 0))
+    if die:
+        press = _with_die(press, main.slide, die)
+        main = as_crank_slider(press)
     auxiliary = _auxiliary(main, crank_radius, rod_length, rod_mass, rod_inertia)
     return press_of(
         replace(_with_auxiliary(plan_of(press), main, auxiliary), name=f"{press.name}_opposed"),
         "A crank-slider and, turned by 180 degrees about its shaft, an auxiliary one with a counterweight (Zhang 2007, 3.5). SI units.",
+    )
+
+
+@typed
+def with_balance_shafts(
+    press: Linkage, *, radius: float, shaft_distance: float, orders: Sequence[int] = (1, 2), crank_radius: float | None = None
+) -> Linkage:
+    """Add pairs of shafts with eccentric blocks, which gears turn against each other at the crank's speed or a multiple of it.
+
+    A counterweight on the crank balances the rotating masses (`approximate_balance` with the share 0). The forces of a pair for the order k
+    add up along the slide's line and cancel across it. Its blocks turn at k times the speed of the crank, opposite to the slide at bottom
+    dead centre (where A_k is negative, with it), and each has the product of mass and radius
+
+        m_block radius = m_C r |A_k| / (2 k^2)
+
+    with the reciprocating mass m_C, the crank radius r and A_k of `harmonic_coefficients`. At any constant speed the orders of the pairs
+    vanish from the shaking force, and all across the slide's line; the other even orders stay along it. The pairs make no moment about the
+    crankshaft. F. W. Lanchester's balancer is that for the second order. (Fig. 1-2 of Zhang 2007 has blocks of the first order on the
+    cranks of two halves instead: `mirrored` of a press with `approximate_balance`, share 1.)
+
+    Args:
+        press: a centred crank-slider.
+        radius: from the shafts to the blocks' centres of mass [m]. The blocks are discs of half that radius.
+        shaft_distance: distance of the shafts of the first pair, whose middle is the crankshaft; those of the n-th are n times as far apart
+            [m]. Collisions are not checked.
+        orders: orders that are cancelled, a pair for each: 1 and even numbers.
+        crank_radius: from the crankshaft to the counterweight of the rotating masses [m]; by default ``radius``.
+
+    Returns:
+        The new press, in memory alone, with the drawn pose, crank angle, gravity and names of ``press``, but without visuals. The shafts
+        are the links "balance_shaft_1_left" and so on, by order and side.
+
+    Raises:
+        PinpressError: the press is no centred crank-slider (see `as_crank_slider`), a length is not positive, or an order is neither 1 nor
+            an even number, or stands twice.
+    """
+    main = as_crank_slider(press)
+    arm, distance = positive("radius", radius, "m"), positive("shaft_distance", shaft_distance, "m")
+    wanted = [whole_number("orders", order, 1, HIGHEST_ORDER) for order in orders]
+    if not wanted or len(set(wanted)) < len(wanted) or any(order % 2 and order > 1 for order in wanted):
+        raise PinpressError(f"orders is {shown(orders)}: give each once; a crank-slider shakes in the orders 1, 2, 4, 6 and so on")
+    rotating = approximate_balance(press, arm if crank_radius is None else crank_radius, share=0.0)
+    drawn = plan_of(with_counterweights(press, [rotating]))
+    shafts = [
+        _balance_shaft(drawn, main, order, side, arm, 0.5 * place * distance) for place, order in enumerate(wanted, 1) for side in SIDES
+    ]
+    return press_of(
+        replace(drawn, name=f"{press.name}_balance_shafts", bodies=(*drawn.bodies, *shafts)),
+        "A crank-slider with geared shafts that turn against each other and carry eccentric blocks. SI units.",
     )
 
 
@@ -134,7 +191,8 @@ class PlanBody:
         parent: name of the link that the joint is fixed to.
         axis: (3,) axis of the joint in the frame.
         limits: lower and upper limit [m], effort [N] and velocity [m/s] of a joint that slides; empty for a joint that turns.
-        leader: name of the joint that this joint mimics by -1; None where it mimics none.
+        leader: name of the joint that this joint mimics; None where it mimics none.
+        ratio: turns of this joint for one of the leader.
     """
 
     link: str
@@ -145,6 +203,7 @@ class PlanBody:
     axis: Array
     limits: tuple[float, ...] = ()
     leader: str | None = None
+    ratio: float = -1.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -246,6 +305,30 @@ def press_of(plan: PressPlan, comment: str) -> Linkage:
     press = loading.assembled(document, None, plan.slide, plan.gravity)
     loading.check_drawn_pose(press)
     return press
+
+
+def _with_die(press: Linkage, slide: str, mass: float) -> Linkage:
+    """The press with a mass in the centre of mass of its slide [kg]."""
+    frame = press.model.frames[press.model.getFrameId(slide, pin.BODY)]
+    x, y, z = frame.placement.actInv(press.model.inertias[frame.parentJoint].lever).tolist()
+    return with_counterweights(press, [Counterweight(slide, mass, (x, y, z))])
+
+
+def _balance_shaft(drawn: PressPlan, main: CrankSlider, order: int, side: str, radius: float, beside: float) -> PlanBody:
+    """A shaft with a block for an order, ``beside`` the crankshaft [m]; see `with_balance_shafts`."""
+    crank, coefficient = drawn.body(main.crank), float(harmonic_coefficients(main.ratio, order)[order])
+    mass = abs(main.reciprocating_mass) * main.crank_radius * abs(coefficient) / (2 * order**2 * radius)
+    # Where the rod's centre is off its line, the force of the reciprocating mass is turned by the angle of that complex mass.
+    towards = main.reciprocating_mass / abs(main.reciprocating_mass)
+    sense = -1 if side == "left" else 1  # the right one turns with the crank
+    block = -np.sign(coefficient) * towards * main.drawn_crank ** (sense * order)
+    centre = main.point(sense * 1j * towards * beside)
+    flat = 0.5 * (np.eye(3) + np.outer(crank.axis, crank.axis))  # tensor of a lamina in the plane, of unit inertia
+    lever = crank.place.rotation.T @ (main.point(radius * block) - main.shaft)
+    inertia = rigid_body(mass, lever, 0.5 * mass * (0.5 * radius) ** 2 * flat)
+    name = f"balance_shaft_{order}_{side}"
+    place = pin.SE3(crank.place.rotation, centre)
+    return PlanBody(name, place, inertia, f"{name}_bearing", drawn.frame, crank.axis, (), drawn.driver, float(sense * order))
 
 
 def _auxiliary(
@@ -438,7 +521,7 @@ def _joint(body: PlanBody, place: pin.SE3, size: float) -> str:
         names = ("lower", "upper", "effort", "velocity")
         content += tag("limit", {name: _written([value]) for name, value in zip(names, body.limits, strict=True)})
     if body.leader is not None:
-        content += tag("mimic", {"joint": body.leader, "multiplier": "-1", "offset": "0"})
+        content += tag("mimic", {"joint": body.leader, "multiplier": f"{body.ratio:g}", "offset": "0"})
     return tag("joint", {"name": body.joint, "type": "prismatic" if body.limits else "continuous"}, content)
 
 

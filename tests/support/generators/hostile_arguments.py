@@ -1433,7 +1433,12 @@ def calls() -> dict[str, Call]:
         (
             "classical.with_opposed_balancer",
             classical.with_opposed_balancer,
-            lambda: {"press": press(), "crank_radius": 0.1, "rod_length": 0.4, "rod_mass": 1.0, "rod_inertia": 0.1},
+            lambda: {"press": press(), "crank_radius": 0.1, "rod_length": 0.4, "rod_mass": 1.0, "rod_inertia": 0.1, "die_mass": 5.0},
+        ),
+        (
+            "classical.with_balance_shafts",
+            classical.with_balance_shafts,
+            lambda: {"press": press(), "radius": 0.1, "shaft_distance": 0.5, "orders": [1, 2], "crank_radius": 0.2},
         ),
         ("classical.mirrored", classical.mirrored, lambda: {"press": press(), "shaft_distance": 1.0}),
         ("classical.static_balance", classical.static_balance, lambda: {"masses": [1.0], "positions": [[0.1, 0.0, 0.0]]}),
