@@ -18,7 +18,7 @@ from ..forces import RANK
 from .blocks import InBlocks
 from .bodies import motion_axes
 from .equations import Equations, Loops, drift, equations
-from .sharing import Chain
+from .sharing import Chains
 
 
 class PassiveColumns:
@@ -41,13 +41,13 @@ class PassiveColumns:
 
     @cached_property
     def parts(self) -> list[Part]:
-        """The idle multipliers, in parts of equal rank; those of a chain in its columns."""
+        """The idle multipliers, in parts of equal rank; those of chains in their columns."""
         found = []
         if self._blocks is not None and self._blocks.regular.any() and self.loops.rows > len(self.loops.passive):
             states = slice(None) if self.regular else np.flatnonzero(self._blocks.regular)
-            chain, count = self.loops.chain, self.loops.rows - len(self.loops.passive)
-            idle = self._blocks.idle(*((np.arange(count), count) if chain is None else (chain.column, chain.columns)))
-            found.append(Part(states, idle[states], chain))
+            chains, count = self.loops.chains, self.loops.rows - len(self.loops.passive)
+            idle = self._blocks.idle(*((np.arange(count), count) if chains is None else (chains.column, chains.columns)))
+            found.append(Part(states, idle[states], chains))
         if not self.regular:
             found += [Part(self._others[part.states], part.left[:, :, part.rank :]) for part in self._decomposed.parts]
         return found
@@ -91,12 +91,12 @@ class Part(NamedTuple):
     Attributes:
         states: which configurations, m of them.
         idle: (m, rows, k) orthonormal basis of the multipliers that balance each other on the passive joints.
-        chain: where several of them stand in one column of ``idle``, which ones do; else None.
+        chains: where several of them stand in one column of ``idle``, which ones do; else None.
     """
 
     states: NDArray[np.intp] | slice
     idle: Array
-    chain: Chain | None = None
+    chains: Chains | None = None
 
 
 class _Decomposition(NamedTuple):

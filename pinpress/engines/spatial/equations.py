@@ -19,12 +19,13 @@ from ...common.quantities import Array
 from ..engine import PIECE
 from ..joints import Matrix, matrix, product
 from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel, coupling_equations
-from .blocks import Blocks, build_blocks
+from .blocks import Blocks, InBlocks, build_blocks
 from .bodies import Bodies, Placements, accelerations, build_bodies, cross, displaced, placements, turned, velocities
-from .sharing import MANY_IDLE, Chain, build_chain
+from .sharing import MANY_IDLE, Chains, build_chains
 
 MANY = 64  # joints from which on all that is done with a linkage has to grow no faster than they do
 JACOBIANS = 500_000  # entries of the Jacobians of all configurations that are worked through at a time
+PURE = 1e-12  # share of an idle multiplier below which its force, or its couple, is rounding
 HALF_TURN = -0.99  # cosine of an angle from which on the logarithm of a rotation needs care
 
 
@@ -73,26 +74,40 @@ class Loops(Frozen):
         return len(self.bodies.parents) >= MANY and self.blocks is not None and len(self.blocks.blocks) > 1
 
     @cached_property
+    def _irregular(self) -> Array:
+        """(ne + 1, 1) see `Equations.entries`, in a configuration in which nothing is as it is by accident; it leaves the loops open."""
+        turns = self.bodies.turns
+        x = np.where(turns, 0.2, 0.2 * self.spatial.size) * np.sin(1.0 + 1.7 * np.arange(len(turns)))
+        return equations(self, x[:, None]).entries
+
+    @cached_property
     def blocks(self) -> Blocks | None:
         """The order in which the equations are solved; None where there are fewer of them than passive joints."""
         spatial, count = self.spatial, len(self.spatial.loops)
         held = np.repeat(np.arange(count), [loop.held_rotations for loop in spatial.loops])
         members = np.concatenate([np.repeat(np.arange(count), 3), held, count + np.arange(len(self.offsets))])
-        irregular = np.where(self.bodies.turns, 0.2, 0.2 * spatial.size) * np.sin(1.0 + 1.7 * np.arange(len(self.bodies.turns)))
-        return build_blocks(self.entries, equations(self, irregular[:, None]).entries[:-1, 0], members, self.passive)
+        return build_blocks(self.entries, self._irregular[:-1, 0], members, self.passive)
 
     @cached_property
-    def chain(self) -> Chain | None:
-        """The idle multipliers where they are many, all forces of balls, and each has bearings in common with few others; else None."""
+    def chains(self) -> Chains | None:
+        """The idle multipliers where they are many, each is a force or a couple, and has bearings in common with few others; else None."""
         if self.blocks is None or self.rows - len(self.passive) < MANY_IDLE:
             return None
-        rows = [block.rows.tolist() for block in self.blocks.blocks for _ in range(len(block.rows) - len(block.joints))]
-        count = len(self.spatial.loops)
-        if max(map(max, rows)) >= 3 * count:
+        count, gears = len(self.spatial.loops), self.rows - len(self.offsets)
+        blocks = [block for block in self.blocks.blocks for _ in range(len(block.rows) - len(block.joints))]
+        if max(block.rows.max() for block in blocks) >= gears:
             return None
-        loops = [sorted({row // 3 for row in own}) for own in rows]
-        joints = [sorted(set().union(*(self.spatial.joints_of_loop[loop] for loop in own))) for own in loops]
-        return build_chain(rows, loops, joints, (self.rows, len(self.bodies.parents), count))
+        places = np.concatenate([np.arange(len(block.rows) - len(block.joints)) for block in self.blocks.blocks])  # within the block
+        idle = InBlocks(self.blocks, self._irregular).idle(places, int(places.max()) + 1)[0]
+        own = [(np.abs(idle[block.rows, place]), block.rows < 3 * count) for block, place in zip(blocks, places, strict=True)]
+        is_force = np.array([sizes[~points].max(initial=0.0) <= PURE for sizes, points in own])
+        is_couple = np.array([sizes[points].max() <= PURE for sizes, points in own])
+        if not np.all(is_force | is_couple):
+            return None
+        rows = [block.rows.tolist() for block in blocks]
+        loops = [sorted({row // 3 for row in these if row < 3 * count}) for these in rows]
+        joints = [sorted(set().union(*(self.spatial.joints_of_loop[loop] for loop in these))) for these in loops]
+        return build_chains(rows, loops, joints, (self.rows, len(self.bodies.parents), count), is_couple)
 
     @cached_property
     def driving_places(self) -> NDArray[np.intp]:

@@ -19,8 +19,8 @@ from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
 from .bodies import Placements, accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
-from .equations import Equations, Loops, equations, loop_spins
-from .sharing import SharedByAll, SharedByNeighbours, shared_by_all, shared_by_neighbours
+from .equations import PURE, Equations, Loops, equations, loop_spins
+from .sharing import Chains, SharedByAll, SharedByNeighbours, shared_by_all, shared_by_neighbours
 
 
 def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
@@ -221,24 +221,44 @@ class _Balance:
         if self.sharing is None:
             self.sharing = list(self._share())
         starts = list(islice(self._starts(found, friction), max((each.objectives for each in self.sharing), default=0)))
-        for sharing in self.sharing:
-            found[:, sharing.states] += sharing.added(starts)
+        for sharing in self.sharing:  # the forces that are shared before couples change the moments
+            own = starts if not sharing.of_couples else [*self._starts(found, friction)][-1:]
+            found[:, sharing.states] += sharing.added(own)
         return found
 
     def _share(self) -> Iterator[SharedByAll | SharedByNeighbours]:
         for part in self.passive.parts:
             if not (part.idle.shape[2] and len(part.idle)):
                 continue
-            idle, chain = _configurations_last(part.idle), part.chain
-            if chain is not None:
-                objective, _ = next(self._objectives(idle, part.states))
-                weights = np.ones(1) if self.compliance is None else np.sqrt(self.compliance[self.count + chain.own_loops])
-                shared = shared_by_neighbours(part.states, idle, chain, objective, float(weights.min()))
-                if shared is not None:
-                    yield shared
+            idle, chains = _configurations_last(part.idle), part.chains
+            if chains is not None:
+                shared = list(self._shared_by_neighbours(idle, part.states, chains))
+                if None not in shared:
+                    yield from shared  # type: ignore[misc]
                     continue
-                idle = chain.together(idle)
+                idle = chains.together(idle)
             yield shared_by_all(part.states, idle, self._objectives(idle, part.states))
+
+    def _shared_by_neighbours(self, idle: Array, states: NDArray[np.intp] | slice, chains: Chains) -> Iterator[SharedByNeighbours | None]:
+        """How idle forces, and after them idle couples, of some states are shared by neighbours; None where this may leave something open.
+
+        Args:
+            idle: (columns, rows, m) idle multipliers.
+            states: which states.
+            chains: what stands in these columns.
+        """
+        forces, couples = np.split(idle, [chains.forces.columns])
+        own = 3 * len(self.loops.spatial.loops)
+        if max(np.abs(forces[:, own:]).max(initial=0.0), np.abs(couples[:, :own]).max(initial=0.0)) > PURE:
+            yield None
+            return
+        objective, _ = next(self._objectives(forces, states))
+        weights = np.ones(1) if self.compliance is None else np.sqrt(self.compliance[self.count + chains.forces.own_loops])
+        yield shared_by_neighbours(states, forces, chains.forces, objective, float(weights.min()))
+        if chains.couples is not None:
+            *_, (moments, size) = self._objectives(couples, states)
+            found = shared_by_neighbours(states, couples, chains.couples, moments, size)
+            yield None if found is None else found._replace(of_couples=True)
 
     def _objectives(self, idle: Array, states: NDArray[np.intp] | slice) -> Iterator[tuple[Array, float]]:
         """The objectives (k, bearings, 3, m) by which multiples of idle multipliers (k, rows, m) of some states are chosen, and their

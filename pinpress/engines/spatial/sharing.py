@@ -6,12 +6,16 @@ kept in one column: what they do to the bearings is worked out for all of a colu
 
 That all of them are determined needs no decomposition there: the force of an idle multiplier on its own loop's bearing is of unit length,
 whatever the joints carry.
+
+Bearings that hold rotations carry idle couples too, which change no force. Where each idle multiplier is either a force or a couple, as in
+planar groups, forces make a chain, shared by the sum of squared forces, and couples another, shared by that of moments after it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -127,6 +131,58 @@ def _narrow_order(at: Iterable[Sequence[int]], count: int) -> tuple[NDArray[np.i
     return place, int(np.abs(one - other).max())
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Chains(Frozen):
+    """Idle forces and idle couples as chains. In arrays the columns of forces stand before those of couples.
+
+    Attributes:
+        forces: the chain of idle multipliers without moments at their own loops.
+        couples: that of those without forces; None where there are none.
+        is_couple: (k,) of every idle multiplier, in the order of its blocks, whether it is a couple.
+    """
+
+    forces: Chain
+    couples: Chain | None
+    is_couple: NDArray[np.bool_]
+
+    @cached_property
+    def column(self) -> NDArray[np.intp]:
+        """(k,) column of every idle multiplier."""
+        column = np.empty(len(self.is_couple), dtype=np.intp)
+        column[~self.is_couple] = self.forces.column
+        if self.couples is not None:
+            column[self.is_couple] = self.forces.columns + self.couples.column
+        return column
+
+    @property
+    def columns(self) -> int:
+        """Number of columns."""
+        return self.forces.columns + (0 if self.couples is None else self.couples.columns)
+
+    def together(self, idle: Array) -> Array:
+        """All idle multipliers (k, rows, m), forces first, of those in columns (columns, rows, m)."""
+        forces = self.forces.together(idle[: self.forces.columns])
+        return forces if self.couples is None else np.concatenate([forces, self.couples.together(idle[self.forces.columns :])])
+
+
+def build_chains(
+    rows: Sequence[Collection[int]],
+    loops: Sequence[Collection[int]],
+    joints: Sequence[Collection[int]],
+    size: tuple[int, int, int],
+    is_couple: NDArray[np.bool_],
+) -> Chains | None:
+    """The chains of idle multipliers; None where those of a kind are few, or have too many bearings in common.
+
+    Arguments are those of `build_chain` and of `Chains`.
+    """
+    kinds = [np.flatnonzero(is_couple == couples).tolist() for couples in (False, True)]
+    forces, couples = (
+        build_chain([rows[k] for k in those], [loops[k] for k in those], [joints[k] for k in those], size) for those in kinds
+    )
+    return None if forces is None or (couples is None and kinds[1]) else Chains(forces, couples, is_couple)
+
+
 # --------------------------------------------------------------------------------------------------------------------------- all together
 
 
@@ -142,6 +198,11 @@ class SharedByAll(NamedTuple):
     states: NDArray[np.intp] | slice
     idle: Array
     responses: list[Array]
+
+    @property
+    def of_couples(self) -> bool:
+        """Whether they are couples that are shared after the forces; here all are shared together."""
+        return False
 
     @property
     def objectives(self) -> int:
@@ -177,6 +238,7 @@ class SharedByNeighbours(NamedTuple):
         chain: which ones stand in a column.
         objective: (columns, bearings, 3, m) what they do to the bearings.
         triangle: (band + 1, m k) Cholesky's factor of the normal equations of all states, one state after the other.
+        of_couples: whether they are couples, which are shared by moments after the forces.
     """
 
     states: NDArray[np.intp] | slice
@@ -184,13 +246,14 @@ class SharedByNeighbours(NamedTuple):
     chain: Chain
     objective: Array
     triangle: Array
+    of_couples: bool = False
 
     @property
     def objectives(self) -> int:
         return 1
 
     def added(self, starts: Sequence[Array]) -> Array:
-        """The multipliers (rows, m) to be added where the objective (bearings, 3, n) is the first of these without idle ones."""
+        """The multipliers (rows, m) to be added where the objective (bearings, 3, n) is the first of these without them."""
         from scipy.linalg import cho_solve_banded  # needed in long chains alone
 
         chain, start = self.chain, starts[0][..., self.states]

@@ -51,6 +51,15 @@ def spatial_chain(count: int) -> str:
     return "\n".join([*parts, '<transmission name="drive"><joint name="A0"/></transmission>', "</robot>"])
 
 
+def hinged(text: str, every: int = 1) -> str:
+    """A planar chain (`n_four_bar`) whose first, or every second, ... loop is a hinge, which holds rotations too, in place of a ball."""
+    start, *loops = text.split('type="spherical"')
+    for k, loop in enumerate(loops):
+        hinge = ('type="revolute"', loop.replace("</loop_joint>", '<axis xyz="0 1 0"/></loop_joint>'))
+        start += "".join(('type="spherical"', loop) if k % every else hinge)
+    return start
+
+
 def tied_row(count: int, short: bool) -> str:
     """A crank and ``count`` links in a row behind it, the far end of each on a rod that stands on the frame, written in two ways.
 
