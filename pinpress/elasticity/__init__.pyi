@@ -17,6 +17,7 @@ from .speed_range import over_speeds as over_speeds
 from .springs import Clearance as Clearance
 from .springs import Elastic as Elastic
 from .springs import FlexibleLink as FlexibleLink
+from .springs import PreloadedJoint as PreloadedJoint
 from .springs import Rod as Rod
 from .springs import Stiffness as Stiffness
 from .springs import hertz_stiffness as hertz_stiffness

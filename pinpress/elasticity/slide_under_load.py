@@ -190,7 +190,9 @@ def dead_centre_shift(
         )
     nodes = centres.bottom_angle + WINDOW * chebyshev.chebpts1(NODES)
     angles = np.append(nodes, centres.bottom_angle)
-    rest, turning = (_total(hold(press, stiffness, servo_cycle(press, speed=w, angle=angles)), loads) for w in (0.0, 1.0))
+    at_rest, in_motion = (hold(press, stiffness, servo_cycle(press, speed=w, angle=angles)) for w in (0.0, 1.0))
+    _refuse_open_joints(at_rest, in_motion, loads, float(np.abs(speeds).max()))
+    rest, turning = _total(at_rest, loads), _total(in_motion, loads)
     constant, inertia = rest, turning - rest
     travel = servo_cycle(press, speed=1.0, angle=nodes).slide_position - centres.bottom_position
     curves = [_series(press, values) for values in (travel, constant[:-1], inertia[:-1])]
@@ -234,6 +236,18 @@ def _minimum(press: Linkage, total: Array, speed: float) -> tuple[float, float]:
 def _total(held: HeldPress, loads: Sequence[Load]) -> Array:
     """Deflection (n,) of the slide under loads [m]."""
     return np.asarray(np.sum(list(held.moved(held.in_motion(loads)).values()), axis=0))
+
+
+def _refuse_open_joints(at_rest: HeldPress, in_motion: HeldPress, loads: Sequence[Load], fastest: float) -> None:
+    """Raise PinpressError where a preloaded joint opens near bottom dead centre at the fastest speed [rad/s]: deflections then no longer go
+    with the square of the speed."""
+    if not any(part.joint for part in at_rest.springs):
+        return
+    for part, still, turning in zip(at_rest.springs, at_rest.in_motion(loads), in_motion.in_motion(loads), strict=True):
+        if part.opens(still) or part.opens(still + fastest**2 * (turning - still)):
+            raise PinpressError(
+                f"the joint of {part.name} opens by {fastest:.5g} rad/s: give it more preload, or see slide_deflection of a motion"
+            )
 
 
 def _series(press: Linkage, values: Array) -> Array:

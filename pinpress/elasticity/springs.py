@@ -1,14 +1,15 @@
 """The springs of a press: the parts that yield, and the internal force in each of them over a motion.
 
-Every part is a linear spring in series with the rigid linkage. Its internal force N is found by rigid inverse dynamics, so that all results
-are of first order in the deflections. By virtual work a part with compliance c moves the slide by c N . n, where n is its internal force
-under a unit force on the slide (unit-load method). The sign of N does not matter, because n has this sign too.
+Every part is a spring in series with the rigid linkage, linear but for preloaded joints that open. Its internal force N is found by rigid
+inverse dynamics, so that all results are of first order in the deflections. By virtual work a part with compliance c moves the slide by
+c N . n, where n is its internal force under a unit force on the slide (unit-load method). The sign of N does not matter, because n has this
+sign too, but for joints, whose force is positive in tension.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -21,12 +22,14 @@ from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.contact import Clearance as Clearance
 from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness
-from ..simulation.elastic.description import STIFFEST
+from ..simulation.elastic.description import STIFFEST, refuse_joint_but_of_guide
 from ..simulation.elastic.description import Elastic as Elastic
 from ..simulation.elastic.description import Rod as Rod
 from ..simulation.elastic.description import Stiffness as Stiffness
 from ..simulation.elastic.flexible_link import FlexibleLink as FlexibleLink
 from ..simulation.elastic.flexible_link import read_flexible_link as read_flexible_link
+from ..simulation.elastic.preloaded_joint import PreloadedJoint as PreloadedJoint
+from ..simulation.elastic.preloaded_joint import closed_stiffness
 
 SHAFT, FRAME = "shaft", "frame"  # names of these parts
 MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
@@ -41,6 +44,7 @@ class Spring(NamedTuple):
         kind: "bearing", "moment", "rod", "shaft" or "frame".
         bearings: numbers of the bearings whose forces, times weights, sum to the internal force, each with its weight.
         line: numbers of the two bearings that a rod lies between.
+        joint: the joint with its preload, whose stiffness while closed is that of the spring; None: it is none.
     """
 
     name: str
@@ -48,6 +52,24 @@ class Spring(NamedTuple):
     kind: str
     bearings: tuple[tuple[int, float], ...] = ()
     line: tuple[int, int] = (0, 0)
+    joint: PreloadedJoint | None = None
+
+    def elongations(self, force: Array) -> Array:
+        """Elongations by internal forces (n, 1) or (n, 3), of the same shape [m, rad]; those of a joint are not in proportion to the force
+        where it opens."""
+        if self.joint is None:
+            return self.compliance * force
+        if self.kind != "bearing":
+            return self.joint.elongation(force)
+        size = np.linalg.norm(force, axis=1, keepdims=True)  # of a guide: both gibs are alike
+        return np.asarray(self.joint.elongation(size) * force / np.where(size > 0, size, 1.0))
+
+    def opens(self, force: Array) -> bool:
+        """Whether internal forces, as of `elongations`, open its joint."""
+        if self.joint is None:
+            return False
+        signed = np.linalg.norm(force, axis=1) if self.kind == "bearing" else force
+        return bool(signed.max(initial=0.0) > self.joint.opening_load or signed.min(initial=0.0) < -self.joint.slack_load)
 
 
 def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
@@ -74,9 +96,8 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
         driver = press.bearings.index(press.driver)
         found.append(Spring(SHAFT, 1 / positive("stiffness of the shaft", stiffness.shaft, "N m/rad", STIFFEST), "shaft", ((driver, 1.0),)))
     if stiffness.frame is not None:
-        found.append(
-            Spring(FRAME, 1 / positive("stiffness of the frame", stiffness.frame, "N/m", STIFFEST), "frame", tuple(_on_crown(press)))
-        )
+        compliance = 1 / positive("stiffness of the frame", closed_stiffness(stiffness.frame), "N/m", STIFFEST)
+        found.append(Spring(FRAME, compliance, "frame", tuple(_on_crown(press)), joint=_joint(stiffness.frame)))
     if not found:
         raise PinpressError(f"no part of {press.name} yields: give Stiffness the stiffness of at least one")
     names = [part.name for part in found]
@@ -151,9 +172,14 @@ def _without_travel(press: Linkage, motion: Motion, bearing: int, force: Array) 
     return np.asarray(force - np.einsum("nk,nk->n", force, along)[:, None] * along)
 
 
-def _bearing_spring(press: Linkage, name: str, stiffness: float) -> Spring:
-    compliance = 1 / positive(f"stiffness of bearing {shown(name)}", stiffness, "N/m", STIFFEST)
-    return Spring(name, compliance, "bearing", ((_bearing(press, name), 1.0),))
+def _joint(stiffness: object) -> PreloadedJoint | None:
+    return stiffness if isinstance(stiffness, PreloadedJoint) else None
+
+
+def _bearing_spring(press: Linkage, name: str, stiffness: float | PreloadedJoint) -> Spring:
+    refuse_joint_but_of_guide(press, _bearing(press, name), stiffness)
+    compliance = 1 / positive(f"stiffness of bearing {shown(name)}", closed_stiffness(stiffness), "N/m", STIFFEST)
+    return Spring(name, compliance, "bearing", ((_bearing(press, name), 1.0),), joint=_joint(stiffness))
 
 
 def _guide_spring(press: Linkage, name: str, stiffness: float) -> Spring:
@@ -180,9 +206,9 @@ def _rod_spring(press: Linkage, rod: Rod) -> Spring:
         if k not in signs:
             names = ", ".join(press.bearings[i] for i in signs)
             raise PinpressError(f"rod of {shown(rod.link)}: bearing {shown(press.bearings[k])} is not on that link; there are: {names}")
-    compliance = 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m", STIFFEST)
+    compliance = 1 / positive(f"stiffness of rod {shown(rod.name)}", closed_stiffness(rod.stiffness), "N/m", STIFFEST)
     loads = ((one, -0.5 * signs[one]), (another, 0.5 * signs[another])) if len(signs) == 2 else ((another, signs[another]),)
-    return Spring(rod.name, compliance, "rod", loads, (one, another))
+    return Spring(rod.name, compliance, "rod", loads, (one, another), _joint(rod.stiffness))
 
 
 def _acting_bodies(press: Linkage) -> tuple[int, ...]:
@@ -202,7 +228,7 @@ def _bearing(press: Linkage, name: str) -> int:
     return press.bearings.index(name)
 
 
-def _named(what: str, given: object) -> list[tuple[str, float]]:
+def _named(what: str, given: object) -> list[tuple[str, Any]]:
     if not isinstance(given, Mapping):
         raise PinpressError(f"{what} is {shown(given)}: give a mapping, name of a bearing: stiffness")
     return list(given.items())

@@ -193,9 +193,20 @@ class HeldPress:
         return [(loaded - none) / self.size for loaded, none in zip(self.in_motion([load]), self.unloaded, strict=True)]
 
     def moved(self, forces: Sequence[Array]) -> dict[str, Array]:
-        """Name of a part -> (n,) the slide's displacement by the part under internal forces [m]."""
+        """Name of a part -> (n,) the slide's displacement by the part under internal forces [m].
+
+        Raises:
+            PinpressError: a preloaded joint opens that shares forces with other parts by its stiffness.
+        """
+        if self.press.engine().redundant(self.press.closed):
+            for part, force in zip(self.springs, forces, strict=True):
+                if part.kind != "frame" and part.opens(force):
+                    raise PinpressError(
+                        f"the joint of {part.name} opens, and {self.press.name} shares forces by stiffnesses, which change then: give it"
+                        " more preload, or a press whose forces do not depend on them"
+                    )
         return {
-            part.name: np.asarray(part.compliance * np.einsum("nk,nk->n", n, force))
+            part.name: np.asarray(np.einsum("nk,nk->n", n, part.elongations(force)))
             for part, n, force in zip(self.springs, self.unit, forces, strict=True)
         }
 

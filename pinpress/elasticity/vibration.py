@@ -28,6 +28,7 @@ from ..linkage.linkage import Linkage
 from ..simulation.elastic.assembly import press_on_springs
 from ..simulation.elastic.description import STIFFEST, Elastic, Rod
 from ..simulation.elastic.in_space.bodies import PressInSpace
+from ..simulation.elastic.preloaded_joint import closed_stiffness
 from ..simulation.elastic.press_on_springs import reference_angle
 from ..simulation.elastic.sprung_press import SprungPress
 from .modes_in_space import kinetic_energy_in_space, shapes_in_space, strain_energy_in_space
@@ -232,7 +233,9 @@ def _strain_energy(sprung: SprungPress, elastic: Elastic, coordinates: Array, mo
     rods = {(name, _body(press, rod)): rod for rod in elastic.stiffness.rods for name in rod.between}
     for spring, (bearing, body) in enumerate(zip(lines.bearing, lines.first, strict=True)):
         name = press.bearings[bearing] if bearing >= 0 else FRAME if sprung.base is None else MOUNTS
-        given = lines.stiffness[spring] if bearing < 0 else positive(name, elastic.stiffness.bearings[name], "N/m", STIFFEST)
+        given = (
+            lines.stiffness[spring] if bearing < 0 else positive(name, closed_stiffness(elastic.stiffness.bearings[name]), "N/m", STIFFEST)
+        )
         share, rod = lines.stiffness[spring] / given, rods.get((name, int(body)))
         found[name] = found.get(name, 0.0) + share * stored[:, :, spring]
         if rod is not None and share < 1.0:

@@ -445,6 +445,7 @@ def made():
             pp.loads.ConstantForce(1e5, 0.02),
             pp.loads.Blanking(1e5, 0.02, 0.01),
             pp.loads.ElasticDie(0.01, 1e7),
+            pp.elasticity.PreloadedJoint(1e9, 3e9, 1e5),
             pp.loads.Impact(0.01, 1e7, damping=1e3, depth=1e-3),
             pp.loads.TwoSidedStop(0.01, 0.02, 1e7),
             pp.loads.ImpactDamper([0.0, 0.01], [1e5, 1e5]),

@@ -27,6 +27,7 @@ from .description import STIFFEST, Elastic, Rod, by_bearing, dampers_by_bearing
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
 from .in_space.assembly import press_in_space
 from .in_space.bodies import PressInSpace
+from .preloaded_joint import PreloadedJoint, closed_stiffness
 from .press_on_springs import frequencies, reference_angle
 from .sprung_press import LineSprings, SprungPress, TurningSprings
 
@@ -242,7 +243,17 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
                 add(first, one, second, two, across, False, radial[place], place, 1.0)
     if bare.crown is not None:
         along = complex(to_complex(drawn.plane, press.slide_direction))
-        add(frame, 0j, bare.crown, 0j, along, False, positive("stiffness of the frame", stiffness.frame, "N/m", STIFFEST), -1, 1.0)
+        add(
+            frame,
+            0j,
+            bare.crown,
+            0j,
+            along,
+            False,
+            positive("stiffness of the frame", closed_stiffness(stiffness.frame), "N/m", STIFFEST),
+            -1,
+            1.0,
+        )
     turns = [(body(drawn.plane.parents[j]), j, turning[j], 0.0, j) for j in guides]
     if bare.rotor is not None:
         turns.append((bare.rotor, drawn.plane.driver, positive("stiffness of the shaft", stiffness.shaft, "N m/rad", STIFFEST), 0.0, -1))
@@ -267,6 +278,12 @@ def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
     press = drawn.press
     if not isinstance(rods, Sequence) or not all(isinstance(rod, Rod) for rod in rods):
         raise PinpressError(f"rods is {shown(rods)}: give a list of Rod(link, (bearing, bearing), stiffness)")
+    for rod in rods:
+        if isinstance(rod.stiffness, PreloadedJoint):
+            raise PinpressError(
+                f"rod {shown(rod.name)}: an elastic motion does not follow whether its preloaded joint opens; give its stiffness while"
+                f" closed, {rod.stiffness.stiffness:g} N/m, and look with slide_deflection whether it stays so"
+            )
     ends = [_rod_ends(drawn, rod) for rod in rods]
     used = [number for _, pins, _ in ends for number in pins]
     found: dict[int, _Softer] = {}

@@ -17,9 +17,10 @@ from ...linkage.linkage import Linkage
 from ...loads.mounts import Frame, Mount
 from .contact import Clearance
 from .flexible_link import FlexibleLink
+from .preloaded_joint import STIFFEST as STIFFEST
+from .preloaded_joint import PreloadedJoint, closed_stiffness
 
 MOST_DAMPING = 2.0  # largest damping ratio
-STIFFEST = 1e15  # [N/m, N m/rad], beyond other sizes, as what counts as rigid is given so; rounding of places is then a force of 0.1 N
 
 
 @dataclass(frozen=True)
@@ -32,12 +33,12 @@ class Rod:
     Attributes:
         link: name of the link.
         between: names of two of its bearings.
-        stiffness: stiffness E A / l between them [N/m].
+        stiffness: stiffness E A / l between them [N/m], or a joint, such as a die-height screw and its lock.
     """
 
     link: str
     between: tuple[str, str]
-    stiffness: float
+    stiffness: float | PreloadedJoint
 
     @property
     def name(self) -> str:
@@ -47,24 +48,27 @@ class Rod:
 
 @dataclass(frozen=True, eq=False)
 class Stiffness(Frozen):
-    """Stiffnesses of the parts of a press. All parts without one are rigid, and so are gear pairs.
+    """Stiffnesses of the parts of a press. All parts without one are rigid, and so are gear pairs. A `PreloadedJoint` in place of a
+    number counts as closed wherever it stays closed.
 
     Attributes:
-        bearings: name of a bearing -> radial stiffness, in space also along its axis; of a guide, stiffness across its axis [N/m].
+        bearings: name of a bearing -> radial stiffness, in space also along its axis; of a guide, stiffness across its axis [N/m],
+            or of both gibs with their preload.
         moments: name of a guide, in space also of a pin or weld -> stiffness against turning [N m/rad]. The moment of a guide is about the
             origin of the sliding link's joint frame, as in `Reactions`.
         rods: links and arms that stretch.
         shaft: torsional stiffness of the shaft between the driver's crank and the drive [N m/rad]; None: rigid. An elastic motion counts
             the start's angle and speed at the drive's end, where the flywheel sits and a brake acts.
-        frame: stiffness of the columns between the crown, which has all bearings on the frame, and the table [N/m]; None: rigid. The table
-            stands on the floor, so that weight and inertia forces that press on the crown load the columns too.
+        frame: stiffness of the columns between the crown, which has all bearings on the frame, and the table [N/m], or of tie rods and
+            uprights with their preload; None: rigid. The table stands on the floor, so that weight and inertia forces that press on the
+            crown load the columns too.
     """
 
-    bearings: Mapping[str, float] = field(default_factory=dict)
+    bearings: Mapping[str, float | PreloadedJoint] = field(default_factory=dict)
     moments: Mapping[str, float] = field(default_factory=dict)
     rods: Sequence[Rod] = ()
     shaft: float | None = None
-    frame: float | None = None
+    frame: float | PreloadedJoint | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,13 +157,32 @@ def by_bearing(
         place = _number_of(press, name)
         if place not in needed:
             raise PinpressError(f"{what} names {shown(name)}, which is {holds_none}: leave it out")
-        found[place] = positive(f"stiffness of {shown(name)}", value, unit, STIFFEST)
+        refuse_joint_but_of_guide(press, place, value, unit)
+        found[place] = positive(f"stiffness of {shown(name)}", closed_stiffness(value), unit, STIFFEST)
     missing = [press.bearings[place] for place in needed if place not in found]
     if missing:
         raise PinpressError(
             f"Stiffness.{what} lacks {', '.join(map(shown, missing))} of {press.name}{yields}; give each a stiffness [{unit}]"
         )
     return found
+
+
+def refuse_joint_but_of_guide(press: Linkage, place: int, value: object, unit: str = "N/m") -> None:
+    """Raise PinpressError where a part other than a guide across its axis has a preloaded joint, or its two gibs are unlike.
+
+    Args:
+        press: the press.
+        place: number of the bearing.
+        value: the stiffness given.
+        unit: of the stiffness.
+    """
+    if not isinstance(value, PreloadedJoint):
+        return
+    name = shown(press.bearings[place])
+    if unit != "N/m" or place >= len(press.joints) or press.axes[place].turns:
+        raise PinpressError(f"stiffness of {name} is a PreloadedJoint, which a guide has across its axis alone: give a number [{unit}]")
+    if value.loaded != value.relieved:
+        raise PinpressError(f"stiffness of {name}: both gibs of a guide are alike; give loaded and relieved the same stiffness")
 
 
 def dampers_by_bearing(press: Linkage, dampers: Mapping[str, float]) -> dict[int, float]:

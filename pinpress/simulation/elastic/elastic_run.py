@@ -18,14 +18,16 @@ from ...common.quantities import Array, ComplexArray
 from ...engines.planar.model import to_world
 from ...kinematics.motion import Motion, motion_through_change_points
 from ..driven_press import WorkOfForce
+from ..failures import failure
 from ..law_trials import confirm_torques
 from ..run import Run, Stats
 from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 from .contact import OpenPin
-from .description import Elastic
+from .description import Elastic, Stiffness
 from .load_paths import NEAREST
 from .panels import Indices
+from .preloaded_joint import PreloadedJoint
 from .sprung_press import SprungPress
 from .task import ElasticSolution
 
@@ -293,6 +295,29 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     return found
 
 
+def _refuse_open_joints(segment: ElasticSegment, stiffness: Stiffness) -> None:
+    """Raise SimulationError where a preloaded joint opens: the motion counts it as closed."""
+    sprung, panels = segment.solution.equations.sprung, segment.solution.panels
+    given = {-1: stiffness.frame} | {sprung.press.bearings.index(name): value for name, value in stiffness.bearings.items()}
+    joints = {number: joint for number, joint in given.items() if isinstance(joint, PreloadedJoint)}
+    if not joints:
+        return
+    count, stages = panels.accelerations.shape[:2]
+    at = solution_states(segment.solution, np.repeat(np.arange(count), stages), np.tile(panels.rule.points, count), None, segment.gain)
+    coordinates = sprung.all_coordinates(at.whole[0])
+    assert isinstance(sprung, SprungPress)  # joints in space are refused
+    pulls = sprung.lines.stiffness * sprung.geometry(coordinates, np.zeros_like(coordinates)).extension
+    for number, joint in joints.items():
+        (spring,) = np.flatnonzero(sprung.lines.bearing == number)
+        beyond = (pulls[:, spring] > joint.opening_load) | (pulls[:, spring] < -joint.slack_load)
+        if beyond.any():
+            first = int(np.argmax(beyond))
+            name = "frame" if number < 0 else sprung.press.bearings[number]
+            raise failure(
+                "joint opens", float(at.times[first]), float(at.whole[0][first, -1]), joint=name, load=1e-3 * float(pulls[first, spring])
+            )
+
+
 def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: Elastic, points: int, began: float) -> ElasticRun:
     """The run of a motion on springs.
 
@@ -302,8 +327,12 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
         elastic: what yields.
         points: number of states.
         began: time of the clock at which the call began [s].
+
+    Raises:
+        SimulationError: a preloaded joint opens.
     """
     press, solution = problem.driven.press, segment.solution
+    _refuse_open_joints(segment, elastic.stiffness)
     sprung, trajectory = solution.equations.sprung, Trajectory([segment])
     times = np.linspace(0.0, segment.end, points)
     at = segment.states(times)

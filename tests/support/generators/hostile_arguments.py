@@ -454,6 +454,7 @@ def calls() -> dict[str, Call]:
         ("build", pp.build, table),
         ("pin_table.draft", pp.pin_table.draft, lambda: {key: value for key, value in table().items() if key != "gravity"}),
         ("PointForce", pp.loads.PointForce, lambda: {"link": "slide", "force": (0.0, 0.0, 1.0), "point": (0.0, 0.0, 0.0)}),
+        ("PreloadedJoint", pp.elasticity.PreloadedJoint, lambda: {"loaded": 1e9, "relieved": 3e9, "preload": 1e5}),
         ("Rod", pp.elasticity.Rod, lambda: {"link": "rod", "between": ("P", "W"), "stiffness": 1e9}),
         (
             "CounterweightRegion",

@@ -19,6 +19,7 @@ from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
 from ....linkage.linkage import Linkage
 from ..description import Elastic, by_bearing, dampers_by_bearing
+from ..preloaded_joint import PreloadedJoint
 from ..press_on_springs import frequencies, reference_angle
 from .bodies import PressInSpace, SpringsInSpace
 from .turning import nominal_turns
@@ -80,6 +81,7 @@ def _refuse_unsuitable(press: Linkage, elastic: Elastic) -> None:
         "frame": (elastic.stiffness.frame is not None, "leave it and crown_mass out"),
         "flexible_links": (bool(elastic.flexible_links), "leave them out"),
         "mounts": (elastic.mounted_frame is not None, "leave them out"),
+        "preloaded joints": (any(isinstance(each, PreloadedJoint) for each in elastic.stiffness.bearings.values()), "give numbers"),
         "clearances": (bool(elastic.clearances), "leave them out"),
     }
     for name, (there, instead) in given.items():
