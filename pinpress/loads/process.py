@@ -104,7 +104,7 @@ class Blanking(Checked):
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if downwards:
-            law = partial(_sine, self.force, self.start, 0.5 * math.pi / (self.start - self.end))
+            law: Law = partial(_sine, self.force, self.start, 0.5 * math.pi / (self.start - self.end))
         elif np.any(self.stripping):
             law = constant_law(-self.stripping)
         else:

@@ -145,7 +145,7 @@ def test_bad_joints():
     for stiffness, problem in (
         (Stiffness(BEARINGS | {"O": TIE_RODS}), "stiffness of 'O' is a PreloadedJoint, which a guide has across its axis alone"),
         (Stiffness(BEARINGS | {"slide_guide": TIE_RODS}), "both gibs of a guide are alike"),
-        (Stiffness(BEARINGS, {"slide_guide": TIE_RODS}), "stiffness of guide 'slide_guide' against turning"),
+        (Stiffness(BEARINGS, {"slide_guide": TIE_RODS}), "stiffness of guide 'slide_guide' against turning"),  # type: ignore[dict-item]
     ):
         with pytest.raises(pp.PinpressError, match=problem):
             slide_deflection(press, motion, stiffness)
