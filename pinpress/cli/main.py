@@ -5,10 +5,10 @@ import io
 import sys
 
 from ..common.command_end import ended
-from . import accuracy, analyse, balance, build, check, identify, ratings, record, report, servo, simulate, tolerances, view
+from . import about, accuracy, analyse, balance, build, check, identify, ratings, record, report, servo, simulate, tolerances, view
 
 # as the help lists them
-COMMANDS = (build, view, report, analyse, simulate, balance, servo, ratings, tolerances, identify, record, accuracy, check)
+COMMANDS = (build, view, report, analyse, simulate, balance, servo, ratings, tolerances, identify, record, accuracy, check, about)
 
 
 def main(arguments: list[str] | None = None) -> int:

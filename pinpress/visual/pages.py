@@ -137,10 +137,15 @@ def plotly() -> Library:
     Raises:
         PinpressError: it is not installed.
     """
-    script = _package("plotly", NO_PLOTLY) / "package_data/plotly.min.js"
+    script = plotly_script()
     with script.open(encoding="utf-8") as lines:
         head = list(itertools.takewhile(lambda line: "*/" not in line, lines))  # the comment in front, which is its licence
     return _library(script, "".join(head))
+
+
+def plotly_script() -> Path:
+    """The file of Plotly's charts; raises PinpressError where it is not installed."""
+    return _package("plotly", NO_PLOTLY) / "package_data/plotly.min.js"
 
 
 def _package(name: str, missing: str) -> Path:

@@ -206,6 +206,7 @@ COMMANDS = {
     "import numpy, pinocchio, scipy.integrate": ["-c", "import numpy, pinocchio, scipy.integrate"],
     "import numpy, pinocchio, scipy.interpolate": ["-c", "import numpy, pinocchio, scipy.interpolate"],
     "pinpress --help": ["-m", "pinpress", "--help"],
+    "pinpress about": ["-m", "pinpress", "about"],
     "pinpress check": ["-m", "pinpress", "check", "zxn2_3000b"],
     "pinpress analyse": ["-m", "pinpress", "analyse", "zxn2_3000b", "--speed", "70"],
     "pinpress simulate": ["-m", "pinpress", "simulate", "zxn2_3000b", "--speed", "70", "--duration", "2"],

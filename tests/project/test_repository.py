@@ -1,0 +1,96 @@
+"""Files beside the package: citation, archive, paper, forms and extras say what the package says."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+import pinpress as pp
+
+ROOT = Path(__file__).resolve().parents[2]
+FORMS = sorted(path for path in (ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml") if path.name != "config.yml")
+
+
+def text(name: str) -> str:
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def project() -> str:
+    return text("pyproject.toml")
+
+
+def test_citation_and_archive_name_the_package() -> None:
+    citation, archive = yaml.safe_load(text("CITATION.cff")), json.loads(text(".zenodo.json"))
+    assert citation["version"] == pp.__version__
+    assert citation["title"] == archive["title"]
+    assert citation["license"] == archive["license"] == "MIT"
+    assert citation["keywords"] == archive["keywords"]
+    assert [each["name"] for each in citation["authors"]] == [each["name"] for each in archive["creators"]]
+    assert citation["references"][0]["doi"] == archive["related_identifiers"][0]["identifier"]
+
+
+def test_the_paper_cites_what_its_list_has() -> None:
+    cited = set(re.findall(r"@(\w+\d\w*|drake)", text("paper/paper.md")))
+    listed = set(re.findall(r"^@\w+\{(\w+),", text("paper/paper.bib"), flags=re.MULTILINE))
+    assert cited == listed
+
+
+def test_the_papers_times_are_those_of_the_documentation() -> None:
+    """Rows of the comparison, to the columns that the paper has."""
+    measured = [line for line in text("docs/comparison.md").splitlines() if line.startswith("| ")]
+    rows = [line.strip("|").split("|") for line in text("paper/paper.md").splitlines() if line.startswith("| ")]
+    assert len(rows) == 7
+    for row in rows:
+        assert any(line.strip("|").split("|")[: len(row)] == row for line in measured), row
+
+
+def test_the_papers_findings_are_those_of_the_pages() -> None:
+    page = text("docs/kong2025.md")
+    assert "218 kg on the crank" in page
+    assert re.search(r"least shaking force, x: shaking force, x, change of the range \[%\] \|  \| -88\.", page)
+    assert "| range of the shaking force, x, change [%] | -49.4824 | -47." in page
+
+
+@pytest.mark.parametrize("path", FORMS, ids=lambda path: path.stem)
+def test_forms_ask_for_what_is_needed(path: Path) -> None:
+    form = yaml.safe_load(path.read_text(encoding="utf-8"))
+    assert {"name", "description", "labels", "body"} <= form.keys()
+    names = [field["id"] for field in form["body"]]
+    assert len(set(names)) == len(names)
+    for field in form["body"]:
+        assert field["type"] == "textarea"
+        assert field["attributes"]["label"]
+    if path.stem != "press":
+        assert "pinpress about" in path.read_text(encoding="utf-8")
+
+
+def test_there_are_forms() -> None:
+    assert {path.stem for path in FORMS} == {"bug", "press", "wrong_number"}
+
+
+def test_all_is_every_extra_of_users() -> None:
+    """Those that `pinpress about` lists, by the extras that hold the others."""
+    from pinpress.cli.about import OF_USERS
+
+    extras = dict(re.findall(r"^(\w+) = (\[.*?\])", project(), flags=re.MULTILINE | re.DOTALL))
+    held = set(re.findall(r"\w+", re.search(r"pinpress\[([\w,]+)\]", extras["all"])[1]))
+    for name in list(held):
+        if inner := re.search(r"pinpress\[([\w,]+)\]", extras[name]):
+            held |= set(inner[1].split(","))
+    assert held == set(OF_USERS)
+
+
+def test_tools_of_contributors_have_the_versions_of_the_continuous_integration() -> None:
+    version = re.search(r"^ruff==(.*)$", text(".ci/constraints.txt"), flags=re.MULTILINE)[1]
+    hooks = yaml.safe_load(text(".pre-commit-config.yaml"))["repos"]
+    assert next(repo["rev"] for repo in hooks if "ruff" in repo["repo"]) == f"v{version}"
+
+
+def test_sessions_of_nox_run_what_the_continuous_integration_runs() -> None:
+    ci = text(".ci/run").replace(".venv-test/bin/", "")
+    said = [" ".join(re.findall(r'"([^"]+)"', line)) for line in re.findall(r"session\.run\((.*)\)", text("noxfile.py"))]
+    for command in ("ruff check .", "ruff format --check .", "mypy", "lint-imports --no-cache", "python -m pytest -m exhaustive"):
+        assert command in said
+        assert command in ci
