@@ -1,8 +1,8 @@
 """Zhang X. 2007, master thesis, Southeast University: the high-speed press JF75G-125, 1250 kN, and how to balance it, by ADAMS.
 
 The thesis prints masses and moments of inertia but no lengths: those of the shipped presses are inferred, each with its reason in the file.
-Chapter 3 is here, chapter 2 in `zhang2007_vibration`, the balancing of chapter 5 in `zhang2007_balancing` and `zhang2007_search`, and the
-runs of chapter 4 and of 5.7 in `zhang2007_runs`.
+Chapter 3 is here, chapter 1 in `zhang2007_arrangements`, chapter 2 in `zhang2007_vibration`, the balancing of chapter 5 in
+`zhang2007_balancing` and `zhang2007_search`, and the runs of chapter 4 and of 5.7 in `zhang2007_runs`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from ..balancing import classical
 from ..balancing.counterweights import Counterweight, with_counterweights
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
-from . import zhang2007_balancing, zhang2007_runs, zhang2007_search, zhang2007_vibration
+from . import zhang2007_arrangements, zhang2007_balancing, zhang2007_runs, zhang2007_search, zhang2007_vibration
 from .pages import FINDINGS, FORMULAS, NO_RESULT, NOT, Erratum, Page, PageEntry, Panel, Row, draw, figures
 from .zhang2007_balancing import GRAVITY, POINTS, SPEED, clean, presses, turning
 
@@ -38,7 +38,7 @@ def page() -> Page:
         " lengths can agree only as far as these do. We read the thesis in a transcription: what may be a mistake of the transcription is"
         " marked `as our text reads`. Gravity is not printed; ours is 9.80665 m/s2. Written by `python -m pinpress.papers zhang2007`.",
         (
-            PageEntry(figures(1, 1, 4), "presses of others", NO_RESULT),
+            zhang2007_arrangements.machines(given),
             PageEntry(figures(2, 1, 6), "photograph, scheme, CAD model, instruments, measuring points", NO_RESULT),
             _vibration(),
             PageEntry(("Fig. 2-16",), "photograph of the tool for piling", NO_RESULT),
@@ -48,6 +48,7 @@ def page() -> Page:
             *zhang2007_search.entries(given["jf75g_125"]),
             *zhang2007_balancing.entries(given),
             *zhang2007_runs.load_entries(given["jf75g_125_symmetric"]),
+            *zhang2007_arrangements.dies(given),
         ),
         ERRATA,
     )

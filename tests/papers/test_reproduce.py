@@ -106,7 +106,7 @@ def test_docs_are_what_the_command_writes(made, name):
 
 def test_the_page_on_mounts_has_the_findings_of_the_frame(made):
     text = (ROOT / "viz" / "foundation.md").read_text(encoding="utf-8")
-    (entry,) = [entry for entry in made("zhang2007").entries if entry.kind == FINDINGS]
+    (entry,) = [entry for entry in made("zhang2007").entries if entry.figure == "zhang2007_vibration"]
     assert len(entry.rows) == text.partition("| Zhang 2007 says")[2].partition("\n\n")[0].count("\n") - 1
     for each in entry.rows:
         gives, _, agrees = str(each.ours).partition(". Agrees: ")

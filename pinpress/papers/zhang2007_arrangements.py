@@ -1,0 +1,149 @@
+"""Zhang 2007, chapter 1 and 6.2: what it says of the balance of other machines, and the upper die that is balanced with the slide.
+
+The machines of Figs 1-1 to 1-4 are shipped presses with the stroke and slide of the JF75G-125. What is inferred of them stands in their
+URDFs.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ..balancing import classical
+from ..balancing.comparison import compare_conditions
+from ..balancing.counterweights import Counterweight, OperatingCondition, with_counterweights
+from ..balancing.problem import Range
+from ..balancing.regions import CounterweightRegion
+from ..common.quantities import RPM
+from ..kinematics.motion import cycle
+from ..linkage.linkage import Linkage
+from ..linkage.loading import load, located
+from ..pin_table.building import build
+from .pages import BEYOND, FINDINGS, FORMULAS, PageEntry, Row, figures
+from .zhang2007_balancing import GRAVITY, POINTS, SPEED, turning
+
+KNUCKLE_CRANK = 0.014679  # crank radius of the double knuckle [m]
+AUXILIARY = 0.0297  # auxiliary crank of the shipped press [m]
+DIES = (0.0, 200.0, 400.0)  # upper dies [kg]; ours
+MACHINES = ("underdrive", "eccentric_blocks", "aida_balance_slide", "pirica_double_knuckle")
+DOWN = (0.0, 0.0, -GRAVITY)
+
+
+def machines(given: Mapping[str, Linkage]) -> PageEntry:
+    """What the text says of Figs 1-1 to 1-4, and of the opposed slide, beside ours."""
+    under, blocks, lever, knuckle = (load(name, gravity=DOWN) for name in MACHINES)
+    plain = vertical(given["jf75g_125_plain"])
+    short = build(Path(located("aida_balance_slide")).with_suffix(".yaml"), gravity=DOWN, f=240)
+    faster = [vertical(blocks, rpm * RPM) / vertical(given["jf75g_125_plain"], rpm * RPM) for rpm in (200, 400)]
+    tilting = float(np.ptp(turning(given["jf75g_125"]).shaking_moment[:, 1]))
+    rotating = 2 * (52.25 + 77.49 / 2) * KNUCKLE_CRANK * SPEED**2  # of the crank, and of the half of the rod that turns with it
+    changed = f"{kilo(vertical(with_die(lever, 400.0)))} with 400 kg, {kilo(vertical(short))} at 20 mm"
+    claims = (
+        (
+            "Fig. 1-1 (b), driven from below: much mass goes to and fro, which shakes at speed",
+            f"vertical range {kilo(vertical(under))}, from above {kilo(plain)}",
+            "yes",
+        ),
+        (
+            "Fig. 1-2, eccentric blocks: a simple balance, and incomplete",
+            f"vertical range {kilo(vertical(blocks))}: the first order is gone, the second is left",
+            "yes",
+        ),
+        ("Fig. 1-2: worse with another upper die", f"{kilo(vertical(with_die(blocks, 400.0)))} with 400 kg on the slide", "yes"),
+        (
+            "Fig. 1-2: worse at another speed",
+            f"{100 * faster[0]:.1f} % of the plain press is left at 200 and {100 * faster[1]:.1f} % at 400 r/min: forces of inertia of"
+            " rigid links all grow with the square of the speed",
+            "no",
+        ),
+        (
+            "Fig. 1-3, AIDA's balance slide: balance suffers from another die and another stroke",
+            f"vertical range {kilo(vertical(lever))}; {changed}",
+            "yes",
+        ),
+        (
+            "Fig. 1-4, Pirica HK-45: the balance is good vertically, small forces are left across",
+            f"vertical range {kilo(vertical(knuckle))}, lateral {kilo(lateral(knuckle))}: the knees leave a second order",
+            "in part",
+        ),
+        (
+            "Fig. 1-4: across, all pivots but O cancel one another",
+            f"crank and rod alone have a lateral range of {kilo(rotating)}, the whole press {kilo(lateral(knuckle))}",
+            "yes",
+        ),
+        (
+            "an auxiliary slide opposite to the slide: the guides' forces are left and tilt the machine",
+            f"range of the moment {tilting:.0f} N m",
+            "yes",
+        ),
+    )
+    reason = (
+        "The thesis shows schemes of the machines with names of their parts, without any size. Ours are presses of these kinds with the"
+        " stroke of 30 mm, the slide, crank and rod of the JF75G-125, at 300 strokes/min (`underdrive`, `eccentric_blocks`,"
+        " `aida_balance_slide`, `pirica_double_knuckle`); how the parts join and how large they are is inferred, as their URDFs say."
+        " `viz/arrangements.md` compares them with the arrangements of chapter 3."
+    )
+    rows = tuple(Row(says, "in words", f"{gives}. Agrees: {agrees}") for says, gives, agrees in claims)
+    return PageEntry(figures(1, 1, 4), "machines of others, and how they are balanced", FINDINGS, rows, reason)
+
+
+def dies(given: Mapping[str, Linkage]) -> tuple[PageEntry, ...]:
+    """The counterweight by the formulas of 3.5 with the upper die m7, and what one counterweight is worth with other dies."""
+    return (_counterweight(given["jf75g_125_plain"]), _changed(given["jf75g_125"]))
+
+
+def vertical(press: Linkage, speed: float = SPEED) -> float:
+    """Range of the vertical shaking force at constant speed [rad/s], in N."""
+    return float(np.ptp(turning(press, speed).shaking_force[:, 2]))
+
+
+def lateral(press: Linkage) -> float:
+    """Range of the lateral shaking force [N]."""
+    return float(np.ptp(turning(press).shaking_force[:, 0]))
+
+
+def kilo(force: float) -> str:
+    """A force [N] in words."""
+    return f"{force / 1e3:.2f} kN"
+
+
+def with_die(press: Linkage, mass: float) -> Linkage:
+    """The press with an upper die [kg], whose place on the slide does not matter to forces."""
+    return with_counterweights(press, [Counterweight("slide", mass)]) if mass else press
+
+
+def _counterweight(plain: Linkage) -> PageEntry:
+    main = classical.as_crank_slider(plain)
+    rows = []
+    for die in DIES:
+        press = classical.with_opposed_balancer(plain, AUXILIARY, die_mass=die)
+        built = float(press.model.inertias[press.model.getJointId("counterweight_guide")].mass)
+        rod = main.rod_mass * main.crank_radius / AUXILIARY
+        by_hand = main.crank_radius / AUXILIARY * (main.slide_mass + die + main.rod_mass / 2) - rod / 2
+        rows.append(Row(f"m6 for m7 = {die:g} kg [kg]", f"{by_hand:.3f}", built, 1e-3, None, "formula"))
+    reason = (
+        "m6 = L1 / L2 m_A - m4 e4 / L4, where m_A is the mass of slide, upper die and the main rod's share at the slide's pin. The thesis"
+        " names m7 in 3.5 and leaves it out of its models (2.2). Ours with the inferred lengths and an auxiliary rod of the main rod's"
+        " ratio."
+    )
+    return PageEntry(("3.5, m7",), "counterweight for slide and upper die", FORMULAS, tuple(rows), reason)
+
+
+def _changed(opposed: Linkage) -> PageEntry:
+    conditions = []
+    for die in DIES:
+        press = with_die(opposed, die)
+        conditions.append(OperatingCondition(cycle(press, SPEED, points=POINTS), press=press, name=f"{die:g} kg"))
+    region = CounterweightRegion("counterweight", at=(0.0, 0.0, 0.0), mass=(-600.0, 600.0), reset="mass")
+    found = compare_conditions(opposed, conditions, regions=[region], minimise=Range("shaking_force", "z"))
+    rows = tuple(
+        Row(f"{name}, die of {condition} [N]", "", float(value), places=0)
+        for name, values in zip(found.names, found.values, strict=True)
+        for condition, value in zip(found.conditions, values, strict=True)
+    )
+    reason = (
+        "1.2.1 says that balance suffers from another upper die, and 6.2 (4) asks how to lay out the masses so that an optimum is of more"
+        " general use. Ours: ranges of the vertical force of the JF75G-125 at 300 strokes/min, with the mass of its counterweight balanced"
+        " for one die each, as a proved compromise for the worst of all, and set anew for each die."
+    )
+    return PageEntry(("1.2.1, 6.2 (4)",), "balance and the change of the die", BEYOND, rows, reason)
