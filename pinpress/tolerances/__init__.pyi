@@ -17,6 +17,7 @@ from .dimensions import Dimension as Dimension
 from .dimensions import link_length as link_length
 from .dimensions import pin_angle as pin_angle
 from .dimensions import pin_position as pin_position
+from .points import PermissibleSlope as PermissibleSlope
 from .points import SlideParallelism as SlideParallelism
 from .points import parallelism as parallelism
 from .scatter import Scatter as Scatter

@@ -18,21 +18,25 @@ is least: with points of the stiffness k, in guides of the stiffness kappa again
 (z_1 - z_2) / 2b times 2 k b^2 / (2 k b^2 + kappa). Without guides the slope follows the points. Four points lie in no plane in general:
 what a plane leaves of their heights is forced into the slide, its rods and their bearings.
 
-Permissible slopes are numbers that the caller gives. The grades of standards such as JIS B 6402 are not built in, because their texts were
-not at hand.
+Permissible slopes are numbers that the caller gives, also as a table of `PermissibleSlope` in the form in which standards have them: a
+difference of height that grows with the measured length. The grades of standards such as JIS B 6402 are not built in, because their texts
+were not at hand.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..common import tables
-from ..common.arguments import positive, typed
+from ..common.arguments import positive, suitable_numbers, typed
 from ..common.errors import PinpressError, UnknownNameError
+from ..common.frozen import FrozenMapping
+from ..common.parameters import Checked, parameter
 from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
 from ..derivatives.motion import Displacements, directed
@@ -54,6 +58,31 @@ ALONE = 1e-6  # force of a point that is left out, as a share of that of the one
 ONE_PLACE = 1e-9  # distance of points as a share of the linkage's size below which they are one
 
 
+@dataclass(frozen=True)
+class PermissibleSlope(Checked):
+    """A row of a table of permissible slopes: over a measured length L the heights may differ by ``constant + by_length * L``. The numbers
+    are the caller's, from the standard or the contract.
+
+    Attributes:
+        constant: [m].
+        by_length: 60e-6 for 0.06 mm a metre [m/m].
+        force: of the process on the slide while the slope is measured, positive upwards; 0 where it is measured idle [N].
+        place: (2,) of this force from the slide's origin along both directions of `SlideParallelism` [m].
+    """
+
+    constant: float = field(metadata=parameter("m", "not negative"))
+    by_length: float = field(default=0.0, metadata=parameter("m/m", "not negative"))
+    force: float = field(default=0.0, metadata=parameter("N"))
+    place: ArrayLike = field(default=(0.0, 0.0), metadata=parameter("m", axes=1))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if np.shape(self.place) != (2,):
+            raise PinpressError(f"PermissibleSlope: place has shape {np.shape(self.place)}: give (2,) along both directions [m]")
+        if not (self.constant or self.by_length):
+            raise PinpressError("PermissibleSlope: constant and by_length are 0: give the difference of heights that may be, in m")
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class SlideParallelism(Tabular):
     """Slopes of a slide on m points against the table. All arrays are read-only.
@@ -72,6 +101,8 @@ class SlideParallelism(Tabular):
         misfit_sd: (m,) standard deviations of what a plane leaves of the points' heights at bottom dead centre [m].
         point_force_sd: (m,) of the forces on the points by that and by the guides [N]; None without stiffnesses.
         guide_moment_sd: (2,) of the moments of the guides that hold the slide against both slopes [N m]; None without stiffnesses.
+        turning_compliance: (2, 2) slopes by the moments of a force beside the middle of the points, in the order of the directions
+            [1/(N m)]; None without stiffnesses.
         deviations: (k, presses) of the dimensions of every press of the sample from the nominal ones [m or rad].
     """
 
@@ -86,6 +117,7 @@ class SlideParallelism(Tabular):
     misfit_sd: Array
     point_force_sd: Array | None
     guide_moment_sd: Array | None
+    turning_compliance: Array | None
     deviations: Array
 
     def within(self, permissible: float) -> float:
@@ -97,8 +129,43 @@ class SlideParallelism(Tabular):
         Raises:
             PinpressError: it is not positive.
         """
-        limit = positive("permissible", permissible, "-")
-        return float(np.mean(np.maximum(*(np.abs(slope.deviation) for slope in self.slopes)) <= limit))
+        return self._within(np.full(2, positive("permissible", permissible, "-")), np.zeros(2))
+
+    def kept(self, permissible: Mapping[str, PermissibleSlope], lengths: ArrayLike) -> Mapping[str, float]:
+        """Share of the sample's presses that keep each row of a table, in both directions.
+
+        Args:
+            permissible: name of a row, such as a grade -> what may be.
+            lengths: (2,) measured along both directions, such as width and depth of the slide less the margins [m].
+
+        Raises:
+            PinpressError: no row, or one that is none; lengths that are not two positive numbers; a force without stiffnesses.
+        """
+        measured = suitable_numbers("lengths", lengths, "two positive lengths [m]", (2,), lambda found: found > 0)
+        if not isinstance(permissible, Mapping) or not permissible:
+            raise PinpressError("permissible has no row: give {name: PermissibleSlope(...)}")
+        found = {}
+        for name, row in permissible.items():
+            if not isinstance(row, PermissibleSlope):
+                raise PinpressError(f"permissible {name!r} is a {type(row).__name__}: give a PermissibleSlope(constant, by_length)")
+            found[name] = self._within(row.constant / measured + row.by_length, self._tilt(name, row))
+        return FrozenMapping(found)
+
+    def _within(self, limits: Array, tilt: Array) -> float:
+        """Share of the presses whose slopes, and a tilt (2,) more, are within limits (2,) in both directions."""
+        deviations = np.array([slope.deviation for slope in self.slopes])
+        return float(np.mean(np.all(np.abs(deviations + tilt[:, None]) <= limits[:, None], axis=0)))
+
+    def _tilt(self, name: str, row: PermissibleSlope) -> Array:
+        """Slopes (2,) by the force of a row."""
+        if not row.force:
+            return np.zeros(2)
+        if self.turning_compliance is None:
+            raise PinpressError(
+                f"permissible {name!r} has a force, which tilts a slide by its stiffnesses: give point_stiffness and guide_stiffness to"
+                " parallelism, or the force 0"
+            )
+        return np.asarray(row.force * self.turning_compliance @ (np.asarray(row.place) - self.places.mean(axis=0)))
 
     @property
     def title(self) -> str:
@@ -218,6 +285,7 @@ def parallelism(
         misfit_sd=_deviations(left, covariance),
         point_force_sd=None if stiffness is None else _deviations(forces, covariance),
         guide_moment_sd=None if stiffness is None else turning * _deviations(at_bottom, covariance),
+        turning_compliance=None if stiffness is None else _turning_compliance(places, stiffness, turning),
         deviations=drawn,
     )
 
@@ -225,6 +293,12 @@ def parallelism(
 def _deviations(rows: Array, covariance: Array) -> Array:
     """Standard deviations of linear combinations (r, k) of dimensions."""
     return np.asarray(np.sqrt(np.maximum(np.einsum("rk,kl,rl->r", rows, covariance, rows), 0.0)))
+
+
+def _turning_compliance(places: Array, stiffness: float, turning: float) -> Array:
+    """(2, 2) slopes of a slide on points (m, 2) by moments about their middle [1/(N m)]."""
+    arms = places - places.mean(axis=0)
+    return np.asarray(np.linalg.inv(stiffness * arms.T @ arms + turning * np.eye(2)))
 
 
 class _Fit(NamedTuple):

@@ -299,9 +299,9 @@ def test_torque_and_speed_are_those_of_the_reshaped_press(press, found):
 def test_slow_cranks_turn_forwards_too(press):
     """Half a radian a second; the speed on the way down is another one where the crank turns backwards."""
     rod = [tol.link_length(press, "E", "F", 5e-5)]
-    slow, fast, back = (tol.bottom_dead_centre(press, rod, speeds={0.05: speed}, samples=2).speeds[0.05] for speed in (0.5, 2.0, -2.0))
+    slow, fast, back = (tol.bottom_dead_centre(press, rod, speeds={0.2: speed}, samples=2).speeds[0.2] for speed in (0.5, 2.0, -2.0))
     assert slow.nominal == pytest.approx(fast.nominal / 4)
-    assert abs(back.nominal / fast.nominal - 1.0) > 0.1
+    assert abs(back.nominal / fast.nominal - 1.0) > 0.02
 
 
 def test_presses_that_close_in_another_assembly_are_refused(press):

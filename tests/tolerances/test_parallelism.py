@@ -1,5 +1,7 @@
 """Slopes of slides on two and four points, against chains of their own, closed forms and least squares by hand."""
 
+from math import erf
+
 import numpy as np
 import pytest
 from support import texts
@@ -110,6 +112,37 @@ def test_guides_hold_the_slope_of_soft_points(two_points, found):
     assert held.point_force_sd == pytest.approx(held.guide_moment_sd[1] / (2 * HALF))
     assert found.point_force_sd is None
     assert found.misfit_sd.max() < 1e-12
+
+
+def test_presses_that_keep_a_table_of_permissible_slopes(two_points, found):
+    """0.01 mm and 0.03 mm a metre, over 0.5 m along the line of the points; a force beside their middle tilts the slide on its springs."""
+    row = tol.PermissibleSlope
+    k, turning, sd = 1e9, 1e8, 19.245e-6
+    table = {"fine": row(5e-6, 15e-6), "coarse": row(10e-6, 30e-6), "slope": row(0.0, 38.49e-6)}
+    shares = found.kept(table, (0.8, 0.5))
+    assert [shares[name] for name in table] == pytest.approx(
+        [erf(limit / sd / np.sqrt(2)) for limit in (25e-6, 50e-6, 38.49e-6)], abs=0.006
+    )
+    assert shares["slope"] == found.within(38.49e-6)
+
+    held = tol.parallelism(two_points, chains(two_points), point_stiffness=k, guide_stiffness=turning, samples=20_000)
+    tilt = 1e5 * 0.02 / (2 * k * HALF**2 + turning)
+    left = held.slopes[1].first_order_sd
+    limit = tilt + left
+    middle = held.places.mean(axis=0)
+    loaded = held.kept({"under force": row(0.0, limit, 1e5, np.add(middle, (0.0, 0.02)))}, (1.0, 1.0))["under force"]
+    assert loaded == pytest.approx(0.5 * (erf(1 / np.sqrt(2)) + erf((2 * tilt + left) / left / np.sqrt(2))), abs=0.01)
+    assert held.kept({"across": row(0.0, 0.9e-3, 1e5, np.add(middle, (1.0, 0.0)))}, (1.0, 1.0))["across"] == 0.0  # 1e-3 by the guides alone
+    for wrong, said in [
+        (lambda: found.kept({"loaded": row(1e-5, force=1e5)}, (1.0, 1.0)), "'loaded' has a force.*give point_stiffness"),
+        (lambda: found.kept({}, (1.0, 1.0)), "no row"),
+        (lambda: found.kept({"a": 1e-5}, (1.0, 1.0)), "'a' is a float"),
+        (lambda: found.kept(table, (0.0, 1.0)), "lengths"),
+        (lambda: row(0.0), "are 0"),
+        (lambda: row(1e-5, place=(1.0, 2.0, 3.0)), "place has shape"),
+    ]:
+        with pytest.raises(pp.PinpressError, match=said):
+            wrong()
 
 
 def test_a_dimension_of_several_points_moves_them_alike(two_points):

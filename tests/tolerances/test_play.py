@@ -146,6 +146,8 @@ def test_contacts_of_pins_with_friction_may_lean_to_either_side(six_bar):
         leaning.append(width * np.einsum("nk,nk->n", unit, turned) - found.by_bearing["C"])
     assert found.highest - found.offset == pytest.approx(np.abs(leaning).max(axis=0))
     assert found.offset - found.lowest == pytest.approx(np.abs(leaning).max(axis=0))
+    rigid = motion.slide_position
+    assert found.bottom_band == pytest.approx([(rigid + edge).min() - rigid.min() for edge in (found.lowest, found.highest)])
     assert np.abs(forces["C"] - pp.inverse_dynamics(six_bar, motion).bearing_force["C"]).max() > 100.0  # the forces are those with friction
 
 

@@ -692,6 +692,11 @@ def calls() -> dict[str, Call]:
             },
         ),
         (
+            "tolerances.PermissibleSlope",
+            pp.tolerances.PermissibleSlope,
+            lambda: {"constant": 2e-5, "by_length": 6e-5, "force": 1e5, "place": (0.1, 0.0)},
+        ),
+        (
             "tolerances.GuideClearance",
             pp.tolerances.GuideClearance,
             lambda: {"across": 2e-5, "length": 0.2, "middle": 0.0},
