@@ -76,6 +76,12 @@ class MotionLaw(Record):
         the jump, at 0 and in the second half that behind it."""
         return self._values(time)[2]
 
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Times between 0 and 1 at which one formula of the acceleration takes over from another [-]."""
+        first = np.cumsum([piece.duration for piece in self._first_half]).tolist()
+        return (*first, *(1.0 - time for time in reversed(first[:-1])))
+
     def _values(self, time: ArrayLike) -> tuple[Array, Array, Array]:
         given = suitable_numbers("time", time, "times from 0 to 1, as shares of the whole", None, lambda t: (t >= 0) & (t <= 1))
         late = given > 0.5

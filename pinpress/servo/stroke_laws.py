@@ -5,6 +5,7 @@ What such a law leaves free is chosen for the least heat: the ramps between two 
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 
 TURN, STOP = Turn(), Stop()
 POINTS = 720  # states of a cycle
-FEWEST = 16  # states of each part of a cycle: a ramp, a leg
+FEWEST = 8  # steps of each smooth piece of a cycle: a ramp, a leg between its jumps and the edges of loads
 SHARES = 1e-4  # to which ramps and shares of time are found, of their range
 LEAST_RAMP = 1e-3  # shortest ramp, as a share of the cycle
 SAME = 1e-9  # share of a speed below which two are one
@@ -43,15 +44,17 @@ WINDOW = 721  # crank angles at which a window of heights is looked at
 
 
 class _Part(NamedTuple):
-    """A part of a cycle in which angle, speed and acceleration are smooth, counted along the path.
+    """A part of a cycle, counted along the path.
 
     Attributes:
         duration: its time [s].
         at: returns the angle from its start [rad], the speed and the acceleration at times since its start.
+        corners: times since its start at which the acceleration jumps or has a corner [s]; it is smooth between them.
     """
 
     duration: float
     at: Callable[[Array], tuple[Array, Array, Array]]
+    corners: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -101,28 +104,36 @@ class _Cycle:
         return (ahead if self.forward else -ahead) % self.way
 
     def motion(self, legs: Sequence[Sequence[_Part]]) -> ServoMotion:
-        """The motion of parts, leg by leg."""
+        """The motion of parts, leg by leg, with weights of Simpson's rule over every smooth piece."""
         times, weights, states = [], [], []
         angle, time = float(self.legs.angles[0]), 0.0
         ways = np.sign(np.diff(self.legs.angles))
         for way, parts in zip(ways, legs, strict=True):
             for part in parts:
-                count = max(FEWEST, math.ceil(self.points * part.duration / self.time))
-                since = self._with_edges(np.linspace(0.0, part.duration, count + 1), part, angle, way)
-                gained, speed, acceleration = part.at(since)
-                steps = np.diff(since)
-                weights.append(0.5 * (np.append(steps, 0.0) + np.append(0.0, steps)))
-                times.append(time + since)
-                states.append([angle + way * gained, way * speed, way * acceleration])
-                time, angle = time + part.duration, angle + way * float(gained[-1])
+                ends = np.unique([0.0, *part.corners, *self._edge_times(part, angle, way), part.duration])
+                for first, last in itertools.pairwise(ends.tolist()):
+                    steps = max(FEWEST, 2 * math.ceil(0.5 * self.points * (last - first) / self.time))
+                    since = np.linspace(first, last, steps + 1)
+                    # at edges and corners forces may jump: each piece keeps to its own side
+                    since[0] += BESIDE * (last - first) * (first > 0)
+                    since[-1] -= BESIDE * (last - first) * (last < part.duration)
+                    gained, speed, acceleration = part.at(since)
+                    rule = np.tile([2.0, 4.0], steps // 2 + 1)[:-1]
+                    rule[[0, -1]] = 1.0
+                    weights.append((last - first) / (3 * steps) * rule)
+                    times.append(time + since)
+                    states.append([angle + way * gained, way * speed, way * acceleration])
+                turned = float(part.at(np.array([part.duration]))[0][0])
+                time, angle = time + part.duration, angle + way * turned
         return evaluated(
             self.press, self.drive, self.loads, np.concatenate(times), np.concatenate(weights), *np.concatenate(states, axis=1)
         )[0]
 
-    def _with_edges(self, since: Array, part: _Part, start: float, way: float) -> Array:
-        """The times of a part's states, with two more beside each angle at which a load begins or ends, so that no step reaches over it."""
+    def _edge_times(self, part: _Part, start: float, way: float) -> list[float]:
+        """The times within a part at which the crank passes an angle where a load begins or ends."""
         from scipy.optimize import brentq  # to save start-up time
 
+        since = np.linspace(0.0, part.duration, self.points + 1)
         angles = way * part.at(since)[0]
         ends = np.sort(start + angles[[0, -1]])
         whole = 2 * np.pi * dead_centres(self.press).turns
@@ -131,10 +142,11 @@ class _Cycle:
         found = []
         for edge in edges[(edges > ends[0] - start) & (edges < ends[1] - start)].tolist():
             k = min(int(np.searchsorted(way * angles, way * edge)), len(since) - 1)
-            if abs(edge - angles[k]) > 0 and abs(edge - angles[k - 1]) > 0:
-                time = brentq(lambda t, edge=edge: way * float(part.at(np.array([t]))[0][0]) - edge, since[k - 1], since[k])
-                found += [time - BESIDE * part.duration, time + BESIDE * part.duration]
-        return np.sort(np.clip([*since, *found], 0.0, part.duration))
+            if edge in (angles[k - 1], angles[k]):
+                found.append(float(since[k if edge == angles[k] else k - 1]))
+            else:
+                found.append(brentq(lambda t, edge=edge: way * float(part.at(np.array([t]))[0][0]) - edge, since[k - 1], since[k]))
+        return found
 
 
 def _constant(speed: float, duration: float) -> _Part:
@@ -152,7 +164,7 @@ def _by_law(law: MotionLaw, way: float, duration: float) -> _Part:
         share = np.clip(time / duration, 0.0, 1.0)
         return way * law.position(share), way / duration * law.speed(share), way / duration**2 * law.acceleration(share)
 
-    return _Part(duration, at)
+    return _Part(duration, at, tuple(duration * share for share in law.corners))
 
 
 def _begun_later(parts: list[_Part], angle: float) -> list[_Part]:
@@ -178,7 +190,8 @@ def _cut(part: _Part, angle: float) -> list[_Part]:
         turned, speed, acceleration = part.at(time + since)
         return turned - part.at(np.array([time]))[0], speed, acceleration
 
-    return [part._replace(duration=time), _Part(part.duration - time, late)]
+    before = tuple(corner for corner in part.corners if corner < time)
+    return [_Part(time, part.at, before), _Part(part.duration - time, late, tuple(c - time for c in part.corners if c > time))]
 
 
 @typed
@@ -500,16 +513,20 @@ def _cycle(press: Linkage, drive: ServoDrive, loads: Sequence[Load], time: float
 
 
 def _load_edges(press: Linkage, loads: Sequence[Load]) -> Array:
-    """(k,) crank angles within the slide's period at which a load begins or ends, or changes its law [rad]."""
-    ends, found = dead_centres(press), []
+    """(k,) crank angles within the slide's period at which a load begins or ends, or changes its law, as at dead centres [rad]."""
+    ends = dead_centres(press)
+    if not loads:
+        return np.empty(0)
+    found = [ends.bottom_angle, ends.top_angle]
     for load in asked(loads):
         if not isinstance(load, ProcessLoad):
             continue
         for downwards in (True, False):
             for interval in load.intervals(downwards):
                 above = datum(caller_laws.as_given(load), press) - ends.bottom_position
-                heights = (above + interval.upper, above + interval.lower)
-                found += [angle_on_flank(press, ends, each, downwards) for each in heights if 0 < each < ends.stroke]
+                heights = [height for height in (above + interval.upper, above + interval.lower) if 0 < height < ends.stroke]
+                # a crank that swings back goes down on the other flank
+                found += [angle_on_flank(press, ends, height, flank) for height in heights for flank in (True, False)]
     return np.unique(found)
 
 
