@@ -101,6 +101,10 @@ def check_drawn_pose(press: Linkage, command: str | None = None) -> None:
 def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
     """The path of a URDF file, given itself or the name of a shipped press; raises UrdfError where there is neither."""
     file = path_of("path", path)
+    if file.lstrip().startswith("<"):
+        raise UrdfError(
+            "path", None, None, "this is the text of a description, not the path of a file", "write it to a file and give the path of that"
+        )
     if os.path.exists(file):
         return path
     if file in presses():

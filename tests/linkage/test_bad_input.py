@@ -111,6 +111,11 @@ def test_no_such_file(name, problem, remedy):
     assert remedy in caught.value.remedy
 
 
+def test_text_of_a_urdf_is_no_path():
+    with pytest.raises(pp.UrdfError, match="not the path of a file; write it to a file"):
+        pp.load('<robot name="mine"><link name="frame"/></robot>')
+
+
 def test_path_object_is_reported_as_text(tmp_path):
     with pytest.raises(pp.UrdfError) as caught:
         pp.load(tmp_path)
