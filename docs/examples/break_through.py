@@ -1,0 +1,26 @@
+"""How hard does the press snap through when the sheet breaks?
+
+While it blanks the press is a loaded spring; when the sheet breaks it throws the slide down. The six-bar on its
+springs, at its stroke of blanking: how far the slide dives, with how much reverse load, and what its builder would
+permit.
+"""
+
+import numpy as np
+
+import pinpress as pp
+
+press = pp.load("zxn2_3000b")
+springs = pp.elasticity.Stiffness(
+    bearings={"A": 3e9, "B": 4e9, "C": 4e9, "D": 5e9, "E": 6e9, "F": 6e9, "slide_guide": 2e9},  # N/m
+    rods=[pp.elasticity.Rod("rod", ("E", "F"), 2.1e11 * 0.060 / 0.480)],  # E A / l
+    frame=4e9,
+)
+angle = pp.dead_centres(press).bottom_angle - np.radians(20)  # on the way down
+states = pp.elasticity.compliance(press, springs, angle=[angle])
+mass, stiffness = states.effective_mass[0] + 1500, 1 / states.compliance[0]  # kg with the upper die, N/m
+snap = pp.elasticity.snap_through(1.5e6, stiffness, mass=mass, damping_ratio=0.04, break_time=1e-3, clearance=1e-4)
+print(str(snap).replace(", ", ",\n  "))
+allowed = pp.elasticity.permissible_breakthrough(450e3, 1 / states.compliance, mass=mass, damping_ratio=0.04, break_time=1e-3)
+print(f"a reverse load of 450 kN, 15 % of nominal, allows a break-through at {allowed[0] / 1e3:.0f} kN")
+
+figure = pp.plots.snap_through({"1500 kN": snap})
