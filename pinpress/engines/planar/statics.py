@@ -189,15 +189,15 @@ def _idle(plane: Plane, rows: ComplexArray, factors: Sequence[Factor]) -> Iterat
     for place, (block, factor) in enumerate(zip(plane.blocks, factors, strict=True)):
         if not block.redundant or isinstance(factor, Dyad):  # a dyad has as many equations as joints
             continue
-        if block.kind == "lever":
-            a = 1j * rows[block.own[0][0][1]]
-            own = np.stack([(a / np.abs(a)).real, (a / np.abs(a)).imag], axis=1)[:, :, None]
-        else:
-            own = np.linalg.qr(factor.matrix, mode="complete")[0][:, :, len(block.joints) :]
+        own = None if block.kind == "lever" else np.linalg.qr(factor.matrix, mode="complete")[0][:, :, len(block.joints) :]
         for k in range(block.redundant):
             pins, coupling_multipliers = np.zeros((len(plane.loop_heights), n), complex), np.zeros((len(plane.offsets), n))
             joint_efforts = np.zeros((len(plane.parents), n))
-            _distribute(block, own[:, :, k], pins, coupling_multipliers)
+            if own is None:  # along the lever
+                a = rows[block.own[0][0][1]]
+                np.multiply(a, 1j / np.abs(a), out=pins[block.loops[0]])
+            else:
+                _distribute(block, own[:, :, k], pins, coupling_multipliers)
             _pass_on(plane, block, rows, pins, coupling_multipliers, joint_efforts)
             _balance(plane, rows, factors, joint_efforts, pins, coupling_multipliers, place)
             yield pins, coupling_multipliers
@@ -214,8 +214,15 @@ def _shares(statics: Statics, bearings: ComplexArray) -> Array:
         objectives = ((weights * forces, float(weights.max())), (forces, 1.0))
         return np.asarray(lexicographic_least_squares(Objective(parts[:, :, :-1], parts[:, :, -1], scale) for parts, scale in objectives).T)
     # The normal equations are good enough: every idle force loads pins of its own, so that their matrix is far from singular.
-    count = len(statics.idle)
-    products = np.array([[(a.conj() * b).real.sum(axis=0) for b in parts] for a in parts[:count]])
+    count, n = len(statics.idle), parts.shape[2]
+    real, products = parts.view(float), np.empty((len(statics.idle), len(parts), n))
+    for k, a in enumerate(real[:count]):
+        summed = np.add.reduce(a * real[k:], axis=1)
+        products[k, k:] = summed[:, ::2] + summed[:, 1::2]
+        products[k + 1 :, k] = products[k, k + 1 : count]
     if count == 1:
         return np.asarray(-products[0, 1] / products[0, 0])[None, :]
+    if count == 2:  # by Cramer's rule, which takes a tenth of the time
+        (one, mixed, right1), (_, other, right2) = products
+        return np.asarray(np.array([mixed * right2 - other * right1, mixed * right1 - one * right2]) / (one * other - mixed * mixed))
     return np.asarray(-np.linalg.solve(products[:, :count].transpose(2, 0, 1), products[:, count].T[:, :, None])[:, :, 0].T)
