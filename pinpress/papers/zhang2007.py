@@ -2,7 +2,8 @@
 
 The thesis prints masses and moments of inertia but no lengths: those of the shipped presses are inferred, each with its reason in the file.
 Chapter 3 is here, chapter 1 in `zhang2007_arrangements`, chapter 2 in `zhang2007_vibration`, the balancing of chapter 5 in
-`zhang2007_balancing` and `zhang2007_search`, and the runs of chapter 4 and of 5.7 in `zhang2007_runs`.
+`zhang2007_balancing` and `zhang2007_search`, the runs of chapter 4 and of 5.7 in `zhang2007_runs`, and the parts
+that it only names in `zhang2007_parts`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +15,7 @@ from ..balancing import classical
 from ..balancing.counterweights import Counterweight, with_counterweights
 from ..dynamics.inverse_dynamics import Reactions
 from ..linkage.linkage import Linkage
-from . import zhang2007_arrangements, zhang2007_balancing, zhang2007_runs, zhang2007_search, zhang2007_vibration
+from . import zhang2007_arrangements, zhang2007_balancing, zhang2007_parts, zhang2007_runs, zhang2007_search, zhang2007_vibration
 from .pages import FINDINGS, FORMULAS, NO_RESULT, NOT, Erratum, Page, PageEntry, Panel, Row, draw, figures
 from .zhang2007_balancing import GRAVITY, POINTS, SPEED, clean, presses, turning
 
@@ -49,6 +50,7 @@ def page() -> Page:
             *zhang2007_balancing.entries(given),
             *zhang2007_runs.load_entries(given["jf75g_125_symmetric"]),
             *zhang2007_arrangements.dies(given),
+            *zhang2007_parts.entries(given["jf75g_125_plain"]),
         ),
         ERRATA,
     )
