@@ -1,0 +1,178 @@
+"""`pinpress force`: the process force over the height of the slide, from records of crank angle and motor torque of a working press."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...common import tables
+from ...common.errors import PinpressError
+from ...common.files import make_folder
+from ...dynamics.inputs import of_press, stated
+from ..words.options import add_out_option, add_press_options, load_press, print_inputs, say_written
+from ..words.records import add_column_options, add_identification_options, identification, identification_in_words, read_record
+from ..words.units import quantity, read_quantity
+
+if TYPE_CHECKING:
+    from ...linkage.linkage import Linkage
+    from ...measured.identification import IdentifiedPress
+    from ...measured.records import MeasuredRun
+    from ...measured.stroke_force import MeasuredForce
+
+DRAWN = 6  # most strokes in the picture
+EPILOG = """\
+records are .csv, .parquet, .mat or .mf4 files of the press at work; name their columns with units, --angle "crank [deg]".
+With --idle, records of it running without a blank, the press is first identified (see pinpress identify): masses, friction, balance
+cylinder, and where its encoder has its zero. Without, it is taken as described and without friction.
+e.g. pinpress force zxn2_3000b docs/records/stroke.csv --idle docs/records/21.csv --idle docs/records/42.csv --idle docs/records/63.csv
+     --angle "crank [deg]" --torque "motor [N m]" --ratio 20.7 --friction crank,gibs --cylinder
+     --heights 0,1mm,2mm,3mm,4mm,5mm,6mm,7mm,8mm,9mm,10mm,11mm --heights-up 0,2mm,5mm,9mm --out out
+"""
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Put `force` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "force",
+        help="process force over the height, from records of crank angle and motor torque",
+        description="Print the largest force and the work of each stroke, with 95 % bands, and the force over the height of that with\n"
+        "most work. With --out also writes for each record RECORD_force.csv, all strokes over the height, and\n"
+        "RECORD_strokes.csv, and where Matplotlib is installed force.png.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    add_press_options(parser)
+    option("records", nargs="+", metavar="RECORD", help="files of measured columns, the press at work")
+    option(
+        "--idle", action="append", default=[], metavar="RECORD", help="a record of the press without a blank; may be given several times"
+    )
+    heights = "heights above bottom dead centre between which the force is linear, on the way {}, such as 0,1mm,2mm,5mm,10mm"
+    option("--heights", type=_heights, required=True, metavar="H,H,...", help=heights.format("down"))
+    option("--heights-up", type=_heights, default=[], metavar="H,H,...", help=heights.format("up; without, no force acts there"))
+    add_column_options(parser)
+    add_identification_options(parser)
+    option("--stiffness", type=quantity("N/m"), metavar="N/m", help="of the press between crank and die, by which the slide lags behind")
+    add_out_option(parser, "the files")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the forces, and write the files.
+
+    Raises:
+        PinpressError: an option or a record is at fault, or computing or writing fails.
+    """
+    from ...measured.stroke_force import force_sensor  # to save start-up time, that of all other commands
+
+    _refuse_what_needs_idle_records(options)
+    press = load_press(options)
+    runs = _by_name(options.records, options)
+    found = _identified(press, options)
+    sensor = force_sensor(
+        press if found is None else found,
+        options.heights,
+        heights_up=options.heights_up,
+        drive_inertia=options.drive_inertia,
+        stiffness=options.stiffness,
+    )
+    strokes = {name: list(sensor.strokes(run)) or [sensor.force(run)] for name, run in runs.items()}
+    if options.out is not None:
+        make_folder(options.out)
+    if found is not None:
+        print(f"{found.title}\n")
+    print("\n\n".join(_in_words(each) for each in strokes.values()))
+    given = [("records", ", ".join(options.records))]
+    given += [("idle", ", ".join(options.idle)), *identification_in_words(options)] if options.idle else []
+    given += [("drive inertia", f"{options.drive_inertia:g} kg m2")] if options.drive_inertia else []
+    print_inputs([*of_press(press), *given, stated()])
+    if options.out is not None:
+        _write(strokes, options.out)
+    return 0
+
+
+def _heights(text: str) -> list[float]:
+    """Reads an option of `argparse`: heights with commas between them."""
+    try:
+        return [read_quantity(part, "m") for part in text.split(",")]
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} are no heights, a part is {error}: write them as 0,1mm,2mm,5mm") from None
+
+
+def _refuse_what_needs_idle_records(options: argparse.Namespace) -> None:
+    if not options.idle and (options.known or options.cylinder or options.friction != "crank,slide_guide"):
+        raise PinpressError(
+            "--known, --friction and --cylinder say what is found from idle records: give them too, --idle 30.csv --idle 60.csv"
+        )
+
+
+def _by_name(records: Sequence[str], options: argparse.Namespace) -> dict[str, MeasuredRun]:
+    """Records by the names of their files without endings.
+
+    Raises:
+        PinpressError: two have one name; as `measured.record`.
+    """
+    found: dict[str, MeasuredRun] = {}
+    for file in records:
+        if Path(file).stem in found:
+            raise PinpressError(
+                f"two records are called {Path(file).stem}: give one of them another name, so that the files of both can be"
+            )
+        found[Path(file).stem] = read_record(options, file)
+    return found
+
+
+def _identified(press: Linkage, options: argparse.Namespace) -> IdentifiedPress | None:
+    """The press as idle records show it; None where there are none."""
+    if not options.idle:
+        return None
+    from ...measured.identification import identify  # to save start-up time
+
+    idle = [read_record(options, file) for file in options.idle]
+    return identify(press, idle, **identification(options), drive_inertia=options.drive_inertia)
+
+
+def _in_words(strokes: Sequence[MeasuredForce]) -> str:
+    """The force of the stroke with most work, and where there are several the largest force and the work of each."""
+    most = max(range(len(strokes)), key=lambda k: strokes[k].work)
+    if len(strokes) == 1:
+        return str(strokes[0])
+    rows = [["stroke", "largest force", "at", "work"]]
+    for number, each in enumerate(strokes, 1):
+        k = int(each.force.argmax())
+        largest = f"{1e-3 * each.force[k]:.4g} ± {2e-3 * each.deviation[k]:.2g} kN"
+        rows.append(
+            [str(number), largest, f"{1e3 * each.heights[k]:.4g} mm", f"{1e-3 * each.work:.4g} ± {2e-3 * each.work_deviation:.2g} kJ"]
+        )
+    return "\n".join([f"{strokes[0].name}: {len(strokes)} strokes", *tables.fitted(rows), f"stroke {most + 1}:", str(strokes[most])])
+
+
+def _write(strokes: Mapping[str, Sequence[MeasuredForce]], folder: Path) -> None:
+    """Write the files and say so."""
+    names = []
+    for name, forces in strokes.items():
+        numbers = range(1, len(forces) + 1)
+        parts = [each.columns() for each in forces]
+        columns: dict[str, tables.Column] = {"stroke": [str(k) for k, part in zip(numbers, parts, strict=True) for _ in part["way"]]}
+        columns |= {head: [value for part in parts for value in part[head]] for head in parts[0]}
+        tables.write_csv(folder / f"{name}_force.csv", columns)
+        each_stroke: dict[str, tables.Column] = {
+            "stroke": [str(k) for k in numbers],
+            "largest_force [N]": [float(each.force.max()) for each in forces],
+            "work [J]": [each.work for each in forces],
+            "work_deviation [J]": [each.work_deviation for each in forces],
+        }
+        tables.write_csv(folder / f"{name}_strokes.csv", each_stroke)
+        names += [f"{name}_force.csv", f"{name}_strokes.csv"]
+    if importlib.util.find_spec("matplotlib") is None:
+        print(f"\nwrote {', '.join(str(folder / name) for name in names)}; for the picture: pip install 'pinpress[plots]'")
+        return
+    from ...plots import stroke_force, style  # slow to import
+
+    several = {name if len(forces) == 1 else f"{name} {k}": each for name, forces in strokes.items() for k, each in enumerate(forces, 1)}
+    drawn = tables.shortened(list(several), DRAWN)
+    style.save(stroke_force.measured_force({name: several[name] for name in drawn if name is not None}), folder / "force.png")
+    say_written(folder, [*names, "force.png"])

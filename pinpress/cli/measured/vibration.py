@@ -1,0 +1,188 @@
+"""`pinpress vibration`: from accelerometers the modes and mounts of a frame that was hit, or the orders of a running press."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...common.errors import PinpressError
+from ...common.files import make_folder
+from ...common.quantities import RPM
+from ...dynamics.inputs import Inputs, of_press, stated
+from ..words import part_specs
+from ..words.options import add_mount_options, add_out_option, frame_on_mounts, load_other, print_inputs, say_written
+from ..words.units import read_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ...common.results import Tabular
+    from ...foundation.mounted_press import MountedPress
+    from ...measured.hit_modes import MeasuredModes
+    from ...measured.vibration_record import VibrationRecord
+    from ...measured.vibration_spectra import OrderSpectra
+
+EPILOG = f"""\
+--points is a CSV file with the columns channel (with its unit, "A [g]"), x, y, z [m], direction (x, -z, ...), and if need be part (bed or
+crown) and gain [m/s2 per V]. Records are .csv, .parquet, .mat or .mf4 files with these channels, all in equal steps of time.
+
+Of the resting frame, hit with a soft hammer, the modes are found; give --band, or --press with --frame and --mount, beside whose calculated
+modes they then stand, and with which --fit finds stiffness and damping of the mounts:
+{part_specs.explained("mount")}
+--pad, the rubber pad at each --mount, which then is point= alone:
+  {part_specs.keys(part_specs.PAD)}
+
+Of the running press, whose crank --angle, --tacho or --speed tells, amplitudes by order of the speed are found.
+
+e.g. pinpress vibration hits.csv --points points.csv --band 3,100 --out out
+     pinpress vibration run.csv --points points.csv --angle "crank [deg]" --orders 6 --out out
+"""
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Put `vibration` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "vibration",
+        help="natural frequencies, damping and mounts from hits on the frame, or orders of the running press, from accelerometers",
+        description="Print the modes of a frame that was hit, with their deviations, beside the calculated ones where the frame is given;\n"
+        "or the orders of a running press. With --out also writes channels.csv, spectra.csv, modes.csv or orders.csv, with --fit\n"
+        "mounts.csv, and where Matplotlib is installed spectra.png, modes.png or orders.png.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    option("records", nargs="+", metavar="RECORD", help="files of measured columns, all with the same channels")
+    option("--points", type=Path, required=True, metavar="CSV", help="where accelerometers sit and which way they point, see below")
+    option("--time", metavar="COLUMN", help="default: the one called time or t")
+    option("--angle", metavar="COLUMN", help="crank angle of a running press, rad, deg or turns")
+    option("--tacho", metavar="COLUMN", help="pulses of a tacho on the crank of a running press")
+    option("--pulses", type=int, default=1, metavar="N", help="pulses of the tacho in a turn of the crank (default: 1)")
+    option("--speed", type=_speeds, metavar="RPM,...", help="speed of a running press, where it is constant; one, or one for each record")
+    option("--orders", type=float, default=12.0, metavar="N", help="highest order (default: %(default)g)")
+    option("--band", type=_band, metavar="HZ,HZ", help="lowest and highest frequency of modes (default: by the calculated ones)")
+    option("--count", type=int, metavar="N", help="number of modes (default: as many as stand out of the noise)")
+    option("--press", metavar="FILE", help="the press, for calculated modes: a file, or the name of a shipped one")
+    add_mount_options(parser, "its modes stand beside the measured ones")
+    option("--pad", metavar="KEYS", help="the rubber pad at each mount, see below")
+    option("--fit", action="store_true", help="fit stiffness and damping of the mounts to the measured modes")
+    add_out_option(parser, "the files")
+    parser.set_defaults(run=run, zero="drawn")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print modes or orders, and write the files.
+
+    Raises:
+        PinpressError: options do not go together, a record or its points are at fault, or computing or writing fails.
+    """
+    from ...measured.mount_fit import fit_mounts  # all these to save start-up time, that of all other commands
+    from ...measured.vibration_record import vibration
+
+    running = any(each is not None for each in (options.angle, options.tacho, options.speed))
+    _refuse_what_does_not_go_together(options, running)
+    system = None if running else _standing(options)
+    asked = {name: getattr(options, name) for name in ("time", "angle", "tacho", "pulses", "speed")}
+    record = vibration(options.records, options.points, **asked)
+    orders = record.order_spectra(options.orders) if running else None
+    found = None if running else _modes(record, system, options)
+    fitted = fit_mounts(system, found) if options.fit and system is not None and found is not None else None
+    if options.out is not None:
+        make_folder(options.out)
+    parts: dict[str, Tabular | None] = {"channels": record, "orders": orders, "modes": found, "mounts": fitted}
+    results = {name: each for name, each in parts.items() if each is not None}
+    print("\n\n".join(map(str, results.values())))
+    print_inputs(_inputs(system, options))
+    if options.out is not None:
+        _write(record, results, orders, found, options.out)
+    return 0
+
+
+def _speeds(text: str) -> list[float]:
+    """Reads an option of `argparse`: speeds with commas between them [rad/s]."""
+    try:
+        return [RPM * read_quantity(part, "r/min") for part in text.split(",")]
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} is no speed, a part is {error}: write it as 200, or 150,200,250") from None
+
+
+def _band(text: str) -> tuple[float, float]:
+    """Reads an option of `argparse`: two frequencies [Hz]."""
+    try:
+        low, high = (read_quantity(part, "Hz") for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no band: give its lowest and highest frequency in Hz, 3,100") from None
+    return low, high
+
+
+def _refuse_what_does_not_go_together(options: argparse.Namespace, running: bool) -> None:
+    of_hits = [f"--{name}" for name in ("band", "count", "press", "frame", "mount", "pad", "fit") if getattr(options, name)]
+    if running and of_hits:
+        raise PinpressError(
+            f"{of_hits[0]} is for hits on the resting frame, and a crank is given, that turns: leave out either; orders of a running press"
+            " look like modes"
+        )
+    if options.frame is not None and options.press is None:
+        raise PinpressError("--frame needs the press that stands on it: give --press FILE too")
+    if options.press is not None and options.frame is None:
+        raise PinpressError("--press has no modes without its mounts: give --frame and every --mount too")
+    if options.fit and options.frame is None:
+        raise PinpressError("--fit needs the mounts as they are thought to be: give --press, --frame and every --mount too")
+    if not running and options.frame is None and options.band is None:
+        raise PinpressError(
+            "which frequencies to look for is missing: give --band 3,100, or --press with --frame and --mount; of a running press give"
+            " --angle, --tacho or --speed"
+        )
+
+
+def _standing(options: argparse.Namespace) -> MountedPress | None:
+    """The press on its mounts, as it is thought to be; None where it is not given."""
+    on_mounts = frame_on_mounts(options, options.pad)
+    if on_mounts is None:
+        return None
+    from ...foundation.mounted_press import mounted  # to save start-up time
+
+    return mounted(load_other(options, options.press), *on_mounts)
+
+
+def _modes(record: VibrationRecord, system: MountedPress | None, options: argparse.Namespace) -> MeasuredModes:
+    """The measured modes, beside the calculated ones where there are any."""
+    from ...foundation.mounted_press import modes  # to save start-up time
+
+    return record.modes(None if system is None else modes(system), band=options.band, count=options.count)
+
+
+def _inputs(system: MountedPress | None, options: argparse.Namespace) -> Inputs:
+    """What it was computed from, in words."""
+    given = [("records", ", ".join(options.records)), ("points", str(options.points))]
+    if system is not None:
+        given += [("frame", options.frame), *(("mount", words) for words in options.mount)]
+        given += [("pad", options.pad)] if options.pad is not None else []
+        return [*of_press(load_other(options, options.press)), *given, stated()]
+    return [*given, stated()]
+
+
+def _write(
+    record: VibrationRecord, results: dict[str, Tabular], orders: OrderSpectra | None, found: MeasuredModes | None, folder: Path
+) -> None:
+    """Write the files and say so."""
+    spectra = record.spectra()
+    tables = {**results, "spectra": spectra}
+    for name, each in tables.items():
+        each.to_csv(folder / f"{name}.csv")
+    names = [f"{name}.csv" for name in tables]
+    if importlib.util.find_spec("matplotlib") is None:
+        print(f"\nwrote {', '.join(str(folder / name) for name in names)}; for the pictures: pip install 'pinpress[plots]'")
+        return
+    from ...plots import measured_vibration, style  # slow to import
+
+    pictures: dict[str, Figure] = {"spectra.png": measured_vibration.measured_spectra(spectra)}
+    if orders is not None:
+        strongest = max(range(len(orders.channels)), key=lambda k: float(orders.amplitude[..., k].max()))
+        pictures["orders.png"] = measured_vibration.order_spectra(orders, orders.channels[strongest])
+    if found is not None and found.beside is not None:
+        pictures["modes.png"] = measured_vibration.measured_modes(found)
+    for name, figure in pictures.items():
+        style.save(figure, folder / name)
+    say_written(folder, [*names, *pictures])

@@ -1,0 +1,86 @@
+"""`pinpress vibration`: what it prints and writes is what the library gives; what it says of wrong words."""
+
+import numpy as np
+import pytest
+from support import hammer_hits
+
+import pinpress as pp
+from pinpress.cli.main import main
+from pinpress.common import tables
+
+FEET = ["--mount=point=-0.9/-0.7/-1.3", "--mount=point=0.9/-0.7/-1.3", "--mount=point=-0.9/0.7/-1.3", "--mount=point=0.9/0.7/-1.3"]
+STANDING = ["--press", "jf75g_125", "--frame", "mass=15t,centre=0/0.1/-0.3,inertia=9000/8000/7000", *FEET]
+PAD = ["--pad", "length=0.3,width=0.3,thickness=40mm,hardness=65,loss_factor=0.1"]
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A record of three hits, and where its accelerometers sit."""
+    tables.write_csv(tmp_path / "hits.csv", hammer_hits.columns())
+    rows = [f"{name},{','.join(map(str, sensor.point))},{sensor.direction}" for name, sensor in hammer_hits.SENSORS.items()]
+    (tmp_path / "points.csv").write_text("\n".join(["channel,x,y,z,direction", *rows]) + "\n")
+    return [str(tmp_path / "hits.csv"), "--points", str(tmp_path / "points.csv")]
+
+
+def test_modes_of_hits_and_the_mounts_that_fit_them(capsys, tmp_path, files):
+    assert main(["vibration", *files, *STANDING, *PAD, "--fit", "--out", str(tmp_path / "out")]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    system = hammer_hits.standing(65.0, 0.1)
+    record = pp.measured.vibration(hammer_hits.columns(), hammer_hits.SENSORS)
+    found = record.modes(beside=pp.foundation.modes(system))
+    assert str(pp.measured.fit_mounts(system, found)) in out
+    assert [row.split("±")[0].split() for row in str(found).splitlines()[2:]] == [
+        row.split("±")[0].split() for row in out.partition("Measured modes")[2].splitlines()[2:8]
+    ]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == [
+        *("channels.csv", "modes.csv", "modes.png", "mounts.csv", "spectra.csv", "spectra.png"),
+    ]
+
+
+def test_modes_in_a_band_without_a_model(capsys, files):
+    assert main(["vibration", *files, "--band", "3,50Hz", "--count", "6"]) == 0
+    out, _ = capsys.readouterr()
+    assert "Measured modes: 3 hits, 15 channels" in out
+    assert "calculated" not in out
+
+
+def test_orders_of_a_running_press(capsys, tmp_path):
+    """Unbalance once a turn, while the press runs up."""
+    time = np.arange(20_000) / 500
+    speed = pp.RPM * (150 + 4 * time)
+    angle = np.cumsum(speed) / 500
+    tables.write_csv(tmp_path / "run.csv", {"time [s]": time, "top [m/s2]": np.sin(angle), "crank [deg]": np.degrees(angle) % 360})
+    (tmp_path / "points.csv").write_text("channel,x,y,z,direction\ntop [m/s2],0.8,0.6,1.2,z\n")
+    points, out_folder = ["--points", str(tmp_path / "points.csv")], tmp_path / "out"
+    assert main(["vibration", str(tmp_path / "run.csv"), *points, "--angle", "crank [deg]", "--orders", "4", "--out", str(out_folder)]) == 0
+    out, _ = capsys.readouterr()
+    record = pp.measured.vibration(str(tmp_path / "run.csv"), tmp_path / "points.csv", angle="crank [deg]")
+    assert str(record.order_spectra(4)) in out
+    assert (out_folder / "orders.png").stat().st_size > 5000
+    assert (out_folder / "orders.csv").read_text().count("\n") > 20
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "give --band 3,100, or --press with --frame and --mount"),
+        (["--band", "3"], "give its lowest and highest frequency in Hz, 3,100"),
+        (["--speed", "200", "--band", "3,50"], "--band is for hits on the resting frame"),
+        (["--speed", "fast"], "is no speed"),
+        (["--band", "3,50", "--fit"], "--fit needs the mounts as they are thought to be"),
+        (["--band", "3,50", "--press", "jf75g_125"], "--press has no modes without its mounts"),
+        (STANDING[2:], "--frame needs the press that stands on it"),
+        ([*STANDING, *PAD, "--angle", "crank [deg]"], "is for hits on the resting frame"),
+        (["--band", "3,5000"], "do not carry 5000 Hz"),
+    ],
+)
+def test_wrong_words(capsys, files, words, said):
+    try:
+        code = main(["vibration", *files, *words])
+    except SystemExit as end:
+        code = end.code
+    out, err = capsys.readouterr()
+    assert code == 2
+    assert said in err
+    assert out == ""
