@@ -84,6 +84,13 @@ def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight])
     return press.with_inertias(inertias)
 
 
+def with_die(press: Linkage, mass: float, slide: str) -> Linkage:
+    """The press with an upper die [kg] in the centre of mass of its slide."""
+    frame = press.model.frames[press.model.getFrameId(slide, pin.BODY)]
+    x, y, z = frame.placement.actInv(press.model.inertias[frame.parentJoint].lever).tolist()
+    return with_counterweights(press, [Counterweight(slide, mass, (x, y, z))])
+
+
 @dataclass(frozen=True)
 class OperatingCondition(Frozen):
     """A motion of the press and the loads on it, as `inverse_dynamics` takes them, and how the press is then set up.

@@ -3,11 +3,12 @@
 import argparse
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..balancing.counterweights import OperatingCondition
+from ..balancing.counterweights import OperatingCondition, with_die
 from ..balancing.optimum import balance
 from ..balancing.problem import AXES, QUANTITIES, AddedMass, Peak, Range, Rms, Target
 from ..balancing.regions import CounterweightRegion, Vector
@@ -32,7 +33,7 @@ from .words.options import (
     say_written,
     with_zero,
 )
-from .words.units import driver_speed, read_quantity
+from .words.units import driver_speed, quantity, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
 MASS = "added_mass"
@@ -43,7 +44,7 @@ regions: {REGION}
   a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
   Lengths are in m, or have units (300mm), in the link's own frame. All take ,least=KG ,most=KG (default: 0 and no limit) and
   ,gyration=R, the radius of gyration of the counterweight's material. With ,replaces behind a place the counterweight replaces the link's
-  own mass.
+  own mass. With several dies or speeds ,reset=mass is a mass that is set anew for each, ,reset=position one that moves in its shape.
 criteria: {CRITERION}
   quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
   Range and rms leave the constant part out, peaks count it.
@@ -75,6 +76,14 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="RPM",
         help=f"{SPEED}; may be given several times: each criterion then counts at its worst speed",
     )
+    option(
+        "--die",
+        type=quantity("kg"),
+        action="append",
+        default=[],
+        metavar="KG",
+        help="mass of an upper die in the slide's centre of mass (default: none); may be given several times, as --speed may",
+    )
     add_balance_options(parser, required=True)
     add_force_options(parser, friction=False, stiffness=False)
     add_refused_option(
@@ -85,7 +94,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
     add_press_options(parser)
     add_out_option(parser, "the files")
-    option("--report", action="store_true", help="also write report.html, at the first of the speeds")
+    option("--report", action="store_true", help="also write report.html, with the first die at the first speed")
     parser.set_defaults(run=run)
 
 
@@ -101,7 +110,13 @@ def run(options: argparse.Namespace) -> int:
     as_drawn = load_as_drawn(options)
     press = with_zero(as_drawn, options.zero)
     speeds = [speed.of(press.driver_coordinates[0]) for speed in options.speed]
-    conditions = [OperatingCondition(cycle(press, speed, points=options.points), acting) for speed in speeds]
+    conditions = [
+        OperatingCondition(cycle(each, speed, points=options.points), acting, each if name else None, name)
+        for each, name in _with_dies(press, options.die)
+        for speed in speeds
+    ]
+    if len(speeds) > 1:  # one die stands in several conditions
+        conditions = [replace(each, name=each.name and f"{each.name} ({number})") for number, each in enumerate(conditions)]
     balanced = balanced_by(press, conditions, options)
     if options.out is not None:
         make_folder(options.out)
@@ -110,6 +125,17 @@ def run(options: argparse.Namespace) -> int:
     if options.out is not None:
         _write(balanced, as_drawn, options.out, options.report)
     return 0
+
+
+def _with_dies(press: Linkage, dies: Sequence[float]) -> list[tuple[Linkage, str]]:
+    """The press with each upper die [kg], and the die in words; where there are none the press itself."""
+    if not dies:
+        return [(press, "")]
+    if press.slide is None:
+        raise PinpressError(f"--die: {press.name} has no slide to fix a die to: leave it out")
+    if not all(mass >= 0 for mass in dies):
+        raise PinpressError(f"--die {min(dies):g}: the mass of a die is not negative; write e.g. --die 300")
+    return [(with_die(press, mass, press.slide), f"die of {mass:g} kg") for mass in dies]
 
 
 def add_balance_options(parser: argparse.ArgumentParser, *, required: bool) -> None:
@@ -152,6 +178,7 @@ def _inputs(balanced: BalancedPress, options: argparse.Namespace) -> Inputs:
     return [
         *of_press(balanced.original),
         *(("motion", motion_in_words(condition.motion)) for condition in balanced.conditions),
+        *(("die", f"{mass:g} kg") for mass in getattr(options, "die", [])),
         *of_loads(balanced.conditions[0].loads),
         *((name, words) for name in ("region", "minimise", "limit") for words in getattr(options, name)),
         stated(),
@@ -162,16 +189,19 @@ def _write(balanced: BalancedPress, as_drawn: Linkage, folder: Path, with_report
     """Write the files and say so; ``as_drawn``: the press before, as its file draws it, which the balanced one's URDF does too."""
     write_urdf(as_drawn.with_inertias(list(balanced.press.model.inertias), balanced.press.name), folder / "balanced.urdf")
     balanced.to_csv(folder / "balance.csv")
-    balanced.counterweights.to_csv(folder / "counterweights.csv")
-    written = ["balanced.urdf", "balance.csv", "counterweights.csv"]
+    anew = any(weights != balanced.counterweights for weights in balanced.settings)
+    files = {f"counterweights_{k}.csv" if anew else "counterweights.csv": weights for k, weights in enumerate(balanced.settings)}
+    for file, weights in files.items():
+        weights.to_csv(folder / file)
+    written = ["balanced.urdf", "balance.csv", *files]
     if with_report:
         from ..visual.reports.report import report  # Plotly is optional, and slow to import
 
         # with all bearings, of which balancing computes only those that are asked for
-        loads = balanced.conditions[0].loads
-        before = inverse_dynamics(balanced.original, balanced.reactions_before[0].motion, loads)
-        after = inverse_dynamics(balanced.press, balanced.reactions_after[0].motion, loads)
-        report(balanced.press, after.motion, folder / "report.html", reactions=after, before=before, results=[balanced])
+        first, press = balanced.conditions[0], balanced.presses[0]
+        before = inverse_dynamics(first.set_up(balanced.original), balanced.reactions_before[0].motion, first.loads)
+        after = inverse_dynamics(press, balanced.reactions_after[0].motion, first.loads)
+        report(press, after.motion, folder / "report.html", reactions=after, before=before, results=[balanced])
         written.append("report.html")
     say_written(folder, written)
 
@@ -279,4 +309,5 @@ KEYS: Mapping[str, Callable[[str], Any]] = {
     "most": partial(read_quantity, unit="kg"),
     "gyration": partial(read_quantity, unit="m"),
     "replaces": _alone,
+    "reset": str,
 }

@@ -1,5 +1,6 @@
 """`pinpress balance`: what it prints and writes is what the library gives; every word it takes; what it says of wrong ones."""
 
+import contextlib
 import csv
 import math
 import re
@@ -111,6 +112,29 @@ def test_several_speeds_are_cases(capsys: pytest.CaptureFixture[str], tmp_path: 
     assert text.startswith(f"{six_bar(70, -50)}\n")
     assert "condition 1: -50 r/min of joint A" in text
     assert read(tmp_path / "balance.csv")["condition"][:4] == ["0", "1", "0", "1"]
+
+
+def test_dies_are_conditions(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """One counterweight for each die, by 15 / 29.7 of its mass more."""
+    words = ["jf75g_125", "--points", 72, "--minimise", "range:shaking_force:z"]
+    words += ["--region", "counterweight:at=0/0/0,least=-600,most=600,reset=mass", "--die", 100, "--die", "400kg"]
+    text = printed(capsys, *words, "--speed", 300, "--out", tmp_path, "--report")
+    assert "condition 0: die of 100 kg, 300 r/min of joint O, 72 states\n  condition 1: die of 400 kg, 300 r/min" in text
+    first, second = (float(read(tmp_path / f"counterweights_{k}.csv")["mass [kg]"][0]) for k in range(2))
+    assert second - first == pytest.approx(300 * 15 / 29.7, abs=0.6)  # the worst of both counts: the lighter die's may be a little off
+    assert "die           100 kg" in text
+    press = pp.load(tmp_path / "balanced.urdf")
+    assert press.model.inertias[press.model.getJointId("slide_guide")].mass == 2200.0
+    text = printed(capsys, *words, "--speed", 300, "--speed", 200)
+    assert "condition 3: die of 400 kg (3), 200 r/min" in text
+
+
+@pytest.mark.parametrize(("words", "said"), [(["--die", -5], "not negative"), (["--die", "5mm"], "kg")])
+def test_dies_that_are_none(capsys: pytest.CaptureFixture[str], words: list[object], said: str) -> None:
+    asked = ["crank_slide", "--speed", 60, "--region", "crank:radius=0.1", "--minimise", "range:shaking_force:z"]
+    with pytest.raises(SystemExit) if said == "kg" else contextlib.nullcontext():
+        assert main(["balance", *map(str, [*asked, *words])]) == 2
+    assert said in capsys.readouterr().err
 
 
 def test_under_a_load(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from ...linkage.linkage import Linkage
 from ...linkage.urdf import reader
 from ...linkage.urdf.document import Document, check_command, refuse_errors
 from ...linkage.urdf.text import MOMENTS, tag
-from ..counterweights import Counterweight, combined, rigid_body, with_counterweights
+from ..counterweights import combined, rigid_body, with_counterweights, with_die
 from .crank_slider import CENTRED, CrankSlider, approximate_balance, as_crank_slider, harmonic_coefficients
 
 SPARE = 0.1  # distance of the counterweight's limits beyond its travel, in auxiliary crank radii
@@ -88,7 +88,7 @@ def with_opposed_balancer(
     main = as_crank_slider(press)
     die = float(suitable_numbers("die_mass", die_mass, "a mass that is not negative [kg]", suits=lambda mass: mass >= 0))
     if die:
-        press = _with_die(press, main.slide, die)
+        press = with_die(press, die, main.slide)
         main = as_crank_slider(press)
     auxiliary = _auxiliary(main, crank_radius, rod_length, rod_mass, rod_inertia)
     return press_of(
@@ -305,13 +305,6 @@ def press_of(plan: PressPlan, comment: str) -> Linkage:
     press = loading.assembled(document, None, plan.slide, plan.gravity)
     loading.check_drawn_pose(press)
     return press
-
-
-def _with_die(press: Linkage, slide: str, mass: float) -> Linkage:
-    """The press with a mass in the centre of mass of its slide [kg]."""
-    frame = press.model.frames[press.model.getFrameId(slide, pin.BODY)]
-    x, y, z = frame.placement.actInv(press.model.inertias[frame.parentJoint].lever).tolist()
-    return with_counterweights(press, [Counterweight(slide, mass, (x, y, z))])
 
 
 def _balance_shaft(drawn: PressPlan, main: CrankSlider, order: int, side: str, radius: float, beside: float) -> PlanBody:
