@@ -139,7 +139,7 @@ def declared(field: Field[Any]) -> Parameter | None:
 
 def in_signature(item: Any) -> Sequence[Field[Any]]:
     """The fields of a dataclass, or of its instance, in the order of its arguments: those that must be named come last."""
-    return sorted(fields(item), key=lambda field: field.kw_only)
+    return sorted(fields(item), key=lambda field: field.kw_only is True)
 
 
 def _declared(item: Any) -> Iterator[tuple[Field[Any], Parameter]]:

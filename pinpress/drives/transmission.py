@@ -142,7 +142,8 @@ def innermost(drive: Drive) -> tuple[Drive, float]:
     """The drive behind all gears, and the speed of its shaft by that of the shaft on which the gears act."""
     ratio = 1.0
     while isinstance(drive, Geared):
-        drive, ratio = drive.drive, ratio * drive.ratio
+        ratio *= drive.ratio
+        drive = drive.drive
     return drive, ratio
 
 

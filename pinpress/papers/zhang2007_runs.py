@@ -328,7 +328,7 @@ def frame_forces(press: Linkage, load: ProcessLoad | TimeForce, duration: float 
     """The forces on the frame under a load, from bottom dead centre on; see `run`."""
     strokes = run(press, load, duration, points)
     force = inverse_dynamics(press, strokes, loads=[load]).bearing_force
-    on_frame = -sum(force[name] for name in ("O_left", "O_right", "slide_guide", "counterweight_guide"))
+    on_frame = -np.sum([force[name] for name in ("O_left", "O_right", "slide_guide", "counterweight_guide")], axis=0)
     return FrameForces(strokes, on_frame[:, 2] + weight(press), on_frame[:, 0], -force["O_left"][:, 0])
 
 

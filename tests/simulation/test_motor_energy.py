@@ -1,6 +1,7 @@
 """What the motor of a run takes from the mains: energy to rounding, temperature against closed forms and SciPy, batch against single."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ RPM = pp.RPM
 YCT = {"rated_torque": 189.0, "primary_speed": 1470 * RPM, "top_speed": 1320 * RPM, "set_speed": 900 * RPM}
 DATA = {"load_loss": 1500.0, "constant_loss": 900.0, "rated_rise": 80.0, "thermal_time": 1800.0}
 MAINS = InductionMotor(11e3, 1450 * RPM, **DATA)
-MOTORS = {
+MOTORS: dict[str, Any] = {
     "mains": Geared(MAINS, 5.0, efficiency=0.94),
     "inverter": Geared(InverterMotor(200.0, 1450 * RPM, 45.0, inverter_efficiency=0.97, **DATA), 5.0),
     "slip clutch": Geared(SlipClutchMotor(**YCT, excitation_power=100.0, **DATA), 3.0, efficiency=0.96),

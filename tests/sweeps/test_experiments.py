@@ -1,6 +1,7 @@
 """Experiments: levels and Latin hypercubes, their margins, reproducibility and refusals, and a sweep filled by them."""
 
 import itertools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -97,6 +98,7 @@ def test_ranges_that_make_no_sense(ranges, message):
 
 def test_numbers_that_make_no_sense():
     ranges = {"a": (0.0, 1.0), "b": (0.0, 1.0)}
+    bad: Any
     for bad in (0, -3, 2.5, "5", 10**9):
         with pytest.raises(pp.PinpressError, match="count"):
             pp.sweeps.latin_hypercube(ranges, bad)
