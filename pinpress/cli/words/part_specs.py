@@ -518,7 +518,7 @@ def _reader(field: Field[Any], driver: DriverCoordinate = CRANK) -> Callable[[st
     known = declared(field)
     unit = "-" if known is None else driver.in_place_of(known.unit)
     if field.name in LISTS:
-        return partial(_list, unit=unit)
+        return partial(_list, unit="m" if known is None else unit)  # heights of a servo motion declare no unit
     return partial(_vector if known is not None and known.axes else read_quantity, unit=unit)
 
 
