@@ -6,6 +6,8 @@ from .elastic_frame import reduced_frame as reduced_frame
 from .frame_parts import Attachment as Attachment
 from .frame_parts import Rotor as Rotor
 from .free_decay import logarithmic_decrement as logarithmic_decrement
+from .lifting import LiftingMotion as LiftingMotion
+from .lifting import lifting_response as lifting_response
 from .mounted_press import MountedPress as MountedPress
 from .mounted_press import VibrationModes as VibrationModes
 from .mounted_press import modes as modes

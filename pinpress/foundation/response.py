@@ -228,7 +228,7 @@ class FrameMotion(Tabular):
     def least_load(self) -> Array:
         """(mounts,) smallest vertical load on each mount, the static load included [N].
 
-        Where it is negative, a mount that is not bolted down lifts off, and the linear model does not hold.
+        Where it is negative, a mount that is not bolted down lifts off, and the linear model does not hold: see `lifting_response`.
         """
         least: Array = (self.system.mount_load[:, 2] + self.mount_force[:, :, 2]).min(axis=0)
         return least
@@ -470,15 +470,9 @@ def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, mo
     Raises:
         PinpressError: the vibration is not finite.
     """
-    from scipy.linalg import expm  # slow to import
-
     n, speed = len(system.mass), motion.crank_speed
     a, b = state_matrix(system, float(speed.mean())), np.vstack([np.zeros((n, n)), np.linalg.inv(system.mass)])
-    whole = np.zeros((4 * n, 4 * n))
-    whole[: 2 * n, : 2 * n], whole[: 2 * n, 2 * n : 3 * n], whole[2 * n : 3 * n, 3 * n :] = a * interval, b * interval, np.eye(n)
-    exponential = expm(whole)
-    free, late = exponential[: 2 * n, : 2 * n], exponential[: 2 * n, 3 * n :]
-    early = exponential[: 2 * n, 2 * n : 3 * n] - late
+    free, early, late = step_matrices(a, b, interval)
     driven = wrench[:-1] @ early.T + wrench[1:] @ late.T
     states, unsteady = np.zeros((len(wrench), 2 * n)), system.gyroscopic.any() and np.ptp(speed) > EVEN * np.abs(speed).max()
     spun = np.zeros((len(wrench), n))  # moments of the rotors beside those at the mean speed
@@ -494,6 +488,18 @@ def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, mo
     if not np.isfinite(states[-1]).all():
         raise PinpressError("the vibration is not finite: the forces are too large for floating point")
     return states[:, :n], states[:, n:], (states @ a.T + (wrench + spun) @ b.T)[:, n:]
+
+
+def step_matrices(a: Array, b: Array, interval: float) -> tuple[Array, Array, Array]:
+    """Matrices of an exact step of x' = a x + b f where f is linear in it: of x, of f at its start, and of f at its end."""
+    from scipy.linalg import expm  # slow to import
+
+    n, m = b.shape
+    whole = np.zeros((n + 2 * m, n + 2 * m))
+    whole[:n, :n], whole[:n, n : n + m], whole[n : n + m, n + m :] = a * interval, b * interval, np.eye(m)
+    exponential = expm(whole)
+    free, late = exponential[:n, :n], exponential[:n, n + m :]
+    return free, exponential[:n, n : n + m] - late, late
 
 
 def period_of(motion: Motion) -> tuple[float, int]:

@@ -15,7 +15,7 @@ from .. import foundation
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..drives.transmission import Flywheel
-from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..foundation import Attachment, Frame, FrameMotion, Mount, MountedPress, Rotor, RubberPad, SpeedResponse
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
@@ -54,6 +54,7 @@ WORKING = slice(20, 101)  # those from 200 to 400 per min
 PRESSES = {"plain": "jf75g_125_plain", "with its counterweight": "jf75g_125", "symmetric": "jf75g_125_symmetric"}
 REAL = "with its counterweight"
 AT = 350 * RPM  # speed of the thesis's signals
+DURATION = 1.2  # of a run under piling [s]
 STEP = 1e-4  # step of a run under piling, a sixtieth of the stretching's period [s]
 
 
@@ -95,9 +96,8 @@ class Vibration:
     @cached_property
     def struck(self) -> FrameMotion:
         """Seven strokes of piling, from rest."""
-        system, duration = self.machines[REAL], 1.2
-        run = simulate(system.press, duration, speed=AT, flywheel=FLYWHEEL, loads=[PILING], points=round(duration / STEP) + 1)
-        motion = foundation.time_response(system, inverse_dynamics(system.press, run, loads=[PILING]), points=POINTS)
+        system = self.machines[REAL]
+        motion = foundation.time_response(system, blows(system, PILING), points=POINTS)
         if not motion.least_load.min() > 0:
             raise PinpressError("a foot lifts off: the linear model does not hold")
         return motion
@@ -185,6 +185,12 @@ def standing(press: Linkage, pad: RubberPad = PAD) -> MountedPress:
     """A press in the assumed frame, on four pads."""
     feet = [foundation.pad_mount(foot, pad) for foot in FEET]
     return foundation.mounted(press, BED, feet, crown=CROWN, uprights=COLUMNS, attached=ASIDE, rotors=ROTORS)
+
+
+def blows(system: MountedPress, piling: ConstantForce) -> Reactions:
+    """Seven strokes of piling from full speed."""
+    run = simulate(system.press, DURATION, speed=AT, flywheel=FLYWHEEL, loads=[piling], points=round(DURATION / STEP) + 1)
+    return inverse_dynamics(system.press, run, loads=[piling])
 
 
 def flywheel_alone(system: MountedPress) -> Array:

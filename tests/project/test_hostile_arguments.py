@@ -90,6 +90,7 @@ MADE |= {
     "Isolation",
     "VibrationModes",
     "WhirlDiagram",
+    "LiftingMotion",
     "ElasticFrame",
     "MountedPress",
     "SpeedResponse",

@@ -242,6 +242,12 @@ def mounted():
     return foundation.mounted(press(), FRAME, MOUNTS)
 
 
+def hammered():
+    """Feet that lift off, by a force on the frame of three times its weight."""
+    force = pp.loads.PointForce(press().root, lambda motion: np.outer(np.sin(motion.crank_angle), [0.0, 0.0, 2e5]))
+    return foundation.lifting_response(mounted(), pp.inverse_dynamics(press(), motion(), loads=[force]), points={"head": (0.0, 0.0, 1.0)})
+
+
 @cache
 def response():
     return foundation.steady_response(mounted(), reactions(), points={"head": (0.0, 0.0, 1.0)})
@@ -433,6 +439,7 @@ def made():
         *(FRAME, *MOUNTS[:1], mounted(), response(), foundation.modes(mounted()), foundation.RubberPad(0.1, 0.1, 0.01, hardness=50)),
         foundation.beam_frame({"a": (0, 0, 0), "b": (0, 1, 0)}, [BEAM], bed="a", carrier="b", elements=1),
         *(
+            hammered(),
             BEAM,
             foundation.Attachment(FRAME),
             ROTOR,

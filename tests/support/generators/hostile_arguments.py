@@ -1382,6 +1382,11 @@ def calls() -> dict[str, Call]:
                 "lines": None,
             },
         ),
+        (
+            "foundation.lifting_response",
+            foundation.lifting_response,
+            lambda: {"system": system(), "reactions": reactions(), "points": POINTS, "flywheel": pp.drives.Flywheel(1.0), "strokes": 2},
+        ),
         ("foundation.whirl", foundation.whirl, lambda: {"system": spinning(), "speeds": [5.0, 6.0]}),
         ("pp.plots.whirl", pp.plots.whirl, lambda: {"diagram": foundation.whirl(spinning(), [5.0, 6.0]), "orders": 2}),
         ("foundation.modes", foundation.modes, lambda: {"system": system()}),

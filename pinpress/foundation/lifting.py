@@ -1,0 +1,449 @@
+"""A press whose mounts only press: vibration in time with feet that lift off and land.
+
+A foot carries P - k d - c d' beside the loss of its pad, with its static load P and the displacement d of its point, upwards positive. It
+lifts off when this falls to zero, and then nothing acts on it. It lands when it is back where the unloaded pad ends, d = P / k, and presses
+again. A pad that is free springs back at once, and grips the foot where it lands: the force across is zero then, so that a press can walk.
+
+While the feet stand or hover, the system is linear. Its steps are exact for a force that is linear between two states, as those of
+`time_response`; the instants at which a foot lifts off or lands are found on this exact motion, and the steps go on from there with the
+other matrices. Between two states a foot's force is looked at by a cubic through its values and rates at both ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..common import tables
+from ..common.arguments import typed, whole_number
+from ..common.errors import PinpressError
+from ..common.frozen import read_only
+from ..common.numerics import bracketed_roots
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..common.tables import Column
+from ..drives.transmission import Flywheel
+from ..dynamics.harmonics import is_cycle
+from ..dynamics.inverse_dynamics import Reactions
+from .mounted_press import MountedPress, quadrature
+from .response import FrameMotion, Points, frame_wrench, mount_constants, named_points, period_of, steady_response, step_matrices, time_step
+
+MOST_STROKES = 10_000
+MOST_SWITCHES = 200  # of feet in one interval between states: more are chatter
+LOOKS = np.linspace(0.0, 1.0, 9)  # parts of a step at which the cubic is looked at
+REACH = 4.0  # product of the fastest rate of the system and a part of an interval with one Taylor polynomial
+TERMS = 34  # of it: the next is 4^34 / 34!, 1e-18
+EXACT = 1e-13  # of a step, to which the instant of a switch is found
+JUST_AFTER = 1e-6  # share of the first look after which a foot that has just switched is looked at
+ROUNDING = 1e-12  # share of the static load within which a foot that has just switched carries nothing
+REPEATED = 1e-6  # a motion repeats itself where its states do so up to this share of its size
+MOST_PERIODS = 8  # strokes after which a motion is said to repeat itself, at most
+FREE_FALL = 2  # z among the directions of a mount
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LiftingMotion(Tabular):
+    """Vibration of a press whose feet lift off, found by `lifting_response`. All arrays are read-only.
+
+    Attributes:
+        motion: the vibration over all strokes.
+        mount: (l,) number of the mount that lifts off, from 1, a lift an entry, by rising time.
+        start: (l,) when it lifts off [s].
+        end: (l,) when it lands; the end of the motion where it does not [s].
+        gap: (l,) largest gap between foot and unloaded pad at the states in between [m].
+        walked: (mounts, 2) how far each foot stands from its place at the end, along x and y, by landings elsewhere [m].
+        change: (strokes - 1,) change of the state at the end of a stroke from the stroke before, by the largest state of all; the state is
+            displacement and velocity in the measure of energy [-].
+        repeats_after: number of strokes after which the motion repeats itself at its end; None: it does not, or has one stroke alone.
+    """
+
+    motion: FrameMotion
+    mount: NDArray[np.intp]
+    start: Array
+    end: Array
+    gap: Array
+    walked: Array
+    change: Array
+    repeats_after: int | None
+
+    @property
+    def title(self) -> str:
+        return f"LiftingMotion of {self.motion.system.press.name}: {len(self.mount)} lifts in {self.motion.time[-1]:.6g} s"
+
+    def __str__(self) -> str:
+        """What lifts off, how high, and whether the motion repeats itself; then the vibration."""
+        rows = [["mount", "lifts", "longest", "largest gap"]]
+        for number in np.unique(self.mount):
+            which = self.mount == number
+            longest = float((self.end - self.start)[which].max())
+            rows.append([str(number), str(int(which.sum())), f"{1e3 * longest:.4g} ms", f"{1e3 * self.gap[which].max():.4g} mm"])
+        lines = [self.title, *(tables.fitted(rows) if len(rows) > 1 else ["  no mount lifts off"])]
+        if len(self.change):
+            after = {None: f"does not, the last stroke changed it by {100 * self.change[-1]:.2g} %", 1: "every stroke"}
+            lines.append(tables.entry("repeats itself", after.get(self.repeats_after, f"every {self.repeats_after} strokes"), ""))
+        walked = float(np.abs(self.walked).max())
+        lines += [tables.entry("walked", f"{1e3 * walked:.4g}", "mm at most")] if walked else []
+        return "\n".join([*lines, str(self.motion)])
+
+    def columns(self) -> dict[str, Column]:
+        """A row for each lift. The vibration is in the columns of ``motion``."""
+        return {"mount": self.mount, "start [s]": self.start, "end [s]": self.end, "gap [m]": self.gap}
+
+
+@typed
+def lifting_response(
+    system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheel | None = None, strokes: int = 1
+) -> LiftingMotion:
+    """The vibration over time where the mounts press and do not pull: feet that are not bolted down.
+
+    Over one period, of `cycle` or `steady_state`, it begins in the linear steady state, in which every foot stands; over a run of
+    `simulate` at rest. Where no foot lifts off it is the linear response. Whether a motion with lifts settles, and after how many strokes
+    it repeats itself, is seen by ``strokes``: there may be several such motions, or none. Rotors spin at the mean speed. Loss factors act
+    as in `time_response`.
+
+    Args:
+        system: the press on its mounts; each stands on its mounts by its weight.
+        reactions: as for `steady_response`, or as for `time_response`.
+        points: as for `steady_response`.
+        flywheel: as for `steady_response`.
+        strokes: number of periods one after another, 1 to 10 000; 1 for what is no period.
+
+    Raises:
+        PinpressError: as `steady_response` or `time_response`; several strokes of what is no period; a mount that has no stiffness along z;
+            a foot that chatters.
+    """
+    count = whole_number("strokes", strokes, 1, MOST_STROKES)
+    wrench, placed, n = frame_wrench(system, reactions, flywheel), named_points(system, points), len(system.mass)
+    interval = time_step(reactions.motion)
+    begin = np.zeros(2 * n)
+    if _is_period(reactions):
+        length, states = period_of(reactions.motion)
+        linear = steady_response(system, reactions, points=points, flywheel=flywheel)
+        interval, wrench = length / states, np.vstack([np.tile(wrench[:states], (count, 1)), wrench[:1]])
+        spectrum = np.fft.rfft(linear.coordinates, axis=0) * (2j * np.pi / length * np.arange(states // 2 + 1))[:, None]
+        begin = np.concatenate([linear.coordinates[0], np.fft.irfft(spectrum, states, axis=0)[0]])
+    elif count > 1:
+        raise PinpressError("strokes go with one period, of cycle or steady_state: leave strokes= out for another motion")
+    feet = _Feet(system, float(reactions.motion.crank_speed.mean()))
+    found = _marched(feet, wrench, interval, begin)
+    time = np.asarray(interval * np.arange(len(wrench)), dtype=float)
+    motion = FrameMotion.of(
+        system,
+        time=time,
+        points=placed,
+        motion=(found.states[:, :n], found.states[:, n:], found.acceleration),
+        mount_force=found.force - system.mount_load,
+        wrench=wrench,
+        period=None,
+    )
+    change, repeats_after = _repeats(system, found.states[:: len(wrench) // count]) if count > 1 else (np.zeros(0), None)
+    lifts = sorted(found.lifts, key=lambda lift: lift.start)
+    height = motion_of_feet(system, found.states[:, :n]) - feet.free
+    inside = [(time >= lift.start) & (time <= lift.end) for lift in lifts]
+    gap = [max(0.0, float(height[which, lift.mount].max(initial=0.0))) for lift, which in zip(lifts, inside, strict=True)]
+    return LiftingMotion(
+        motion=motion,
+        mount=read_only(np.array([lift.mount + 1 for lift in lifts], dtype=np.intp)),
+        start=read_only(np.array([lift.start for lift in lifts])),
+        end=read_only(np.array([lift.end for lift in lifts])),
+        gap=read_only(np.array(gap)),
+        walked=read_only(found.walked),
+        change=read_only(change),
+        repeats_after=repeats_after,
+    )
+
+
+def motion_of_feet(system: MountedPress, coordinates: Array) -> Array:
+    """Displacements (states, mounts) of the feet upwards, from coordinates (states, n) [m]."""
+    return np.asarray(coordinates @ system.mount_rows[:, FREE_FALL].T)
+
+
+def _is_period(reactions: Reactions) -> bool:
+    """Whether a motion is one that `period_of` takes."""
+    try:
+        period_of(reactions.motion)
+    except PinpressError:
+        if is_cycle(reactions.motion):
+            raise
+        return False
+    return True
+
+
+@dataclass(frozen=True)
+class _Lift:
+    """A mount, from 0, that lifts off at a time and lands at another [s]."""
+
+    mount: int
+    start: float
+    end: float
+
+
+@dataclass
+class _Marched:
+    """States (s, 2 n), accelerations (s, n) and forces of the mounts (s, mounts, 3) of a motion, its lifts, and how far the feet walked."""
+
+    states: Array
+    acceleration: Array
+    force: Array
+    lifts: list[_Lift]
+    walked: Array
+
+
+class _Feet:
+    """The linear systems of a press, one for each set of feet that stand, made when they are needed.
+
+    Attributes:
+        system: the press on its mounts.
+        load: (mounts, 3) static load [N].
+        free: (mounts,) displacement at which each pad is unloaded [m].
+    """
+
+    def __init__(self, system: MountedPress, speed: float) -> None:
+        self.system, self.load = system, np.asarray(system.mount_load)
+        self.stiffness, self.damping, self.lossy = mount_constants(system)
+        if not (self.stiffness[:, FREE_FALL] > 0).all():
+            number = int(self.stiffness[:, FREE_FALL].argmin()) + 1
+            raise PinpressError(f"mount {number} has no stiffness along z: a foot that does not press cannot lift off; leave it out")
+        self.free = self.load[:, FREE_FALL] / self.stiffness[:, FREE_FALL]
+        self.rows, self.later, self.speed = system.mount_rows, quadrature(system), speed
+        self.inverse = np.linalg.inv(system.mass)
+        self._matrices: dict[bytes, tuple[Array, Array, float]] = {}
+        self._steps: dict[tuple[bytes, float], tuple[Array, Array, Array]] = {}
+        self._held: dict[bytes, tuple[Array, Array]] = {}
+
+    def matrices(self, standing: NDArray[np.bool_]) -> tuple[Array, Array, float]:
+        """a and b of x' = a x + b f with these feet standing, and the largest absolute eigenvalue of a [1/s]."""
+        key = standing.tobytes()
+        if key not in self._matrices:
+            system, n = self.system, len(self.system.mass)
+            off = ~standing
+            without = [np.einsum("mki,mk,mkj->ij", self.rows[off], each[off], self.rows[off]) for each in self._constants]
+            resisting = system.damping - without[1] + self.speed * system.gyroscopic + (system.loss - without[2]) @ self.later
+            rate = -self.inverse @ np.hstack([system.stiffness - without[0], resisting])
+            a = np.vstack([np.eye(n, 2 * n, n), rate])
+            self._matrices[key] = a, np.vstack([np.zeros((n, n)), self.inverse]), float(np.abs(np.linalg.eigvals(a)).max())
+        return self._matrices[key]
+
+    def step(self, standing: NDArray[np.bool_], interval: float) -> tuple[Array, Array, Array]:
+        """`step_matrices` of a whole step."""
+        key = standing.tobytes(), interval
+        if key not in self._steps:
+            self._steps[key] = step_matrices(*self.matrices(standing)[:2], interval)
+        return self._steps[key]
+
+    def constant(self, standing: NDArray[np.bool_], anchor: Array) -> Array:
+        """Force (n,) on the coordinates beside the linear one: loads that hovering feet lack, and pads that gripped elsewhere."""
+        forces = np.where(standing[:, None], self.stiffness * anchor, -self.load)
+        return np.asarray(np.einsum("mk,mkj->j", forces, self.rows))
+
+    def force(self, anchor: Array, state: Array) -> Array:
+        """Forces (mounts, 3) of the mounts on the frame at a state, as if all feet stood."""
+        n = len(self.system.mass)
+        displaced, moving, later = (self.rows @ each for each in (state[:n], state[n:], self.later @ state[n:]))
+        return np.asarray(self.load - self.stiffness * (displaced - anchor) - self.damping * moving - self.lossy * later)
+
+    def holds(self, standing: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Matrix (2, mounts, 2 n) and constants (2, mounts) of two numbers of which one is positive while a foot goes on as it does [N].
+
+        The first is the force of a standing foot, its negative of a hovering one; the second is the stiffness times the height above the
+        unloaded pad, of a hovering one alone.
+        """
+        key = standing.tobytes()
+        if key not in self._held:
+            up, rows, n = self.stiffness[:, FREE_FALL, None], self.rows[:, FREE_FALL], len(self.system.mass)
+            resisting = self.damping[:, FREE_FALL, None] * rows + self.lossy[:, FREE_FALL, None] * (rows @ self.later)
+            sign, heavy = np.where(standing, 1.0, -1.0), float(np.abs(self.load[:, FREE_FALL]).max())
+            force, height = -np.hstack([up * rows, resisting]), np.hstack([up * rows, np.zeros((len(rows), n))])
+            matrix = np.stack([sign[:, None] * force, np.where(standing, 0.0, 1.0)[:, None] * height])
+            constant = np.stack([sign * self.load[:, FREE_FALL], np.where(standing, -heavy, -self.load[:, FREE_FALL])])
+            self._held[key] = matrix, constant
+        return self._held[key]
+
+    @property
+    def _constants(self) -> tuple[Array, Array, Array]:
+        return self.stiffness, self.damping, self.lossy
+
+
+class _March:
+    """The feet along a motion: which of them stand, and where their pads grip.
+
+    Attributes:
+        feet: their linear systems.
+        standing: (mounts,) which of them stand.
+        anchor: (mounts, 3) how far from its place each pad grips its foot, along x and y [m].
+        since: (mounts,) when each foot lifted off last [s].
+        lifts: those that have ended.
+    """
+
+    def __init__(self, feet: _Feet) -> None:
+        mounts = len(feet.load)
+        self.feet, self.standing, self.anchor = feet, np.ones(mounts, dtype=bool), np.zeros((mounts, 3))
+        self.since, self.lifts = np.zeros(mounts), list[_Lift]()
+
+    def stepped(self, state: Array, early: Array, late: Array, start: float, interval: float) -> Array:
+        """The state (2 n,) at the end of an interval, over which the force goes from ``early`` to ``late``, through all switches of feet.
+
+        Raises:
+            PinpressError: a foot switches without end, or the state is not finite.
+        """
+        done, fresh = 0.0, np.zeros(len(self.standing), dtype=bool)
+        for _ in range(MOST_SWITCHES):
+            (a, b, radius), rest = self.feet.matrices(self.standing), (1.0 - done) * interval
+            beside = self.feet.constant(self.standing, self.anchor)
+            force = early + done * (late - early) + beside, late + beside
+            flow = partial(_Flow, a, b, radius, state, force, rest)
+            if done == 0.0:
+                free, of_early, of_late = self.feet.step(self.standing, interval)
+                after = free @ state + of_early @ force[0] + of_late @ force[1]
+            else:
+                after = flow().state(1.0)
+            if not np.isfinite(after).all():
+                raise PinpressError("the vibration is not finite: the forces are too large for floating point")
+            rates = a @ state + b @ force[0], a @ after + b @ force[1]
+            switch = _first_switch(self.feet, self.standing, fresh, (state, after), rates, rest, flow)
+            if switch is None:
+                return after
+            share, number, state = switch
+            done += share * (1.0 - done)
+            self._switch(number, state, start + done * interval)
+            fresh = np.arange(len(self.standing)) == number
+        raise PinpressError(
+            f"mount {number + 1} chatters at {start:.6g} s, more than {MOST_SWITCHES} times between two states: give the reactions at more"
+            " states, or the mounts damping along z"
+        )
+
+    def _switch(self, number: int, state: Array, instant: float) -> None:
+        """Let a foot lift off or land."""
+        self.standing = self.standing.copy()
+        self.standing[number] = not self.standing[number]
+        if not self.standing[number]:
+            self.since[number] = instant
+            return
+        self.lifts.append(_Lift(number, float(self.since[number]), instant))
+        stiff = self.feet.stiffness[number, :FREE_FALL]
+        there = (self.feet.rows[number] @ state[: len(state) // 2])[:FREE_FALL]
+        slack = np.divide(self.feet.load[number, :FREE_FALL], stiff, out=np.zeros(2), where=stiff > 0)
+        self.anchor[number, :FREE_FALL] = np.where(stiff > 0, there - slack, 0.0)
+
+
+def _marched(feet: _Feet, wrench: Array, interval: float, begin: Array) -> _Marched:
+    """The motion under forces (states, n) that are linear in between, from a state (2 n,) on."""
+    n, march = len(begin) // 2, _March(feet)
+    states, force = np.zeros((len(wrench), 2 * n)), np.zeros((len(wrench), len(feet.load), 3))
+    acceleration, state = np.zeros((len(wrench), n)), begin
+    for k in range(len(wrench)):
+        a, b, _ = feet.matrices(march.standing)
+        states[k], acceleration[k] = state, (a @ state + b @ (wrench[k] + feet.constant(march.standing, march.anchor)))[n:]
+        force[k] = np.where(march.standing[:, None], feet.force(march.anchor, state), 0.0)
+        if k + 1 < len(wrench):
+            state = march.stepped(state, wrench[k], wrench[k + 1], k * interval, interval)
+    end = (len(wrench) - 1) * interval
+    hovering = [_Lift(int(number), float(march.since[number]), end) for number in np.flatnonzero(~march.standing)]
+    return _Marched(states, acceleration, force, march.lifts + hovering, march.anchor[:, :FREE_FALL])
+
+
+def _first_switch(
+    feet: _Feet,
+    standing: NDArray[np.bool_],
+    fresh: NDArray[np.bool_],
+    ends: tuple[Array, Array],
+    rates: tuple[Array, Array],
+    length: float,
+    flow: Callable[[], _Flow],
+) -> tuple[float, int, Array] | None:
+    """Share of an interval after which the first foot lifts off or lands, its number and the state there; None where none does.
+
+    Args:
+        feet: the feet.
+        standing: which of them stand.
+        fresh: which of them have switched at the start of the interval.
+        ends: states at both ends of the interval.
+        rates: their rates.
+        length: of the interval [s].
+        flow: makes the exact motion over it.
+    """
+    matrix, constant = feet.holds(standing)
+    first, last = (matrix @ each + constant for each in ends)
+    first_rate, last_rate = (matrix @ each for each in rates)
+    s = LOOKS[:, None, None]
+    looks = (1 - s) ** 2 * ((1 + 2 * s) * first + s * length * first_rate) + s**2 * ((3 - 2 * s) * last - (1 - s) * length * last_rate)
+    held = looks.max(axis=1)  # (looks, mounts)
+    small = ROUNDING * np.abs(feet.load).max()
+    held[0] = np.where(fresh | (np.abs(held[0]) < small), np.maximum(held[0], small), held[0])
+    gone = np.flatnonzero((held < 0).any(axis=0))
+    if not len(gone):
+        return None
+    found, exact = list[tuple[float, int]](), flow()
+    for number in gone:
+        at = int((held[:, number] < 0).argmax())
+        if at == 0:
+            return 0.0, int(number), ends[0]
+
+        def holding(share: Array, number: int = int(number)) -> tuple[Array, Array]:
+            values = matrix[:, number] @ exact.state(float(share[0])) + constant[:, number]
+            larger = int(values.argmax())
+            return values[[larger]], length * (matrix[larger, number] @ exact.rate(float(share[0])))[None]
+
+        low, high = LOOKS[[at - 1]], LOOKS[[at]]
+        if holding(high)[0] >= 0:  # the cubic saw what is not there
+            continue
+        if at == 1 and holding(low)[0] <= small:  # it holds by its rate alone: begin a little later
+            low = JUST_AFTER * high
+        root = low if holding(low)[0] <= 0 else bracketed_roots(holding, low, high, absolute=EXACT)
+        found.append((float(root[0]), int(number)))
+    if not found:
+        return None
+    first_share, mount = min(found)
+    return first_share, mount, exact.state(first_share)
+
+
+class _Flow:
+    """The exact motion over an interval in which the force is linear, as Taylor polynomials of short parts of it.
+
+    Attributes:
+        a: of x' = a x + b f.
+        b: likewise.
+        force: f (n,) at the start and at the end of the interval.
+        length: of the interval [s].
+        polynomials: (parts, TERMS, 2 n) coefficients of the state by powers of the share of each part.
+    """
+
+    def __init__(self, a: Array, b: Array, radius: float, state: Array, force: tuple[Array, Array], length: float) -> None:
+        self.a, self.b, self.force, self.length = a, b, force, length
+        parts = max(1, int(np.ceil(radius * length / REACH)))
+        h, growing = length / parts, b @ (force[1] - force[0]) / parts
+        self.polynomials = np.zeros((parts, TERMS, len(state)))
+        for k, terms in enumerate(self.polynomials):
+            terms[0] = state
+            terms[1] = h * (a @ state + b @ force[0] + k * growing)
+            terms[2] = 0.5 * h * (a @ terms[1] + growing)
+            for order in range(3, TERMS):
+                terms[order] = h / order * (a @ terms[order - 1])
+            state = terms.sum(axis=0)
+
+    def state(self, share: float) -> Array:
+        """The state after a share of the interval."""
+        parts = len(self.polynomials)
+        part = min(int(share * parts), parts - 1)
+        return np.asarray((share * parts - part) ** np.arange(TERMS) @ self.polynomials[part])
+
+    def rate(self, share: float) -> Array:
+        """The rate of the state there, by time."""
+        return np.asarray(self.a @ self.state(share) + self.b @ ((1.0 - share) * self.force[0] + share * self.force[1]))
+
+
+def _repeats(system: MountedPress, ends: Array) -> tuple[Array, int | None]:
+    """Change (strokes - 1,) of the states at the ends of strokes, and after how many strokes they repeat themselves."""
+    factors = np.linalg.cholesky(system.stiffness), np.linalg.cholesky(system.mass)
+    n = len(system.mass)
+    energy = np.hstack([ends[:, :n] @ factors[0], ends[:, n:] @ factors[1]])[1:]
+    size = float(np.linalg.norm(energy, axis=1).max()) or 1.0
+    change = np.linalg.norm(np.diff(energy, axis=0), axis=1) / size
+    for after in range(1, min(MOST_PERIODS, len(energy) - 1) + 1):
+        if np.linalg.norm(energy[-1] - energy[-1 - after]) <= REPEATED * size:
+            return change, after
+    return change, None
