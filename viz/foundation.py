@@ -82,19 +82,19 @@ def pads(system: foundation.MountedPress) -> str:
 
 def harder(model: vibration.Vibration) -> str:
     """What feet that lift off make of harder blows."""
-    lines = [
-        "| force | lifts of a foot | highest | longest | walked | floor, upwards peak | if they pulled |",
-        "|---|---:|---:|---:|---:|---:|---:|",
-    ]
+    heads = ["force", "lifts", "highest", "longest", "walked", "most on the floor, beside the weight", "of the linear model"]
+    lines = [f"| {' | '.join(heads)} |", "|---|---:|---:|---:|---:|---:|---:|"]
     system = model.machines[vibration.REAL]
     for force in FORCES:
         blows = vibration.blows(system, dataclasses.replace(vibration.PILING, force=force))
-        linear = foundation.time_response(system, blows, points={}).floor_force[:, 2].min()
+        linear = foundation.time_response(system, blows, points={})
         found = foundation.lifting_response(system, blows, points={})
-        gap, longest = (float(values.max(initial=0.0)) for values in (found.gap, found.end - found.start))
+        gap, longest = (1e3 * float(values.max(initial=0.0)) for values in (found.gap, found.end - found.start))
+        most, pulled = (-1e-3 * float(each.floor_force[:, 2].min()) for each in (found.motion, linear))
+        walked = 1e3 * np.abs(found.walked).max()
         lines.append(
-            f"| {1e-3 * force:g} kN | {len(found.mount)} | {1e3 * gap:.3g} mm | {1e3 * longest:.3g} ms | {1e3 * np.abs(found.walked).max():.2g} mm"
-            f" | {1e-3 * found.motion.floor_force[:, 2].max():.4g} kN | {-1e-3 * linear:.4g} kN |"
+            f"| {1e-3 * force:g} kN | {len(found.mount)} | {gap:.3g} mm | {longest:.3g} ms | {walked:.2g} mm"
+            f" | {most:.4g} kN | {pulled:.4g} kN |"
         )
     return "\n".join(lines)
 
@@ -155,8 +155,8 @@ counterweight. Written by `python viz/foundation.py`, which also draws [the pict
 """
 FORCES = (50e3, 100e3, 1250e3)  # the nominal force of the press last [N]
 HARDER = """
-Under the nominal force the frame, which stretches but does not bend here, would hop by millimetres if nothing held it down: the crown's mass
-swings on the columns, with a blow that ends at once. The linear model lets the feet pull instead.
+Under the nominal force the frame, which stretches but does not bend here, would hop by millimetres if nothing held it down: the blow ends
+at once, and bed and crown swing on the columns. In the linear model the feet pull instead.
 """
 NOTES = """
 - The resonance is that of swaying on the rubber, which is far softer in shear than in compression. Hardness and size of the pads, which the
