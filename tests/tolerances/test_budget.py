@@ -39,6 +39,7 @@ def test_every_part_of_a_crank_slide_by_hand(crank_slide):
         assert warm[k].heat == pytest.approx(heat)
         assert warm[k].shift == pytest.approx(6e-5 + (1e4 + weight) * compliance + heat)
         assert warm[k].highest - warm[k].shift == pytest.approx(0.2 * (1e4 + weight) * compliance)
+        assert warm[k].shift - warm[k].lowest == pytest.approx(0.2 * (1e4 + weight) * compliance)
         assert warm[k].rise == pytest.approx(warm[k].shift - idle[0].shift)
     assert found.worst == process[0]
     assert found.decides == "springs"
@@ -61,6 +62,28 @@ def test_a_budget_without_rise_shows_machining_and_what_is_lowest(crank_slide):
     assert "machining: -0.0" in str(backwards)
     assert "largest rise" not in str(backwards)
     assert backwards.columns()["rise [m]"] == [0.0]
+
+
+def test_clearances_that_are_undetermined_leave_a_band(crank_slide):
+    """A cylinder carries the slide: at a crawl its pins may stand on either side. Set there, the press rises by what inertia decides."""
+    cylinder = [pp.loads.PointForce("slide", (0.0, 0.0, 981.0))]
+    found = tol.budget(crank_slide, speeds=[1e-3, 20.0], clearance={"P": 2e-5, "W": 3e-5}, loads=cylinder)
+    crawling, fast = found.conditions
+    assert (crawling.lowest, crawling.highest) == pytest.approx((-5e-5, 5e-5))
+    assert (fast.lowest, fast.shift, fast.highest) == pytest.approx((-5e-5, -5e-5, -5e-5))
+
+
+def test_the_lowest_place_may_be_aside_of_the_rigid_dead_centre(crank_slide):
+    """A force that lifts the slide within a degree of bottom dead centre alone: beside that it hangs, lower than it is pressed there."""
+
+    def lifting(motion):
+        turned = np.abs((motion.crank_angle + np.pi) % (2 * np.pi) - np.pi)
+        return np.where(turned < np.radians(1.0), 2000.0, 0.0)[:, None] * [0.0, 0.0, 1.0]
+
+    found = tol.budget(crank_slide, speeds=[1.0], clearance={"W": 5e-5}, loads=[pp.loads.PointForce("slide", lifting)]).conditions[0]
+    aside = 0.5 * 0.1 * 1.25 * np.radians(1.0) ** 2
+    assert (found.clearances, found.crank) == (pytest.approx(-5e-5, rel=1e-3), pytest.approx(aside, rel=0.25))  # in steps of 0.1 deg
+    assert found.shift == pytest.approx(found.clearances + found.crank)
 
 
 @pytest.mark.parametrize(

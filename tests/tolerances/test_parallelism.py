@@ -1,5 +1,6 @@
 """Slopes of slides on two and four points, against chains of their own, closed forms and least squares by hand."""
 
+import re
 from math import erf
 
 import numpy as np
@@ -151,6 +152,46 @@ def test_a_dimension_of_several_points_moves_them_alike(two_points):
     found = tol.parallelism(two_points, {"P4_front": [shaft, rod], "P4_back": [shaft]}, samples=100)
     assert gradient(found, "O z") == pytest.approx([0, 0], abs=1e-9)
     assert share(found.slopes[1], "P2_front-P4_front") == pytest.approx(1.0)
+
+
+def six_bar_on_two_points(half):
+    """The text of zxn2_3000b with two rods, beside its plane."""
+    text = re.sub(r"<visual>.*?</visual>", "", texts.shipped("zxn2_3000b").text.decode(), flags=re.DOTALL)
+    parts = [re.search(pattern, text, re.DOTALL)[0] for pattern in (r'<link name="rod".*?</link>', r'<joint name="E".*?</joint>')]
+    parts.append(re.search(r'<loop_joint name="F".*?</loop_joint>', text)[0])
+    doubled = ""
+    for side, y in (("front", -half), ("back", half)):
+        link, joint, loop = (re.sub(r'"(rod|E|F)"', rf'"\1_{side}"', part) for part in parts)
+        doubled += link + re.sub(r'xyz="(\S+) 0 (\S+)"', rf'xyz="\1 {y} \2"', joint, count=1)
+        doubled += loop.replace('link2 link="slide" xyz="0 0 0"', f'link2 link="slide" xyz="0 {y} 0"')
+    for part in parts:
+        text = text.replace(part, "")
+    return text.replace("</robot>", doubled + "</robot>")
+
+
+def test_a_six_bar_on_two_points_against_the_six_bar_with_one_rod():
+    """Coupler and rocker move both points alike; the slide's guide along itself moves none; rods and their seats tilt the slide."""
+    press, single = texts.load(six_bar_on_two_points(0.4)), texts.shipped("zxn2_3000b")
+    shared = [tol.link_length(press, pin, "C", 5e-4) for pin in "DB"]
+    own = {
+        side: [
+            tol.link_length(press, f"E_{side}", f"F_{side}", 5e-4, name=f"rod {side}"),
+            tol.Dimension(f"seat {side}", {(f"E_{side}", "rocker"): (1.0, 0.0, 0.0)}, 5e-4),
+        ]
+        for side in ("front", "back")
+    }
+    guide = tol.pin_position(press, "slide_guide", "z", 1e-3)
+    found = tol.parallelism(press, {"F_front": [*shared, *own["front"], guide], "F_back": [*shared, *own["back"]]}, samples=20)
+    slope, at, angle = found.slopes[1], pivot_positions(single), pp.dead_centres(press).bottom_angle
+    drawn = dict(zip([part.name for part in slope.parts], found.deviations[:, 19], strict=True))
+    heights = {}
+    for side in ("front", "back"):
+        by = {("C", "rocker"): drawn["DC"], ("C", "coupler"): drawn["BC"], ("F", "rod"): drawn[f"rod {side}"]}
+        moved = {key: at[key] * (1 + deviation / np.linalg.norm(at[key])) for key, deviation in by.items()}
+        moved["E", "rocker"] = at["E", "rocker"] + [drawn[f"seat {side}"], 0.0, 0.0]
+        heights[side] = pp.servo_cycle(reshaped(single, moved), [angle], speed=0.0).slide_position[0]
+    assert slope.deviation[19] == pytest.approx((heights["back"] - heights["front"]) / 0.8, abs=1e-12)
+    assert [gradient(found, name)[1] for name in ("DC", "BC", "slide_guide z")] == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
 
 
 BODY = '<inertial><mass value="{}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
