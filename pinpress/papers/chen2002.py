@@ -14,7 +14,7 @@ from ..derivatives.reshape import reshaped
 from ..kinematics.dyads import transmission_angle_curves
 from ..kinematics.measures import even_length, pressure_angle, quick_return_ratio, speed_ratio, speed_variation, stroke
 from ..kinematics.motion import Motion, cycle
-from ..kinematics.phases import StrokePhase, phases
+from ..kinematics.phases import phases
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
@@ -22,7 +22,7 @@ from ..linkage.loading import load
 from ..synthesis.design import Trial
 from ..synthesis.synthesis import SynthesisResult, synthesise
 from .chen2002_design import AXIS, DRAWN, HALF, SPEED, STROKE, charts_entry, weighing_entry
-from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Erratum, Page, PageEntry, Panel, Row, draw
+from .pages import BEYOND, CURVES, FORMULAS, NO_RESULT, NOT, PARTLY, Erratum, Grid, Page, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -161,24 +161,17 @@ def _phases(motion: Motion) -> PageEntry:
     rows = []
     for each in phases(motion, DRAWN):
         begin, ends = math.degrees(each.crank_angle), math.degrees(each.crank_angle + each.turned)
-        begin, ends = (angle - 360 * (begin >= 180 and each.phase == "approach") for angle in (begin, ends))
-        rows += [
-            Row(f"{each.phase}: crank angles [deg]", "", f"{begin:.2f} to {ends:.2f}"),
-            Row(f"{each.phase}: time [ms]", "", 1e3 * each.duration, places=1),
-            Row(f"{each.phase}: travel [mm]", "", 1e3 * each.travel, places=1),
-            Row(f"{each.phase}: lowest, mean and highest speed [mm/s]", "", _listed_speeds(each)),
-        ]
+        begin, ends = (angle - 360 * (each.phase == "approach") for angle in (begin, ends))
+        speeds = (f"{1e3 * speed:.0f}" for speed in (each.lowest_speed, each.mean_speed, each.highest_speed))
+        rows.append((each.phase, f"{begin:.2f} to {ends:.2f}", f"{1e3 * each.duration:.1f}", f"{1e3 * each.travel:.1f}", *speeds))
+    grid = Grid(("phase", "crank angle [deg]", "time [ms]", "travel [mm]", "lowest", "mean", "highest speed [mm/s]"), tuple(rows))
     reason = (
         "The paper marks three parts in the figure by letters: approach, working stroke and quick return, without numbers at their ends."
         " Here the working part is the 120 mm of evenest speed that its example asks for; the approach leads to it, and between it and the"
         " dead centre is a run-out, which the paper does not name. The approach begins at rest and is slower on average than the working"
         " part by two fifths, as the paper wants it, but its end is as fast as the working part: the ram meets the blank at full speed."
     )
-    return PageEntry(("Phases",), "approach, working part, run-out and return of Fig. 3", BEYOND, tuple(rows), reason)
-
-
-def _listed_speeds(each: StrokePhase) -> str:
-    return ", ".join(f"{1e3 * speed:.0f}" for speed in (each.lowest_speed, each.mean_speed, each.highest_speed))
+    return PageEntry(("Phases",), "approach, working part, run-out and return of Fig. 3", BEYOND, (), reason, grids=(grid,))
 
 
 def _pressure_angles(press: Linkage, motion: Motion) -> PageEntry:

@@ -21,7 +21,7 @@ from ..plots.style import COLOURS, drawing, grid
 from ..synthesis.design import Trial
 from ..synthesis.pareto_curve import DesignTradeOff, trade_off
 from ..synthesis.synthesis import SynthesisResult, synthesise
-from .pages import BEYOND, PageEntry, Panel, Row, draw
+from .pages import BEYOND, Grid, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -78,10 +78,14 @@ def charts_entry(press: Linkage) -> PageEntry:
             Row(f"{where}: largest pressure angle [deg]", f"{steepest(crank, height):.5f}", angle, 1e-3, None, "formula"),
             Row(f"{where}: drop of speed over 30 % of the stroke [%]", "", drop, places=2),
         ]
-    for i in (1, 4, 8):
-        best = int(values[:, i, 3].argmin())
-        found = f"{values[best, i, 3]:.2f} % at h / l3 = {HEIGHTS[best]:.2f}, pressure angle {values[best, i, 2]:.1f} deg"
-        rows.append(Row(f"l1 / l3 = {CRANKS[i]:g}: least drop of speed in the chart", "", found))
+    least = Grid(
+        ("l1 / l3", "least drop of speed in the chart [%]", "at h / l3", "pressure angle there [deg]"),
+        tuple(
+            (f"{CRANKS[i]:g}", f"{values[j, i, 3]:.2f}", f"{HEIGHTS[j]:.2f}", f"{values[j, i, 2]:.1f}")
+            for i in (1, 4, 8)
+            for j in [int(values[:, i, 3].argmin())]
+        ),
+    )
 
     def shown() -> "Figure":
         cranks, heights = (np.linspace(each[0], each[-1], FINE * len(each)) for each in (CRANKS, HEIGHTS))
@@ -103,7 +107,9 @@ def charts_entry(press: Linkage) -> PageEntry:
         "Above: time ratio and stroke over l1 / l3. Below: h / l3 over l1 / l3, with lines of equal largest pressure angle (left) and of"
         " equal drop of speed over 30 % of the stroke (right). Cross: the example."
     )
-    return PageEntry(("Design charts",), "over l1 / l3 and h / l3", BEYOND, tuple(rows), reason, "chen2002_charts", shown, caption)
+    return PageEntry(
+        ("Design charts",), "over l1 / l3 and h / l3", BEYOND, tuple(rows), reason, "chen2002_charts", shown, caption, (least,)
+    )
 
 
 def _curve(axes: "Axes", label: str, values: Array) -> None:
@@ -169,17 +175,12 @@ def weighing_entry(press: Linkage) -> PageEntry:
     fronts = {"pins": front(press, pins), "guide": front(press, guide)}
     best, example = weighed(press), worth(press)
     shown_of = {name: [worth(design.press) for design in curve.designs] for name, curve in fronts.items()}
-    rows = [Row("as printed: drop of speed; torque; pins; guide", "", _worth_words(example))]
+    rows = [_cells("the example", PRINTED, example)]
     for name, words in (("pins", "force in the pins"), ("guide", "side force on the guide")):
         for k, (design, values) in enumerate(zip(fronts[name].designs, shown_of[name], strict=True), 1):
-            rows += [
-                Row(f"even speed against {words}, design {k}: l1; l4; h [mm]", "", _lengths(design)),
-                Row(f"even speed against {words}, design {k}: drop of speed; torque; pins; guide", "", _worth_words(values)),
-            ]
-    rows += [
-        Row("all four weighed equally: l1; l4; h [mm]", "", _lengths(best)),
-        Row("all four weighed equally: drop of speed; torque; pins; guide", "", _worth_words(worth(best.press))),
-    ]
+            rows.append(_cells(f"even speed against {words}, {k}", design.variables, values))
+    rows.append(_cells("all four weighed equally", best.variables, worth(best.press)))
+    heads = ("design", "l1 [mm]", "l4 [mm]", "h [mm]", "drop of speed [%]", "torque [N m]", "pins [kN]", "guide [kN]")
 
     def shown() -> "Figure":
         panels = []
@@ -197,18 +198,15 @@ def weighing_entry(press: Linkage) -> PageEntry:
         " longer crank and a long coupler are better than the example in all four."
     )
     caption = "Lines: designs of which none is better in both; cross: the example."
+    grids = (Grid(heads, tuple(rows)),)
     return PageEntry(
-        ("Weighed",), "even speed, torque and bearing forces together", BEYOND, tuple(rows), reason, "chen2002_weighed", shown, caption
+        ("Weighed",), "even speed, torque and bearing forces together", BEYOND, (), reason, "chen2002_weighed", shown, caption, grids
     )
 
 
-def _worth_words(values: tuple[float, float, float, float]) -> str:
+def _cells(words: str, lengths: Mapping[str, float], values: tuple[float, float, float, float]) -> tuple[str, ...]:
     even, torque, largest, side = values
-    return f"{even:.2f} %; {torque:.0f} N m; {largest:.2f} kN; {side:.2f} kN"
-
-
-def _lengths(design: SynthesisResult) -> str:
-    return "; ".join(f"{1e3 * design.variables[name]:.1f}" for name in VARIABLES)
+    return words, *(f"{1e3 * lengths[name]:.1f}" for name in VARIABLES), f"{even:.2f}", f"{torque:.0f}", f"{largest:.2f}", f"{side:.2f}"
 
 
 def worth(press: Linkage) -> tuple[float, float, float, float]:

@@ -26,7 +26,7 @@ from ..loads.link import PointForce
 from ..simulation.simulate import simulate
 from .kong2025_counterweights import PAPER, conclusion
 from .kong2025_drive import gearing_entry, motor_entry
-from .pages import BEYOND, DATA, NO_RESULT, NOT, PARTLY, REPRODUCED, Erratum, Page, PageEntry, Panel, Row, draw
+from .pages import BEYOND, DATA, NO_RESULT, NOT, PARTLY, REPRODUCED, Erratum, Grid, Page, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -344,10 +344,14 @@ def _bearings(before: PressTurn, after: PressTurn) -> PageEntry:
         for axis, words in ((0, "x"), (2, "vertical")):
             ranges = [float(np.ptp(each.reactions.bearing_force[bearing][:, axis])) for each in (before, after)]
             rows.append(Row(f"{bearing}, {words}, change of the range [%]", "", 100 * (ranges[1] / ranges[0] - 1), places=2))
-    for bearing in PINS:
-        for axis, words in ((0, "x"), (2, "vertical")):
-            for when, each in (("before", before), ("after", after)):
-                rows.append(Row(f"{bearing}, {words}, {when}: largest and smallest [kN]", "", _ends(each, bearing, axis)))
+    extremes = Grid(
+        ("force [kN]", *(f"{end}, {when}" for when in ("before", "after") for end in ("largest", "smallest"))),
+        tuple(
+            (f"{bearing}, {words}", *_ends(before, bearing, axis), *_ends(after, bearing, axis))
+            for bearing in PINS
+            for axis, words in ((0, "x"), (2, "vertical"))
+        ),
+    )
     bottom = int(before.motion.slide_position.argmin())
     for bearing in "ABC":
         size = np.linalg.norm(before.reactions.bearing_force[bearing], axis=1)
@@ -359,14 +363,16 @@ def _bearings(before: PressTurn, after: PressTurn) -> PageEntry:
         " At bottom dead centre the forces in A, B and C are small, but they are smallest at another crank angle."
     )
     caption = "Forces of parent on child, in C and F of link 1 on link 2; x across, y up."
-    return PageEntry(("Fig. 6",), "forces in the bearings A to F", NOT, tuple(rows), reason, "kong2025_bearings", shown, caption)
+    return PageEntry(
+        ("Fig. 6",), "forces in the bearings A to F", NOT, tuple(rows), reason, "kong2025_bearings", shown, caption, (extremes,)
+    )
 
 
-def _ends(each: PressTurn, bearing: str, axis: int) -> str:
+def _ends(each: PressTurn, bearing: str, axis: int) -> tuple[str, ...]:
     """Largest and smallest value of a component of a bearing force, with their crank angles."""
     curve = each.reactions.bearing_force[bearing][:, axis] / 1e3
     ends = ((curve.max(), largest_at(each.motion, curve)), (curve.min(), largest_at(each.motion, -curve)))
-    return ", ".join(f"{value:.2f} at {angle:.2f} deg" for value, angle in ends)
+    return tuple(f"{value:.2f} at {angle:.1f} deg" for value, angle in ends)
 
 
 def _claims(before: PressTurn, after: PressTurn) -> PageEntry:

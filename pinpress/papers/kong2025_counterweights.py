@@ -5,6 +5,7 @@ proved optimum of `balance`, with moments of inertia that are those of the count
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from ..balancing.counterweights import Counterweight, with_counterweights
 from ..balancing.optimum import balance
@@ -15,7 +16,7 @@ from ..common.quantities import RPM
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
-from .pages import BEYOND, PageEntry, Row
+from .pages import BEYOND, Grid, PageEntry
 
 SPEED = 70 * RPM
 POINTS = 720
@@ -30,28 +31,79 @@ SHAKING = {f"shaking force, {words}": Range("shaking_force", axis) for words, ax
 ROUNDING = 1e-4  # a change that is less is none [%]
 
 
+@dataclass(frozen=True, eq=False)
+class Price:
+    """What counterweights can do for the range of one force or torque.
+
+    Attributes:
+        words: the force or torque.
+        most: largest fall with as much mass as the paper adds [%].
+        mass: least mass for a fall that one would notice [kg]; None where no mass does it.
+        listed: where that mass goes.
+        rises: name of the range that rises most then.
+        rise: its change [%].
+    """
+
+    words: str
+    most: float
+    mass: float | None
+    listed: str = ""
+    rises: str = ""
+    rise: float = 0.0
+
+
+def prices(press: Linkage, motion: Motion, before: Reactions) -> tuple[Price, ...]:
+    """The price of the torque and of every component of the bearing forces."""
+    return tuple(_price(press, motion, before, words) for words in TORQUE | BEARINGS)
+
+
+def _price(press: Linkage, motion: Motion, before: Reactions, words: str) -> Price:
+    criterion = (TORQUE | BEARINGS)[words]
+    most = _balanced(press, motion, criterion, {AddedMass(): ADDED})
+    fall = _change(before, inverse_dynamics(most.press, motion), criterion)
+    if not most.added_mass:
+        return Price(words, fall, None)
+    found = _balanced(press, motion, AddedMass(), {criterion: (1 - FALL / 100) * criterion.value(before)})
+    after = inverse_dynamics(found.press, motion)
+    others = {name: each for name, each in (TORQUE | BEARINGS | SHAKING).items() if name != words}
+    changes = {name: _change(before, after, each) for name, each in others.items()}
+    rises = max(changes, key=changes.__getitem__)
+    return Price(words, fall, found.added_mass, _listed(found), rises, changes[rises])
+
+
+def unharmed(press: Linkage, motion: Motion, before: Reactions, goal: str) -> BalancedPress:
+    """The least range of a force with as much mass as the paper adds at most, no range of torque and bearing forces above what it was."""
+    limits: dict[Target, float] = {criterion: criterion.value(before) for criterion in (TORQUE | BEARINGS).values()}
+    return _balanced(press, motion, (BEARINGS | SHAKING)[goal], {AddedMass(): ADDED, **limits})
+
+
 def conclusion(press: Linkage) -> PageEntry:
     """What conclusion (4) would take, for the press before balancing."""
     motion = cycle(press, SPEED, points=POINTS)
     before = inverse_dynamics(press, motion)
-    paper = inverse_dynamics(with_counterweights(press, PAPER), motion)
-    limits: dict[Target, float] = {AddedMass(): ADDED, **{criterion: criterion.value(before) for criterion in (TORQUE | BEARINGS).values()}}
-    rows = [Row("the paper's counterweights: ranges in A to F that rise", "", _risen(before, paper))]
+    designs = {"the paper's": (inverse_dynamics(with_counterweights(press, PAPER), motion), f"{ADDED:.0f} kg on crank and rod")}
     for goal in ("A, vertical", "shaking force, x"):
-        kept = _balanced(press, motion, (BEARINGS | SHAKING)[goal], limits)
-        after = inverse_dynamics(kept.press, motion)
-        rows += [
-            Row(f"least {goal}, none above what it was, at most {ADDED:.0f} kg: counterweights", "", _listed(kept)),
-            Row(f"least {goal}: ranges in A to F that rise", "", _risen(before, after)),
-        ]
-        for words, each in ({words: BEARINGS[words] for words in ("A, x", "A, vertical")} | TORQUE | SHAKING).items():
-            rows.append(Row(f"least {goal}: {words}, change of the range [%]", "", _change(before, after, each), places=2))
-    for words, criterion in (TORQUE | BEARINGS).items():
-        most = _balanced(press, motion, criterion, {AddedMass(): ADDED})
-        change = _change(before, inverse_dynamics(most.press, motion), criterion)
-        rows.append(Row(f"{words}: largest fall of the range with at most {ADDED:.0f} kg [%]", "", change, places=2))
-        taken = _price(press, motion, before, criterion) if most.added_mass else "no mass does it"
-        rows.append(Row(f"{words}: what {FALL:g} % less takes", "", taken))
+        kept = unharmed(press, motion, before, goal)
+        designs[f"least {goal}, none higher"] = inverse_dynamics(kept.press, motion), _listed(kept)
+    columns = {words: BEARINGS[words] for words in ("A, x", "A, vertical")} | TORQUE | SHAKING
+    compared = Grid(
+        ("counterweights", "masses", "ranges in A to F that rise", *(f"{words} [%]" for words in columns)),
+        tuple(
+            (words, listed, _risen(before, after), *(f"{_change(before, after, each):+.2f}" for each in columns.values()))
+            for words, (after, listed) in designs.items()
+        ),
+    )
+    priced = Grid(
+        ("range", f"largest fall with {ADDED:.0f} kg [%]", f"{FALL:g} % less takes", "rises most then"),
+        tuple(
+            (
+                each.words,
+                f"{round(each.most, 2) + 0.0:.2f}",
+                *((each.listed, f"{each.rises}, {each.rise:+.0f} %") if each.mass else ("no mass does it", "")),
+            )
+            for each in prices(press, motion, before)
+        ),
+    )
     reason = (
         "Conclusion (4) says that the torque and the forces in all bearings fall. With the paper's counterweights the ranges in B to E"
         " rise (Fig. 6), and no counterweights on crank, rocker and rod could do what it says: the vertical force in F carries the"
@@ -62,21 +114,11 @@ def conclusion(press: Linkage) -> PageEntry:
         " torque, takes one to eight tonnes in all bearings but D, and the horizontal shaking force pays. All this is the empty press: the"
         " force of a process adds to the bearings whatever the counterweights are."
     )
-    return PageEntry(("Conclusion (4)",), "which bearing forces can fall, and at what price", BEYOND, tuple(rows), reason)
+    return PageEntry(("Conclusion (4)",), "which bearing forces can fall, and at what price", BEYOND, (), reason, grids=(compared, priced))
 
 
 def _balanced(press: Linkage, motion: Motion, minimise: Target, limits: Mapping[Target, float]) -> BalancedPress:
     return balance(press, motion, regions=REGIONS, minimise=minimise, limits=limits)
-
-
-def _price(press: Linkage, motion: Motion, before: Reactions, criterion: Criterion) -> str:
-    """The least mass for a noticeable fall of a range, where it goes, and which other range rises most."""
-    found = _balanced(press, motion, AddedMass(), {criterion: (1 - FALL / 100) * criterion.value(before)})
-    after = inverse_dynamics(found.press, motion)
-    others = {words: each for words, each in (TORQUE | BEARINGS | SHAKING).items() if each != criterion}
-    changes = {words: _change(before, after, each) for words, each in others.items()}
-    dearest = max(changes, key=changes.__getitem__)
-    return f"{_listed(found)}; rises most: {dearest}, {changes[dearest]:+.0f} %"
 
 
 def _change(before: Reactions, after: Reactions, criterion: Criterion) -> float:
@@ -86,7 +128,7 @@ def _change(before: Reactions, after: Reactions, criterion: Criterion) -> float:
 
 def _risen(before: Reactions, after: Reactions) -> str:
     risen = [words for words, criterion in BEARINGS.items() if _change(before, after, criterion) > ROUNDING]
-    return f"{len(risen)} of {len(BEARINGS)}: {'; '.join(risen)}" if risen else "none"
+    return f"{len(risen)} of {len(BEARINGS)}" if risen else "none"
 
 
 def _listed(found: BalancedPress) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..common.quantities import RPM, Values
 from ..drives.motors import InverterMotor
-from .pages import BEYOND, REPRODUCED, PageEntry, Panel, Row, draw
+from .pages import BEYOND, REPRODUCED, Grid, PageEntry, Panel, Row, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -75,31 +75,22 @@ def gearing_entry() -> PageEntry:
         Row("least ratio that serves, 724.9 r/min at 50 strokes/min", "", least, places=3),
         Row("largest ratio that serves, 1450 r/min at 70 strokes/min", "", largest, places=3),
         Row("ratio from which 70 strokes/min need a weakened field, 1485 r/min", "", 1485 / fast, places=3),
-        *(
-            Row(
-                f"gear stage behind a belt of {belt:g}: ratios that serve, and the largest with {PINION} teeth on its pinion",
-                "",
-                _pair(belt),
-            )
-            for belt in BELTS
-        ),
     ]
-    for words, ratio in (("least", least), ("largest", largest)):
-        rows += [
-            Row(f"{words} ratio: strokes/min at 724.9 and 1450 r/min", "", " to ".join(f"{speed / ratio:.1f}" for speed in MOTOR_SPEED)),
-            Row(f"{words} ratio: motor speed at 50 and 70 strokes/min [r/min]", "", " to ".join(f"{ratio * each:.0f}" for each in STROKES)),
-            Row(f"{words} ratio: frequency there [Hz]", "", " to ".join(f"{float(frequency_at(ratio * each)):.1f}" for each in STROKES)),
-            Row(f"{words} ratio: permanent torque on the crank from 50 to 70 [N m]", "", float(crank_torque(ratio, fast)), places=0),
-            Row(f"{words} ratio: its work in a turn of the crank [kJ]", "", float(2e-3 * np.pi * crank_torque(ratio, fast)), places=1),
-            Row(
-                f"{words} ratio: permanent power there [kW]",
-                "",
-                " and ".join(f"{1e-3 * float(crank_torque(ratio, each)) * each * RPM:.1f}" for each in STROKES),
-            ),
-        ]
-    rows.append(Row(f"ratio {WEAKENED:g}: field weakened from [strokes/min]", "", 1485 / WEAKENED, places=1))
-    rows.append(
-        Row(f"ratio {WEAKENED:g}: permanent torque on the crank at 70 strokes/min [N m]", "", float(crank_torque(WEAKENED, fast)), places=0)
+    by_ratio = Grid(
+        (
+            "ratio",
+            "strokes/min at 724.9 and 1450 r/min",
+            "motor at 50 and 70 strokes/min [r/min]",
+            "frequency there [Hz]",
+            "permanent torque on the crank there [N m]",
+            "its work in a turn [kJ]",
+            "its power [kW]",
+        ),
+        tuple(_of_ratio(ratio) for ratio in (least, largest, WEAKENED)),
+    )
+    by_belt = Grid(
+        ("belt", "gear stages that serve", f"largest with {PINION} teeth on the pinion", "ratio of both"),
+        tuple(_of_belt(belt) for belt in BELTS),
     )
 
     def shown() -> "Figure":
@@ -117,13 +108,27 @@ def gearing_entry() -> PageEntry:
         " flywheel covers."
     )
     caption = "Permanent torque on the crank, without losses; the ratio of 25 is ours, to show field weakening."
+    grids = (by_ratio, by_belt)
     return PageEntry(
-        ("Gearing",), "ratios between motor and crank that serve", BEYOND, tuple(rows), reason, "kong2025_gearing", shown, caption
+        ("Gearing",), "ratios between motor and crank that serve", BEYOND, tuple(rows), reason, "kong2025_gearing", shown, caption, grids
     )
 
 
-def _pair(belt: float) -> str:
+def _of_ratio(ratio: float) -> tuple[str, ...]:
+    torque = [float(crank_torque(ratio, each)) for each in STROKES]
+    return (
+        f"{ratio:.3f}",
+        " to ".join(f"{speed / ratio:.1f}" for speed in MOTOR_SPEED),
+        " to ".join(f"{ratio * each:.0f}" for each in STROKES),
+        " to ".join(f"{float(frequency_at(ratio * each)):.1f}" for each in STROKES),
+        " to ".join(f"{each:.0f}" for each in torque),
+        " to ".join(f"{2e-3 * math.pi * each:.1f}" for each in torque),
+        " to ".join(f"{1e-3 * each * speed * RPM:.1f}" for each, speed in zip(torque, STROKES, strict=True)),
+    )
+
+
+def _of_belt(belt: float) -> tuple[str, ...]:
     """Ratios of the gear stage behind a belt, and a pair of wheels just below the largest."""
     least, largest = (ratio / belt for ratio in serving_ratios())
     wheel = math.floor(PINION * largest)
-    return f"{least:.3f} to {largest:.3f}; {wheel}:{PINION} makes {belt * wheel / PINION:.3f}"
+    return f"{belt:g}", f"{least:.3f} to {largest:.3f}", f"{wheel} : {PINION}", f"{belt * wheel / PINION:.3f}"

@@ -100,6 +100,23 @@ class Row:
 
 
 @dataclass(frozen=True)
+class Grid:
+    """Results of ours in a table with columns of its own, where a number a row would be hard to read.
+
+    Attributes:
+        heads: names of the columns, with units.
+        rows: their cells.
+    """
+
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    def __post_init__(self) -> None:
+        if any(len(row) != len(self.heads) for row in self.rows):
+            raise PinpressError(f"a row has another number of cells than the {len(self.heads)} heads {self.heads}")
+
+
+@dataclass(frozen=True)
 class PageEntry:
     """One table or figure of a document, several of one kind, or a claim of its text.
 
@@ -112,6 +129,7 @@ class PageEntry:
         figure: name of our figure; empty where there is none.
         draw: function that draws our figure.
         caption: text below the figure.
+        grids: tables of results of ours, below the numbers.
     """
 
     numbers: tuple[str, ...]
@@ -122,6 +140,7 @@ class PageEntry:
     figure: str = ""
     draw: "Callable[[], Figure] | None" = None
     caption: str = ""
+    grids: tuple[Grid, ...] = ()
 
     @property
     def label(self) -> str:
@@ -132,7 +151,8 @@ class PageEntry:
         """Heading, reason, table and figure; ``folder`` is the folder of the figures."""
         parts = [f"### {self.label}: {self.title}", f"{self.kind[0].upper()}{self.kind[1:]}. {self.reason}".strip()]
         if self.rows:
-            parts.append(table(("", "document", "pinpress", "deviation", "tolerance"), (row.cells() for row in self.rows)))
+            parts.append(_of_numbers([row.cells() for row in self.rows]))
+        parts += [table(grid.heads, grid.rows) for grid in self.grids]
         if self.draw is not None:
             parts.append(f"![{self.label}]({folder}/{self.figure}.png)\n\n{self.caption}".strip())
         return "\n\n".join(parts)
@@ -227,6 +247,13 @@ def _small(figure: "Figure") -> bytes:
 def figures(chapter: int, first: int, last: int) -> tuple[str, ...]:
     """The numbers of consecutive figures of a chapter, as a document prints them."""
     return tuple(f"Fig. {chapter}-{k}" for k in range(first, last + 1))
+
+
+def _of_numbers(rows: Sequence[tuple[str, ...]]) -> str:
+    """The table of an entry's numbers, without columns that are empty."""
+    heads = ("", "document", "pinpress", "deviation", "tolerance")
+    kept = [k for k, head in enumerate(heads) if not head or any(row[k] for row in rows)]
+    return table(tuple(heads[k] for k in kept), [tuple(row[k] for k in kept) for row in rows])
 
 
 def table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
