@@ -136,7 +136,7 @@ def _mains(whole: MotorDuty) -> list[str]:
     return [
         tables.entry("from the mains", works.shown(whole.mains_work), works.unit, share),
         tables.entry("lost by slip", slip.shown(whole.slip_loss), slip.unit),
-        tables.entry("mean power", mean.shown(power), mean.unit, "from the mains; in an hour as many Wh"),
+        tables.entry("mean power", mean.shown(power), mean.unit, f"from the mains, {power / 1e3:.4g} kWh in an hour"),
         *([tables.entry("settled rise", rise, "K", "of its temperature, if this goes on for good")] if rise else []),
     ]
 

@@ -122,6 +122,13 @@ def test_motor_beside_its_curve(written: Path, steady: Any) -> None:
     duty = pp.measures.duty_cycle(steady)
     assert figures(section)["motor, use"] == f"{100 * duty.utilisation:.4g} %"
     assert chart(section, "Energy of the period")["places"] == ["drive", "loads"]  # nothing is stored in a period
+    bars = chart(section, "Energy from the mains")
+    work = dict(zip(bars["places"], UNITS[bars["unit"]] * np.array(bars["bars"]["work"]), strict=True))
+    mains = work.pop("from the mains")
+    assert mains == pytest.approx(duty.mains_work)
+    assert sum(work.values()) == pytest.approx(mains, rel=1e-6)
+    assert work["slip"] == pytest.approx(duty.slip_loss)
+    assert figures(section)["from the mains"].startswith(f"{duty.mains_work / duty.duration / 1e3:.4g}"[:4])
     x, y = curves(chart(section, "Crank speed"))["crank speed"]
     assert_allclose(y, steady.crank_speed / pp.RPM, rtol=1e-6)
     assert 0 <= x.min() < 1

@@ -19,11 +19,22 @@ from ...dynamics.inverse_dynamics import Reactions
 from ...kinematics.slide_path import stroke_turns
 from ...loads.caller_laws import as_given
 from ...loads.link import PointForce, SpringDamper
-from ...simulation.run import Run, duty_cycle, stroke_duties
+from ...simulation.motor_energy import motor_of
+from ...simulation.run import Run, duty_cycle, motor_energy, stroke_duties
 from ..recording import KeyFrames, elastic_run_of
 from .blocks import BarChart, Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown
 
+FROM_MAINS = {  # flows of a motor's energy, in words
+    "mains": "from the mains",
+    "drive": "on the crank",
+    "slip": "slip",
+    "load": "windings",
+    "constant": "iron, bearings, fan",
+    "gears": "gears",
+    "inverter": "inverter",
+    "resistor": "brake resistor",
+}
 CURVE = 240  # points of a motor's curve
 BEYOND = 1.05  # largest speed of a motor's curve, divided by the largest that the run or the curve's corners have
 MOST_STROKES = 12  # most strokes in a table
@@ -102,6 +113,7 @@ def motor(run: Run, frames: KeyFrames | None, along: tuple[str, Array] = ("", np
     blocks: list[Block] = [Figures(_duty(run))]
     if driven.drive is None:
         return blocks
+    blocks += _from_the_mains(run)
     turns = isinstance(driven.drive, Geared) or run.driver_coordinates[0].turns
     unit, words = ("N m", "Motor torque") if turns else ("N", "Drive force")
     every = np.arange(len(run.time)) if frames is None else frames.states
@@ -118,6 +130,14 @@ def motor(run: Run, frames: KeyFrames | None, along: tuple[str, Array] = ("", np
         follows=follows,
     )
     return [*blocks, over_time, _plane(run, speed, torque, scale, turns, frames is not None)]
+
+
+def _from_the_mains(run: Run) -> list[Block]:
+    """Where the energy from the mains goes, of a motor that says so."""
+    if motor_of(run.problem.driven) is None:
+        return []
+    energy = motor_energy(run)
+    return _bars("Energy from the mains", {words: float(energy.work[flow][-1]) for flow, words in FROM_MAINS.items()})
 
 
 def _duty(run: Run) -> Sequence[Figure]:
