@@ -14,7 +14,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import process_summary
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from ..loads.link import Friction, Load, PointForce, SpringDamper
+from ..loads.link import Friction, Load, StandingLoad
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
 from .words import part_specs
@@ -92,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
     if (options.flywheel is None) != (options.speed_drop is None):
         raise PinpressError("--flywheel and --speed-drop go together, as an energy: give both, e.g. --speed-drop 0.2, or neither")
     acting = loads(options)
-    beside, process_loads = ([load for load in acting if isinstance(load, PointForce | SpringDamper) == so] for so in (True, False))
+    beside, process_loads = ([load for load in acting if isinstance(load, StandingLoad) == so] for so in (True, False))
     press = load_press(options)
     friction = part_specs.frictions(options.friction, press)
     coordinate = press.driver_coordinates[0]

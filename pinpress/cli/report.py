@@ -13,7 +13,7 @@ from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
-from ..loads.link import PointForce, SpringDamper
+from ..loads.link import StandingLoad
 from ..loads.mounts import Frame, Mount
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
@@ -153,7 +153,7 @@ def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argp
     """What the options ask for beside motion and forces."""
     coordinate, loads = press.driver_coordinates[0], acting["loads"]
     if options.nominal_force is not None:
-        beside = [load for load in loads if options.at_speed and isinstance(load, PointForce | SpringDamper)]
+        beside = [load for load in loads if options.at_speed and isinstance(load, StandingLoad)]
         yield ratings.rated(press, options, beside, acting["friction"])
     if options.motor is not None:
         drive = part_specs.motor(options.motor, coordinate)

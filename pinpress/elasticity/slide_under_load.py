@@ -26,7 +26,8 @@ from ..kinematics.motion import Motion, doubt_speeds
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
-from ..loads.link import Load, PointForce, SpringDamper
+from ..loads.link import Load, PointForce, SpringDamper, StandingLoad
+from ..loads.pneumatics import BalanceCylinder
 from .springs import Stiffness
 from .unit_load import HeldPress, hold
 
@@ -162,16 +163,14 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, *, lo
 
 
 @typed
-def dead_centre_shift(
-    press: Linkage, stiffness: Stiffness, *, speed: ArrayLike, loads: Sequence[PointForce | SpringDamper] = ()
-) -> ElasticDeadCentre:
+def dead_centre_shift(press: Linkage, stiffness: Stiffness, *, speed: ArrayLike, loads: Sequence[StandingLoad] = ()) -> ElasticDeadCentre:
     """Find the bottom dead centre of an elastic press at constant speeds, without process load.
 
     Args:
         press: a press with one driver and a slide.
         stiffness: stiffnesses of its parts.
         speed: (S,) speeds of the crank, or one number [rad/s].
-        loads: constant forces, and springs without dampers, such as those that balance the slide's weight.
+        loads: constant forces, balance cylinders, and springs without dampers.
 
     Raises:
         UnknownNameError: as `compliance`.
@@ -272,8 +271,11 @@ def _speeds(speed: ArrayLike) -> Array:
     return speeds
 
 
-def _refuse_dependent(loads: Sequence[PointForce | SpringDamper]) -> None:
+def _refuse_dependent(loads: Sequence[StandingLoad]) -> None:
     for load in loads if isinstance(loads, list | tuple) else [loads]:
-        spring = isinstance(load, SpringDamper) and load.damping == 0.0
+        spring = isinstance(load, BalanceCylinder) or (isinstance(load, SpringDamper) and load.damping == 0.0)
         if not spring and not (isinstance(load, PointForce) and not callable(load.force) and np.shape(load.force) == (3,)):
-            raise PinpressError(f"load {shown(load)} may depend on the speed: give constant PointForces and SpringDampers without damping")
+            raise PinpressError(
+                f"load {shown(load)} may depend on the speed: give constant PointForces, BalanceCylinders, and SpringDampers without"
+                " damping"
+            )

@@ -19,6 +19,7 @@ from ..common.arguments import suitable_numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.parameters import in_declared_units, parameter
 from ..engines.forces import FrictionLaw
+from .pneumatics import BalanceCylinder
 from .process import ProcessLoad, TimeForce
 
 if TYPE_CHECKING:
@@ -75,6 +76,9 @@ class SpringDamper:
     def __post_init__(self) -> None:
         in_declared_units(self)
 
+
+StandingLoad = PointForce | SpringDamper | BalanceCylinder
+"""What acts beside the process, over the whole stroke."""
 
 Load = PointForce | SpringDamper | ProcessLoad | TimeForce
 

@@ -31,7 +31,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, motion_through_change_points, moved
 from ..kinematics.slide_path import DeadCentres, dead_centres
 from ..linkage.linkage import Linkage
-from ..loads.link import Friction, Load, PointForce, SpringDamper, law
+from ..loads.link import Friction, Load, PointForce, StandingLoad, law
 from ..loads.process import ConstantForce, ProcessLoad, TimeForce
 
 NOMINAL, TORQUE, DRIVING_FORCE, BEARING = "nominal force", "torque", "driving force", "bearing "
@@ -168,7 +168,7 @@ class RatedStroke:
             centre [m/s].
         torque: torque capacity at the driver joint [N m], or force capacity of a driver that slides [N]; None: it limits nothing.
         at_speed: whether weights and inertia forces count.
-        loads: springs and constant forces that act beside the process.
+        loads: springs, balance cylinders and constant forces that act beside the process.
         friction: of the bearings, by their names.
         engine: as in `cycle`.
         top: crank angle of the dead centre at which the working stroke begins [rad]; position of a driver that slides [m].
@@ -332,24 +332,24 @@ def angle_at(rated: RatedStroke, name: str, height: float) -> float:
 
 
 def refuse_unrated(press: Linkage, loads: object, friction: Mapping[str, Friction], *, at_speed: bool) -> None:
-    """Raise PinpressError where loads are no springs or constant forces, or where loads or viscous friction stand beside the process force
-    alone; and as `loads.link.law`."""
+    """Raise PinpressError where loads are none that stand beside the process, or where such loads or viscous friction stand beside the
+    process force alone; and as `loads.link.law`."""
     if not isinstance(loads, list | tuple):
         raise PinpressError(f"loads is {shown(loads)}: give a list, loads=[...]")
     for load in loads:
         if isinstance(load, PointForce) and (callable(load.force) or np.ndim(load.force) != 1):
             raise PinpressError(f"load on {shown(load.link)}: ratings take a constant force, (3,) in world axes [N]")
-        if not isinstance(load, PointForce | SpringDamper):
+        if not isinstance(load, StandingLoad):
             kind = type(load).__name__ if isinstance(load, ProcessLoad | TimeForce) and not isinstance(load, type) else shown(load)
             raise PinpressError(
-                f"{kind} is no load of ratings, which find the force of the process: give springs (SpringDamper) and constant forces"
-                " (PointForce); ratings.utilisation(reactions) compares a process with what is permitted"
+                f"{kind} is no load of ratings, which find the force of the process: give springs (SpringDamper), balance cylinders"
+                " and constant forces (PointForce); ratings.utilisation(reactions) compares a process with what is permitted"
             )
     _ = law(friction, press)
     if at_speed:
         return
     if loads:
-        raise PinpressError("springs and constant forces stand beside weights and inertia forces: give at_speed=True (--at-speed) too")
+        raise PinpressError("springs and other forces stand beside weights and inertia forces: give at_speed=True (--at-speed) too")
     for name, given in friction.items():
         if given.viscous:
             raise PinpressError(

@@ -53,7 +53,7 @@ class PressRatings(Tabular):
             bottom dead centre [m/s].
         at_speed: whether the forces take weights and inertia forces at this speed into account. False: the process force alone, as
             catalogues print it.
-        loads: springs and constant forces that act beside the process, as they were given.
+        loads: springs, balance cylinders and constant forces that act beside the process, as they were given.
         friction: the friction of bearings and guides, as it was given.
         torque_capacity: torque capacity at the driver joint, given or found from nominal force and height [N m]; of a driver that slides
             its force capacity [N]. None: it limits nothing. Of a nominal height it has the friction that the nominal force causes there.

@@ -159,3 +159,21 @@ def test_other_units_are_warned_of(given, said):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         BalanceCylinder(0.12, 6e5, 0.08)
+
+
+def test_ratings_and_dead_centres_know_balance_cylinders():
+    """The permissible force just needs the torque capacity, weights, inertia and cylinder with it; at the rigid bottom dead centre the
+    deflection is that of the cylinder's force there."""
+    press, speed, air = shipped("zxn2_3000b"), 70 * pp.RPM, BalanceCylinder(0.2, 5.5e5, 0.25, count=4)
+    rated = pp.ratings.rate(press, speed, pp.ratings.Capacities(3e6, nominal_height=6e-3), loads=[air], at_speed=True, points=36)
+    table = rated.columns()
+    height, force, angle = (table[next(name for name in table if name.startswith(word))] for word in ("height", "force", "crank_angle"))
+    k = int(np.argmin(force))
+    assert 0.02 < height[k] < 0.28
+    motion = pp.servo_cycle(press, angle=[angle[k]], speed=speed)
+    pressed = pp.inverse_dynamics(press, motion, loads=[air, pp.loads.PointForce("slide", (0.0, 0.0, force[k]))])
+    assert abs(pressed.driving_torque[0]) == pytest.approx(rated.torque_capacity, rel=1e-9)
+    stiffness = pp.elasticity.Stiffness(dict.fromkeys(press.bearings, 4e9))
+    lift = pp.loads.PointForce("slide", (0.0, 0.0, air.area * 5.5e5))
+    shifts = [pp.elasticity.dead_centre_shift(press, stiffness, speed=speed, loads=[load]).at_rigid_angle for load in (air, lift)]
+    assert shifts[0] == pytest.approx(shifts[1], rel=1e-9)

@@ -127,7 +127,7 @@ LOADS: Mapping[str, Kind[Any]] = {
 
 SPRING = Kind(SpringDamper, "link1=frame,link2=slide,stiffness=200kN/m,free_length=0.4,point1=0/0/0.5")
 FRICTION = Kind(Friction, "coefficient=0.08,radius=60mm")
-LISTS = {"heights": "=H/H", "coefficients": "=C/C"}  # keys of numbers with a slash between them; a table's are columns of its file
+LISTS = {"heights": ("=H/H", "m"), "coefficients": ("=C/C", "N s^e/m^e")}  # keys of numbers with a slash between them, and their units
 ALL = "all"  # in place of a bearing's name: every bearing and guide that is not named otherwise
 
 FLYWHEEL = Kind(Flywheel, "inertia=2000")
@@ -491,7 +491,7 @@ def _note(field: Field[Any], driver: DriverCoordinate = CRANK) -> str:
     if _is_speed(field):
         return "=RPM" if driver.turns else "=MM/S"
     if field.name in LISTS:
-        return LISTS[field.name]
+        return LISTS[field.name][0]
     if isinstance(field.default, bool):
         return "=yes|no"
     if _is_at(field):
@@ -515,10 +515,10 @@ def _reader(field: Field[Any], driver: DriverCoordinate = CRANK) -> Callable[[st
         return partial(_speed, driver=driver)
     if isinstance(field.default, bool):
         return _truth
+    if field.name in LISTS:
+        return partial(_list, unit=LISTS[field.name][1])
     known = declared(field)
     unit = "-" if known is None else driver.in_place_of(known.unit)
-    if field.name in LISTS:
-        return partial(_list, unit="m" if known is None else unit)  # heights of a servo motion declare no unit
     return partial(_vector if known is not None and known.axes else read_quantity, unit=unit)
 
 
