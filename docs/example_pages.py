@@ -74,6 +74,8 @@ def notebook(name: str) -> str:
     """An example as a notebook, without what it prints."""
     question, words, code = parts(name)
     pieces = [piece.strip() for piece in code.split("\n\n\n")]
+    if "pyplot" not in code:  # whose figures a notebook shows by itself
+        pieces.append("figure")
     cells: list[dict[str, Any]] = [
         {"cell_type": "markdown", "id": "question", "metadata": {}, "source": _lines(f"# {question}\n\n{words}")}
     ]

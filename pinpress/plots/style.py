@@ -58,11 +58,12 @@ def drawing(height: float) -> Iterator[Figure]:
     """
     try:
         from matplotlib import style  # optional, and slow to import
-        from matplotlib.figure import Figure  # optional, and slow to import
+
+        from .figure import NotebookFigure
     except ImportError:
         raise PinpressError(NOT_INSTALLED) from None
     with style.context(["default", STYLE]):
-        figure = Figure(figsize=(WIDTH * CENTIMETRE, height * CENTIMETRE), dpi=DOTS, layout="constrained")
+        figure = NotebookFigure(figsize=(WIDTH * CENTIMETRE, height * CENTIMETRE), dpi=DOTS, layout="constrained")
         yield figure
         figure.draw_without_rendering()
         figure.set_layout_engine("none")  # it would move all parts a little whenever the figure is drawn

@@ -23,6 +23,7 @@ from PIL import Image  # noqa: E402
 
 from pinpress import plots  # noqa: E402
 from pinpress.dynamics.harmonics import harmonics  # noqa: E402
+from pinpress.plots.style import WIDTH  # noqa: E402
 from pinpress.visual import charts  # noqa: E402
 
 NAMES = ("_P", "a$b_c^{$", "<W & co>")  # of bearings: left out of legends, broken mathematics, markup
@@ -434,3 +435,10 @@ assert "matplotlib.pyplot" not in sys.modules
 assert style() == before
 """
     subprocess.run([sys.executable, "-c", code, str(tmp_path / "plot.png")], check=True, timeout=120)
+
+
+def test_a_notebook_shows_a_plot_as_a_picture_without_pyplot(torque):
+    formatters = pytest.importorskip("IPython.core.formatters")
+    shown, _ = formatters.DisplayFormatter().format(torque)
+    width, _ = Image.open(io.BytesIO(shown["image/png"])).size
+    assert width == pytest.approx(110 * WIDTH / 2.54, abs=1)
