@@ -1,6 +1,6 @@
 """Writes docs/gallery.md, and a film of each of its presses into docs/gallery: a stroke under load, over and over.
 
-    python docs/gallery_films.py                  # all: the page and ten films, in Chromium some 20 s each
+    python docs/gallery_films.py                  # all: the page and twelve films, in Chromium some 20 s each
     python docs/gallery_films.py knuckle rssp     # the page and these films
     python docs/gallery_films.py page             # the page alone
 
@@ -75,6 +75,20 @@ PRESSES = (
         "Two mirrored halves on geared shafts leave no lateral shaking force and no tilting moment.",
         300,
         (1250, 2),
+    ),
+    Shown(
+        "aida_balance_slide",
+        "High-speed press with a balance slide",
+        "A lever moves the slide, and a rocker a balance slide against it. The lever's fulcrum sets the stroke.",
+        300,
+        (1250, 2),
+    ),
+    Shown(
+        "pirica_double_knuckle",
+        "Double-knuckle high-speed press",
+        "A crank straightens two knees by L-shaped arms, whose weights balance the slide at every stroke.",
+        300,
+        (450, 2),
     ),
     Shown("rssp", "Spatial press", "The crank turns about an axis across the press. Its rod has a ball at either end.", 60, (20, 30)),
 )

@@ -427,7 +427,7 @@ def _active(design: ProvenOptimum, scale: float, empty: Sequence[CounterweightRe
     """The named constraints whose dual variables are not zero, without the shapes of regions that stay empty (``empty``)."""
     for rows, prices in zip(design.rows, design.prices, strict=True):
         price = float(prices[0] if rows.kind == CONE else np.abs(prices).sum())
-        if not rows.name or price <= PRICELESS or (not rows.unit and any(rows.name.endswith(region.words) for region in empty)):
+        if not rows.name or price <= PRICELESS or (not rows.unit and any(region.words in rows.name for region in empty)):
             continue
         yield ActiveConstraint(rows.name, scale * price / rows.unit if rows.unit else None)
 

@@ -164,13 +164,15 @@ class _Columns:
 
     Attributes:
         regions: number of the regions' variables, which come first.
-        bounds: column of the upper bound of each target of the objective in each condition; one for all where the worst counts.
+        bounds: column of the upper bound of each target of the objective in each condition that counts; one for all where the worst does.
+        costs: cost of each of these columns.
         extremes: column of the largest value of each signal of a range; the smallest value is in the next column.
         width: number of all variables.
     """
 
     regions: int
     bounds: Mapping[tuple[Target, int], int]
+    costs: Mapping[int, float]
     extremes: Mapping[Signal, int]
     width: int
 
@@ -216,22 +218,27 @@ def _program(
         rows += _signal_rows(signal, columns, states[signal], limits, zero_as_equations)
     rows += _added_mass_rows(problem, columns, limits)
     cost = np.zeros(columns.width)
-    for (target, condition), column in columns.bounds.items():
-        share = problem.shares[condition] if problem.shares is not None and (target, 1) in columns.bounds else 1.0
-        cost[column] = objective[target] * share
+    for column, share in columns.costs.items():
+        cost[column] = share
     return cost, tuple(rows)
 
 
 def _columns(problem: BalancingProblem, objective: Mapping[Target, float]) -> _Columns:
-    bounds, width = dict[tuple[Target, int], int](), problem.size
-    for target in objective:
+    bounds, costs, width = dict[tuple[Target, int], int](), dict[int, float](), problem.size
+    for target, weight in objective.items():
         conditions = len(problem.mass) if isinstance(target, AddedMass) else len(problem.conditions)
-        own = range(conditions) if problem.shares is not None else [0] * conditions
-        bounds |= {(target, condition): width + column for condition, column in enumerate(own)}
-        width += own[-1] + 1
+        if problem.shares is None or conditions == 1:
+            bounds |= {(target, condition): width for condition in range(conditions)}
+            own = [weight]
+        else:
+            counting = np.flatnonzero(problem.shares)
+            bounds |= {(target, int(condition)): width + place for place, condition in enumerate(counting)}
+            own = [weight * float(problem.shares[condition]) for condition in counting]
+        costs |= dict(enumerate(own, width))
+        width += len(own)
     ranges = [signal for signal in problem.signals if isinstance(signal.criterion, Range)]
     extremes = {signal: width + 2 * i for i, signal in enumerate(ranges)}
-    return _Columns(problem.size, bounds, extremes, width + 2 * len(ranges))
+    return _Columns(problem.size, bounds, costs, extremes, width + 2 * len(ranges))
 
 
 def _preferring_light(problem: BalancingProblem, cost: Array, rows: tuple[Rows, ...]) -> Program:
