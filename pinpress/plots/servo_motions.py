@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-HIGH = 3.6  # height of one panel [cm]
+HIGH = 4.1  # of each chart, for the label beside it [cm]
 CURVE = 120  # points of a motor's curve
 
 
