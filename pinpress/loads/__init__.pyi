@@ -1,5 +1,6 @@
 from .contacts import Impact as Impact
 from .contacts import TwoSidedStop as TwoSidedStop
+from .contacts import pick_up_force as pick_up_force
 from .hydraulics import HydraulicCushion as HydraulicCushion
 from .hydraulics import ImpactDamper as ImpactDamper
 from .hydraulics import orifice_coefficient as orifice_coefficient

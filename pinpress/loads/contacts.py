@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from ..common.arguments import number, positive
 from ..common.errors import PinpressError
 from ..common.parameters import Checked, parameter
 from ..common.quantities import Values
@@ -98,6 +99,30 @@ class TwoSidedStop(Checked):
     @cached_property
     def _both_ways(self) -> tuple[ForceInterval, ...]:
         return (*_below(self, self.lower), *_above(self, self.upper))
+
+
+def pick_up_force(mass: float, speed: float, stiffness: float, *, preload: float = 0.0) -> float:
+    """Largest force with which a slide picks up a mass that rests against a stop, such as pistons and pad of a die cushion [N].
+
+    The slide comes with its speed onto the mass, over a spring, and keeps its speed. The mass leaves its stop once the spring presses with
+    the preload F0; from there on m x" = k (v t - x) - F0, so that the spring's force is F0 + v sqrt(k m) sin(t sqrt(k/m)), with the largest
+    value F0 + v sqrt(k m). Where F0 is smaller than v sqrt(k m) the mass then flies ahead. A heavy slide behind a crank with a flywheel
+    slows down little; where it does, the force is smaller.
+
+    Args:
+        mass: m, picked up [kg].
+        speed: v, of the slide where it meets the mass; its size counts [m/s].
+        stiffness: k, of what lies between: pins, pad and blank holder [N/m].
+        preload: F0, with which the mass is pressed against its stop [N].
+
+    Raises:
+        PinpressError: mass or stiffness are not positive, the preload is negative, or a value is not finite.
+    """
+    m, k = positive("mass", mass, "kg"), positive("stiffness", stiffness, "N/m")
+    v, pressed = number("speed", speed, "m/s"), number("preload", preload, "N")
+    if pressed < 0:
+        raise PinpressError(f"preload is {pressed:g} N: give a force that is not negative, 0 for a mass that lies free")
+    return pressed + abs(v) * math.sqrt(k * m)
 
 
 def _check_contact(load: Impact | TwoSidedStop) -> None:

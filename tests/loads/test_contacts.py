@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 from support.oracles import crank_slide_by_scipy
 from support.texts import shipped
 
@@ -185,3 +185,27 @@ def test_slopes_by_complex_numbers_are_central_differences(load):
             exact = np.imag(each.force(h + 1e-20j * a, v + 1e-20j * b)) / 1e-20
             central = (each.force(h + e * a, v + e * b) - each.force(h - e * a, v - e * b)) / (2 * e)
             assert exact == pytest.approx(central, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("preload", [0.0, 2e5])
+def test_a_mass_is_picked_up_as_scipy_says(preload):
+    """The mass stands until the spring beats its preload; the largest force of the spring while it is pressed."""
+    mass, speed, stiffness = 800.0, 0.4, 3e8
+
+    def rates(time, y):
+        force = stiffness * (speed * time - y[0])
+        return [y[1], max(force - preload, 0.0) / mass if y[1] <= 0 else (force - preload) / mass]
+
+    start, swing = preload / (stiffness * speed), np.pi * np.sqrt(mass / stiffness)
+    times = np.linspace(0.0, start + swing, 4001)
+    place = solve_ivp(rates, (0.0, times[-1]), [0.0, 0.0], t_eval=times, rtol=1e-9, atol=1e-13, max_step=swing / 400).y[0]
+    largest = float((stiffness * (speed * times - place)).max())
+    assert pp.loads.pick_up_force(mass, -speed, stiffness, preload=preload) == pytest.approx(largest, rel=1e-4)
+
+
+def test_bad_masses_to_pick_up():
+    for given, problem in (((0.0, 0.3, 1e8), "mass is 0"), ((1.0, 0.3, -1e8), "stiffness is -1"), ((1.0, np.nan, 1e8), "speed is nan")):
+        with pytest.raises(pp.PinpressError, match=problem):
+            pp.loads.pick_up_force(*given)
+    with pytest.raises(pp.PinpressError, match="preload is -1 N: give a force that is not negative"):
+        pp.loads.pick_up_force(1.0, 0.3, 1e8, preload=-1.0)

@@ -389,7 +389,7 @@ def _of_mounts() -> list[str]:
 
 def _kinds(kinds: Mapping[str, Kind[Any]]) -> list[str]:
     files = [f"{name} {', '.join(kind.table.columns)}" for name, kind in kinds.items() if kind.table]
-    return [*tables.table(([f"{name}:", keys(kind)] for name, kind in kinds.items()), [16, 0]), f"  columns of files: {'; '.join(files)}"]
+    return [*tables.table(([f"{name}:", keys(kind)] for name, kind in kinds.items()), [19, 0]), f"  columns of files: {'; '.join(files)}"]
 
 
 _EXPLAINED: Mapping[str, Callable[[], list[str]]] = {

@@ -576,6 +576,11 @@ def calls() -> dict[str, Call]:
             lambda: {"piston": 0.1, "orifice": 0.01, "density": 870.0, "discharge": 0.6},
         ),
         (
+            "loads.pick_up_force",
+            pp.loads.pick_up_force,
+            lambda: {"mass": 500.0, "speed": 0.3, "stiffness": 1e8, "preload": 1e5},
+        ),
+        (
             "loads.Impact",
             pp.loads.Impact,
             lambda: {"height": 0.01, "stiffness": 1e7, "exponent": 1.5, "damping": 10.0, "depth": 1e-3, "datum": 0.0},
