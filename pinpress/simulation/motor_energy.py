@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..common import tables
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, shown
 from ..common.numerics import gauss_rule
 from ..common.quantities import Array
 from ..common.results import Tabular
@@ -28,6 +28,7 @@ from .trajectory import Sample, Trajectory
 LOSSES = ("slip", "load", "constant", "gears", "inverter", "resistor")
 FLOWS = ("mains", "drive", *LOSSES, "heat")
 """Powers of a motor: from the mains, of the drive on the crank, those lost on the way, and of these what warms the motor."""
+MOST_PIECES = 1_000_000  # into which a run is cut, no longer than a time constant each
 MAINS, DRIVE, SLIP, HEAT = FLOWS.index("mains"), FLOWS.index("drive"), FLOWS.index("slip"), FLOWS.index("heat")
 
 
@@ -99,18 +100,18 @@ class Spent:
 
     Attributes:
         work: (flows, n) the `FLOWS` since the first instant [J].
-        cooled: (n,) share that is left of a rise at the first instant.
+        elapsed: (n,) time since the first instant, in time constants of the motor's temperature.
         rise: (n,) rise by the heat since the first instant [K]; None where it is not known.
-        settled_rise: if what happens between the first and the last instant is repeated for good, at these [K].
     """
 
     work: Array
-    cooled: Array
+    elapsed: Array
     rise: Array | None
 
     @property
     def settled_rise(self) -> float | None:
-        return None if self.rise is None else float(self.rise[-1] / (1.0 - self.cooled[-1]))
+        """Rise at the first and last instant, if what happens between them is repeated for good [K]."""
+        return None if self.rise is None else float(self.rise[-1] / -np.expm1(-self.elapsed[-1]))
 
 
 def motor_of(driven: DrivenPress) -> ElectricMotor | None:
@@ -130,34 +131,64 @@ def needed_motor(driven: DrivenPress) -> ElectricMotor:
 
 
 def flows(driven: DrivenPress, times: Array, sample: Sample) -> Array:
-    """(flows, n) the `FLOWS` of a sample at times (n,) [W]."""
+    """(flows, n) the `FLOWS` of a sample at times (n,) [W]; raises PinpressError where they are not finite."""
     motor, ratio = innermost(as_given(driven.drive))
     assert isinstance(motor, ElectricMotor)
     angle = sample.position[driven.press.driver_indices[0] if len(sample.position) > 1 else 0]
-    power = motor.power(ratio * sample.drive_speed, ratio * angle, times, tuple(sample.drive_states))
+    with np.errstate(all="ignore"):  # what is not finite is refused below
+        power = motor.power(ratio * sample.drive_speed, ratio * angle, times, tuple(sample.drive_states))
     given = sample.drive_torque * sample.drive_speed
     parts = (power.mains, given, power.slip, power.load, power.constant, power.shaft - given, power.inverter, power.resistor, power.heat)
-    return np.array([np.broadcast_to(part, times.shape) for part in parts])
+    found = np.array([np.broadcast_to(part, times.shape) for part in parts])
+    if not np.isfinite(found).all():
+        raise PinpressError(f"the losses of the {type(motor).__name__} are too large for floating point: give smaller ones [W]")
+    return found
 
 
 def spent(motor: ElectricMotor, driven: DrivenPress, trajectory: Trajectory, instants: Array) -> Spent:
-    """What a motor takes and loses between rising instants (n,)."""
+    """What a motor takes and loses between rising instants (n,).
+
+    Raises:
+        PinpressError: the motor's time constant is too short, or its losses or rise too large for floating point.
+    """
     rule, borders = gauss_rule(), trajectory.borders
-    edges = np.unique(np.concatenate([instants, borders[(borders > instants[0]) & (borders < instants[-1])]]))
+    first, last = np.searchsorted(borders, [instants[0], instants[-1]])
+    edges = np.unique(np.concatenate([instants, borders[first:last]]))
+    warms = motor.thermal_resistance is not None and motor.thermal_time is not None
+    constant = motor.thermal_time if motor.thermal_time is not None and warms else math.inf
+    edges = _cut(edges, constant)
     half = 0.5 * np.diff(edges)
     times = 0.5 * (edges[:-1] + edges[1:])[:, None] + half[:, None] * rule.nodes
     power = flows(driven, times.ravel(), trajectory.at(times.ravel(), complete=False)).reshape(len(FLOWS), *times.shape)
     gains = half * (power @ rule.weights)
     work = np.concatenate([np.zeros((len(FLOWS), 1)), gains.cumsum(axis=1)], axis=1)
-    at = edges.searchsorted(instants)
-    if motor.thermal_resistance is None or motor.thermal_time is None:
-        return Spent(work[:, at], np.ones(len(instants)), None)
-    resistance, constant = float(np.ravel(motor.thermal_resistance)[0]), motor.thermal_time
-    warmed = resistance / constant * half * ((np.exp((times - edges[1:, None]) / constant) * power[HEAT]) @ rule.weights)
+    at, elapsed = edges.searchsorted(instants), (instants - instants[0]) / constant
+    if not warms:
+        return Spent(work[:, at], elapsed, None)
+    resistance = float(np.ravel(motor.thermal_resistance)[0])
+    with np.errstate(all="ignore"):  # what is not finite is refused below
+        warmed = resistance * (half / constant) * ((np.exp((times - edges[1:, None]) / constant) * power[HEAT]) @ rule.weights)
     rise = [0.0]
     for share, more in zip(np.exp(-2.0 * half / constant).tolist(), warmed.tolist(), strict=True):
         rise.append(rise[-1] * share + more)
-    return Spent(work[:, at], np.exp((instants[0] - instants) / constant), np.array(rise)[at])
+    if not math.isfinite(sum(rise) + float(work[:, -1].sum())):
+        raise PinpressError(f"rated_rise of the {type(motor).__name__} is {shown(motor.rated_rise)}: give that of its data sheet [K]")
+    return Spent(work[:, at], elapsed, np.array(rise)[at])
+
+
+def _cut(edges: Array, longest: float) -> Array:
+    """Edges (n,) with more of them between, none farther from the next than a time constant, over which the quadrature is exact to
+    rounding."""
+    pieces = np.ceil(np.diff(edges) / longest).clip(1.0)
+    if not pieces.sum() <= MOST_PIECES:
+        raise PinpressError(
+            f"the motor's thermal_time is {longest:g} s, and the run lasts {edges[-1] - edges[0]:g} s: give the time constant of its"
+            " temperature, which is minutes"
+        )
+    count = pieces.astype(int)
+    place = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    inner = np.repeat(edges[:-1], count) + np.repeat(np.diff(edges) / pieces, count) * place
+    return np.append(inner, edges[-1])
 
 
 def motor_energy_of(
@@ -170,7 +201,7 @@ def motor_energy_of(
         raise PinpressError("initial_rise: the motor's temperature is not known: give the motor a rated_rise and a thermal_time")
     power = flows(driven, times, trajectory.at(times, complete=False))
     begin = found.settled_rise if initial_rise is None else initial_rise
-    rise = None if found.rise is None or begin is None else found.rise + begin * found.cooled
+    rise = None if found.rise is None or begin is None else found.rise + begin * np.exp(-found.elapsed)
     return EnergyFlow(
         linkage=driven.press.name,
         time=times,

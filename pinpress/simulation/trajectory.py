@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -123,7 +124,7 @@ class Trajectory:
         """Turns of the crank, in either direction."""
         return sum(segment.travelled for segment in self.segments) / (2 * np.pi)
 
-    @property
+    @cached_property
     def borders(self) -> Array:
         """Rising times, start and end among them, between which the run is smooth [s]."""
         return np.unique(np.concatenate([segment.borders for segment in self.segments]))

@@ -118,6 +118,22 @@ def test_temperature_against_scipy(name):
     assert ours == pytest.approx(found.y[0], rel=1e-5)  # of the straight lines between the states
 
 
+def test_a_time_constant_far_below_a_stroke_or_above_a_life():
+    """Far below, the rise is the thermal resistance times the heat of the instant; far above, the mean heat's."""
+    given = MOTORS["inverter"]
+    run = pp.simulate(press(), 0.1, speed=28.0, drive=given, flywheel=Flywheel(136.0), points=11)
+    for constant in (1e-5, 1e12):
+        motor = dataclasses.replace(given.drive, thermal_time=constant)
+        problem = dataclasses.replace(run.problem, driven=dataclasses.replace(run.problem.driven, drive=Geared(motor, 5.0)))
+        energy = pp.measures.motor_energy(dataclasses.replace(run, problem=problem))
+        heat = energy.power["heat"] if constant < 1 else np.full(11, energy.work["heat"][-1] / 0.1)
+        assert energy.temperature_rise[1:] == pytest.approx(80.0 / motor.rated_heat * heat[1:], rel=1e-3)
+    motor = dataclasses.replace(given.drive, thermal_time=1e-9)
+    problem = dataclasses.replace(run.problem, driven=dataclasses.replace(run.problem.driven, drive=Geared(motor, 5.0)))
+    with pytest.raises(pp.PinpressError, match=r"thermal_time is 1e-09 s, and the run lasts 0\.1 s: give"):
+        pp.measures.motor_energy(dataclasses.replace(run, problem=problem))
+
+
 def test_a_steady_stroke_comes_back_to_its_temperature():
     drive = dataclasses.replace(MOTORS["slip clutch"], drive=SlipClutchMotor(**YCT, rated_rise=80.0, thermal_time=0.5))
     steady = pp.steady_state(press(), 30.0, drive=drive, flywheel=Flywheel(136.0), loads=BLANKING)
@@ -179,5 +195,9 @@ def test_what_is_not_known_is_said():
     assert pp.measures.duty_cycle(plain).settled_rise is None
     with pytest.raises(pp.PinpressError, match="initial_rise: the motor's temperature is not known: give the motor a rated_rise"):
         pp.measures.motor_energy(plain, initial_rise=20.0)
+    for words, message in (({"load_loss": 1e308}, "losses .* too large"), ({"rated_rise": 1e308, "thermal_time": 1e-3}, "rated_rise")):
+        drive = Geared(InductionMotor(11e3, 1400 * RPM, **words), 5.0)
+        with pytest.raises(pp.PinpressError, match=message):
+            pp.measures.motor_energy(pp.simulate(press(), 0.1, speed=10.0, drive=drive, flywheel=Flywheel(136.0)))
     with pytest.raises(pp.PinpressError, match="initial_rise is nan"):
         pp.measures.motor_energy(plain, initial_rise=np.nan)
