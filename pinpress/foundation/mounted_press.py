@@ -275,7 +275,7 @@ class VibrationModes(Tabular):
     """The n modes of free vibration, by rising frequency. All arrays are read-only.
 
     Attributes:
-        press_name: name of the press.
+        system: the press on its mounts.
         natural_frequency: (n,) undamped natural frequencies [rad/s].
         shapes: (n, n) undamped shapes, a mode a column, in the coordinates of `MountedPress`, scaled to a modal mass of 1 kg.
         damped_frequency: (n,) frequencies of the damped system [rad/s]; zero for a mode that creeps back without swinging.
@@ -287,13 +287,18 @@ class VibrationModes(Tabular):
             most of the elastic energy is that of a frame that bends.
     """
 
-    press_name: str
+    system: MountedPress
     natural_frequency: Array
     shapes: Array
     damped_frequency: Array
     damping_ratio: Array
     eigenvalues: ComplexArray
     motion: tuple[str, ...]
+
+    @property
+    def press_name(self) -> str:
+        """Name of the press."""
+        return self.system.press.name
 
     @property
     def title(self) -> str:
@@ -354,7 +359,7 @@ def modes(system: MountedPress) -> VibrationModes:
     damped = np.concatenate([swinging.imag, np.zeros(half)])
     order = np.argsort(size)
     return VibrationModes(
-        press_name=system.press.name,
+        system=system,
         natural_frequency=frequency,
         shapes=shapes,
         damped_frequency=damped[order],

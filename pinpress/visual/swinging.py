@@ -1,4 +1,4 @@
-"""Vibrations of a press on its springs as a recording: `record_modes`.
+"""Vibrations of a press on its springs, or of its frame on its mounts, as a recording: `record_modes`.
 
 The press swings in one of its natural vibrations while its crank goes slowly through a turn, so that one sees how the vibration changes.
 Mode follows mode in the time of the page, which repeats the one that is chosen. A flexible link is drawn as it is on the whole, with the
@@ -18,11 +18,14 @@ from ..common.errors import PinpressError
 from ..common.quantities import Array, ComplexArray
 from ..elasticity.vibration import ElasticModes
 from ..engines.planar.model import to_world
+from ..foundation.mounted_press import VibrationModes
+from ..foundation.whirl_modes import WhirlDiagram
 from ..kinematics.motion import Motion, Poses, motion_through_change_points, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.flexible_link import FlexibleBody
 from ..simulation.elastic.sprung_press import SprungPress
+from . import swinging_frame
 from .deflected import SEEN, displaced
 from .pages import meshcat, packed, page, write
 from .recording import KeyFrames, moving, shapes
@@ -38,26 +41,33 @@ BESIDE = 0.02  # share of the distance of two bearings by which nodes lie beside
 
 
 @typed
-def record_modes(press: Linkage, modes: ElasticModes, path: str | os.PathLike[str], *, lowest: int = 4) -> Path:
+def record_modes(
+    press: Linkage, modes: ElasticModes | VibrationModes | WhirlDiagram, path: str | os.PathLike[str], *, lowest: int = 4
+) -> Path:
     """Write a self-contained page in which the press swings in its natural vibrations, and return its path.
 
-    The crank goes through the angles of the modes, a turn in 20 seconds; at one angle alone it stands. Displacements are magnified so
-    that they can be seen, for each mode by its own factor; vibrations are slowed down to one a second. The page says frequency, damping
-    ratio, and what yields and moves. ``#t=`` at the end of its address stops it, as in `record`.
+    The crank goes through the angles of the modes, a turn in 20 seconds; at one angle alone, and on mounts, it stands. Displacements are
+    magnified so that they can be seen, for each mode by its own factor; vibrations are slowed down to one a second. The page says
+    frequency, damping ratio, and what yields and moves. ``#t=`` at the end of its address stops it, as in `record`.
 
     Args:
         press: the linkage.
-        modes: its vibrations, of `natural_frequencies`.
+        modes: its vibrations, of `natural_frequencies`; or those on its mounts, of `foundation.modes`, or of `foundation.whirl` at the
+            highest speed.
         path: path of the file, usually ending in `.html`.
         lowest: number of modes that are shown, from 1 to 12, the lowest first.
 
     Raises:
         PinpressError: the modes are of another press, Meshcat is not installed, or the file cannot be written.
     """
+    most = whole_number("lowest", lowest, 1, MOST)
+    if isinstance(modes, VibrationModes | WhirlDiagram):
+        film = swinging_frame.content(press, modes, most, (SWING, STANDING, RATE, PAUSE))
+        return write(path, page("recording.html", f"{press.name} on its mounts: vibrations", film, {"viewer": meshcat()}))
     expect("modes", modes, ElasticModes, "natural_frequencies")
     if modes.press_name != press.name or modes.shapes.shape[2] != press.model.nv:
         raise PinpressError(f"the modes are of {modes.press_name}, and the press is {press.name}: give those of the same one")
-    count = min(whole_number("lowest", lowest, 1, MOST), modes.natural_frequency.shape[1])
+    count = min(most, modes.natural_frequency.shape[1])
     sprung, standing = sprung_press(press, modes.elastic), len(modes.crank_angle) == 1
     keys = SWING * (STANDING if standing else SWINGS) + 1
     state = np.zeros(keys, dtype=int) if standing else (np.arange(keys) * len(modes.crank_angle) // (keys - 1)) % len(modes.crank_angle)

@@ -2,6 +2,7 @@
 
 import base64
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +63,85 @@ def test_other_presses_are_refused(tmp_path: Path) -> None:
         pp.record_modes(shipped("crank_slide"), modes_of(1.0), tmp_path / "modes.html")
     with pytest.raises(pp.PinpressError, match="lowest"):
         pp.record_modes(shipped("jf75g_125_plain"), modes_of(1.0), tmp_path / "modes.html", lowest=0)
+
+
+MOUNTS = [pp.foundation.Mount((x, y, -0.9), (4e6, 5e6, 3e7), (1e4, 1e4, 2e4)) for x in (-0.5, 0.5) for y in (-0.4, 0.6)]
+RAILS = [pp.foundation.Mount((x, 0.7, 0.8), (4e6, 4e6, 8e6)) for x in (-0.3, 0.3)] + [pp.foundation.Mount((0, 0.9, 0.8), (4e6, 4e6, 8e6))]
+ASIDE = {
+    "motor": pp.foundation.Attachment(pp.foundation.Frame(450, (0, 0.8, 0.95), (20, 10, 20)), RAILS),
+    "cabinet": pp.foundation.Attachment(pp.foundation.Frame(90, (0.7, 0, 0.2), (5, 5, 5))),
+}
+
+
+def standing(bends: bool) -> pp.foundation.MountedPress:
+    """The press on its mounts, a motor on rails beside it: a rigid frame, or one of two beams."""
+    places = {f"foot {k}": mount.point for k, mount in enumerate(MOUNTS)} | {"head": (0, 0.1, 0.8)}
+    beams = [pp.foundation.FrameBeam(f"foot {k}", "head", 0.3, 0.3, (0.1, 1, 0)) for k in range(4)]
+    frame = pp.foundation.Frame(9000, (0, 0.1, 0.0), (5000, 4000, 3000))
+    more: dict[str, Any] = {"attached": ASIDE, "rotors": [pp.foundation.Rotor(136, (0, 1, 0))]}
+    if bends:
+        bent = pp.foundation.beam_frame(places, beams, bed="foot 0", carrier="head", elements=2)
+        return pp.foundation.mounted(shipped("jf75g_125_plain"), bent, MOUNTS, **more)
+    return pp.foundation.mounted(shipped("jf75g_125_plain"), frame, MOUNTS, **more)
+
+
+def bent_lines(data: Any, keys: int) -> dict[str, list[np.ndarray]]:
+    """Nodes (modes, keys, k, 3) of the lines of a page, by their names."""
+    found: dict[str, list[np.ndarray]] = {}
+    for each in data["bends"]:
+        nodes = np.frombuffer(base64.b64decode(each["nodes"]), "<f4")
+        found.setdefault(each["link"], []).append(nodes.reshape(len(data["modes"]), keys, -1, 3))
+    return found
+
+
+@pytest.mark.parametrize("bends", [False, True])
+def test_a_frame_swings_on_its_mounts(bends: bool, tmp_path: Path) -> None:
+    """Feet move as the mode's shape says, the floor does not; the largest displacement is that share of the picture's size."""
+    system = standing(bends)
+    modes = pp.foundation.modes(system)
+    data = data_in(pp.record_modes(system.press, modes, tmp_path / "modes.html", lowest=2))
+    keys = len(data["time"]) // 2
+    lines = bent_lines(data, keys)
+    assert {"frame", "motor", "cabinet", "mount 1", "mount 4"} <= set(lines)
+    np.testing.assert_allclose(data["frequency"][::keys], modes.natural_frequency[:2] / (2 * np.pi), rtol=1e-12)
+    assert modes.motion[0] in data["modes"][0]["words"]
+    for mode in (0, 1):
+        at_most = 6  # a quarter of a vibration after its start
+        foot = np.array([lines[f"mount {k + 1}"][0][mode, :, 0] - MOUNTS[k].point for k in range(4)])
+        floor = lines["mount 1"][0][mode, :, 1]
+        np.testing.assert_allclose(floor - floor[0], 0.0, atol=1e-7)
+        np.testing.assert_allclose(foot[:, 0], 0.0, atol=1e-6)
+        expected = system.mount_rows @ modes.shapes[:, mode]
+        factor = (foot[:, at_most] * expected).sum() / (expected**2).sum()
+        np.testing.assert_allclose(foot[:, at_most], factor * expected, atol=1e-5)
+    moved = [np.linalg.norm(each - each[:, :1], axis=3).max() for some in lines.values() for each in some]
+    nodes = np.vstack([each[0, 0] for some in lines.values() for each in some])
+    size = max(system.press.size, *np.ptp(nodes, axis=0))
+    assert 0.9 * SEEN * size < max(moved) < 1.1 * SEEN * size
+
+
+def test_a_frame_whirls(tmp_path: Path) -> None:
+    """A complex shape circles: it is not at rest at the start of its vibration, and back after a whole one."""
+    system = standing(False)
+    diagram = pp.foundation.whirl(system, [10.0, 60.0])
+    data = data_in(pp.record_modes(system.press, diagram, tmp_path / "whirl.html", lowest=3))
+    lines = bent_lines(data, len(data["time"]) // 3)
+    assert "damping ratio" in data["modes"][0]["words"]
+    np.testing.assert_allclose(lines["motor"][0][:, 24], lines["motor"][0][:, 0], atol=1e-6)
+    assert len(data["frequency"]) == len(data["time"])
+    with pytest.raises(pp.PinpressError, match="the modes are of jf75g_125_plain"):
+        pp.record_modes(shipped("crank_slide"), diagram, tmp_path / "modes.html")
+
+
+def test_a_frame_without_lines_is_drawn_by_its_interfaces(tmp_path: Path) -> None:
+    """One line from the middle to each of five."""
+    with_lines = standing(True)
+    assert isinstance(with_lines.frame, pp.foundation.ElasticFrame)
+    bare = replace(with_lines.frame, lines=np.zeros((0, 2), dtype=int))
+    system = pp.foundation.mounted(with_lines.press, bare, MOUNTS)
+    data = data_in(pp.record_modes(system.press, pp.foundation.modes(system), tmp_path / "modes.html", lowest=1))
+    lines = bent_lines(data, len(data["time"]))["frame"]
+    np.testing.assert_allclose([line[0, 0, 1] for line in lines], list(bare.nodes.values()), atol=1e-6)
 
 
 @pytest.mark.exhaustive

@@ -21,6 +21,11 @@ function holdArrows() {  // the camera holds them too
     }
 }
 
+function holdBends() {  // and the lines that bend, which may be a frame far larger than the linkage
+  for (const { series } of bends)
+    for (let k = 0; k < series.length; k += 3) box.expandByPoint(upright(series[k], series[k + 1], series[k + 2]));
+}
+
 function resize() {
   const width = element("view").clientWidth, height = Math.max(1, element("view").clientHeight), camera = viewer.camera;
   camera.aspect = width / height;

@@ -146,6 +146,7 @@ function start() {
   addLabels();
   viewer.scene.add(paths, overlay);
   holdArrows();
+  holdBends();
   const render = viewer.render.bind(viewer);
   viewer.render = () => { render(); placeLabels(); };
   resize();
