@@ -94,8 +94,7 @@ class PneumaticCushion(Checked):
     """A die cushion on air: below a height the slide presses its pistons down, and they follow it up again to that height.
 
     At the height, where the pistons rest against their stop, the full pressure meets the slide at once; below it the force is that of
-    `BalanceCylinder`, upwards. The
-    mass of pistons and pad is not in it.
+    `BalanceCylinder`, upwards. The mass of pistons and pad is not in it; see `pick_up_force`.
 
     Attributes:
         bore: of each cylinder [m].
