@@ -28,6 +28,7 @@ from .trajectory import Sample, Trajectory
 LOSSES = ("slip", "load", "constant", "gears", "inverter", "resistor")
 FLOWS = ("mains", "drive", *LOSSES, "heat")
 """Powers of a motor: from the mains, of the drive on the crank, those lost on the way, and of these what warms the motor."""
+ROUNDED = 1e-14  # share of the power on the crank below which a loss in gears is rounding
 MOST_PIECES = 1_000_000  # into which a run is cut, no longer than a time constant each
 MAINS, DRIVE, SLIP, HEAT = FLOWS.index("mains"), FLOWS.index("drive"), FLOWS.index("slip"), FLOWS.index("heat")
 
@@ -138,7 +139,8 @@ def flows(driven: DrivenPress, times: Array, sample: Sample) -> Array:
     with np.errstate(all="ignore"):  # what is not finite is refused below
         power = motor.power(ratio * sample.drive_speed, ratio * angle, times, tuple(sample.drive_states))
     given = sample.drive_torque * sample.drive_speed
-    parts = (power.mains, given, power.slip, power.load, power.constant, power.shaft - given, power.inverter, power.resistor, power.heat)
+    in_gears = np.where(np.abs(power.shaft - given) > ROUNDED * np.abs(given), power.shaft - given, 0.0)
+    parts = (power.mains, given, power.slip, power.load, power.constant, in_gears, power.inverter, power.resistor, power.heat)
     found = np.array([np.broadcast_to(part, times.shape) for part in parts])
     if not np.isfinite(found).all():
         raise PinpressError(f"the losses of the {type(motor).__name__} are too large for floating point: give smaller ones [W]")

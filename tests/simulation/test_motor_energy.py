@@ -101,6 +101,19 @@ def test_constant_loss_warms_exponentially():
     assert energy.temperature_rise == pytest.approx(wanted, rel=2e-3)
 
 
+def test_a_start_warms_the_rotor_by_the_energy_of_what_it_starts():
+    """A wheel J from rest to w: slip J (n0 w - w^2 / 2), the windings by the ratio of their resistance to the rotor's."""
+    motor = InductionMotor(11e3, 1450 * RPM, load_loss=1200.0)
+    wheel, drive = Flywheel(400.0), Geared(motor, 5.0)
+    run = pp.simulate(pp.load("crank_slide", gravity=(0, 0, 0)), 25.0, speed=0.0, drive=drive, flywheel=wheel)
+    work, end, synchronous = pp.measures.motor_energy(run, initial_rise=None).work, run.crank_speed[-1], 50 * np.pi / 5
+    assert end > 0.5 * synchronous
+    wanted = 400.0 * (synchronous * end - end**2 / 2)
+    assert work["slip"][-1] == pytest.approx(wanted, rel=3e-3)  # the linkage's inertia is so much of the wheel's
+    assert work["load"][-1] / work["slip"][-1] == pytest.approx(1200.0 / motor.rated_slip_loss - 1, rel=1e-9)
+    assert not work["gears"].any()
+
+
 @pytest.mark.parametrize("name", ["inverter", pytest.param("slip clutch with states", marks=pytest.mark.exhaustive)])
 def test_temperature_against_scipy(name):
     """T d(rise)/dt = R heat - rise, with a time constant as short as the stroke, so that the rise follows the load."""
