@@ -128,6 +128,20 @@ def test_contact_on_stiffer_springs_tends_to_that_of_the_rigid_press():
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
 
 
+def test_contact_lost_on_springs_stays_lost_through_the_depth_of_the_damper():
+    """A strong damper lets go while the slide is below its full depth; the slide then rises through it. Work by the printed function."""
+    press, speed, stop = shipped("crank_slide"), 4.0, Impact(0.02, 1e6, 1.5, 2e5, 0.004)
+    springs = pp.elasticity.Elastic(on_springs(press, 3e7, 1e7), damping_ratio=0.1)
+    held = pp.drives.PrescribedSpeed(speed)
+    run = pp.simulate(press, 1.6, speed=speed, angle=np.pi, drive=held, loads=[stop], elastic=springs, points=4001)
+    heights = run.slide_position - pp.dead_centres(press).bottom_position
+    forces = np.array([impact(h, v, 0.02, 1e6, 1.5, 2e5, 0.004) for h, v in zip(heights, run.slide_velocity, strict=True)])
+    lost = (heights < 0.02) & (forces == 0)
+    assert (heights[lost] < 0.016).any()
+    assert (heights[lost] > 0.018).any()
+    assert run.load_work[-1] == pytest.approx(-np.trapezoid(forces * run.slide_velocity, run.time), rel=1e-5)  # trapezium rule, with kinks
+
+
 def test_two_sided_stop_stops_an_elastic_press_on_both_sides():
     """Its forces at the true heights of the slide are those of BISTOP."""
     press, speed = shipped("crank_slide"), 2.0
