@@ -22,6 +22,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..derivatives.motion import directed, refuse_motion_of_another
+from ..engines.engine import LOOSEST
 from ..kinematics.motion import Motion, motion_through_change_points
 from ..kinematics.slide_path import TurningPoints, turning_points
 from ..linkage.linkage import Linkage
@@ -160,7 +161,6 @@ def bottom_dead_centre(
         points, shapes = turning_points(press), _shapes(press, checked)
         bottom, top = (_outermost(shapes, points, drawn, upwards) for upwards in (False, True))
     else:
-        refuse_motion_of_another(press, motion)
         if forces or speeds:
             raise PinpressError("forces and speeds at a height are those of a crank that turns through its dead centres: leave motion out")
         shapes = _shapes(press, checked)
@@ -265,9 +265,8 @@ def dead_centre_gradients(press: Linkage, parts: Sequence[Dimension], motion: Mo
             opens bearings that hold each other, as it does at presses with several points.
     """
     if motion is not None:
-        refuse_motion_of_another(press, motion)
         shapes = _shapes(press, parts)
-        bottom, top = (_Local.of(shapes, motion, state).position_slopes for state in ends_of(motion))
+        bottom, top = (_Local.of(shapes, motion, state).position_slopes for state in ends_of(press, motion))
         return bottom, top
     refuse_several_drivers(press)
     points, shapes = turning_points(press), _shapes(press, parts)
@@ -281,14 +280,25 @@ def _shapes(press: Linkage, parts: Sequence[Dimension]) -> Shapes:
     return shapes_of(press, [directed(press, part.direction) for part in parts])
 
 
-def ends_of(motion: Motion) -> tuple[int, int]:
-    """The lowest and the highest state of a motion."""
+def ends_of(press: Linkage, motion: Motion) -> tuple[int, int]:
+    """The lowest and the highest state of a motion.
+
+    Raises:
+        PinpressError: the motion is one of another press, with other joints or lengths, or the press has no slide.
+    """
+    refuse_motion_of_another(press, motion)
+    open_by = press.engine().gaps(motion.joint_position.T)
+    if not open_by.max() <= LOOSEST * press.size:
+        raise PinpressError(
+            f"the motion leaves the loops of {press.name} open by {open_by.max():.3g} m, so that it is one of other lengths: make it with"
+            " servo_cycle(press, ...)"
+        )
     return int(motion.slide_position.argmin()), int(motion.slide_position.argmax())
 
 
 def _at_end(shapes: Shapes, motion: Motion, upwards: bool) -> _DeadCentre:
     """The outermost state of a motion, where the drivers stand in every press."""
-    state = ends_of(motion)[upwards]
+    state = ends_of(shapes.press, motion)[upwards]
     local = _Local.of(shapes, motion, state)
     ending = Ending(local.start, np.zeros_like(local.position_slopes), "held")
     angle = float(np.ravel(motion.crank_angle[state])[0])

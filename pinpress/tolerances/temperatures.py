@@ -23,7 +23,7 @@ from ..common.frozen import Frozen, FrozenMapping
 from ..common.parameters import parameter
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..derivatives.motion import Displacements, nowhere, refuse_motion_of_another
+from ..derivatives.motion import Displacements, nowhere
 from ..kinematics.motion import Motion, of_states
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
@@ -170,8 +170,7 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
         turned = dead_centres(press)
         ends = servo_cycle(press, [turned.bottom_angle, turned.top_angle], speed=0.0)
     else:
-        refuse_motion_of_another(press, motion)
-        x = motion.joint_position[list(ends_of(motion))].T.copy()
+        x = motion.joint_position[list(ends_of(press, motion))].T.copy()
         ends = of_states(press, x, np.zeros_like(x), np.zeros_like(x), np.zeros(2), None)
     unit = unit_forces(press, ends)
     found: dict[str, Array] = {}

@@ -356,6 +356,7 @@ def test_what_cannot_be_answered_is_refused(press, tmp_path):
     (tmp_path / "servos.yaml").write_text(TWO_SERVOS)
     servos, path = pp.build(tmp_path / "servos.yaml"), pp.servo_cycle(press, [0.1, 0.2], speed=1.0)
     across = tol.pin_position(servos, "A", "y", 1e-5)
+    longer = reshaped(press, {("F", "rod"): pivot_positions(press)["F", "rod"] * 1.01})
     together = pp.servo_cycle(servos, [[0.1, 0.0], [0.2, 0.0]], speed=0.0)
     for wrong, said in [
         (lambda: tol.bottom_dead_centre(press, rod, forces={0.4: 1e6}), "a height of 400 mm is above the stroke.* from 301.261 mm above"),
@@ -375,6 +376,7 @@ def test_what_cannot_be_answered_is_refused(press, tmp_path):
         ),
         (lambda: tol.bottom_dead_centre(servos, [across], motion=path), "the motion is of zxn2_3000b with other joints"),
         (lambda: tol.bottom_dead_centre(press, rod, motion=path, speeds={0.1: 1.0}), "leave motion out"),
+        (lambda: tol.bottom_dead_centre(longer, rod, motion=path), "leaves the loops of zxn2_3000b open by .* of other lengths"),
         (
             lambda: tol.bottom_dead_centre(press, [tol.link_length(press, "B", "C", 0.1, sd=0.5)], samples=50),
             "of 56 presses, worst corners among them, cannot be closed at",
