@@ -156,8 +156,8 @@ def spent(motor: ElectricMotor, driven: DrivenPress, trajectory: Trajectory, ins
     rule, borders = gauss_rule(), trajectory.borders
     first, last = np.searchsorted(borders, [instants[0], instants[-1]])
     edges = np.unique(np.concatenate([instants, borders[first:last]]))
-    warms = motor.thermal_resistance is not None and motor.thermal_time is not None
-    constant = motor.thermal_time if motor.thermal_time is not None and warms else math.inf
+    resistance = motor.thermal_resistance
+    constant = math.inf if resistance is None or motor.thermal_time is None else motor.thermal_time
     edges = _cut(edges, constant)
     half = 0.5 * np.diff(edges)
     times = 0.5 * (edges[:-1] + edges[1:])[:, None] + half[:, None] * rule.nodes
@@ -165,11 +165,14 @@ def spent(motor: ElectricMotor, driven: DrivenPress, trajectory: Trajectory, ins
     gains = half * (power @ rule.weights)
     work = np.concatenate([np.zeros((len(FLOWS), 1)), gains.cumsum(axis=1)], axis=1)
     at, elapsed = edges.searchsorted(instants), (instants - instants[0]) / constant
-    if not warms:
+    if resistance is None or constant == math.inf:
         return Spent(work[:, at], elapsed, None)
-    resistance = float(np.ravel(motor.thermal_resistance)[0])
     with np.errstate(all="ignore"):  # what is not finite is refused below
-        warmed = resistance * (half / constant) * ((np.exp((times - edges[1:, None]) / constant) * power[HEAT]) @ rule.weights)
+        warmed = (
+            float(np.ravel(resistance)[0])
+            * (half / constant)
+            * ((np.exp((times - edges[1:, None]) / constant) * power[HEAT]) @ rule.weights)
+        )
     rise = [0.0]
     for share, more in zip(np.exp(-2.0 * half / constant).tolist(), warmed.tolist(), strict=True):
         rise.append(rise[-1] * share + more)
