@@ -328,7 +328,7 @@ def _refuse_other_press(press: Linkage, other: Linkage, condition: OperatingCond
         name = condition.name or f"number {number}"
         raise PinpressError(
             f"operating condition {name}: its press {other.name} has other {what} than {press.name}: give the same press with"
-            " another die or stroke"
+            " another die or stroke, made from the same file or table"
         )
 
 
