@@ -6,8 +6,9 @@
     print(pp.foundation.modes(system))  # natural frequencies, damping
     pp.foundation.steady_response(system, reactions, points={"top": (0.0, 0.0, 0.9)})
 
-The model is linear: a rigid frame with six degrees of freedom, or bed and crown joined by columns with twelve, on springs and dampers,
-shaken by `Reactions.shaking_force` and `shaking_moment`. `MountedPress` says what it leaves out.
+The model is linear: a rigid frame with six degrees of freedom, bed and crown joined by columns with twelve, or a reduced finite-element
+model (`beam_frame`, `read_frame`), with what stands and spins on it (`Attachment`, `Rotor`), on springs and dampers, shaken by
+`Reactions.shaking_force` and `shaking_moment`. In `lifting_response` the mounts only press. `MountedPress` says what is left out.
 """
 
 import lazy_loader

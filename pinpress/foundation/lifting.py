@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.arguments import typed, whole_number
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, caution
 from ..common.frozen import read_only
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
@@ -40,6 +40,7 @@ TERMS = 34  # of it: the next is 4^34 / 34!, 1e-18
 EXACT = 1e-13  # of a step, to which the instant of a switch is found
 JUST_AFTER = 1e-6  # share of the first look after which a foot that has just switched is looked at
 ROUNDING = 1e-12  # share of the static load within which a foot that has just switched carries nothing
+SMALL_TURN = 0.1  # of the frame, in which sine and angle differ by 0.2 % [rad]
 REPEATED = 1e-6  # a motion repeats itself where its states do so up to this share of its size
 MOST_PERIODS = 8  # strokes after which a motion is said to repeat itself, at most
 FREE_FALL = 2  # z among the directions of a mount
@@ -115,6 +116,9 @@ def lifting_response(
     Raises:
         PinpressError: as `steady_response` or `time_response`; several strokes of what is no period; a mount that has no stiffness along z;
             a foot that chatters.
+
+    Warns:
+        PinpressWarning: the frame turns by more than 0.1 rad, beyond what is small.
     """
     count = whole_number("strokes", strokes, 1, MOST_STROKES)
     wrench, placed, n = frame_wrench(system, reactions, flywheel), named_points(system, points), len(system.mass)
@@ -130,6 +134,12 @@ def lifting_response(
         raise PinpressError("strokes go with one period, of cycle or steady_state: leave strokes= out for another motion")
     feet = _Feet(system, float(reactions.motion.crank_speed.mean()))
     found = _marched(feet, wrench, interval, begin)
+    turned = max(float(np.abs(found.states[:, :n] @ part[3:].T).max()) for part in system.parts.values())
+    if turned > SMALL_TURN:
+        caution(
+            f"the frame turns by {np.degrees(turned):.3g} deg: it is thrown about, and turns are taken as small here; bolt it down, or"
+            " look for a force that is too large"
+        )
     time = np.asarray(interval * np.arange(len(wrench)), dtype=float)
     motion = FrameMotion.of(
         system,

@@ -160,6 +160,14 @@ QUICK = {
     "classical.unbalance": "classical.unbalance(press, 'crank')",
     "foundation.mounted": "foundation.mounted(press, frame, mounts)",
     "foundation.modes": "foundation.modes(system)",
+    "foundation.whirl": (
+        "foundation.whirl(foundation.mounted(press, frame, mounts, rotors=[foundation.Rotor(136.0, (0, 1, 0))]), [0.0, 30.0, 60.0])"
+    ),
+    "foundation.beam_frame": (
+        "foundation.beam_frame({'a': (0, 0, 0), 'b': (0, 0, 1)}, [foundation.FrameBeam('a', 'b', 0.3, 0.2, (1, 0, 0))], bed='a',"
+        " carrier='b')"
+    ),
+    "foundation.lifting_response": "foundation.lifting_response(system, reactions, points=POINTS)",
     "foundation.press_inertia": "foundation.press_inertia(press)",
     "foundation.flywheel_moment": "foundation.flywheel_moment(press, motion, FLYWHEEL)",
     "foundation.over_speeds": "foundation.over_speeds(system, np.linspace(4.0, 8.0, 81), points=POINTS)",

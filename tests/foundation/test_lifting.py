@@ -175,14 +175,27 @@ def test_one_side_lifts_and_the_press_may_walk():
     assert found.motion.mount_force[:, :, 2].min() >= -system.mount_load[:, 2].max() - 1e-6
 
 
-def test_more_states_change_nothing():
-    """The same force, linear between the same instants, given at four times as many states: switches to 1e-9 s."""
-    system = one_mass(300.0)
-    coarse, fine = shaken(2.5, states=30, count=2), shaken(2.5, states=120, count=2)
-    one = foundation.lifting_response(system, coarse, points=CENTRE)
-    two = foundation.lifting_response(system, fine, points=CENTRE)
-    assert abs(one.start[0] - two.start[0]) < 1e-3
-    assert abs(one.start[0] - two.start[0]) > 1e-9  # the forces differ between the states
+def test_a_press_that_is_thrown_about_is_doubted():
+    frame, mounts = uneven()
+    press = weightless()
+    force = pp.loads.PointForce(press.root, lambda motion: np.outer(np.sin(motion.crank_angle), [0.0, 0.0, 3e5]))
+    result = pp.inverse_dynamics(press, turns(press, 12.0, 2, 90), loads=[force])
+    with pytest.warns(pp.PinpressWarning, match="turns by .* deg"):
+        foundation.lifting_response(foundation.mounted(press, frame, mounts), result, points={})
+
+
+def test_states_in_between_of_the_same_force_change_nothing():
+    """The force is linear between states: given at the middles too, it is the same, and so are the instants of all switches."""
+    press, system = weightless(), one_mass(300.0)
+    coarse = turns(press, 20.0, 2, 30)
+    at, push = coarse.crank_angle, 2.5 * MASS * GRAVITY * np.sin(coarse.crank_angle)
+    found = []
+    for motion in (coarse, turns(press, 20.0, 2, 60)):
+        load = pp.loads.PointForce(press.root, lambda motion: np.outer(np.interp(motion.crank_angle, at, push), [0.0, 0.0, 1.0]))
+        found.append(foundation.lifting_response(system, pp.inverse_dynamics(press, motion, loads=[load]), points=CENTRE))
+    assert len(found[0].mount) >= 4
+    np.testing.assert_allclose(found[1].start, found[0].start, atol=1e-10)
+    np.testing.assert_allclose(found[1].end, found[0].end, atol=1e-10)
 
 
 @pytest.mark.parametrize(

@@ -211,6 +211,15 @@ def test_press_on_its_mounts(press: Any, tmp_path: Path) -> None:
     acceleration = chart(found["Vibration on the mounts"], "Acceleration along z")
     assert acceleration["follows"] == "time"
     assert_allclose(curves(acceleration)["crown"][1][:-1], steady.acceleration["crown"][:, 2], rtol=1e-5, atol=1e-6)
+    hop = pp.loads.PointForce(press.root, lambda motion: np.outer(np.sin(motion.crank_angle), [0, 0, 1.5e6]))
+    lifted = pp.foundation.lifting_response(system, pp.inverse_dynamics(press, idle.motion, loads=[hop]), points=crown)
+    spinning = pp.foundation.mounted(press, system.frame, system.mounts, rotors=[pp.foundation.Rotor(900, (0, 1, 0))])
+    diagram = pp.foundation.whirl(spinning, [0.0, 5.0, 10.0])
+    more = sections(pp.report(press, idle.motion, tmp_path / "more.html", reactions=idle, results=[lifted, diagram]))
+    table = more["Vibration on mounts that only press"]["blocks"][0]
+    assert [int(row[1]) for row in table["rows"]] == [int((lifted.mount == k).sum()) for k in np.unique(lifted.mount)]
+    drawn = curves(chart(more["Modes while the rotors spin"], "Natural frequency"))
+    assert_allclose(drawn["mode 6"][1], diagram.frequency[:, 5] / (2 * np.pi), rtol=1e-6)
     rms = curves(chart(found["Vibration over the speed"], "Acceleration"))["crown"][1]
     assert_allclose(rms, np.linalg.norm(over.rms["crown"], axis=1), rtol=1e-5)
 

@@ -12,14 +12,17 @@ from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...dynamics.extremes import AXES
 from ...dynamics.inputs import Inputs, described
+from ...foundation.lifting import LiftingMotion
 from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.mounts import Frame, Mount
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
+from ...foundation.whirl_modes import WhirlDiagram
 from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown
 
 NOTHING = 1e-3  # a direction in which nothing vibrates more than this share of the largest acceleration has no chart, but its numbers
+MOST_MODES = 24  # of a table
 DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linear
 
 
@@ -85,7 +88,7 @@ def modes(found: VibrationModes, shown: Shown) -> Section:
     rows = [
         [motion, f"{frequency:.3f}", f"{60 * frequency:.1f}", f"{ratio:.4f}"]
         for motion, frequency, ratio in zip(found.motion, frequencies, found.damping_ratio, strict=True)
-    ]
+    ][:MOST_MODES]
     return Section("Modes on the mounts", [Table("", ["motion", "frequency [Hz]", "resonance at [r/min]", "damping ratio"], rows)])
 
 
@@ -153,6 +156,38 @@ def _over(title: str, unit: str, lines: list[Line]) -> LineChart:
     low, high = min(float(line.y.min()) for line in lines), max(float(line.y.max()) for line in lines)
     wide = low > 0 and high > DECADE * low
     return LineChart(title, unit, lines, across="crank speed [r/min]", follows="nothing", logarithmic="y" if wide else "")
+
+
+def whirling(found: WhirlDiagram, shown: Shown) -> Section:
+    """The section of modes over the speed; raises `PinpressError` where they are of another press."""
+    _refuse_others("modes", found.system.press.name, shown)
+    speed, order = found.speed / RPM, np.argsort(found.frequency[-1])[:MOST_MODES]
+    rows = []
+    for k in order:
+        first, last = (f"{found.frequency[end, k] / (2 * np.pi):.4f}" for end in (0, -1))
+        rows.append([f"{k + 1}", first, last, found.words(int(k)), f"{found.damping_ratio[-1, k]:.4f}"])
+    heads = ["mode", *(f"at {speed[end]:.4g} r/min [Hz]" for end in (0, -1)), "whirl there", "damping ratio"]
+    lines = [Line(f"mode {k + 1}", found.frequency[:, k] / (2 * np.pi), speed) for k in order]
+    lines.append(Line("first harmonic of the crank", found.speed / (2 * np.pi), speed))
+    critical = ", ".join(f"{each / RPM:.4g}" for each in found.critical_speeds()[:MOST_MODES])
+    note = f"Critical speeds of the first harmonic: {critical} r/min." if critical else "No critical speed of the first harmonic."
+    chart = LineChart("Natural frequency", "Hz", lines, across="crank speed [r/min]", follows="nothing", logarithmic="")
+    return Section("Modes while the rotors spin", [chart, Table("", heads, rows)], _inputs(found.system), note)
+
+
+def lifting(found: LiftingMotion, shown: Shown) -> Section:
+    """The section of a vibration with feet that lift off; raises `PinpressError` where it is of another press."""
+    rest = vibration(found.motion, shown)
+    rows = []
+    for number in np.unique(found.mount):
+        which = found.mount == number
+        longest, gap = 1e3 * float((found.end - found.start)[which].max()), 1e3 * float(found.gap[which].max())
+        walked = 1e3 * float(np.abs(found.walked[number - 1]).max())
+        rows.append([f"{number}", f"{int(which.sum())}", *(f"{value:.4g}" for value in (longest, gap, walked))])
+    table = Table("Feet that lift off", ["mount", "lifts", "longest [ms]", "largest gap [mm]", "walked [mm]"], rows)
+    after = "" if not len(found.change) else " It does not repeat itself." if found.repeats_after is None else " It repeats itself."
+    note = f"Mounts press and do not pull; {len(found.mount)} lifts over {found.motion.time[-1]:.6g} s.{after}"
+    return Section("Vibration on mounts that only press", [table, *rest.blocks] if rows else rest.blocks, rest.inputs, note)
 
 
 def isolation(found: Isolation, shown: Shown) -> Section:

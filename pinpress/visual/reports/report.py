@@ -60,7 +60,8 @@ def report(
             process force too; a `Run` of the press beside this motion; `BalancedPress` and `TradeOffCurve`; `SlideCompliance`,
             `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `ElasticRun`, `ElasticModes`, `CampbellDiagram` and
             `ElasticSpeedResponse`; `MountedPress`, `VibrationModes`, `FrameMotion`,
-            `SpeedResponse` and `Isolation`; `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`;
+            `SpeedResponse`, `WhirlDiagram`, `LiftingMotion` and `Isolation`;
+            `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`;
             `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
         flywheel: As for `record`; by default those of a run, of the motion or among the results.
 

@@ -15,9 +15,11 @@ from ...elasticity.slide_under_load import DeflectedSlide, ElasticDeadCentre
 from ...elasticity.speed_range import CampbellDiagram, ElasticSpeedResponse
 from ...elasticity.unit_load import SlideCompliance
 from ...elasticity.vibration import ElasticModes
+from ...foundation.lifting import LiftingMotion
 from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
+from ...foundation.whirl_modes import WhirlDiagram
 from ...ratings.rating import PressRatings
 from ...servo.comparison import MotionComparison
 from ...servo.motion_optimum import MotionOptimum
@@ -53,6 +55,8 @@ MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     VibrationModes: foundation.modes,
     FrameMotion: foundation.vibration,
     SpeedResponse: foundation.over_speeds,
+    WhirlDiagram: foundation.whirling,
+    LiftingMotion: foundation.lifting,
     Isolation: foundation.isolation,
     MotionOptimum: servo.optimum,
     MotionComparison: servo.comparison,
