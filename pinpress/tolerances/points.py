@@ -51,7 +51,7 @@ from .shapes import Shapes
 from .single_chains import SingleChain
 from .virtual_work import unit_forces
 
-ROUNDING = 1e-12  # share of the largest gradient below which one is zero
+ROUNDING = 1e-12  # share of the largest gradient over the turn below which one is zero
 STATES = 120  # crank angles of a period
 SOFT = 1.0  # stiffness of the points that are left out, beside which all others are rigid [N/m]
 ALONE = 1e-6  # force of a point that is left out, as a share of that of the one that carries
@@ -181,7 +181,7 @@ class SlideParallelism(Tabular):
         lines = [f"{self.press_name}: the slide on {', '.join(self.points)} at bottom dead centre"]
         lines += [line for slope in self.slopes if slope.worst_case for line in str(slope).splitlines()]
         if not any(slope.worst_case for slope in self.slopes):
-            lines.append("  no dimension tilts the slide")
+            lines.append("  no dimension tilts the slide to first order")
         if self.misfit_sd.max() > 1e-3 * ONE_PLACE:
             lines.append(tables.entry("forced into the slide", f"{1e6 * self.misfit_sd.max():.2f}", "um", "sd of a point off the plane"))
         if self.point_force_sd is not None and self.guide_moment_sd is not None:
@@ -258,14 +258,13 @@ def parallelism(
     sd, tolerances = (np.array([getattr(part, name) for part in dimensions]) for name in ("standard_deviation", "tolerance"))
     covariance = tied * np.outer(sd, sd)
     at_bottom, bottom_heights = slopes[-1], heights[:, :, -1]
-    at_bottom = np.where(np.abs(at_bottom) > ROUNDING * np.abs(at_bottom).max(), at_bottom, 0.0)
+    at_bottom = np.where(np.abs(at_bottom) > ROUNDING * np.abs(slopes).max(), at_bottom, 0.0)
     left, forces = slopes_of_heights.misfit @ bottom_heights, slopes_of_heights.forces @ bottom_heights
 
     drawn = drawn_deviations(dimensions, tied, samples, seed)
     corners = [sign * np.sign(gradient) * tolerances for gradient in at_bottom for sign in (-1.0, 1.0)]
     everything = np.column_stack([drawn, *corners])
     exact = slopes_of_heights.slopes @ np.array([chain.heights(everything) for chain in chains])
-    exact[~at_bottom.any(axis=1)] = 0.0
 
     def _slope(k: int) -> Scatter:
         """The scatter of one slope at bottom dead centre."""

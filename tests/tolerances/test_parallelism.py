@@ -104,6 +104,22 @@ def test_every_press_of_the_sample_has_the_slope_of_two_presses_with_one_rod(two
     assert not found.slopes[0].deviation.any()
 
 
+def test_the_indexing_of_the_throws_alone_tilts_the_slide_of_second_order(two_points):
+    """Each throw is off its dead centre by its own angle: the slide is higher there by z'' / 2 times its square."""
+    indexing = {
+        point: [tol.Dimension(part.name, part.direction, 0.03, unit="rad") for part in parts[3:]]
+        for point, parts in chains(two_points).items()
+    }
+    found = tol.parallelism(two_points, indexing, samples=50)
+    front, back = (found.deviations[[part.name for part in found.slopes[1].parts].index(f"index {side}")] for side in ("front", "back"))
+    assert found.slopes[1].first_order_sd == pytest.approx(0.0, abs=1e-12)
+    curvature = 0.015 * (1 + 0.015 / 0.3)
+    arc = 0.015  # on a straight line the throw becomes longer by as much as its angle takes it away from the arc
+    expected = 0.5 * (curvature - arc) * (back**2 - front**2) / (2 * HALF)
+    assert found.slopes[1].deviation == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
+    assert "no dimension tilts the slide to first order" in str(found)
+
+
 def test_guides_hold_the_slope_of_soft_points(two_points, found):
     k, turning = 1e9, 1e8
     held = tol.parallelism(two_points, chains(two_points), point_stiffness=k, guide_stiffness=turning, samples=100)
