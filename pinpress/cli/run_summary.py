@@ -15,6 +15,7 @@ from ..dynamics.summary import bearing_table, checks
 from ..kinematics.slide_path import dead_centres, stroke_turns
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.elastic_run import ElasticRun
+from ..simulation.motor_energy import motor_of
 from ..simulation.run import MotorDuty, Run, duty_cycle, stroke_duties
 
 if TYPE_CHECKING:
@@ -121,24 +122,27 @@ def _motor(run: Run, whole: MotorDuty) -> list[str]:
         tables.entry("rms", scale.shown(whole.motor_rms), scale.unit),
         tables.entry("peak", scale.shown(whole.motor_peak), scale.unit),
         *use,
-        *_mains(whole),
+        *_mains(run, whole),
     ]
 
 
-def _mains(whole: MotorDuty) -> list[str]:
+def _mains(run: Run, whole: MotorDuty) -> list[str]:
     """Lines of what the motor takes from the mains, where that is known."""
-    if whole.mains_work is None or whole.slip_loss is None:
+    motor = motor_of(run.problem.driven)
+    if motor is None or whole.mains_work is None or whole.slip_loss is None:
         return []
     power = whole.mains_work / whole.duration
     works, slip, mean = tables.scale("J", [whole.mains_work]), tables.scale("J", [whole.slip_loss]), tables.scale("W", [power])
     share = "" if whole.efficiency is None else f"{100 * whole.efficiency:.4g} % of it reach the driver"
-    rise = "" if whole.settled_rise is None else f"{whole.settled_rise:.4g}"
-    return [
+    lines = [
         tables.entry("from the mains", works.shown(whole.mains_work), works.unit, share),
         tables.entry("lost by slip", slip.shown(whole.slip_loss), slip.unit),
         tables.entry("mean power", mean.shown(power), mean.unit, f"from the mains, {power / 1e3:.4g} kWh in an hour"),
-        *([tables.entry("settled rise", rise, "K", "of its temperature, if this goes on for good")] if rise else []),
     ]
+    if whole.settled_rise is not None:
+        remark = f"of its temperature, if this goes on for good; {motor.rated_rise:g} K at its rated point"
+        lines.append(tables.entry("settled rise", f"{whole.settled_rise:.4g}", "K", remark))
+    return lines
 
 
 def _torque(reactions: Reactions) -> list[str]:

@@ -164,6 +164,18 @@ def test_flywheel_and_motor(capsys: pytest.CaptureFixture[str]) -> None:
     assert "motor         Geared(drive=InductionMotor(" in text
 
 
+def test_the_rise_of_a_motor_stands_beside_that_at_its_rated_point(capsys: pytest.CaptureFixture[str]) -> None:
+    words = f"{MOTOR},load_loss=10kW,rated_rise=80,thermal_time=45min"
+    assert main([*ANALYSE, "--load", BLANKING, "--flywheel", "20000", "--motor", words]) == 0
+    text = capsys.readouterr().out
+    motor = pp.drives.InductionMotor(75e3, 1400 * pp.RPM, inertia=1.2, load_loss=1e4, rated_rise=80.0, thermal_time=2700.0)
+    at = {"drive": pp.drives.Geared(motor, 20.7), "flywheel": pp.drives.Flywheel(2e4), "loads": [BLANK]}
+    duty = pp.measures.duty_cycle(pp.steady_state(shipped()[0], 70 * pp.RPM, **at))
+    (line,) = [line for line in text.splitlines() if "settled rise" in line]
+    assert f"{duty.settled_rise:.4g}" in line
+    assert line.endswith("80 K at its rated point")
+
+
 @pytest.mark.exhaustive
 def test_a_motor_that_is_too_weak_and_friction(capsys: pytest.CaptureFixture[str]) -> None:
     words = [
