@@ -59,7 +59,7 @@ def drawing(height: float) -> Iterator[Figure]:
     try:
         from matplotlib import style  # optional, and slow to import
 
-        from .figure import NotebookFigure
+        from .figure import NotebookFigure  # it imports Matplotlib
     except ImportError:
         raise PinpressError(NOT_INSTALLED) from None
     with style.context(["default", STYLE]):

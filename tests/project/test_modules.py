@@ -13,6 +13,7 @@ LEAST = 40  # lines of a module
 SHORT = {  # modules that have fewer, and why
     "__main__.py": "`python -m pinpress`",
     "measures.py": "a list of names, in measures.pyi",
+    "plots/figure.py": "it imports Matplotlib, which is optional, where the rest of the room does so only to draw",
     "video.py": "a list of names, in video.pyi",
 }
 
