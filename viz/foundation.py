@@ -160,7 +160,7 @@ at once, and bed and crown swing on the columns. In the linear model the feet pu
 """
 NOTES = """
 - The resonance is that of swaying on the rubber, which is far softer in shear than in compression. Hardness and size of the pads, which the
-  thesis does not print, decide where it lies, and so how strongly the vibration grows towards 350 per min: see the last table. It lies
+  thesis does not print, decide where it lies, and so how strongly the vibration grows towards 350 per min: see the table of pads. It lies
   between 350 and 400 per min with three of those nine pads.
 - A force within the frame does not shake a rigid frame. Linkage and frame are rigid here except for the columns, so of the shock of piling
   the model shows the stretching between bed and crown, not the bending of the beams or the noise.

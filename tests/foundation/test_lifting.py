@@ -49,7 +49,7 @@ def bouncing(damping):
     def lifts(t, x, stands):
         return pressing(x) if stands else max(x[0] - free, -pressing(x))
 
-    lifts.terminal, lifts.direction = True, -1
+    vars(lifts).update(terminal=True, direction=-1)
     switches, found, x, t, stands = [], [], np.zeros(2), 0.0, True
     while t < time[-1]:
         part = solve_ivp(rate, (t, time[-1]), x, args=(stands,), events=lifts, rtol=1e-10, atol=1e-13, max_step=5e-4, dense_output=True)

@@ -220,6 +220,9 @@ def test_a_rotor_that_speeds_up():
 # -------------------------------------------------------------------------------------------------------------------------------- errors
 
 
+BODY = foundation.Frame(100.0, (0, 0, 0), (1, 1, 1))
+
+
 @pytest.mark.parametrize(
     ("make", "error", "says"),
     [
@@ -245,9 +248,6 @@ def test_a_rotor_that_speeds_up():
 def test_what_makes_no_sense_is_named(make, error, says):
     with pytest.raises(error, match=says):
         make()
-
-
-BODY = foundation.Frame(100.0, (0, 0, 0), (1, 1, 1))
 
 
 def stand(**more):
