@@ -28,12 +28,12 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce
 from .estimates.base_parameters import base_parameters
-from .estimates.encoder_zero import likely_zero
+from .estimates.encoder_zero import likely_start
 from .estimates.least_squares import Fit, fitted
 from .estimates.prior import NOTHING, ZERO, Losses, Unknowns, unknowns_of
 from .estimates.run_rows import BY_FORCE, Known, RunEquations
 from .estimates.weak_form import quantities, smoothed
-from .records import MeasuredRun
+from .records import MeasuredRun, sample_noise
 from .regressor import (
     PIN,
     refuse_losses,
@@ -51,6 +51,9 @@ DISAGREEING = 2.5  # ratio of the two deviations of a known parameter from which
 UNLIKELY = 1e-4  # probability below which masses are said to be off by more than the prior
 COARSE = 4000  # fewest counts a turn of the crank at which noise of the encoder is small
 EVEN = 0.05  # spread of speeds over all runs below which they are one
+SCALED = 3.0  # by which torques may differ from those of the press as described before their unit is doubted
+LARGE = 3.0  # residuals by the noise of samples, above which it is said that something else moves the press
+MATTERING = 1e-3  # of the largest torque, below which residuals do not matter
 FAR = 0.3  # an encoder's zero that is hardly meant [rad]
 UNTOLD = 0.5  # deviation of the encoder's zero by that before, above which it is said that records do not tell it
 _NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
@@ -206,7 +209,7 @@ def identify(
     Warns:
         PinpressWarning: all runs are at one speed; a loss or an encoder's zero that the records do not tell; a zero that is off by more
             than some degrees; an encoder that is too coarse; masses that are off by more than the prior allows; two standard deviations
-            of a parameter that disagree.
+            of a parameter that disagree; a torque of another size than the press asks for; residuals above the noise of samples.
     """
     refuse_losses(press, friction, cylinder)
     wanted = Losses(tuple(friction), cylinder, checked_radii(press, radii))
@@ -215,10 +218,16 @@ def identify(
     _doubt_runs(records)
     beside = Known(checked_inertia(drive_inertia), tuple(loads))
     equations = [RunEquations(unknowns, wanted, beside, run, smoothed(run)) for run in records]
-    about, start = likely_zero(unknowns, equations)
-    unknowns = unknowns.about_zero(about)
-    fit = _settled(unknowns, [each._replace(unknowns=unknowns) for each in equations], start, current=records[0].current is not None)
+    start, current = likely_start(unknowns, equations), records[0].current is not None
+    if not current and not 1 / SCALED < start.torque < SCALED:
+        caution(
+            f"the torque is {start.torque:.2g} times that of the press as described: look at its unit, and at the ratio of motor to crank,"
+            " record(..., ratio=20.7)"
+        )
+    unknowns = unknowns.about_zero(start.about)
+    fit = _settled(unknowns, [each._replace(unknowns=unknowns) for each in equations], start.zero, current)
     _doubt_fit(unknowns, fit)
+    _doubt_residuals(records, fit)
     return _result(unknowns, fit, unknowns.equations.pressed(fit.values[: unknowns.inertial]), wanted)
 
 
@@ -239,8 +248,8 @@ def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, curr
         about = about + step * (fit.values - about)
     if not change <= UNSETTLED:
         raise PinpressError(
-            f"estimates still change by {change:.2g} of their deviations after {PASSES} passes: look at the angle's zero and signs,"
-            " leave out kinds of friction, or measure at more speeds"
+            f"estimates still change by {change:.2g} of their deviations after {PASSES} passes: look at signs and units of"
+            " torque and angle and at what is known, leave out kinds of friction, or measure at more speeds"
         )
     return fit
 
@@ -341,6 +350,21 @@ def _doubt_fit(unknowns: Unknowns, fit: Fit) -> None:
         caution(
             f"{', '.join(apart[:4])}{' and others' if len(apart) > 4 else ''}: residuals scatter more than noise does, so intervals by"
             " blocks of time are wider: something moves the press that is in no column, or the encoder is coarse"
+        )
+
+
+def _doubt_residuals(runs: Sequence[MeasuredRun], fit: Fit) -> None:
+    """Warn of torques that are not those of the press that was found."""
+    measured = [quantities(run)["torque"] for run in runs if "torque" in quantities(run)]
+    if not measured:
+        return
+    noise, largest = float(np.median([sample_noise(each) for each in measured])), max(float(np.abs(each).max()) for each in measured)
+    left = fit.noise["torque"]
+    if left > max(LARGE * noise, MATTERING * largest):
+        caution(
+            f"the press found leaves {left / noise:.2g} times the noise from sample to sample of the torque: something acts that is in no"
+            " parameter (force on the slide, another friction, an encoder that is zeroed anew for each run), or the torque was filtered and"
+            " comes late"
         )
 
 

@@ -29,6 +29,7 @@ ROLLOVERS = (2.0**16, 2.0**24, 2.0**32)  # counts after which counters start ane
 FLAT = 12  # samples in a row at the very extreme that look like saturation
 BRAKING = 0.1  # share of the sum of sizes of the power by which its mean is below 0 where a sign is wrong
 FEWEST_A_TURN = 12  # samples
+NOISELESS = 1e-5  # least noise by the largest sample: so exact are sums over samples
 AXES = ("x", "y", "z")
 _NONE_GIVEN: Mapping[str, Any] = FrozenMapping({})
 
@@ -251,6 +252,12 @@ def longest_rest(values: Array, at: float) -> tuple[int, int]:
     lengths = np.diff(np.concatenate([[0], ends, [len(values)]]))
     there = values[np.concatenate([[0], ends])] == at
     return int(lengths[there].max(initial=0)), int(lengths[~there].max(initial=0))
+
+
+def sample_noise(samples: Array) -> float:
+    """Standard deviation of even noise in samples that change slowly between them, edges left aside; never 0."""
+    found = float(1.4826 * np.median(np.abs(np.diff(samples, 3))) / math.sqrt(20.0))
+    return max(found, NOISELESS * float(np.abs(samples).max()), np.finfo(float).tiny)
 
 
 # ------------------------------------------------------------------------------------------------------------------------------ from files

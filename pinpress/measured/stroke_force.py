@@ -47,7 +47,7 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, PointForce
 from .estimates.prior import ZERO
 from .identification import IdentifiedPress, checked_inertia
-from .records import MeasuredRun
+from .records import MeasuredRun, sample_noise
 from .regressor import InertialEquations, inertial_equations, slide_rates
 
 if TYPE_CHECKING:
@@ -58,7 +58,6 @@ APART = 2  # samples between the middles of two B-splines
 SPEED_KNOTS = 24  # of the spline by which the speed is known, a turn
 PASSES = 3  # of friction under the force found
 MOST_HEIGHTS = 2000
-NOISELESS = 1e-5  # least noise by the largest torque: so exact are sums over samples
 FEWEST = 40  # samples of a stroke that is judged
 EDGED = 1.5  # ratio of residuals under force to those without, above which a force has edges between the heights
 UNLIKE = 2.0  # ratio of residuals without force to noise above which the model of the press is doubted
@@ -373,7 +372,7 @@ def _measured(sensor: ProcessForceSensor, run: MeasuredRun) -> MeasuredForce:
         raise PinpressError(f"{run.name}: no torque was measured: name its column, or give the constant, record(..., motor_constant=)")
     if len(run.time) < FEWEST:
         raise PinpressError(f"{run.name}: {len(run.time)} samples are too few for a stroke: sample faster")
-    smooth, noise, angle = _smooth(run), _noise(run.torque), run.angle - sensor._zero
+    smooth, noise, angle = _smooth(run), sample_noise(run.torque), run.angle - sensor._zero
     inertia, weight, height = (spline(angle) for spline in sensor._coefficients[:3])
     weights = _weights(run, (smooth.noise / noise) * (sensor.drive_inertia + inertia))
     rate = sensor._coefficients.height(angle, 1)
@@ -410,12 +409,6 @@ def _smooth(run: MeasuredRun) -> _Smooth:
     rough = float(1.4826 * np.median(np.abs(steps)) / np.sqrt(20.0))  # of white noise alone, whatever the crank does
     counted = run.resolution
     return _Smooth(spline(time, 1), spline(time, 2), max(rough, 0.0 if counted is None else counted / np.sqrt(12.0), 1e-12))
-
-
-def _noise(samples: Array) -> float:
-    """Standard deviation of even noise in samples that change slowly between them, edges left aside."""
-    found = float(1.4826 * np.median(np.abs(np.diff(samples, 3))) / np.sqrt(20.0))
-    return max(found, NOISELESS * float(np.abs(samples).max()), np.finfo(float).tiny)
 
 
 def _weights(run: MeasuredRun, arm: Array) -> _Weights:

@@ -62,6 +62,7 @@ def test_one_stroke_of_a_press_as_described(capsys, tmp_path):
     ],
 )
 def test_wrong_words(capsys, words, said):
+    code: str | int | None
     try:
         code = main(["force", *COLUMNS, "zxn2_3000b", str(RECORDS / "stroke.csv"), *words])
     except SystemExit as end:

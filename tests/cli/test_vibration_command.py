@@ -76,6 +76,7 @@ def test_orders_of_a_running_press(capsys, tmp_path):
     ],
 )
 def test_wrong_words(capsys, files, words, said):
+    code: str | int | None
     try:
         code = main(["vibration", *files, *words])
     except SystemExit as end:

@@ -318,9 +318,14 @@ def test_what_cannot_be_told_is_refused_or_warned_of():
     even = drive(60, changing=0.0)
     steady = inertial_equations(press).coefficients(even.angle)["torque"].columns(even.speed, even.acceleration) @ values
     with pytest.warns(pp.PinpressWarning, match="all runs are at 60 r/min"):
-        identify(press, [run(even, steady + 20.0, rng, 2.0)], friction=())
+        identify(press, [run(even, steady, rng, 2.0)], friction=())
     with pytest.warns(pp.PinpressWarning, match="1024 steps a turn"):
         identify(press, [run(moved, good.torque, rng, 0.0, 1024)], friction=("crank",))
+    late = MeasuredRun(moved.time[10:], moved.angle[10:], good.torque[:-10])
+    with pytest.warns(pp.PinpressWarning, match="times the noise from sample to sample of the torque: something acts"):
+        identify(press, [late], friction=("crank",))
+    with pytest.warns(pp.PinpressWarning, match=r"the torque is 0.001 times that of the press as described: look at its unit"):
+        identify(press, [replace(good, torque=good.torque / 1000)], friction=("crank",))
     with pytest.warns(pp.PinpressWarning, match="do not tell the encoder's zero"):
         identify(press, [run(moved, good.torque, rng, 1e5)], friction=())
     with pytest.warns(pp.PinpressWarning, match="times the prior: give a larger prior"):

@@ -44,21 +44,34 @@ class _Table(NamedTuple):
         return np.stack([np.interp(angle, self.angles, each, period=self.period) for each in self.values])
 
 
-def likely_zero(unknowns: Unknowns, runs: Sequence[RunEquations]) -> tuple[float, float]:
-    """Reading of the encoder where the press is as drawn: about which angle it is, 0 or so many times 10 degrees, and a better estimate
-    near it [rad]; 0 where no torque was measured in a run, or where the crank does not turn fully."""
+class Start(NamedTuple):
+    """What the press as described says of the records.
+
+    Attributes:
+        about: which angle the encoder shows where the press is as drawn, 0 or so many times 10 degrees [rad].
+        zero: a better estimate near it [rad].
+        torque: by how much the torque, but for losses, is larger than that of the press as described.
+    """
+
+    about: float
+    zero: float
+    torque: float
+
+
+def likely_start(unknowns: Unknowns, runs: Sequence[RunEquations]) -> Start:
+    """Where the encoder's zero is; 0 where no torque was measured in a run, or where the crank does not turn fully."""
     from scipy.optimize import minimize_scalar  # to save start-up time
 
     press = unknowns.equations.press
     if press.period_turns is None or not all("torque" in quantities(each.run) for each in runs):
-        return 0.0, 0.0
+        return Start(0.0, 0.0, 1.0)
     tables, step = [_tabulated(each) for each in runs], 2 * np.pi / TRIED
     zeros = np.arange(TRIED * press.period_turns) * step
-    misfits = np.array([_misfit(tables, runs, zero) for zero in zeros])
+    misfits = np.array([_misfit(tables, runs, zero)[0] for zero in zeros])
     best = 0 if misfits.min() >= CLEARLY * misfits[0] else int(misfits.argmin())
     near = (zeros[best] + tables[0].period / 2) % tables[0].period - tables[0].period / 2
-    found = minimize_scalar(lambda zero: _misfit(tables, runs, zero), bounds=(near - step, near + step), options={"xatol": EXACT})
-    return float(near), float(found.x)
+    found = minimize_scalar(lambda zero: _misfit(tables, runs, zero)[0], bounds=(near - step, near + step), options={"xatol": EXACT})
+    return Start(float(near), float(found.x), _misfit(tables, runs, float(found.x))[1])
 
 
 def _tabulated(run: RunEquations) -> _Table:
@@ -77,8 +90,8 @@ def _tabulated(run: RunEquations) -> _Table:
     return _Table(angles, 2 * np.pi * turns, np.stack([inertia + known.inertia, slope, weight, loads, *slide_rates(press, motion)]))
 
 
-def _misfit(tables: Sequence[_Table], runs: Sequence[RunEquations], zero: float) -> float:
-    """Sum of squares of what the press as described, times a number, and losses leave of the torque."""
+def _misfit(tables: Sequence[_Table], runs: Sequence[RunEquations], zero: float) -> tuple[float, float]:
+    """Sum of squares of what the press as described, times a number, and losses leave of the torque; and this number."""
     columns, values = [], []
     for table, each in zip(tables, runs, strict=True):
         smooth = each.smooth
@@ -91,7 +104,9 @@ def _misfit(tables: Sequence[_Table], runs: Sequence[RunEquations], zero: float)
     size = np.linalg.norm(whole, axis=0)
     scaled = whole / np.where(size > 0, size, 1.0)
     solution = np.linalg.lstsq(scaled.T @ scaled, scaled.T @ target, rcond=ROUNDING)[0]
-    return float(((target - scaled @ solution) ** 2).sum()) if solution[0] >= 0 else float(target @ target)  # no masses are negative
+    if solution[0] < 0:  # no masses are negative
+        return float(target @ target), 0.0
+    return float(((target - scaled @ solution) ** 2).sum()), float(solution[0] / size[0]) if size[0] > 0 else 1.0
 
 
 def _losses(losses: Losses, speed: Array, rate: Array, height: Array) -> Array:
