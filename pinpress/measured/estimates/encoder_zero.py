@@ -23,6 +23,7 @@ TRIED = 36  # zeros a turn
 STATES = 720  # of a turn, between which the press is linear here
 ROUNDING = 1e-10  # share of the largest singular value below which columns are one
 EXACT = 0.01  # of the start [rad]
+EXPLAINED = 0.5  # share of the torque's squares that is left, above which its size is not judged
 CLEARLY = 0.9  # of the residual's square with the zero as given, below which another one is taken
 
 
@@ -50,7 +51,7 @@ class Start(NamedTuple):
     Attributes:
         about: which angle the encoder shows where the press is as drawn, 0 or so many times 10 degrees [rad].
         zero: a better estimate near it [rad].
-        torque: by how much the torque, but for losses, is larger than that of the press as described.
+        torque: by how much the torque, but for losses, is larger than that of the press as described; 1 where this explains little of it.
     """
 
     about: float
@@ -71,7 +72,8 @@ def likely_start(unknowns: Unknowns, runs: Sequence[RunEquations]) -> Start:
     best = 0 if misfits.min() >= CLEARLY * misfits[0] else int(misfits.argmin())
     near = (zeros[best] + tables[0].period / 2) % tables[0].period - tables[0].period / 2
     found = minimize_scalar(lambda zero: _misfit(tables, runs, zero)[0], bounds=(near - step, near + step), options={"xatol": EXACT})
-    return Start(float(near), float(found.x), _misfit(tables, runs, float(found.x))[1])
+    left, torque = _misfit(tables, runs, float(found.x))
+    return Start(float(near), float(found.x), torque if left < EXPLAINED else 1.0)
 
 
 def _tabulated(run: RunEquations) -> _Table:
@@ -91,7 +93,7 @@ def _tabulated(run: RunEquations) -> _Table:
 
 
 def _misfit(tables: Sequence[_Table], runs: Sequence[RunEquations], zero: float) -> tuple[float, float]:
-    """Sum of squares of what the press as described, times a number, and losses leave of the torque; and this number."""
+    """Share of the squares of the torque that the press as described, times a number, and losses leave; and this number."""
     columns, values = [], []
     for table, each in zip(tables, runs, strict=True):
         smooth = each.smooth
@@ -105,8 +107,8 @@ def _misfit(tables: Sequence[_Table], runs: Sequence[RunEquations], zero: float)
     scaled = whole / np.where(size > 0, size, 1.0)
     solution = np.linalg.lstsq(scaled.T @ scaled, scaled.T @ target, rcond=ROUNDING)[0]
     if solution[0] < 0:  # no masses are negative
-        return float(target @ target), 0.0
-    return float(((target - scaled @ solution) ** 2).sum()), float(solution[0] / size[0]) if size[0] > 0 else 1.0
+        return 1.0, 0.0
+    return float(((target - scaled @ solution) ** 2).sum() / (target @ target)), float(solution[0] / size[0]) if size[0] > 0 else 1.0
 
 
 def _losses(losses: Losses, speed: Array, rate: Array, height: Array) -> Array:
