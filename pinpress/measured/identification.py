@@ -28,7 +28,7 @@ from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce
 from .estimates.base_parameters import base_parameters
-from .estimates.encoder_zero import likely_start
+from .estimates.encoder_zero import Start, likely_starts
 from .estimates.least_squares import Fit, fitted
 from .estimates.prior import NOTHING, ZERO, Losses, Unknowns, unknowns_of
 from .estimates.run_rows import BY_FORCE, Known, RunEquations
@@ -218,17 +218,33 @@ def identify(
     _doubt_runs(records)
     beside = Known(checked_inertia(drive_inertia), tuple(loads))
     equations = [RunEquations(unknowns, wanted, beside, run, smoothed(run)) for run in records]
-    start, current = likely_start(unknowns, equations), records[0].current is not None
+    current = records[0].current is not None
+    start, unknowns, fit = _best(unknowns, equations, current)
     if not current and not 1 / SCALED < start.torque < SCALED:
         caution(
             f"the torque is {start.torque:.2g} times that of the press as described: look at its unit, and at the ratio of motor to crank,"
             " record(..., ratio=20.7)"
         )
-    unknowns = unknowns.about_zero(start.about)
-    fit = _settled(unknowns, [each._replace(unknowns=unknowns) for each in equations], start.zero, current)
     _doubt_fit(unknowns, fit)
     _doubt_residuals(records, fit)
     return _result(unknowns, fit, unknowns.equations.pressed(fit.values[: unknowns.inertial]), wanted)
+
+
+def _best(unknowns: Unknowns, runs: Sequence[RunEquations], current: bool) -> tuple[Start, Unknowns, Fit]:
+    """Estimates from where the encoder's zero may be, of several those that leave least."""
+    found: list[tuple[Start, Unknowns, Fit]] = []
+    refused: PinpressError | None = None
+    for start in likely_starts(unknowns, runs):
+        about = unknowns.about_zero(start.about)
+        try:
+            fit = _settled(about, [each._replace(unknowns=about) for each in runs], start.zero, current)
+        except PinpressError as error:
+            refused = refused or error
+        else:
+            found.append((start, about, fit))
+    if not found and refused is not None:
+        raise refused
+    return min(found, key=lambda each: sum(each[2].noise.values()))
 
 
 def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, current: bool) -> Fit:

@@ -24,7 +24,7 @@ STATES = 720  # of a turn, between which the press is linear here
 ROUNDING = 1e-10  # share of the largest singular value below which columns are one
 EXACT = 0.01  # of the start [rad]
 EXPLAINED = 0.5  # share of the torque's squares that is left, above which its size is not judged
-CLEARLY = 0.9  # of the residual's square with the zero as given, below which another one is taken
+NEAR = 0.4  # zeros that are some degrees off [rad]
 
 
 class _Table(NamedTuple):
@@ -59,21 +59,33 @@ class Start(NamedTuple):
     torque: float
 
 
-def likely_start(unknowns: Unknowns, runs: Sequence[RunEquations]) -> Start:
-    """Where the encoder's zero is; 0 where no torque was measured in a run, or where the crank does not turn fully."""
-    from scipy.optimize import minimize_scalar  # to save start-up time
-
+def likely_starts(unknowns: Unknowns, runs: Sequence[RunEquations]) -> tuple[Start, ...]:
+    """Where the encoder's zero may be: some degrees from 0, and elsewhere where the press as described fits better there; 0 where no torque
+    was measured in a run, or where the crank does not turn fully."""
     press = unknowns.equations.press
     if press.period_turns is None or not all("torque" in quantities(each.run) for each in runs):
-        return Start(0.0, 0.0, 1.0)
+        return (Start(0.0, 0.0, 1.0),)
     tables, step = [_tabulated(each) for each in runs], 2 * np.pi / TRIED
-    zeros = np.arange(TRIED * press.period_turns) * step
+    count = TRIED * press.period_turns
+    zeros = (np.arange(count) - count // 2) * step
     misfits = np.array([_misfit(tables, runs, zero)[0] for zero in zeros])
-    best = 0 if misfits.min() >= CLEARLY * misfits[0] else int(misfits.argmin())
-    near = (zeros[best] + tables[0].period / 2) % tables[0].period - tables[0].period / 2
-    found = minimize_scalar(lambda zero: _misfit(tables, runs, zero)[0], bounds=(near - step, near + step), options={"xatol": EXACT})
-    left, torque = _misfit(tables, runs, float(found.x))
-    return Start(float(near), float(found.x), torque if left < EXPLAINED else 1.0)
+    near = np.abs(zeros) < NEAR
+    around = float(zeros[near][misfits[near].argmin()])
+    found = [_start(tables, runs, around, 0.0)]
+    far = float(zeros[int(misfits.argmin())])
+    if abs(far) >= NEAR and misfits.min() < misfits[near].min():
+        found.append(_start(tables, runs, far, far))
+    return tuple(found)
+
+
+def _start(tables: Sequence[_Table], runs: Sequence[RunEquations], near: float, about: float) -> Start:
+    """The best zero near one that was tried."""
+    from scipy.optimize import minimize_scalar  # to save start-up time
+
+    ends = (near - 2 * np.pi / TRIED, near + 2 * np.pi / TRIED)
+    zero = float(minimize_scalar(lambda zero: _misfit(tables, runs, zero)[0], bounds=ends, options={"xatol": EXACT}).x)
+    left, torque = _misfit(tables, runs, zero)
+    return Start(about, zero, torque if left < EXPLAINED else 1.0)
 
 
 def _tabulated(run: RunEquations) -> _Table:
