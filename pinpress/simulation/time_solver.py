@@ -17,6 +17,7 @@ from scipy.integrate import DOP853, DenseOutput, OdeSolver
 from scipy.optimize import brentq
 
 from ..common.errors import PinpressError, SimulationError
+from ..common.frozen import read_only
 from ..common.integrators import RadauIIA, RungeKutta4, slopes
 from ..common.quantities import Array
 from .events import CornerPassed, CouplingGrips, Event, ending_events, margins_of
@@ -83,7 +84,7 @@ class TimeSegment:
 
     @property
     def borders(self) -> Array:
-        return np.array([self.start, *self.times])
+        return read_only(np.array([self.start, *self.times]))
 
     @property
     def standing(self) -> float | None:

@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from ..common.frozen import read_only
 from ..common.quantities import Array
 
 INTEGRALS = ("drive_work", "load_work", "motor_squared", "lost")
@@ -127,7 +128,7 @@ class Trajectory:
     @cached_property
     def borders(self) -> Array:
         """Rising times, start and end among them, between which the run is smooth [s]."""
-        return np.unique(np.concatenate([segment.borders for segment in self.segments]))
+        return read_only(np.unique(np.concatenate([segment.borders for segment in self.segments])))
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         """States at rising times (n,); if not ``complete``, without accelerations, and with loops not closed again."""
