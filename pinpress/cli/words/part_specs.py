@@ -6,15 +6,12 @@ driver that slides in mm/s), or have a unit of their own. A clutch or brake is s
 ``180deg``. Points and forces are ``x/y/z``. Tables of numbers come from CSV files of two columns.
 """
 
-import contextlib
-import csv
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, fields, replace
 from dataclasses import field as declare
 from functools import partial
-from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from ...common import tables
@@ -34,7 +31,8 @@ from ...loads.pneumatics import BalanceCylinder, PneumaticCushion
 from ...loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from ...loads.shearing import RateSensitiveBlanking
 from ...simulation.elastic.contact import Clearance
-from .units import UNITS, read_quantity
+from .part_values import instant, numbers, pairs_of_file, speed, truth, vector, whole_number
+from .units import read_quantity
 
 T = TypeVar("T")
 
@@ -483,7 +481,7 @@ def _keys(kind: Kind[Any]) -> dict[str, _Key]:
         if table is None or field.name not in table.into:
             found.append(_Key(field.name, _note(field, kind.driver), optional, _reader(field, kind.driver)))
         elif field.name == table.into[0]:
-            found.append(_Key(table.key, "=FILE", optional, partial(_pairs, columns=table.columns)))
+            found.append(_Key(table.key, "=FILE", optional, partial(pairs_of_file, columns=table.columns)))
     return {key.name: key for key in found} | (_GEAR if kind.geared else {})
 
 
@@ -506,20 +504,20 @@ def _note(field: Field[Any], driver: DriverCoordinate = CRANK) -> str:
 
 def _reader(field: Field[Any], driver: DriverCoordinate = CRANK) -> Callable[[str], Any]:
     if _is_at(field):
-        return _at
+        return instant
     if field.type in (int, "int"):
-        return _whole
+        return whole_number
     if field.type in (str, "str"):
         return str
     if _is_speed(field):
-        return partial(_speed, driver=driver)
+        return partial(speed, driver=driver)
     if isinstance(field.default, bool):
-        return _truth
+        return truth
     if field.name in LISTS:
-        return partial(_list, unit=LISTS[field.name][1])
+        return partial(numbers, unit=LISTS[field.name][1])
     known = declared(field)
     unit = "-" if known is None else driver.in_place_of(known.unit)
-    return partial(_vector if known is not None and known.axes else read_quantity, unit=unit)
+    return partial(vector if known is not None and known.axes else read_quantity, unit=unit)
 
 
 def _is_speed(field: Field[Any]) -> bool:
@@ -529,74 +527,6 @@ def _is_speed(field: Field[Any]) -> bool:
 
 def _is_at(field: Field[Any]) -> bool:
     return SwitchPoint.__name__ in re.findall(r"\w+", str(field.type))
-
-
-def _speed(text: str, driver: DriverCoordinate) -> float:
-    unit, size = driver.shown_speed
-    return read_quantity(text, unit) * size
-
-
-def _whole(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise ValueError("no whole number") from None
-
-
-def _list(text: str, unit: str) -> tuple[float, ...]:
-    return tuple(read_quantity(part, unit) for part in text.split("/"))
-
-
-def _truth(text: str) -> bool:
-    if text not in ("yes", "no"):
-        raise ValueError("neither yes nor no")
-    return text == "yes"
-
-
-def _at(text: str) -> SwitchPoint:
-    with contextlib.suppress(ValueError, PinpressError):
-        if text.endswith(tuple(UNITS["deg"])):
-            return SwitchPoint(angle=math.radians(read_quantity(text, "deg")))
-        if text.endswith(tuple(UNITS["s"])):
-            return SwitchPoint(time=read_quantity(text, "s"))
-    raise ValueError("neither a time as 0.1s nor a crank angle as 180deg")
-
-
-def _vector(text: str, unit: str) -> tuple[float, ...]:
-    parts = re.split(r"/(?=\s*[-+.\d])", text)  # the slash of a unit, as in 50MN/m, is followed by no number
-    if len(parts) != 3:
-        raise ValueError("not x/y/z as 0/0/-0.2")
-    return tuple(read_quantity(part, unit) for part in parts)
-
-
-def _pairs(path: str, columns: tuple[str, str]) -> list[tuple[float, float]]:
-    """The rows of a CSV file of two columns, in their units; a first line without numbers is its header, which may name other units."""
-    wanted = f"a CSV file of two columns, {columns[0]} and {columns[1]}, with a comma between them"
-    try:
-        rows = [row for row in csv.reader(Path(path).read_text("utf-8-sig").splitlines()) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError, csv.Error, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no text"
-        raise ValueError(f"which cannot be read ({reason}): give {wanted}") from None
-    pairs, factors = [], (1.0, 1.0)
-    for number, row in enumerate(rows, 1):
-        try:
-            first, second = map(float, row)
-        except ValueError:
-            if number > 1 or ";" in row[0]:
-                raise ValueError(f"whose row {number} is {','.join(row)!r}: give {wanted}") from None
-            factors = _units_of_header(row, columns)
-        else:
-            pairs.append((first * factors[0], second * factors[1]))
-    return pairs
-
-
-def _units_of_header(row: list[str], columns: tuple[str, str]) -> tuple[float, float]:
-    """Factors to the columns' own units of what a header names in brackets, as in ``height [mm], force [kN]``."""
-    first, second = (
-        1.0 if (given := re.search(r"\[(.+?)\]", cell)) is None else read_quantity(f"1 {given[1].strip()}", column.partition("[")[2][:-1])
-        for cell, column in zip([*row, "", ""][:2], columns, strict=True)
-    )
-    return first, second
 
 
 def _fields_of(table: Table, pairs: list[tuple[float, float]]) -> dict[str, Any]:
