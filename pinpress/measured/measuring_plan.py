@@ -333,7 +333,7 @@ def _shares(before: Array, information: Array, matter: Array) -> tuple[Array, fl
         sensitive = inverse @ aim @ inverse
         value = float((aim * inverse).sum())
         slopes = np.tensordot(parts, sensitive, 2)  # how much the sum falls by a share
-        gap = float(slopes.max() - share @ slopes) / value
+        gap = float(slopes.max() - share @ slopes) / value if value > 0 else 0.0  # 0: what is wanted is known, and all shares are as good
         if gap < GAP:
             break
         share = share * np.sqrt(np.maximum(slopes, 0.0))
@@ -341,7 +341,7 @@ def _shares(before: Array, information: Array, matter: Array) -> tuple[Array, fl
     kept = np.where(share >= SHARED, share, 0.0)
     kept /= kept.sum()
     rounded = float((aim * np.linalg.inv(start + np.tensordot(kept, parts, 1))).sum())
-    return kept, max(1 - (1 - gap) * value / rounded, 0.0)
+    return kept, max(1 - (1 - gap) * value / rounded, 0.0) if rounded > 0 else 0.0
 
 
 def _deviations(task: _Task, information: Array) -> Array:
