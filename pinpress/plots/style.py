@@ -57,12 +57,13 @@ def drawing(height: float) -> Iterator[Figure]:
         PinpressError: Matplotlib is not installed.
     """
     try:
-        from matplotlib import style  # optional, and slow to import
-
-        from .figure import NotebookFigure  # it imports Matplotlib
+        import matplotlib.figure  # optional, and slow to import
+        import matplotlib.style  # optional, and slow to import
     except ImportError:
         raise PinpressError(NOT_INSTALLED) from None
-    with style.context(["default", STYLE]):
+    from .figure import NotebookFigure  # it imports Matplotlib
+
+    with matplotlib.style.context(["default", STYLE]):
         figure = NotebookFigure(figsize=(WIDTH * CENTIMETRE, height * CENTIMETRE), dpi=DOTS, layout="constrained")
         yield figure
         figure.draw_without_rendering()
