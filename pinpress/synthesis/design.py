@@ -313,7 +313,8 @@ class Design:
     def _reactions_towards(self, place: int, h: float) -> TrialReactions:
         real, found, names = self._reactions, self._wrenches, self.start.press.bearings
         slope = tangent(self._known, self._tangents[place], self._by[place], self._pushes(place))
-        force = moment = None
+        force: Mapping[str, Array] | None = None
+        moment: Mapping[str, Array] | None = None
         if slope.forces is not None and slope.moments is not None:
             force = NamedArrays(names, _complex(found.force, h, to_world(self.plane, slope.forces)))
             if self._bodies.in_one_plane:

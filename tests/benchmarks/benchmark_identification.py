@@ -24,12 +24,14 @@ KINDS = {"crank and gibs, cylinder": (("crank", "gibs"), True), "crank, pins and
 
 def records(name: str) -> list[measured.MeasuredRun]:
     """Three runs of 40 s at 1 kHz."""
-    rng, runs = np.random.default_rng(0), []
+    rng = np.random.default_rng(0)
     masses = drawn(name, rng)
-    for strokes in STROKES[name]:
-        torque = columns(name, strokes, (), False, 40.0, 1000.0) @ masses
-        runs.append(run(drive(strokes, 40.0, 1000.0), torque + 0.02 * np.abs(torque).max(), rng, 0.01 * np.abs(torque).max(), 8192))
-    return runs
+    torques = [columns(name, strokes, (), False, 40.0, 1000.0) @ masses for strokes in STROKES[name]]
+    rubbing, noise = (share * max(np.abs(torque).max() for torque in torques) for share in (0.02, 0.01))
+    return [
+        run(drive(strokes, 40.0, 1000.0), torque + rubbing, rng, noise, 8192)
+        for strokes, torque in zip(STROKES[name], torques, strict=True)
+    ]
 
 
 def coverage(name: str) -> str:
@@ -39,9 +41,9 @@ def coverage(name: str) -> str:
     for seed in range(PRESSES):
         rng = np.random.default_rng(seed)
         masses, zero, runs = drawn(name, rng), rng.normal(scale=0.1), []
-        for strokes in STROKES[name]:
-            torque = columns(name, strokes, (), False) @ masses
-            size = float(np.abs(torque).max())
+        torques = [columns(name, strokes, (), False) @ masses for strokes in STROKES[name]]
+        size = max(np.abs(torque).max() for torque in torques)
+        for strokes, torque in zip(STROKES[name], torques, strict=True):
             made = run(drive(strokes), torque + 0.02 * size, rng, 0.01 * size, 8192)
             runs.append(replace(made, angle=made.angle + zero))
         found = measured.identify(press, runs, friction=("crank",))

@@ -63,7 +63,7 @@ def test_of_a_checkout_without_metadata(monkeypatch, capsys):
     def none(name):
         raise metadata.PackageNotFoundError(name)
 
-    monkeypatch.setattr(about.metadata, "requires", none)
+    monkeypatch.setattr(metadata, "requires", none)
     assert "(the package is not installed)" in said(capsys)
 
 
@@ -82,6 +82,6 @@ def test_a_licence_is_what_the_package_states(monkeypatch, fields, licence):
     message = Message()
     message["Version"] = "1.0"
     for name, value in fields.items():
-        message._headers.append((name, value))
-    monkeypatch.setattr(about.metadata, "metadata", lambda name: message)
+        message[name] = value
+    monkeypatch.setattr(metadata, "metadata", lambda name: message)
     assert about.stated("any") == ("1.0", licence)
