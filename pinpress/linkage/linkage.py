@@ -469,9 +469,14 @@ class Linkage(Frozen):
 
     def link_of(self, joint: int) -> str:
         """Name of the link that the body of a Pinocchio joint (0: the frame) begins with."""
-        if joint == 0:
-            return self.root
-        return next(str(frame.name) for frame in self.model.frames if frame.type == pin.BODY and frame.parentJoint == joint)
+        return self._first_links[joint]
+
+    @property
+    @per_linkage
+    def _first_links(self) -> dict[int, str]:
+        """`link_of` of all joints."""
+        bodies = [(frame.parentJoint, str(frame.name)) for frame in self.model.frames if frame.type == pin.BODY]
+        return dict(reversed(bodies)) | {0: self.root}
 
 
 def _is_balanced(inertia: pin.Inertia, axis: Array, size: float) -> bool:

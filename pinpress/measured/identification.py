@@ -253,14 +253,17 @@ def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, curr
     start[unknowns.zero] = zero
     fit = fitted(unknowns, [row for run in runs for row in run.rows(start, {})], current)
     slopes = [run.friction_slopes(fit.values) if set(BY_FORCE) & set(run.losses.friction) else {} for run in runs]
-    about, change, step = fit.values, math.inf, 1.0
+    about, change, step, longest, halved = fit.values, math.inf, 1.0, 1.0, False
     for _ in range(PASSES):
         fit = fitted(unknowns, [row for run, own in zip(runs, slopes, strict=True) for row in run.rows(about, own)], current)
         last, moving = change, fit.deviation > 0
         change = float((np.abs(fit.values - about)[moving] / fit.deviation[moving]).max())
         if change <= SETTLED:
             return fit
-        step = min(2 * step, 1.0) if change < (1 - SHRINKING * step) * last else 0.5 * step  # less where cones turn steps to and fro
+        if change < (1 - SHRINKING * step) * last:
+            step = min(2 * step, longest)
+        else:  # a first time after a far start, a second time where cones turn whole steps to and fro
+            step, longest, halved = 0.5 * step, 0.5 * step if halved else 1.0, True
         about = about + step * (fit.values - about)
     if not change <= UNSETTLED:
         raise PinpressError(

@@ -162,12 +162,15 @@ class BearingLayout:
 
 def tree(nodes: Array) -> list[tuple[Array, Array]]:
     """The shortest lines between nodes (k, 3) that connect them all."""
-    found, reached, left = [], [0], list(range(1, len(nodes)))
-    while left:
-        i, j = min(((i, j) for i in reached for j in left), key=lambda pair: float(np.linalg.norm(nodes[pair[1]] - nodes[pair[0]])))
-        found.append((nodes[i], nodes[j]))
+    found, reached = [], [0]
+    nearest = {j: (float(np.linalg.norm(node - nodes[0])), 0) for j, node in enumerate(nodes) if j}  # distance, and place among reached
+    while nearest:
+        j = min(nearest, key=lambda j: (nearest[j], j))
+        found.append((nodes[reached[nearest.pop(j)[1]]], nodes[j]))
+        for other, (distance, _) in nearest.items():
+            if (closer := float(np.linalg.norm(nodes[other] - nodes[j]))) < distance:
+                nearest[other] = (closer, len(reached))
         reached.append(j)
-        left.remove(j)
     return found
 
 
