@@ -32,6 +32,7 @@ GROUPS = {
     "For roboticists": ("my_own_robot", "pinocchio_beside"),
 }
 NAMES = tuple(name for names in GROUPS.values() for name in names)
+BELOW_THE_GUIDE = ("---", "search:", "  boost: 0.5", "---", "")  # where one searches
 BESIDE = {"my_own_robot": "five_bar.urdf"}  # a file of the folder that the example reads
 
 
@@ -62,7 +63,7 @@ def run(name: str) -> tuple[str, Figure]:
 def page(name: str, printed: str) -> str:
     """The page of an example that prints this."""
     question, words, code = parts(name)
-    lines = [f"# {question}", "", words, "", "```python", code, "```", "", "```text", printed.rstrip(), "```", ""]
+    lines = [*BELOW_THE_GUIDE, f"# {question}", "", words, "", "```python", code, "```", "", "```text", printed.rstrip(), "```", ""]
     lines += [f"![{question}]({name}.svg)", ""]
     if name in BESIDE:
         read = (FOLDER / BESIDE[name]).read_text(encoding="utf-8").rstrip()

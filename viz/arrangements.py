@@ -156,7 +156,8 @@ def machines_table() -> str:
         mass = sum(inertia.mass for inertia in press.model.inertias)
         plain = plain or mass
         largest = {name: float(np.linalg.norm(force, axis=1).max()) for name, force in result.bearing_force.items()}
-        worst = max(largest, key=lambda name: largest[name])
+        top = (1 - 1e-9) * max(largest.values())
+        worst = next(name for name, size in largest.items() if size >= top)  # of two that are mirror images the first
         least = 1e-9 * largest[worst]
         force, moment = result.shaking_force, result.shaking_moment[:, 1]
         ranges = [np.ptp(each) for each in (force[:, 2], force[:, 0], moment)]
