@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 from typing import Any
 
 import numpy as np
@@ -62,7 +63,9 @@ def read_market(path: str) -> Any:
     from scipy.io import mmread  # SciPy takes its time to load
 
     try:
-        return mmread(io.BytesIO(files.read(path, MOST_BYTES)))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of the kind of sparse matrix, which does not matter here
+            return mmread(io.BytesIO(files.read(path, MOST_BYTES)))
     except (ValueError, TypeError, OSError, IndexError, OverflowError) as error:
         raise PinpressError(f"{path} is no Matrix Market file: {error}; give the matrix as .mtx, or all arrays in one .npz") from error
 

@@ -12,7 +12,7 @@ import cmath
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,6 @@ ROUNDING = 4 * float(np.finfo(float).eps)  # rounding of a place
 Numbers = NDArray[np.float64] | NDArray[np.complex128]
 
 
-@runtime_checkable
 class CrankMotion(Protocol):
     """The part of a motion that measures of the crank need. A `Motion` is one.
 
@@ -118,7 +117,7 @@ def step_angle(motion: CrankMotion) -> float:
     Raises:
         PinpressError: the motion is not one period at constant speed in equal steps.
     """
-    if not isinstance(motion, CrankMotion):
+    if not all(hasattr(motion, name) for name in ("crank_angle", "crank_speed", "period_turns")):
         raise PinpressError(f"motion is a {type(motion).__name__}, no Motion: give what cycle returns")
     angle, speed = np.asarray(motion.crank_angle).real, np.asarray(motion.crank_speed)
     remedy = "give the motion of one period at constant speed, cycle(press, speed=...)"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -161,7 +161,6 @@ def _turns(positions: Array, turns: int) -> int:
 # ---------------------------------------------------------------------------------------------------------------------- strokes of a motion
 
 
-@runtime_checkable
 class SlideMotion(CrankMotion, Protocol):
     """The part of a motion that measures of the slide need: a `CrankMotion` with the slide's motion along its guide's axis. A `Motion` is
     one. The arrays (n,) may be complex.
@@ -257,7 +256,7 @@ def slide_path(motion: SlideMotion) -> Curve:
         PinpressError: not one period at constant crank speed, no slide, a slide that does not turn back, or too few states.
     """
     time = step_time(motion)
-    if not isinstance(motion, SlideMotion):
+    if not all(hasattr(motion, name) for name in ("slide_position", "slide_velocity", "slide_acceleration")):
         raise PinpressError(f"motion is a {type(motion).__name__} without the slide's position, velocity and acceleration: give a Motion")
     position, velocity, acceleration = motion.slide_position, motion.slide_velocity, motion.slide_acceleration
     real = not any(map(np.iscomplexobj, (position, velocity, acceleration, motion.crank_speed)))
