@@ -1,5 +1,5 @@
 """Large linkages: what is computed grows with their joints and no faster, and stays right. Counts, not times: those are printed by
-`benchmark_sizes.py`."""
+`tests/benchmarks/mechanics/sizes.py`."""
 
 import dataclasses
 from dataclasses import fields

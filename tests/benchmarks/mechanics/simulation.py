@@ -1,7 +1,7 @@
 """Forward dynamics: error against run time of everything there is, a plain Pinocchio loop beside it, many scenarios against one, what a
 tolerance buys, and tables of linkages in space.
 
-Run `python tests/benchmarks/benchmark_simulation.py`; `--quick` for a fifth of the repeats, `--only tolerances` for one part. pytest does
+Run `python tests/benchmarks/mechanics/simulation.py`; `--quick` for a fifth of the repeats, `--only tolerances` for one part. pytest does
 not collect this file. The contestants take turns, so that whatever else the machine does meets all of them; the least time counts. Wall
 times include everything from the loaded press, whose assembly has been followed, to a `Run` with its states, accelerations and checks (of
 the plain loop: to the last state alone).
@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support import texts
 from support.generators import spatial_linkages
 from support.oracles.pinocchio_run import free_run

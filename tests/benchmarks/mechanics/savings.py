@@ -1,7 +1,7 @@
 """What a scene does not need, and what leaving it out saves: time of the six-bar ZXN2-3000(B) with and without each thing, memory of fresh
 interpreters.
 
-Run `python tests/benchmarks/benchmark_savings.py`; `--quick` for a fifth of the repeats. pytest does not collect this file. It prints
+Run `python tests/benchmarks/mechanics/savings.py`; `--quick` for a fifth of the repeats. pytest does not collect this file. It prints
 the tables and
 writes them to `viz/savings.md`. Contestants of a table take turns within each repeat, so that whatever else the machine does meets all of
 them; the least time counts. Ratios are to the first row of the same table.
@@ -25,18 +25,18 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import pinpress as pp
 from pinpress.accuracy.contests import least_seconds
 from pinpress.simulation.reduced_model import reduced_model_of
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SPEED = 70 * pp.RPM
 REPEATS = {360: 60, 36000: 15}
 SIDES = 100  # of the mesh's sphere: it has 2 x 100 x 100 triangles
 WRITTEN = ROOT / "viz" / "savings.md"
-COMMAND = "python tests/benchmarks/benchmark_savings.py"
+COMMAND = "python tests/benchmarks/mechanics/savings.py"
 
 Work = Callable[[], Any]
 Contestants = dict[str, Work]

@@ -1,6 +1,6 @@
 """How long the first call of every public function takes on a shipped press, each in a new process.
 
-Run `python tests/benchmarks/benchmark_first_calls.py`, with words behind it for the calls whose names have one of them. pytest does not
+Run `python tests/benchmarks/features/first_calls.py`, with words behind it for the calls whose names have one of them. pytest does not
 collect this file. The press is loaded, and what the call takes is there (see `GIVEN`). Both times are those of the processor, the least of
 three processes: of the first call, with the imports that it needs, and of the same call once more. Calls that search or run other programs,
 and those that need Matplotlib, whose import alone takes most of a second, stand in tables of their own. The last table has whole processes:

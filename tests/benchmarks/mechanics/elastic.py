@@ -1,6 +1,6 @@
 """Elastic motion: error against run time beside SciPy's integrators and Exudyn, on one work: the springs' ring over half a stroke.
 
-Run `python tests/benchmarks/benchmark_elastic.py`; `--quick` for one repeat. pytest does not collect this file. The work is the release
+Run `python tests/benchmarks/mechanics/elastic.py`; `--quick` for one repeat. pytest does not collect this file. The work is the release
 test: the crank turns at its speed from half a turn before bottom dead centre, from the rigid pose with all springs slack, so that the links
 ring under weight and inertia. Errors are those of the bearing forces at the end, by the largest of them, against the collocation at its
 least tolerance, to which LSODA and Exudyn converge too. All contestants get the same bodies and springs, SciPy's implicit methods the
@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 import pinpress as pp
 from pinpress.accuracy.on_springs import SciPy, end_of
@@ -32,7 +32,7 @@ from pinpress.simulation.elastic.marching import march
 from pinpress.simulation.elastic.task import ElasticSolution, Task
 
 CASES = (("jf75g_125_plain", 300.0, 2e9), ("zxn2_3000b", 70.0, 2e9), ("jf75g_125_plain", 300.0, 1e11))
-URDF = Path(__file__).resolve().parents[2] / "urdf"
+URDF = Path(__file__).resolve().parents[3] / "urdf"
 
 
 class Release:

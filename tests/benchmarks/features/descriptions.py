@@ -1,7 +1,7 @@
 """From a description to forces: lines and seconds for five presses as pin tables, the other formats that are read, and what is said to
 everyday mistakes.
 
-Run `python tests/benchmarks/benchmark_descriptions.py`; pytest does not collect this file. Lines are those of the table without
+Run `python tests/benchmarks/features/descriptions.py`; pytest does not collect this file. Lines are those of the table without
 comments. Forces are the driving torque and every bearing force at 360 crank angles, at 60 r/min, with the walk through the turn that
 the first motion of a press needs.
 """
@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support import mistakes
 from support.generators.other_formats import FORMATS, Press
 
@@ -28,7 +28,7 @@ from pinpress.pin_table import templates
 
 REPEATS = 5
 TEMPLATES = Path(templates.__file__).parent
-SHIPPED = Path(__file__).resolve().parents[2] / "urdf"
+SHIPPED = Path(__file__).resolve().parents[3] / "urdf"
 PRESSES = {
     "six-bar press": SHIPPED / "zxn2_3000b.yaml",
     "press with a knuckle": TEMPLATES / "knuckle.yaml",

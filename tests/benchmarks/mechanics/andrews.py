@@ -1,6 +1,6 @@
 """Andrews' squeezing mechanism to 0.05 s: error of the positions against run time, of pinpress and, where it is installed, of Exudyn.
 
-Run `python tests/benchmarks/benchmark_andrews.py`; `--quick` for fewer repeats. pytest does not collect this file. The contestants take
+Run `python tests/benchmarks/mechanics/andrews.py`; `--quick` for fewer repeats. pytest does not collect this file. The contestants take
 turns, so
 that whatever else the machine does meets all of them; the least time counts. pinpress's times are from the loaded mechanism, whose
 assembly has been followed, to a `Run` with its states, accelerations and checks; Exudyn's from the assembled system to its last state.
@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support.oracles import andrews
 
 import pinpress as pp

@@ -1,6 +1,6 @@
 """Best motions of servo presses on one machine in one run: how long a proved motion takes, and other solvers beside it.
 
-python tests/benchmarks/benchmark_servo.py
+python tests/benchmarks/features/servo.py
 
 Times are those of the process's CPU, one thread, the median of several runs; everything from the press to the proved motion is in them,
 with the check by full inverse dynamics. SLSQP (SciPy) gets the same nodes and coefficients, made before its clock starts, and exact
@@ -22,7 +22,7 @@ from statistics import median
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from support.oracles import servo_by_energies, servo_by_hand
 

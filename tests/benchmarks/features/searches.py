@@ -1,6 +1,6 @@
 """Searches for the masses of table 5-1 of Zhang 2007 beside its proved optimum: evaluations, times and what they find.
 
-python tests/benchmarks/benchmark_searches.py
+python tests/benchmarks/features/searches.py
 
 An evaluation is what it is to a program that knows nothing of the problem: the press with these masses, and the forces of a turn. The
 proof makes its series from the press itself; its time has all of that. The searches themselves run on the linear combination of three such

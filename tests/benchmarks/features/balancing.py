@@ -1,7 +1,7 @@
 """Solvers of balancing problems on one machine in one run: Clarabel, which `pinpress.balancing.balance` uses, HiGHS, and a step-by-step
 search.
 
-python tests/benchmarks/benchmark_balancing.py
+python tests/benchmarks/features/balancing.py
 
 All get the same series, made before the clock starts. HiGHS (SciPy) solves linear programs, so circles are polygons to it; its program has
 all states. The search, SciPy's SLSQP from the start of Zhang 2007, Table 5-1, minimises the range as that does: by its slope.

@@ -1,6 +1,6 @@
 """Time and size of recordings and reports of the six-bar press, 360 frames, as the Markdown table in docs/recording.md.
 
-python tests/benchmarks/benchmark_recording.py
+python tests/benchmarks/features/recording.py
 """
 
 import statistics
@@ -17,7 +17,7 @@ REPEATS = 5
 def main() -> None:
     press = pp.load("zxn2_3000b")
     result = pp.inverse_dynamics(press, pp.cycle(press, speed=70 * pp.RPM, points=360))
-    print("| the six-bar, 360 frames (`python tests/benchmarks/benchmark_recording.py`) | time | size |")
+    print("| the six-bar, 360 frames (`python tests/benchmarks/features/recording.py`) | time | size |")
     print("|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "page.html"

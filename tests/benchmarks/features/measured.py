@@ -1,6 +1,6 @@
 """Times of what is found from records: processor time of one process, the least of several calls.
 
-python tests/benchmarks/benchmark_measured.py
+python tests/benchmarks/features/measured.py
 """
 
 import sys
@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
 from support import hammer_hits
 

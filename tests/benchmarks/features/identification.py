@@ -1,7 +1,7 @@
 """Time of finding masses and friction from two minutes of record at 1 kHz: processor time of one process, the least of several calls.
 How often 95 % intervals hold the truth, of presses and encoders' zeros drawn from the prior, 15 s of record with 1 % noise.
 
-python tests/benchmarks/benchmark_identification.py
+python tests/benchmarks/features/identification.py
 """
 
 import sys
@@ -10,7 +10,7 @@ import warnings
 from dataclasses import replace
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
 from support.measured_presses import columns, drawn, drive, press_of, run
 

@@ -1,7 +1,7 @@
 """How often the live window shows another press while a slider is dragged, in a browser without a window and without a graphics card; and
 what a picture costs the processor in the server.
 
-python tests/benchmarks/benchmark_live.py
+python tests/benchmarks/features/live.py
 
 All sliders are moved in turn, each to another value at every picture. A machine that does much else shows fewer: the load is printed too.
 """
@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from support.in_browser import FLAGS
 

@@ -1,7 +1,7 @@
 """Inverse dynamics of the ZXN2-3000(B) press at 70 r/min: pinpress beside a hand-written script and a plain Pinocchio loop; then of every
 shipped press, of scenes with springs and friction, and of linkages in space.
 
-Run `python tests/benchmarks/benchmark_inverse_dynamics.py`; `--quick` for a fifth of the repeats. pytest does not collect this file.
+Run `python tests/benchmarks/mechanics/inverse_dynamics.py`; `--quick` for a fifth of the repeats. pytest does not collect this file.
 Every contestant starts from crank angles and the loaded press and ends with the driving torque and the force of every pin and
 guide as arrays. A press keeps its closures of the last few grids of crank angles: "new angles" takes another number of angles in each call,
 so that none are found, "other speed" the same angles at another speed, whose forces are scaled from those that are kept. Contestants take
@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT))
 sys.path.insert(0, str(ROOT / "tests"))
 from support import texts  # noqa: E402

@@ -1,6 +1,6 @@
 """How times and memory grow: with the linkage, from one loop to hundreds, and with crank angles, scenarios and duration.
 
-Run `python tests/benchmarks/benchmark_sizes.py`; `--quick` for the smaller half of the sizes. pytest does not collect this file. Linkages
+Run `python tests/benchmarks/mechanics/sizes.py`; `--quick` for the smaller half of the sizes. pytest does not collect this file. Linkages
 are chains of dyads (see `n_four_bar`), with ball joints or hinges for loops, rows of geared shafts, chains of four-bars in space, and rows
 of links tied to the frame. Every step
 is timed with what it needs already there: `load` from the file, the branch walked once, then motion and inverse dynamics at some crank
@@ -29,8 +29,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy is imported
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support.generators import large_linkages
 from support.oracles import n_four_bar
 

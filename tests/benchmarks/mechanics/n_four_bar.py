@@ -1,6 +1,6 @@
 """The N-four-bar benchmark to 10 s: errors against its exact motion, and run times.
 
-Run `python tests/benchmarks/benchmark_n_four_bar.py`. pytest does not collect this file. Times are the least of five, from the loaded
+Run `python tests/benchmarks/mechanics/n_four_bar.py`. pytest does not collect this file. Times are the least of five, from the loaded
 assembly, whose branch has been followed through its singular poses, to a `Run` of eleven states.
 """
 
@@ -9,8 +9,8 @@ import tempfile
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support.oracles import n_four_bar
 
 import pinpress as pp

@@ -1,6 +1,6 @@
 """Accelerations of closed linkages, one state at a time: the null space, Pinocchio's `constraintDynamics` and its loop-aware `lcaba`.
 
-Run `python tests/benchmarks/benchmark_constraint_dynamics.py`. pytest does not collect this file. Presses, rings in space, Cassie, and
+Run `python tests/benchmarks/mechanics/constraint_dynamics.py`. pytest does not collect this file. Presses, rings in space, Cassie, and
 chains of 2 to 50 loops turn; random efforts act on all joints of seven states. Times are those of the processor for one state, the least
 of several turns, which the three take one after the other. Errors are the largest difference from the accelerations by the null space, as a
 share of the largest of the state. `constraintDynamics` has the settings that `method="constraint"` chooses, with the check of each state
@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support import texts
 from support.generators import large_linkages
 from support.generators.spatial_linkages import bennett, bricard

@@ -1,7 +1,7 @@
 """Tolerances: times of samples of presses, clearances, heat and budgets, and their errors against presses that are made anew; how many of
 other samples are in a band.
 
-python tests/benchmarks/benchmark_tolerances.py
+python tests/benchmarks/features/tolerances.py
 
 Times are those of the processor, the least of several runs.
 """
@@ -18,7 +18,7 @@ from pinpress.derivatives import pivot_positions, reshaped
 from pinpress.kinematics.motion import poses
 from pinpress.pin_table.templates import template
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 RUNS = 5
 COMPARED = 50  # presses that are made anew
 OTHERS = 200  # other samples, of SMALL presses each

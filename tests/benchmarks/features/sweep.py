@@ -1,6 +1,6 @@
 """Operating points a second, beside a loop over inverse dynamics; and what a sweep adds to each of its points.
 
-Run `python tests/benchmarks/benchmark_sweep.py`. pytest does not collect this file. CPU time of one core for operating points, wall time
+Run `python tests/benchmarks/features/sweep.py`. pytest does not collect this file. CPU time of one core for operating points, wall time
 for sweeps.
 """
 
@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support.sweep_points import product
 
 import pinpress as pp
