@@ -82,6 +82,7 @@ CALLS = (
     "pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4e6, start=8, end=3)])",
     "pp.inverse_dynamics(press, motion, loads=[pp.loads.Blanking(force=4e6, start=0.003, end=0.008)])",
     "pp.inverse_dynamics(press, motion, loads=[pp.loads.DeepDrawing(force=4e6, start=0.4)])",
+    "pp.inverse_dynamics(press, pp.cycle(press, speed=speed, points=24), loads=[pp.loads.Blanking(force=4e6, start=2e-4, end=1e-4)])",
     'pp.inverse_dynamics(press, motion, loads=[pp.loads.SpringDamper("frame", "slide", stiffness=5e4, free_length=400)])',
     'pp.inverse_dynamics(pp.load("crank_slide"), motion)',
     'reactions.bearing_force["a"]',

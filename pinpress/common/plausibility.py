@@ -69,6 +69,22 @@ def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, hig
         caution(f"{load} acts up to {highest:g} m above its datum, and the slide's stroke ends at {high:.6g} m: {remedy}")
 
 
+def stepped_over(load: str, stretch: tuple[float, float], step: tuple[float, float], states: int) -> None:
+    """Warn of a process load that acts only between two states of a motion: in none of them does it show.
+
+    Args:
+        load: its name.
+        stretch: lower and upper height from which and up to which it acts [m].
+        step: lower and upper height of the slide between which the motion has no state [m].
+        states: number of the motion's states.
+    """
+    reach = f"from {stretch[0]:.4g} to {stretch[1]:.4g} m" if math.isfinite(stretch[0]) else f"below {stretch[1]:.4g} m"
+    caution(
+        f"{load} acts {reach} above its datum, and none of the motion's {states} states is there: from {step[1]:.4g} m the slide goes on to"
+        f" {step[0]:.4g} m, so that the load changes no number; give the motion more points"
+    )
+
+
 def onset(load: str, start: float, high: float) -> None:
     """Warn of a process load that begins at zero above the stroke, and is in full force when the slide leaves top dead centre."""
     caution(f"{load} begins at {start:g} m above its datum, and the slide's stroke ends at {high:.6g} m: it begins with a jump; lower it")

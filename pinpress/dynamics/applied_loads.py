@@ -21,6 +21,7 @@ from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce, datum
 from .harmonics import is_cycle
 
+ROUNDING = 1e-9  # of heights [lengths of the linkage]
 JUMP = 0.01  # share of its largest force with which a process load begins suddenly
 
 if TYPE_CHECKING:
@@ -99,9 +100,25 @@ def _in_height(load: ProcessLoad, press: "Linkage", motion: "Motion", *, warned:
         force[inside] = _force_in(name, interval, height[inside], velocity[inside])
     if warned:
         return force
+    if not acts:
+        _warn_if_stepped_over(name, intervals, motion, height, velocity, press.size)
     known = not acts or load.datum is None  # else finding the stroke would take long
     warn_of_load(name, press, intervals, zero, turning_points(press) if known else (-math.inf, math.inf))
     return force
+
+
+def _warn_if_stepped_over(
+    name: str, intervals: Sequence[tuple[bool, ForceInterval]], motion: "Motion", height: Array, velocity: Array, size: float
+) -> None:
+    """Warn of a process load that acts in no state of a motion, although the slide moves through its heights between two of them."""
+    way, *_ = _through_turning_points(motion, _closed(motion, height), _closed(motion, velocity))
+    for downwards, each in intervals:
+        travelled = np.abs(np.diff(way.clip(each.lower, each.upper)))
+        through = (travelled > ROUNDING * size) & ((way[1:] < way[:-1]) == downwards)
+        if through.any():
+            highest, lowest = (way[np.flatnonzero(through)[0] + after] for after in ((0, 1) if downwards else (1, 0)))
+            plausibility.stepped_over(name, (each.lower, each.upper), (float(lowest), float(highest)), len(height))
+            return
 
 
 def warn_of_load(

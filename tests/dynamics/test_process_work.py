@@ -105,3 +105,30 @@ def test_doubts_are_said_once():
     with pytest.warns(pp.PinpressWarning, match="nowhere on the slide's stroke"):
         reactions = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=24), [Blanking(1e6, 6.0, 2.0)])
     assert (reactions.process_force.any(), reactions.process_work) == (False, 0.0)  # a second warning would be an error
+
+
+@pytest.mark.parametrize(
+    ("load", "said"),
+    [
+        (Blanking(1e6, 2e-4, 1e-4), "from 0.0001 to 0.0002 m above its datum, and none of the motion's 24 states is there"),
+        (Blanking(0.0, 0.02, 0.019, stripping=1e5), "none of the motion's 24 states is there"),
+        (ConstantForce(1e6, 1e-5), "below 1e-05 m above its datum, and none of the motion's 25 states is there"),
+    ],
+)
+def test_a_load_between_two_states_is_said(load, said):
+    """The slide travels through the load, on the way down, on the way up, or turns in it, and none of the states shows it."""
+    press = texts.shipped("zxn2_3000b")
+    motion = pp.cycle(press, SPEED, points=25 if isinstance(load, ConstantForce) else 24)
+    with pytest.warns(pp.PinpressWarning, match=said):
+        reactions = pp.inverse_dynamics(press, motion, [load])
+    assert not reactions.process_force.any()
+
+
+def test_a_motion_that_ends_above_a_load_is_no_mistake():
+    """A positioning move that stays above the blank: nothing is said (a warning would be an error)."""
+    press = texts.shipped("zxn2_3000b")
+    motion = pp.cycle(press, SPEED, points=360)
+    high = np.flatnonzero(motion.slide_position > pp.dead_centres(press).bottom_position + 0.1)
+    angle = motion.crank_angle[high[:20]]
+    move = pp.servo_cycle(press, angle=angle, speed=np.full(20, SPEED), acceleration=np.zeros(20), time=(angle - angle[0]) / SPEED)
+    assert not pp.inverse_dynamics(press, move, [Blanking(1e6, 0.006, 0.002)]).process_force.any()
