@@ -166,7 +166,8 @@ def _weighed(parameters: tuple[Parameter, ...], known: Mapping[str, tuple[float,
         parts = [each for each in range(len(names)) if names[each] == name or (name == TOTAL and names[each].endswith(" mass"))]
         value, deviation = numbers(f"known {name}", given, (2,), unit=parameters[parts[0]].unit)
         if deviation <= 0 or (name.endswith("mass") and value <= 0):
-            raise PinpressError(f"known {name} is {shown(given)}: give value and standard deviation, both above 0, as (2200.0, 5.0)")
+            both = ", both above 0, as (2200.0, 5.0)" if name.endswith("mass") else " above 0, as (0.0, 0.001)"
+            raise PinpressError(f"known {name} is {shown(given)}: give value and standard deviation{both}")
         rows[k, parts], values[k] = 1 / deviation, value / deviation
     return rows, values
 
