@@ -1,0 +1,95 @@
+"""The exercises: their solutions find what their pages say, and their notebooks have gaps that say what is missing and checks that fail."""
+
+import json
+import runpy
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.sampling import rest_exhaustive
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+PAGES = runpy.run_path(str(DOCS / "example_pages.py"))
+NAMES = PAGES["EXERCISES"]
+MISTAKES = [  # what students may write, and what they are told
+    ("four_bar", "(np.angle(D - B) + angle)", "(np.angle(D - B) - angle)", "other assembly"),
+    ("four_bar", "(2 * b * diagonal)", "(2 * c * diagonal)", "not closed"),
+    ("four_bar", "du = -w", "du = w", "different velocities"),
+    ("four_bar", "- dv**2 * (C - D))", "+ dv**2 * (C - D))", "different accelerations"),
+    ("four_bar", "acceleration[link].imag + g", "acceleration[link].imag - g", "deviates by"),
+    ("four_bar", '"mass": 12', '"mass": 12.000001', "deviates by"),
+    ("four_bar", "1j * ddu", "ddu", "different accelerations"),
+    ("half_balance", "25 * (1 - 80 / 250)", "25 * 80 / 250", "not what pinpress finds"),
+    ("half_balance", "reciprocating = 120 + 25 * 80 / 250", "reciprocating = 120", "not what pinpress finds"),
+    ("half_balance", "for k in (1, 2)]", "for k in (1, 4)]", "not the harmonics"),
+    ("half_balance", "return (turning + k * reciprocating * r) / 0.2", "return k * reciprocating * r / 0.2", "nothing shakes across"),
+    ("half_balance", "length = reciprocating * r * w**2 / 2", "length = reciprocating * r * w**2", "not the length"),
+    ("half_balance", "k = (-product[0] - turning)", "k = -product[0]", "is not half"),
+    ("stroke_under_load", "* 2 / np.pi\n", "/ 2\n", "quarter of a sine"),
+    ("stroke_under_load", "(1 - (1 - drop) ** 2)", "drop**2", "not the flywheel"),
+    ("stroke_under_load", "force * np.abs(travel(q))", "force * r * np.abs(np.sin(q))", "not the torque"),
+    ("stroke_under_load", "(inertia + linkage))", "inertia)", "not the speed"),
+    ("stroke_under_load", "limit = nominal_force * abs(travel(angle))", "limit = nominal_force * height(angle)", "not the ratings"),
+    ("stroke_under_load", "power = work * w / (2 * np.pi)", "power = work * w", "not the power"),
+]
+
+
+def code_cells(name: str) -> list[str]:
+    cells = json.loads((DOCS / "exercises" / f"{name}.ipynb").read_text(encoding="utf-8"))["cells"]
+    return ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_solution_finds_what_its_page_says(name: str) -> None:
+    plt = pytest.importorskip("matplotlib.pyplot")
+    printed, figure = PAGES["run"](name)
+    assert (DOCS / "exercises" / f"{name}.md").read_text(encoding="utf-8") == PAGES["exercise_page"](name, printed), "docs/example_pages.py"
+    assert figure.axes
+    plt.close("all")
+
+
+def test_every_exercise_is_listed_and_has_page_picture_and_notebook() -> None:
+    folder = DOCS / "exercises"
+    for kind in ("py", "md", "svg", "ipynb"):
+        assert {path.stem for path in folder.glob(f"*.{kind}")} == set(NAMES), kind
+    assert (DOCS / "exercises.md").read_text(encoding="utf-8") == PAGES["exercise_index"](), "python docs/example_pages.py"
+    for name in NAMES:
+        assert PAGES["parts"](name)[0].endswith("?")
+        assert (folder / f"{name}.ipynb").read_text(encoding="utf-8") == PAGES["exercise_notebook"](name), "python docs/example_pages.py"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_notebook_has_gaps_and_no_solutions(name: str) -> None:
+    steps = [step for step in PAGES["steps"](name) if step.gap]
+    assert len(steps) == PAGES["script"](name).count("# End of the gap") >= 5
+    text = (DOCS / "exercises" / f"{name}.ipynb").read_text(encoding="utf-8")
+    for step in steps:
+        assert step.hint, step.heading
+        assert step.gap.splitlines()[-1] not in text, step.heading
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_open_gaps_say_what_is_missing_and_solutions_fill_them(name: str) -> None:
+    """A student who runs each step, is told what is missing, and takes the page's solution."""
+    plt = pytest.importorskip("matplotlib.pyplot")
+    names: dict[str, Any] = {}
+    for step, cell in zip(PAGES["steps"](name), code_cells(name), strict=True):
+        if step.gap:
+            with pytest.raises(NotImplementedError, match=f"^{step.heading}: write "):
+                exec(cell, names)
+            line = next(line for line in cell.splitlines() if line.startswith("raise "))
+            cell = cell.replace(line, step.gap)
+        exec(cell, names)
+    assert names["figure"].axes
+    plt.close("all")
+
+
+@pytest.mark.parametrize("mistake", rest_exhaustive(MISTAKES, MISTAKES[0], MISTAKES[7]), ids=lambda mistake: mistake[3])
+def test_wrong_answers_are_told(mistake: tuple[str, str, str, str]) -> None:
+    name, right, wrong, told = mistake
+    plt = pytest.importorskip("matplotlib.pyplot")
+    code = PAGES["script"](name)
+    assert right in code
+    with pytest.raises(AssertionError, match=told):
+        exec(code.replace(right, wrong), {})
+    plt.close("all")
