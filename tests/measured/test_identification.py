@@ -131,6 +131,7 @@ def test_the_encoders_zero_is_found_and_changes_nothing_else(name, degrees):
     np.testing.assert_allclose(found.torque(motion), plain.torque(motion), atol=1e-3 * np.abs(plain.torque(motion)).max())
 
 
+@pytest.mark.exhaustive
 def test_an_encoder_that_counts_downwards_is_half_a_count_off():
     """Two minutes by 8192 counts: nothing is doubted, the zero is half a count."""
     strokes, step, rng = 40, 2 * np.pi / 8192, np.random.default_rng(3)
@@ -196,6 +197,7 @@ def rubbing(name, seed=0, added=None, constant=None, noise=0.0, in_bearings=1.0)
     return runs
 
 
+@pytest.mark.exhaustive
 def test_friction_of_pins_and_guide_goes_with_the_forces_of_the_press_found():
     found = identify(press_of("zxn2_3000b"), rubbing("zxn2_3000b", noise=25.0), friction=("crank", "pins", "slide_guide"), cylinder=True)
     truth = {"pins friction": 0.002, "slide guide friction": 0.03, "crank friction": 800.0, "crank viscous friction": 60.0}
@@ -208,7 +210,7 @@ def test_friction_of_pins_and_guide_goes_with_the_forces_of_the_press_found():
     assert found.torque(motion).mean() > pp.inverse_dynamics(found.press, motion).driving_torque.mean() + 700
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.exhaustive
 @pytest.mark.parametrize(("added", "exact"), [(200.0, 0.04), (1000.0, 0.008)])
 def test_a_known_mass_tells_the_motor_constant(added, exact):
     made = {"constant": 95.0, "noise": 250.0, "in_bearings": 0.0}

@@ -48,7 +48,7 @@ NUMBERS = {
 }
 
 
-SHORT = rest_exhaustive(DOCUMENTS, "kong2025", "zhang2007")  # the searches of the third take longest
+SHORT = rest_exhaustive(DOCUMENTS, "kong2025")  # the runs of the second and the searches of the third take seconds
 
 
 @pytest.fixture(scope="module")
@@ -104,6 +104,7 @@ def test_docs_are_what_the_command_writes(made, name):
     assert (DOCS / f"{name}.md").read_text(encoding="utf-8") == made(name).markdown()
 
 
+@pytest.mark.exhaustive
 def test_the_page_on_mounts_has_the_findings_of_the_frame(made):
     text = (ROOT / "viz" / "foundation.md").read_text(encoding="utf-8")
     (entry,) = [entry for entry in made("zhang2007").entries if entry.figure == "zhang2007_vibration"]
@@ -402,6 +403,7 @@ def closed_form_range(rod, counterweight, rpm=300):
     return np.ptp(main - inertia_force(radius, length, crank, rod, counterweight, angle, speed))
 
 
+@pytest.mark.exhaustive
 def test_zhang_search_in_closed_form(made):
     """Every step of table 5-1, to what 720 crank angles miss of an extreme."""
     for k, (rod, counterweight, theirs) in enumerate(zhang2007_balancing.SEARCH, 1):
@@ -424,6 +426,7 @@ def test_zhang_masses_change_a_press_as_they_should():
     assert found == pytest.approx([np.ptp(changed), np.ptp(shipped)], rel=1e-9)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("rpm", ["300", "400"])
 def test_zhang_table_5_2_against_the_reference(made, rpm):
     """The plain and the opposed press of `reference/jf75g_125.json`, to what 720 crank angles miss of an extreme."""
@@ -445,6 +448,7 @@ def test_zhang_table_5_2_as_printed_is_consistent():
         assert numbers[3] - numbers[4] == pytest.approx(numbers[5], abs=0.002)
 
 
+@pytest.mark.exhaustive
 def test_zhang_guide_force_in_closed_form(made):
     """From moments of the rod about the crank pin, with the angular acceleration that the thesis leaves out."""
     radius, length, _, rod, slide = MAIN
@@ -486,6 +490,7 @@ def test_zhang_errata_of_the_pin_forces():
     np.testing.assert_allclose(moment * speed, power, atol=1e-9 * np.abs(power).max())
 
 
+@pytest.mark.exhaustive
 def test_zhang_table_5_2_by_its_weights(made):
     """Extremes without the flywheel's weight and without any, in closed form; what the original leaves with the counterweight it has."""
     page, angle = made("zhang2007"), np.linspace(0, 2 * np.pi, 7201)
@@ -500,6 +505,7 @@ def test_zhang_table_5_2_by_its_weights(made):
     assert ours == pytest.approx(closed_form_range(113.31, 1045.0), rel=1e-4)
 
 
+@pytest.mark.exhaustive
 def test_zhang_window_of_blanking_has_two_readings(made):
     """Crank radius from a sheet of 5 mm, rod twenty times as long, in closed form."""
     for end, sine in ((0.1738, 0.707), (0.1838, 0.990)):
@@ -556,6 +562,7 @@ def test_zhang_lateral_forces_of_two_shafts_cancel():
     np.testing.assert_allclose(np.abs(found.shaft - idle), 0.5 * force * np.abs(slope) / np.sqrt(1 - slope**2), atol=1e-8 * 1250e3)
 
 
+@pytest.mark.exhaustive
 def test_zhang_searches_end_where_their_methods_do(made):
     """The simplex ends at the optimum of an independent solver; a search along the coordinates stalls in the valley: at its end every step
     along one mass leads up, and one along the valley down."""

@@ -88,11 +88,11 @@ def test_best_motions_keep_their_limits_between_nodes():
     """What `compare_motions` takes for kept is what `best_motion` keeps: torque, its curve and power at their limits."""
     press, load = pp.load("zxn2_3000b"), [pp.loads.DeepDrawing(1.5e6, 0.06)]
     limits = [SlideSpeed(0.2, (0.06, 0.0))]
-    free = pp.servo.best_motion(press, ServoDrive(inertia=800.0), load, time=2.4, limits=limits, points=360).motion
+    free = pp.servo.best_motion(press, ServoDrive(inertia=800.0), load, time=2.4, limits=limits, points=180).motion
     curve = {"curve_speed": [0.0, 2.5, 4.5], "curve_torque": [1.2e5, 1.2e5, 4e4]}
     for limited in ({"peak_torque": 0.9 * free.peak_torque}, {"power": 0.9 * free.peak_power}, curve):
         drive = ServoDrive(inertia=800.0, **limited)
-        best = pp.servo.best_motion(press, drive, load, time=2.4, limits=limits, points=360)
+        best = pp.servo.best_motion(press, drive, load, time=2.4, limits=limits, points=180)
         broken = dataclasses.replace(free, drive=drive)
         rows = pp.servo.compare_motions({"best": best.motion, "free": broken}, limits).rows
         assert rows[0].breaks == ""
