@@ -100,7 +100,7 @@ def acceleration_derivatives(
             mass.
         SingularityError: the loops lose an equation in a state, or nearly so.
     """
-    from ..engines.pinocchio.acceleration_derivatives import ForwardDerivatives  # imports SciPy, as forward dynamics does
+    from ..engines.pinocchio.acceleration_derivatives import ForwardDerivatives  # no other derivative needs it
 
     refuse_motion_of_another(press, motion)
     count, joints = len(motion.crank_angle), press.model.nv

@@ -21,7 +21,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -41,8 +41,6 @@ from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
 from .driven_press import DrivenPress, driven_press, press_with_drives, refuse_unlisted_loads
 from .elastic.description import Elastic
-from .elastic.elastic_run import ElasticRun
-from .elastic.simulate_elastic import elastic_simulation
 from .failures import failure, told_of
 from .hybrid_system import HOLDING
 from .law_trials import asked_drive
@@ -52,6 +50,9 @@ from .reduced_model import INERTIA, WEIGHT, ReducedModel
 from .run import Run, as_run, state_count
 from .solvers import SimulationProblem, march
 from .trajectory import RepetitionSegment, StandstillSegment, Trajectory
+
+if TYPE_CHECKING:
+    from .elastic.elastic_run import ElasticRun
 
 METHODS = ("auto", "reduced", "implicit", "constraint")
 MOST_STEPS = 1_000_000  # most steps of the Runge-Kutta method
@@ -187,6 +188,8 @@ def simulate(
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
         if elastic is not None:
+            from .elastic.simulate_elastic import elastic_simulation  # a third of what a rigid run imports of ours
+
             return elastic_simulation(problem, elastic, points, began, progress)
         trajectory = march(problem, progress)
         run = as_run(problem, trajectory, points, began, start_sensitivity(problem, trajectory))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
@@ -29,8 +29,6 @@ from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
 from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
 from .elastic.description import Elastic
-from .elastic.elastic_run import ElasticRun
-from .elastic.simulate_elastic import elastic_steady_state
 from .failures import failure, told_of
 from .law_trials import asked_drive
 from .over_angle import collocation
@@ -42,6 +40,9 @@ from .run import Run, as_run, state_count
 from .simulate import TOLERANCE, checked_tolerance
 from .solvers import SimulationProblem, crank_sizes, reduced_system
 from .trajectory import INTEGRALS, State, Trajectory
+
+if TYPE_CHECKING:
+    from .elastic.elastic_run import ElasticRun
 
 MOST_CUTS = 30  # most rounds of cutting panels
 # Periods that a drive with states of its own first gets to come near the steady state, and most periods in all.
@@ -153,6 +154,8 @@ def steady_state_near(
         _refuse_without_steady_state(driven, drive)
     doubt_speeds(press, near)
     if elastic is not None:
+        from .elastic.simulate_elastic import elastic_steady_state  # rigid periods need nothing of it, and it is large
+
         rigid_period = partial(_rigid_period, driven, near, TOLERANCE)
         with told_of(press), np.errstate(all="ignore"):  # what is not finite is refused where it arises
             return elastic_steady_state(driven, elastic, near, start, points, tolerance, began, rigid_period, neighbour)

@@ -6,7 +6,9 @@ without a server or a network. World axes are in metres, with z up; a planar pre
 
 from __future__ import annotations
 
+import itertools
 import math
+import operator
 import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -393,7 +395,7 @@ def _front(press: Linkage, at: Poses, drawn: Sequence[ShownLink]) -> list[float]
 def _bearings(press: Linkage, at: Poses, frames: KeyFrames, reactions: Reactions | None) -> dict[str, Any]:
     """Places of bearings (k, 3), each once, and the bearings' names with their places and forces (k, 3)."""
     points = bearing_points(press, at)
-    where, places = _merged(points, TOGETHER * press.size)
+    where, places = merged(points, TOGETHER * press.size)
     return {
         "places": [_packed_path(points[first], "the place of a bearing") for first in places],
         "bearings": [
@@ -409,15 +411,24 @@ def _bearings(press: Linkage, at: Poses, frames: KeyFrames, reactions: Reactions
     }
 
 
-def _merged(points: Array, near: float) -> tuple[list[int], list[int]]:
-    """The place of each bearing, and the first bearing of each place, from points (bearings, k, 3)."""
+def merged(points: Array, near: float) -> tuple[list[int], list[int]]:
+    """The place of each bearing, and the first bearing of each place, from points (bearings, k, 3).
+
+    Only places that begin in the same cell of a grid as a bearing, or in a neighbouring one, can be its own.
+    """
     where: list[int] = []
     places: list[int] = []
+    in_cell: dict[tuple[int, ...], list[int]] = {}
     for number, path in enumerate(points):
-        found = next((i for i, first in enumerate(places) if np.abs(points[first] - path).max() <= near), None)
+        cell = tuple(math.floor(each / near) for each in path[0].tolist())
+        beside = (in_cell.get(tuple(map(operator.add, cell, step)), ()) for step in itertools.product((-1, 0, 1), repeat=3))
+        candidates = sorted(itertools.chain.from_iterable(beside))
+        found = next((i for i in candidates if np.abs(points[places[i]] - path).max() <= near), None)
         if found is None:
+            found = len(places)
+            in_cell.setdefault(cell, []).append(found)
             places.append(number)
-        where.append(len(places) - 1 if found is None else found)
+        where.append(found)
     return where, places
 
 

@@ -45,7 +45,8 @@ RUN = [
 ]
 
 RUN += ["press_parts", "measured", "measured_vibration", "mistakes", "motor", "pin_table", "process_force", "pinocchio", "units_and_signs"]
-LONG = {"elastic_motion", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}  # a second and more
+# these take as long as all others
+LONG = {"elastic_motion", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "comparison", "mistakes", "motor", "papers"]

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from ...common.errors import PinpressError, SingularityError
 from ...common.quantities import Array
+from ..following import SMALLEST_MARGIN
 from .forward_dynamics import ForwardDynamics
 
 ITERATIONS = 34  # proximal iterations: each leaves a third of the error at most
@@ -92,12 +93,11 @@ class ForwardDerivatives:
             SingularityError: the loops lose equations there.
             PinpressError: a state that is not finite, or too fast for floating point.
         """
-        self.dynamics.acceleration_in_null_space(x, v, efforts)  # raises where it is singular, massless or not finite
         jacobian = self._jacobian(x)
+        span = self._span(x, jacobian)
         held, damping = self._held(x, jacobian)
         self.settings = pin.ProximalSettings(0.0, 0.0, damping, ITERATIONS)
         gears, taken, count = self.gears, self._gears_needed(jacobian, held), len(x)
-        span = self._span(jacobian)
         acceleration, multipliers, derivatives = self._without_gears(x, v, efforts)
         torques, into = np.zeros(len(gears)), [np.zeros((len(gears), count)) for _ in derivatives]
         if len(gears):
@@ -132,15 +132,18 @@ class ForwardDerivatives:
         """
         dynamics = self.dynamics
         mass = pin.crba(dynamics.model, dynamics.data, x)
-        if not (mass.diagonal() * dynamics.per_unit**2).min() > dynamics.least**2:
+        try:
+            root = np.linalg.cholesky((np.triu(mass) + np.triu(mass, 1).T) * dynamics.per_unit * dynamics.column)
+        except np.linalg.LinAlgError:
+            root = np.zeros((1, 1))
+        if not root.diagonal().min() > dynamics.least:
             raise PinpressError(
                 f"a joint of {dynamics.name} moves no mass, which Pinocchio's constraint dynamics needs: give mass to its links, or take"
                 " differences of press.forward_dynamics(...).acceleration"
             )
         if not len(jacobian):
             return 0, 1.0
-        root = np.linalg.solve(np.linalg.cholesky(np.triu(mass) + np.triu(mass, 1).T), jacobian.T)
-        sizes = np.linalg.svd(root, compute_uv=False) ** 2
+        sizes = np.linalg.svd(np.linalg.solve(root, dynamics.column * jacobian.T), compute_uv=False) ** 2
         held = int(np.count_nonzero(sizes > CLEAR * sizes[0]))
         if not dynamics.rank - len(self.gears) <= held <= dynamics.rank:
             problem = f"the loops of {dynamics.name} nearly lose an equation: derivatives would be lost in rounding"
@@ -174,13 +177,20 @@ class ForwardDerivatives:
         ]
         return acceleration, multipliers, derivatives
 
-    def _span(self, jacobian: Array) -> "_Span":
-        """What the rows of points, with the Jacobian (rows, nv), and gear pairs determine."""
+    def _span(self, x: Array, jacobian: Array) -> "_Span":
+        """What the rows of points, with the Jacobian (rows, nv), and gear pairs determine at a position (nv,).
+
+        Raises:
+            SingularityError: they lose equations there.
+        """
         units = self.dynamics.units
         scales = np.concatenate([np.ones(len(jacobian)), self.lengths])
         rows = np.concatenate([jacobian, self.gears]) * scales[:, None]
         left, sizes, right = np.linalg.svd(rows / units, full_matrices=False)
-        rank = self.dynamics.rank
+        rank, dynamics = self.dynamics.rank, self.dynamics
+        if rank and not sizes[rank - 1] > SMALLEST_MARGIN * sizes[0]:
+            problem = f"the loops of {dynamics.name} lose equations: two assemblies meet"
+            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[rank - 1] / (sizes[0] or 1.0)), dynamics.coordinate)
         return _Span(left[:, :rank], right[:rank].T / units[:, None] / sizes[:rank], scales)
 
     def _jacobian(self, x: Array) -> Array:

@@ -29,6 +29,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,11 +133,7 @@ class ForwardDynamics:
         self.drifts = [datum.constraint_acceleration_error for datum in inner]
 
     def _make_rows(self, spatial: SpatialModel, points_by_loop: list[int]) -> None:
-        """The rows of points and couplings, scaled so that all joints move in lengths, and the LAPACK routines that factorise them."""
-        # its import takes long; NumPy's own QR has no pivoting, and an overhead of 10 us
-        from scipy.linalg import lapack
-
-        self.geqp3, self.orgqr, self.trtrs, self.posv = lapack.dgeqp3, lapack.dorgqr, lapack.dtrtrs, lapack.dposv
+        """The rows of points and couplings, scaled so that all joints move in lengths."""
         self.units = np.array([self.size if axis.turns else 1.0 for axis in spatial.axes])
         self.per_unit, self.back_per_unit, self.column = 1 / self.units, -1 / self.units, (1 / self.units)[:, None]
         # a joint that carries both ends moves them by rounding, and by an open gap
@@ -154,6 +151,13 @@ class ForwardDynamics:
     def __reduce__(self) -> tuple[Any, ...]:
         return ForwardDynamics, self._made_of
 
+    @cached_property
+    def lapack(self) -> Any:
+        """LAPACK's routines. NumPy's own QR has no pivoting, and an overhead of 10 us."""
+        from scipy.linalg import lapack  # its import takes longer than some derivatives, which need none of it
+
+        return lapack
+
     def acceleration(self, x: Array, v: Array, efforts: Array) -> Array:
         """Joint accelerations (nv,) of a closed state under efforts (nv,) [rad/s2, m/s2].
 
@@ -165,7 +169,7 @@ class ForwardDynamics:
         if self.quick is not None:
             _, _, data, points, data_of_points, settings, _, _, gears, *_ = self.quick
             result: Array = pin.constraintDynamics(self.model, data, x, v, efforts, points, data_of_points, settings)
-            if self.quick.held_clearly() and math.isfinite(result.dot(result)):
+            if self.quick.held_clearly(self.lapack) and math.isfinite(result.dot(result)):
                 geared = self._geared(x, result) if len(gears) else result
                 if geared is not None:
                     self.quickly += 1
@@ -181,7 +185,7 @@ class ForwardDynamics:
         answers = np.array(
             [pin.constraintDynamics(self.weightless, data, x, self.still, gear, points, data_of_points, settings) for gear in gears]
         )
-        root, efforts, failed = self.posv(gears.dot(answers.T), gears.dot(without))
+        root, efforts, failed = self.lapack.dposv(gears.dot(answers.T), gears.dot(without))
         if failed or not min(root.diagonal().tolist()) > CANCELLED**0.5:
             return None
         result: Array = without - efforts.dot(answers)
@@ -295,7 +299,7 @@ class ForwardDynamics:
         result = self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.drifts, self.uncoupled)))
         free = orthogonal[:, rank:] * self.column
         left = free.T.dot(efforts - pin.rnea(model, data, x, v, result))
-        root, rates, failed = self.posv(free.T.dot(mass.dot(free)), left)
+        root, rates, failed = self.lapack.dposv(free.T.dot(mass.dot(free)), left)
         if failed or not min(root.diagonal().tolist()) > self.least:
             problem = f"no mass resists a motion of {self.name} at {self.coordinate.at(x[self.driver])}"
             raise self._trouble(
@@ -319,21 +323,21 @@ class ForwardDynamics:
         if self.point_rows:
             jacobian = pin.getConstraintsJacobian(self.model, self.data, self.points, self.data_of_points).reshape(self.point_rows, -1)
             np.multiply(jacobian, self.weights, out=self.rows[: self.point_rows])
-        factor, pivots, scales, _, _ = self.geqp3(self.rows.T)
+        factor, pivots, scales, _, _ = self.lapack.dgeqp3(self.rows.T)
         rank = self.rank
         if rank and not abs(factor[rank - 1, rank - 1]) > SMALLEST_MARGIN * abs(factor[0, 0]):
             smallest = float(abs(factor[rank - 1, rank - 1])) / (float(abs(factor[0, 0])) or 1.0)
             problem = f"the loops of {self.name} lose equations: two assemblies meet"
             locked = SingularityError(problem, float(x[self.driver]), smallest, self.coordinate)
             raise self._trouble(x, self.still, self.still, locked)
-        return factor, pivots, self.orgqr(factor[:, : len(x)], scales)[0]
+        return factor, pivots, self.lapack.dorgqr(factor[:, : len(x)], scales)[0]
 
     def _needed(self, factor: Array, pivots: NDArray[np.int32], orthogonal: Array, rows: Array) -> Array:
         """The shortest joint step (nv,) that brings the rows from ``rows`` (1 + rows,), of which the first number is unused, to zero."""
         rank = self.rank
         if not rank:
             return np.zeros(len(orthogonal))
-        result: Array = orthogonal[:, :rank].dot(self.trtrs(factor[:rank, :rank], rows.take(pivots[:rank]), trans=1)[0])
+        result: Array = orthogonal[:, :rank].dot(self.lapack.dtrtrs(factor[:rank, :rank], rows.take(pivots[:rank]), trans=1)[0])
         result *= self.back_per_unit
         return result
 
@@ -385,8 +389,6 @@ class ForwardDynamics:
         values = np.linalg.svd(opened_rows * self.per_unit, compute_uv=False)
         hold_each_other = bool(values[rank:].max(initial=0.0) > SMALLEST_MARGIN * values[0])
         damping, iterations = (HELD_PROXIMAL, HELD_ITERATIONS) if hold_each_other else (PROXIMAL, ITERATIONS)
-        from scipy.linalg import lapack  # its import takes long
-
         try:
             largest = float((rows @ np.linalg.solve(mass, rows.T)).diagonal().max())
             answers = (self.coupled @ np.linalg.solve(mass, self.coupled.T)).diagonal()
@@ -411,7 +413,6 @@ class ForwardDynamics:
             bounds=CLEAR * np.concatenate([np.full(self.point_rows, largest), mass.diagonal()]),
             gears=self.coupled / np.sqrt(answers)[:, None],
             least=HELD_CLEAR * largest if hold_each_other else None,
-            eigenvalues=lapack.dsyev,
         )
         reasons = ["loops that hold each other, with a larger mu" if hold_each_other else "independent loops"]
         if len(self.offsets):
@@ -442,7 +443,6 @@ class Proximal(NamedTuple):
         bounds: (point rows + nv,) above which a pivot is clearly not zero.
         gears: (couplings, nv) efforts of the gear pairs, to which they answer with an acceleration of 1 in the open tree.
         least: eigenvalue of J M^-1 J' above which a row is clearly held, where loops hold each other [1 / kg]; None where pivots decide.
-        eigenvalues: LAPACK's routine for them.
     """
 
     largest: float
@@ -455,14 +455,14 @@ class Proximal(NamedTuple):
     bounds: Array
     gears: Array
     least: float | None
-    eigenvalues: Any
 
-    def held_clearly(self) -> bool:
-        """Whether `constraintDynamics` has just held as many rows as the closed linkage has equations, all of them clearly."""
+    def held_clearly(self, lapack: Any) -> bool:
+        """Whether `constraintDynamics` has just held as many rows as the closed linkage has equations, all of them clearly; ``lapack``:
+        SciPy's LAPACK."""
         if self.least is None:
             return bool(np.count_nonzero(np.abs(self.pivots) > self.bounds) == self.clear)
         # a row that others hold may have a pivot of any size; eigenvalues are those of the whole matrix
-        values, _, failed = self.eigenvalues(self.data.constraint_chol.getInverseOperationalSpaceInertiaMatrix(), compute_v=0)
+        values, _, failed = lapack.dsyev(self.data.constraint_chol.getInverseOperationalSpaceInertiaMatrix(), compute_v=0)
         return not failed and bool(np.count_nonzero(values > self.least) == self.clear)
 
 

@@ -88,7 +88,7 @@ def with_check(dynamics: ForwardDynamics, proximal: Proximal) -> Way:
         a: Array = pin.constraintDynamics(
             dynamics.model, proximal.data, x, v, efforts, proximal.points, proximal.data_of_points, proximal.settings
         )
-        if not proximal.held_clearly():
+        if not proximal.held_clearly(dynamics.lapack):
             raise ArithmeticError("a row is not held clearly")
         return a
 

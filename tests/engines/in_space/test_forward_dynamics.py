@@ -165,7 +165,7 @@ def test_both_ways(case):
             free = np.abs(pin.aba(dynamics.model, dynamics.data, x, v, efforts)).max()
             assert np.abs(dynamics.acceleration(x, v, efforts) - expected).max() <= 1e-12 * np.abs(expected).max() + 1e-13 * free
             if dynamics.quick is not None:
-                assert dynamics.quick.held_clearly()
+                assert dynamics.quick.held_clearly(dynamics.lapack)
 
 
 def test_a_light_shaft_costs_no_digits():
