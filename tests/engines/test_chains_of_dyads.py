@@ -100,6 +100,36 @@ def sliding_driver():
     return drawing
 
 
+def mirrored_cranks():
+    """Two cranks geared to each other, each with a rod to the same slide, of which the second is redundant; and a third shaft, geared to
+    the second one so that it turns twice as fast and begins a little ahead, whose crank moves a rocker."""
+    drawing = Drawing("mirrored_cranks")
+    slide = 1.0j
+    for side, sign, sense in (("left", -1.0, 1), ("right", 1.0, -1)):
+        at = 0.3 * sign
+        pin, end = at + 0.1 * sign * np.exp(0.4j * sign), slide + 0.2 * sign
+        drawing.joint(f"shaft_{side}", "frame", f"crank_{side}", complex(at), sense=sense, bounded=False)
+        drawing.joint(f"rod_{side}", f"crank_{side}", f"rod_{side}", pin, sense=-sense)
+        drawing.body(f"crank_{side}", 3.0 - sign, pin - 0.05)
+        drawing.body(f"rod_{side}", 2.0, 0.5 * (pin + end) + 0.1j)
+    drawing.joint("guide", "frame", "slide", slide, along=1j)
+    for sign, side in ((-1.0, "left"), (1.0, "right")):
+        drawing.loop(f"pin_{side}", f"rod_{side}", "slide", slide + 0.2 * sign)
+    drawing.body("slide", 9.0, slide + 0.05)
+    pivot, fast = 1.9 - 0.2j, 1.2 + 0.1j
+    drawing.joint("fast_shaft", "frame", "fast_crank", 1.1 + 0j, bounded=False)
+    drawing.joint("coupler", "fast_crank", "coupler", fast)
+    drawing.joint("rocker", "frame", "rocker", pivot)
+    drawing.loop("end", "coupler", "rocker", 1.8 + 0.5j)
+    for link, centre in (("fast_crank", fast), ("coupler", 1.5 + 0.3j), ("rocker", pivot + 0.1j)):
+        drawing.body(link, 1.0, centre)
+    text = drawing.urdf("shaft_left")
+    for joint, gear in (("shaft_right", 'joint="shaft_left"'), ("fast_shaft", 'joint="shaft_right" multiplier="-2" offset="0.1"')):
+        head, tail = text.split(f'<joint name="{joint}"')
+        text = f'{head}<joint name="{joint}"' + tail.replace("</joint>", f"<mimic {gear}/></joint>", 1)
+    return text
+
+
 KINDS = {
     "links": (four_bar(1.0, 0.2, 0.9, 0.5, 0.3), "O", ["TwoLinks"]),
     "links, other side": (four_bar(1.0, 0.2, 0.9, 0.5, 0.3, side=-1), "O", ["TwoLinks"]),
@@ -163,6 +193,55 @@ def test_every_kind_of_dyad(kind):
     assert np.abs(result.power_residual).max() <= 1e-12
 
 
+@pytest.mark.parametrize("name", ["drawn", "eccentric_blocks", "jf75g_125_symmetric", "jf75g_125_two_point", "pirica_double_knuckle"])
+@pytest.mark.filterwarnings("ignore:.*apart as drawn")
+def test_gears_and_levers(name):
+    """A second rod shares the force on its slide, and gears the torque, as Pinocchio's engine and the general equations say."""
+    press = texts.load(mirrored_cranks()) if name == "drawn" else pp.load(name)
+    chain = chain_of(press)
+    assert chain.levers
+    assert len(chain.gears) == len(press.couplings)
+    loads = [pp.loads.PointForce(link, (30.0, 0.0, -50.0), (0.1, 0.0, 0.2)) for link in press.links if link != press.root]
+    motion = pp.servo_cycle(press, **gently(press))
+    result, other = judged(press, motion, loads), pp.inverse_dynamics(press, motion, loads, engine="pinocchio")
+    peak = max(np.abs(force).max() for force in other.bearing_force.values())
+    for bearing in press.bearings:
+        assert np.abs(result.bearing_force[bearing] - other.bearing_force[bearing]).max() <= 1e-11 * peak
+        assert np.abs(result.bearing_moment[bearing] - other.bearing_moment[bearing]).max() <= 1e-11 * peak * press.size
+    alone = pp.inverse_dynamics(press, motion, loads, bearings=())
+    for pair, torque in other.coupling_torque.items():
+        assert np.abs(torque).max() > 1e-6 * peak * press.size
+        assert np.abs(result.coupling_torque[pair] - torque).max() <= 1e-11 * peak * press.size
+        assert np.abs(alone.coupling_torque[pair] - torque).max() <= 1e-11 * peak * press.size
+    assert np.abs(result.power_residual).max() <= 1e-12
+
+
+def test_gear_torques_at_many_speeds():
+    """Those of idle forces that nobody asked for must not be taken from a speed for which no gear torques were wanted."""
+    press = pp.load("jf75g_125_symmetric")
+    for speed in (6.0, 7.0, 8.0, 9.0):
+        motion = pp.cycle(press, speed, points=30)
+        alone = pp.inverse_dynamics(press, motion, bearings=())
+        expected = pp.inverse_dynamics(press, motion, engine="pinocchio").coupling_torque["O_right"]
+        assert np.abs(alone.coupling_torque["O_right"] - expected).max() <= 1e-10 * np.abs(expected).max()
+
+
+@pytest.mark.filterwarnings("ignore:.*apart as drawn")
+def test_gears_that_are_left_to_newtons_method():
+    """A shaft on the crank, and a rack."""
+    text = mirrored_cranks()
+    assert chain_of(texts.load(text)) is not None
+    rack = '<joint name="rack" type="prismatic"><parent link="frame"/><child link="rack"/><origin xyz="0 0 2"/><axis xyz="1 0 0"/>'
+    rack += '<limit lower="-9" upper="9" effort="1" velocity="1"/><mimic joint="shaft_left" multiplier="0.1"/></joint>'
+    mass = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    press = texts.load(text.replace("</robot>", f'<link name="rack">{mass}</link>{rack}</robot>'))
+    assert chain_of(press) is None
+    assert isinstance(press.engine(), PlanarEngine)
+    planet = '<joint name="planet" type="continuous"><parent link="crank_left"/><child link="planet"/><axis xyz="0 -1 0"/>'
+    planet += '<mimic joint="shaft_left" multiplier="3"/></joint>'
+    assert chain_of(texts.load(text.replace("</robot>", f'<link name="planet">{mass}</link>{planet}</robot>'))) is None
+
+
 @given(linkages(tilted=False, stacked=False, solid=False))
 @examples(30)
 def test_random_chains(spec):
@@ -174,20 +253,17 @@ def test_random_chains(spec):
     except pp.PinpressError:
         assume(False)  # it locks where it is drawn
     plane = press.engine().plane
-    assert (chain is None) == any(block.kind != "dyad" for block in plane.blocks)
+    assert (chain is None) == any(block.kind not in ("dyad", "lever") for block in plane.blocks)
     if chain is not None:
         judged(press, pp.servo_cycle(press, **servo(press, np.random.default_rng(spec.seed))))
 
 
 def test_shipped_presses_are_chains():
-    """But for gears, second rods to the same slide, and what is not in one plane."""
-    found = {name for name in pp.presses() if chain_of(pp.load(name)) is not None}
-    assert found == set(pp.presses()) - {"eccentric_blocks", "jf75g_125_symmetric", "jf75g_125_two_point", "pirica_double_knuckle"}
+    assert all(chain_of(pp.load(name)) is not None for name in pp.presses())
 
 
 def test_the_driver_of_a_chain_stands_on_the_frame():
-    """A motor on a link that another dyad moves, and gears, are left to Newton's method."""
-    assert chain_of(pp.load("jf75g_125_symmetric")) is None
+    """A motor on a link that another dyad moves is left to Newton's method."""
     press = pp.load("crank_slide")
     assert chain_of(press) is not None
     engine = press.engine("plane")

@@ -1,8 +1,10 @@
 """A planar linkage whose equations are a chain of dyads, closed at all crank angles at once without iteration.
 
 Most press linkages are a driver and dyads one after the other (`dyads`). Then positions, rates and forces follow from a root for each dyad:
-there is no guess, no table of the branch, no sine but those of the driver. `chain_of` looks whether a linkage is such a chain along its
-branch, and judges the closed form there by Newton's method; all others, and motions beyond change points, are closed by `kinematics.close`.
+there is no guess, no table of the branch, no sine but those of the driver. Shafts on the frame that are geared to the driver turn with it,
+and levers, as a second rod to the same slide is one, follow the links at both their ends. `chain_of` looks whether a linkage is such a
+chain along its branch, and judges the closed form there by Newton's method; all others, and motions beyond change points, are closed by
+`kinematics.close`.
 
 What the engine does not need for forces is computed when it is first read: angles of the joints (an arc tangent takes longer than all else
 that a dyad needs), their rates relative to each other, and gaps.
@@ -23,12 +25,12 @@ from ..branch import SUBDIVISION, Branch, nodes_before, predict
 from ..engine import ClosedStates
 from ..joints import plain, product
 from . import kinematics
-from .dyads import Along, Dyad, Guide, GuidedLink, Inverses, SwingingGuide, TwoGuides, TwoLinks, turned
+from .dyads import ONE, ZERO, Along, Dyad, Guide, GuidedLink, I, Inverses, Lever, SwingingGuide, TwoGuides, TwoLinks, turned
 from .model import Plane
 
 CLEAR = 1e-3  # smallest margin of a dyad's equations, see `Closure.margins`: nearer to a dead centre Newton's method closes
 EQUAL = 1e-9  # by which the functions of a chain may differ from those that Newton's method finds [1 or lengths of the linkage]
-PIECE = 7200  # states that are worked through at a time
+PIECE = 7200  # states that are worked through at a time where there are no levers
 Known = tuple[tuple[int, ComplexArray], ...]
 
 
@@ -39,8 +41,8 @@ class Equation(NamedTuple):
         loop: index of the loop.
         constant: what does not move [m]; None where it is zero.
         known: rows and coefficients of the functions of the driver and of earlier dyads.
-        own: coefficients of the dyad's two functions, by rows.
-        dyad: the dyad.
+        own: coefficients of the dyad's functions, by rows.
+        dyad: the dyad, or a lever.
     """
 
     loop: int
@@ -48,6 +50,26 @@ class Equation(NamedTuple):
     known: Known
     own: Known
     dyad: Dyad
+
+
+class Gear(NamedTuple):
+    """A shaft on the frame that gears turn with the driver.
+
+    Attributes:
+        joint: its joint.
+        coupling: index of the coupling that determines it.
+        row: row of its rotor.
+        sense: `Plane.sense` of the joint.
+        ratio: its angle by that of the driver.
+        offset: its angle where that of the driver is zero [rad].
+    """
+
+    joint: int
+    coupling: int
+    row: int
+    sense: float
+    ratio: float
+    offset: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,6 +86,7 @@ class Chain:
         ones: rows that are 1.
         count: number of rows.
         driver: row of the driver.
+        gears: the shafts that are geared to the driver, each behind the one that turns it.
         equations: the loops in the order in which they are closed.
         needed: rows of the functions whose rates later dyads need.
         order: (nb,) rows in the order of the basis of `Plane`.
@@ -77,6 +100,7 @@ class Chain:
     ones: tuple[int, ...]
     count: int
     driver: int
+    gears: tuple[Gear, ...]
     equations: tuple[Equation, ...]
     needed: tuple[int, ...]
     order: tuple[int, ...]
@@ -91,9 +115,19 @@ class Chain:
         return list(self.ones) if len(steps) > 1 else slice(self.ones[0], self.ones[-1] + 1, *steps)
 
     @cached_property
-    def sense(self) -> float:
-        """`Plane.sense` of the driver."""
-        return float(self.plane.sense[self.plane.driver])
+    def turns(self) -> bool:
+        """Whether the driver turns, then about the plane's normal, or slides."""
+        return bool(self.plane.sense[self.plane.driver])
+
+    @cached_property
+    def levers(self) -> tuple[int, ...]:
+        """Places of the equations of levers."""
+        return tuple(place for place, equation in enumerate(self.equations) if isinstance(equation.dyad, Lever))
+
+    @cached_property
+    def piece(self) -> int:
+        """Number of states that are worked through at a time: fewer where the idle forces of levers take memory, too."""
+        return PIECE // (1 + len(self.levers))
 
     @cached_property
     def outer(self) -> tuple[int | None, ...]:
@@ -148,19 +182,28 @@ def close(chain: Chain, angle: Array) -> Closed:
 def _drive(chain: Chain, angle: Array, along: Along) -> None:
     """Fill in the driver."""
     row, function = chain.driver, along.functions[chain.driver]
-    sense = chain.sense
-    along.first[row], along.second[row] = np.array(sense or 1.0), np.array(0.0)
-    if sense:
+    along.first[row], along.second[row] = ONE, ZERO
+    if chain.turns:
         np.cos(angle, function.real)
         np.sin(angle, function.imag)
-        if sense < 0.0:
-            np.conjugate(function, function)
-        along.rates[row] = function * np.array(1j * sense)
+        along.rates[row] = function * I
         along.inward[row][:] = function
     else:
         function.real, function.imag = angle, 0.0
         along.ways[row], along.inward[row][:] = angle, 0.0
         along.rates[row] = np.ones(angle.shape, complex)
+    for gear in chain.gears:
+        row, speed = gear.row, gear.sense * gear.ratio
+        rotor = along.functions[row]
+        if speed == -1.0 and not gear.offset:  # a mirrored pair
+            np.conjugate(function, rotor)
+        else:
+            turned_by = gear.sense * (gear.ratio * angle + gear.offset)
+            np.cos(turned_by, rotor.real)
+            np.sin(turned_by, rotor.imag)
+        along.first[row], along.second[row] = np.array(speed), ZERO
+        along.rates[row] = rotor * np.array(1j * speed)
+        np.multiply(rotor, np.array(speed * speed), along.inward[row])
 
 
 def all_functions(chain: Chain, closed: Closed) -> ComplexArray:
@@ -208,11 +251,11 @@ class ChainClosure:
 
     def pieces(self) -> Iterator[tuple[slice, Closed]]:
         """The chain closed in pieces that stay in the cache; kept where one piece is enough."""
-        n = len(self.angle)
-        if n <= PIECE:
+        n, most = len(self.angle), self.chain.piece
+        if n <= most:
             yield slice(0, n), self._whole
             return
-        size = -(-n // -(-n // PIECE))  # of equal pieces
+        size = -(-n // -(-n // most))  # of equal pieces
         for start in range(0, n, size):
             s = slice(start, min(start + size, n))
             yield s, close(self.chain, self.angle[s])
@@ -248,16 +291,16 @@ class ChainClosure:
     def position(self) -> Array:
         """(nv, n) joint coordinates."""
         chain, plane = self.chain, self.chain.plane
-        position = np.empty((len(chain.rows), len(self.angle)))
-        position[plane.driver] = self.angle
+        position, geared = np.empty((len(chain.rows), len(self.angle))), {plane.driver, *(gear.joint for gear in chain.gears)}
+        position[list(geared)] = self.angle
         for s, closed in self.pieces():
             angles = {}
             for j, row in enumerate(chain.rows):
-                if (plane.sense[j] and j != plane.driver) or row in chain.outer:
+                if (plane.sense[j] and j not in geared) or row in chain.outer:
                     function = closed.functions[row]
                     angles[row] = np.arctan2(function.imag, function.real)
             for j, (row, outer) in enumerate(zip(chain.rows, chain.outer, strict=True)):
-                if j != plane.driver:
+                if j not in geared:
                     position[j, s] = closed.along.ways[row] if row not in angles else angles[row]
                     if outer is not None:
                         position[j, s] -= angles[outer]
@@ -271,11 +314,13 @@ class ChainClosure:
         turns[list(plane.prismatic)] = 0.0
         position += turns
         position[plane.driver] = self.angle
+        for gear in chain.gears:
+            position[gear.joint] = gear.ratio * self.angle + gear.offset
         return read_only(position)
 
     def way(self, joint: int) -> Array:
         """(n,) coordinate of a prismatic joint [m]."""
-        if len(self.angle) <= PIECE:
+        if len(self.angle) <= self.chain.piece:
             return self._whole.along.ways[self.chain.rows[joint]]
         return np.concatenate([closed.along.ways[self.chain.rows[joint]] for _, closed in self.pieces()])
 
@@ -355,14 +400,21 @@ def chain_of(plane: Plane, branch: Branch) -> Chain | None:
 
 def _built(plane: Plane, drawn: ComplexArray) -> Chain | None:
     """The chain of a linkage, given its basis (nb,) in a pose of its branch."""
-    if plane.parents[plane.driver] >= 0 or not plane.blocks or any(block.kind != "dyad" for block in plane.blocks):
+    if plane.parents[plane.driver] >= 0 or not any(block.loops for block in plane.blocks):
         return None
     rows, ones = _rows(plane)
+    gears = _gears(plane, rows)
+    if gears is None:
+        return None
     places = {joint: place for place, joint in enumerate((*plane.revolute, *plane.prismatic), 1)}  # in the basis
     build = _Builder(drawn, [0, *(rows[joint] for joint in places)], {way: rotor for way, _, rotor in plane.guides})
-    known = {0, places[plane.driver]}
+    known = {0, places[plane.driver], *(places[gear.joint] for gear in gears)}
     equations, needed = [], {rows[plane.driver]}
     for block in plane.blocks:
+        if block.kind == "gear":
+            continue
+        if block.kind not in ("dyad", "lever"):
+            return None
         entries, own = _entries(plane, block.loops[0]), [places[joint] for joint in block.joints]
         equation = build.equation(block.loops[0], entries, known, own)
         if equation is None:
@@ -374,7 +426,7 @@ def _built(plane: Plane, drawn: ComplexArray) -> Chain | None:
     order = tuple(build.order)
     guides = {order[way]: order[rotor] if rotor else None for way, rotor in build.rotors.items()}
     driver = rows[plane.driver]
-    return Chain(plane, tuple(rows), tuple(ones), count, driver, tuple(equations), tuple(sorted(needed)), order, guides)
+    return Chain(plane, tuple(rows), tuple(ones), count, driver, gears, tuple(equations), tuple(sorted(needed)), order, guides)
 
 
 def _rows(plane: Plane) -> tuple[list[int], list[int]]:
@@ -386,6 +438,30 @@ def _rows(plane: Plane) -> tuple[list[int], list[int]]:
             ones.append(len(rows) + len(ones))
         rows.append(len(rows) + len(ones))
     return rows, ones
+
+
+def _gears(plane: Plane, rows: Sequence[int]) -> tuple[Gear, ...] | None:
+    """The shafts of a linkage that are geared to the driver; None where gears turn anything else, or a driver that slides.
+
+    Args:
+        plane: the linkage.
+        rows: rows of the functions of all joints.
+    """
+    turning = {plane.driver: (1.0, 0.0)}  # by joint its angle: a ratio to that of the driver, and an offset
+    gears = []
+    for block in plane.blocks:
+        if block.kind != "gear":
+            continue
+        (coupling,), (joint,) = block.couplings, block.joints
+        equation = dict(plane.coupling_rows[coupling])
+        own = equation.pop(joint)
+        if not equation.keys() <= turning.keys() or any(plane.parents[j] >= 0 or not plane.sense[j] for j in (joint, *equation)):
+            return None
+        ratio = -sum(by * turning[other][0] for other, by in equation.items()) / own
+        offset = (float(plane.offsets[coupling]) - sum(by * turning[other][1] for other, by in equation.items())) / own
+        turning[joint] = ratio, offset
+        gears.append(Gear(joint, coupling, rows[joint], float(plane.sense[joint]), ratio, offset))
+    return tuple(gears)
 
 
 def _entries(plane: Plane, loop: int) -> dict[int, complex]:
@@ -430,6 +506,8 @@ class _Builder(NamedTuple):
         guides = [
             Guide(self.order[way], np.array(entries[way]), self.order[self.rotors[way]] if self.rotors[way] else None) for way in ways
         ]
+        if len(own) == 1:
+            return Lever.drawn(self.order[own[0]], entries[own[0]]) if own[0] in entries and turning else None
         if not turning:
             return TwoGuides(*guides)
         one, other = turning[0], own[0] if own[1] == turning[0] else own[1]

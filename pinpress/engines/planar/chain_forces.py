@@ -7,8 +7,11 @@ along a guide with the rotor u for Re(u W). With the inverses e1 and e2 of a dya
 
     conj(p) = -(e1 effort1 + e2 effort2)
 
-and takes c conj(p) from the work of every function that has the coefficient c in the loop. What is left at the driver is the driving
-torque.
+and takes c conj(p) from the work of every function that has the coefficient c in the loop. What is left at the shafts that are geared to
+the driver goes through the gears, and what is left at the driver is the driving torque.
+
+A lever supplies the effort of its rotor across itself. Along it any force is left open: an *idle* force, which the dyads before it balance.
+`engines.forces` says how much of it is added.
 """
 
 from __future__ import annotations
@@ -25,8 +28,10 @@ from ...common.quantities import Array, ComplexArray
 from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
 from ..joints import LARGE, SERIAL, Matrix, plain, product
 from .bodies import Bodies
-from .chain import Chain, ChainStates, Closed, all_functions, rate_of
+from .chain import Chain, ChainStates, Closed, Equation, all_functions, rate_of
+from .dyads import I
 from .model import Plane, put_normal, to_complex
+from .statics import shares_of, torques
 
 
 class Tree(NamedTuple):
@@ -91,19 +96,35 @@ class ChainBodies:
 
     @cached_property
     def turned(self) -> tuple[int, ...]:
-        """The joints that transmit moments about the normal, rising: the driver, if it turns, and all guides."""
+        """The joints that transmit moments about the normal, rising: the driver, if it turns, geared shafts, and all guides."""
         plane = self.chain.plane
-        return tuple(sorted({*plane.prismatic, plane.driver} if self.chain.sense else plane.prismatic))
-
-    def places(self, wanted: Sequence[int]) -> tuple[int | None, ...]:
-        """Places of the moments of the ``wanted`` bearings, see `SomeVectors`."""
-        turned = [bearing for bearing in self.turned if bearing in wanted]
-        return tuple(turned.index(bearing) if bearing in turned else None for bearing in wanted)
+        return tuple(sorted({*plane.prismatic, *self.bodies.geared, *([plane.driver] if self.chain.turns else [])}))
 
     @cached_property
-    def all_places(self) -> tuple[int | None, ...]:
-        """Those of all bearings."""
-        return self.places(range(len(self.chain.rows) + len(self.carriers)))
+    def bearing_count(self) -> int:
+        """Number of bearings."""
+        return len(self.chain.rows) + len(self.carriers)
+
+    def asked(self, wanted: Sequence[int]) -> Asked:
+        """What is asked of the ``wanted`` bearings."""
+        turned = tuple(bearing for bearing in self.turned if bearing in wanted)
+        places = tuple(turned.index(bearing) if bearing in turned else None for bearing in wanted)
+        return Asked(wanted, turned, places, not set(self.chain.plane.prismatic).isdisjoint(wanted))
+
+    @cached_property
+    def all_bearings(self) -> Asked:
+        """What is asked of all bearings."""
+        return self.asked(range(self.bearing_count))
+
+    @cached_property
+    def backwards(self) -> tuple[int, ...]:
+        """Places of all equations, the last one first."""
+        return tuple(reversed(range(len(self.chain.equations))))
+
+    @cached_property
+    def balancing(self) -> tuple[tuple[int, ...], ...]:
+        """For every lever the places of the equations before it whose forces balance its idle force, the last one first."""
+        return tuple(_balancing(self.chain, lever) for lever in self.chain.levers)
 
     @property
     def first_force(self) -> int:
@@ -146,6 +167,22 @@ def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
     return ChainBodies(chain, bodies, together, tuple(trees), own.conj(), leaves, spins, arms, still, tuple(map(tuple, carriers)))
 
 
+def _balancing(chain: Chain, lever: int) -> tuple[int, ...]:
+    """The places of the equations that move the ends of a lever, the last one first."""
+    moving, found = _moved_by(chain.equations[lever]), []
+    for place in reversed(range(lever)):
+        equation = chain.equations[place]
+        if not moving.isdisjoint(row for row, _ in equation.own):
+            found.append(place)
+            moving |= _moved_by(equation)
+    return tuple(found)
+
+
+def _moved_by(equation: Equation) -> set[int]:
+    """Rows of the functions that are known before an equation and move its loop."""
+    return {row for row, _ in equation.known} | {guide.rotor for guide in equation.dyad.guides if guide.rotor is not None}
+
+
 def _over_functions(chain: Chain, rows: ComplexArray, places: Sequence[int]) -> ComplexArray:
     """Rows over the basis as rows over the functions of a chain; what does not move stands in the first row of ones."""
     found = rows[:, places]
@@ -153,21 +190,66 @@ def _over_functions(chain: Chain, rows: ComplexArray, places: Sequence[int]) -> 
     return found
 
 
-def chain_forces(fixed: ChainBodies, states: ChainStates, loads: Sequence[AppliedForce], wanted: Sequence[int]) -> Wrenches:
-    """Driving torque and the wrenches of the ``wanted`` bearings of a linkage in one plane, without friction."""
-    plane, n = fixed.chain.plane, len(states.closure.angle)
-    places = fixed.all_places if len(wanted) == len(fixed.all_places) else fixed.places(wanted)
-    torque, force, finite = np.empty((1, n)), np.empty((3, len(wanted), n)).transpose(1, 2, 0), True
-    moment = np.zeros((3, len(wanted) - places.count(None), n)).transpose(1, 2, 0)
-    for s, closed in states.closure.pieces():
+def chain_forces(
+    fixed: ChainBodies, states: ChainStates, loads: Sequence[AppliedForce], wanted: Sequence[int], with_gear_torques: bool
+) -> Wrenches:
+    """Driving torque and the wrenches of the ``wanted`` bearings of a linkage in one plane, without friction and stiffnesses; see
+    `AppliedConditions` for ``with_gear_torques``."""
+    chain, closure, n = fixed.chain, states.closure, len(states.closure.angle)
+    asked = fixed.all_bearings if len(wanted) == fixed.bearing_count else fixed.asked(wanted)
+    shared = bool(chain.levers) and (bool(wanted) or (with_gear_torques and bool(chain.gears)))
+    found = Found(
+        np.empty(n),
+        np.empty((len(chain.plane.offsets), n)),
+        np.empty((3, len(wanted), n)).transpose(1, 2, 0),
+        np.zeros((3, len(asked.turned), n)).transpose(1, 2, 0),
+    )
+    finite = True
+    for s, closed in closure.pieces():
         if s.stop - s.start == n:
-            finite = _fill(fixed, closed, states.speed, states.acceleration, loads, wanted, torque[0], force, moment)
+            finite = _fill(fixed, closed, states.speed, states.acceleration, loads, asked, shared, found)
             continue
         speed, acceleration = (of[s] if isinstance(of, np.ndarray) else of for of in (states.speed, states.acceleration))
         acting = [load.part(s) for load in loads]
-        finite &= _fill(fixed, closed, speed, acceleration, acting, wanted, torque[0, s], force[:, s], moment[:, s])
-    no_friction = nothing(len(plane.parents) + len(plane.loop_heights), n)
-    return Wrenches(torque, np.empty((0, n)), no_friction, force, SomeVectors(moment, places), finite)
+        finite &= _fill(fixed, closed, speed, acceleration, acting, asked, shared, found.part(s))
+    moment = SomeVectors(found.moment, asked.places)
+    return Wrenches(found.torque[None], found.coupling, nothing(fixed.bearing_count, n), found.force, moment, finite)
+
+
+class Asked(NamedTuple):
+    """What is asked of the bearings.
+
+    Attributes:
+        bearings: rising indices of those whose wrenches are wanted.
+        turned: of these the joints that transmit moments about the normal.
+        places: of these moments by bearing, see `SomeVectors`.
+        guided: whether there are guides among them.
+    """
+
+    bearings: Sequence[int]
+    turned: tuple[int, ...]
+    places: tuple[int | None, ...]
+    guided: bool
+
+
+class Found(NamedTuple):
+    """What is to be filled in.
+
+    Attributes:
+        torque: (n,) of the driver [N m], force of one that slides [N].
+        coupling: (couplings, n) torques on their followers [N m].
+        force: (wanted, n, 3) forces [N].
+        moment: (turned, n, 3) moments, zero so far [N m].
+    """
+
+    torque: Array
+    coupling: Array
+    force: Array
+    moment: Array
+
+    def part(self, points: slice) -> Found:
+        """Views of a part of the motion."""
+        return Found(self.torque[points], self.coupling[:, points], self.force[:, points], self.moment[:, points])
 
 
 def _fill(
@@ -176,42 +258,53 @@ def _fill(
     speed: Array | float,
     acceleration: Array | float,
     loads: Sequence[AppliedForce],
-    wanted: Sequence[int],
-    torque: Array,
-    force: Array,
-    moment: Array,
+    asked: Asked,
+    shared: bool,
+    found: Found,
 ) -> bool:
-    """Fill in the driving torque (n,), the forces (wanted, n, 3) and the moments (k, n, 3) of `SomeVectors`, of a piece of the motion;
-    returns whether a sum shows that they are finite. The other arguments are those of `chain_forces`."""
+    """Fill in a piece of the motion; returns whether a sum shows that it is finite.
+
+    Args:
+        fixed: inertial constants.
+        closed: the closed chain.
+        speed: of the driver.
+        acceleration: of the driver.
+        loads: forces on links.
+        asked: what is asked of the bearings.
+        shared: whether idle forces are shared.
+        found: what is to be filled in.
+    """
     chain, plane = fixed.chain, fixed.chain.plane
-    guided = any(joint in wanted for joint in plane.prismatic)
-    open_tree = _open_tree(fixed, _second_derivatives(chain, closed, speed, acceleration), apart=bool(loads) and guided)
+    open_tree = _open_tree(fixed, _second_derivatives(chain, closed, speed, acceleration), apart=bool(loads) and asked.guided)
     for load in loads:
         if load.joint:
             _take_load(plane, chain, load, open_tree)
-    moments = _turning(fixed, closed, speed, acceleration, open_tree, loads) if guided else {}
-    _solve(fixed, closed, open_tree)
-    row = chain.driver
-    if chain.sense:
-        at_driver = (closed.along.functions[row] * open_tree.work[row]).imag  # minus the effort of its rotor
-        moments[plane.driver] = np.multiply(at_driver, np.array(-chain.sense), torque)
-    else:
-        torque[:] = open_tree.work[row].real
+    moments = _turning(fixed, closed, speed, acceleration, open_tree, loads) if asked.guided else {}
+    work, torque = open_tree.work, found.torque
+    _solve(fixed, closed, fixed.backwards, work, open_tree.forces)
+    _ask_driver(chain, closed, work, torque)
+    if chain.gears:
+        _through_gears(chain, closed, work, torque, found.coupling)
+    if shared:
+        open_tree = _share(fixed, closed, open_tree, found.coupling)
     total = np.add.reduce(torque)
-    if not wanted:
-        return math.isfinite(total)
-    total = total + _put(plane, open_tree, wanted, force)
-    if guided:
-        _add_guided(fixed, closed, open_tree, moments)
-    if chain.sense < 0.0:
-        moments[plane.driver] = at_driver
-    place = 0
-    for joint in fixed.turned:
-        if joint in wanted:
-            if isinstance(values := moments[joint], np.ndarray):
-                put_normal(plane, values, moment[place])
+    if asked.bearings:
+        total = total + _put(plane, open_tree, asked.bearings, found.force)
+        if asked.guided:
+            _add_guided(fixed, closed, open_tree, moments)
+        if chain.turns:
+            moments[plane.driver] = torque
+        if chain.gears:
+            _add_geared(fixed, found.coupling, moments)
+        for joint, moment in zip(asked.turned, found.moment, strict=True):
+            values = moments[joint]
+            if values is not torque and isinstance(values, np.ndarray):
                 total = total + np.add.reduce(values)
-            place += 1
+            if isinstance(values, np.ndarray):
+                put_normal(plane, values, moment)
+    if chain.gears:
+        torques(plane, found.coupling)
+        total = total + np.add.reduce(found.coupling, axis=None)
     return math.isfinite(abs(total))
 
 
@@ -272,24 +365,75 @@ def _take_load(plane: Plane, chain: Chain, load: AppliedForce, open_tree: OpenTr
         open_tree.forces[carrier] -= force
 
 
-def _solve(fixed: ChainBodies, closed: Closed, open_tree: OpenTree) -> None:
-    """Fill in the forces of the loops, from the last dyad to the first, and subtract them where they relieve joints and functions."""
-    along, joints, (work, _, forces, _) = closed.along, len(fixed.chain.rows), open_tree
-    for (loop, _, known, own, dyad), (e1, e2) in zip(reversed(fixed.chain.equations), reversed(closed.inverses), strict=True):
-        one, other = dyad.asked(along, work)
-        force = np.multiply(e1, one, forces[joints + loop])
-        force += e2 * other
-        for row, by in known:
-            work[row] -= by * force
-        for guide in dyad.guides:
-            if guide.rotor is not None:
-                by = next(by for row, by in own if row == guide.way)
-                work[guide.rotor] += along.ways[guide.way] * (work[guide.way] - by * force)
-        for joint, sign in fixed.carriers[loop]:
-            if sign > 0.0:
-                forces[joint] -= force
-            else:
-                forces[joint] += force
+def _solve(fixed: ChainBodies, closed: Closed, places: Sequence[int], work: list[ComplexArray], forces: list[ComplexArray]) -> None:
+    """Fill in the forces of the loops of the equations at these ``places``, from the last dyad to the first, and subtract them where they
+    relieve joints and functions."""
+    along, joints = closed.along, len(fixed.chain.rows)
+    for place in places:
+        equation, (e1, *others) = fixed.chain.equations[place], closed.inverses[place]
+        one, *more = equation.dyad.asked(along, work)
+        force = np.multiply(e1, one, forces[joints + equation.loop])
+        for e2, other in zip(others, more, strict=True):
+            force += e2 * other
+        _relieve(fixed, closed, equation, force, work, forces)
+
+
+def _relieve(
+    fixed: ChainBodies, closed: Closed, equation: Equation, force: ComplexArray, work: list[ComplexArray], forces: list[ComplexArray]
+) -> None:
+    """Subtract the force (n,) of a loop where it relieves functions that are known before it is closed, and joints."""
+    for row, by in equation.known:
+        work[row] -= by * force
+    for guide in equation.dyad.guides:
+        if guide.rotor is not None:
+            by = next(by for row, by in equation.own if row == guide.way)
+            work[guide.rotor] += closed.along.ways[guide.way] * (work[guide.way] - by * force)
+    for joint, sign in fixed.carriers[equation.loop]:
+        if sign > 0.0:
+            forces[joint] -= force
+        else:
+            forces[joint] += force
+
+
+def _ask_driver(chain: Chain, closed: Closed, work: list[ComplexArray], torque: Array) -> None:
+    """Fill in the driving torque (n,), or force, without that of gears."""
+    if chain.turns:
+        np.negative((closed.along.functions[chain.driver] * work[chain.driver]).imag, torque)
+    else:
+        torque[:] = work[chain.driver].real
+
+
+def _through_gears(chain: Chain, closed: Closed, work: list[ComplexArray], torque: Array, multipliers: Array) -> None:
+    """Fill in the multipliers (couplings, n) of gear pairs, and take what they do on the driver from its ``torque`` (n,)."""
+    efforts = {chain.plane.driver: torque}
+    for joint, _, row, sense, *_ in chain.gears:
+        efforts[joint] = -sense * (closed.along.functions[row] * work[row]).imag
+    for gear in reversed(chain.gears):
+        coefficients = chain.plane.coupling_rows[gear.coupling]
+        multiplier = np.divide(efforts[gear.joint], coefficients[gear.joint], multipliers[gear.coupling])
+        for other, by in coefficients.items():
+            if other != gear.joint:
+                efforts[other] -= by * multiplier
+
+
+def _share(fixed: ChainBodies, closed: Closed, open_tree: OpenTree, multipliers: Array) -> OpenTree:
+    """The tree with the forces of all bearings, idle forces shared among them; what these do to the ``multipliers`` (couplings, n) is added
+    there."""
+    chain, n = fixed.chain, multipliers.shape[1]
+    parts = np.zeros((len(chain.levers) + 1, fixed.bearing_count, n), complex)  # idle forces, then those of the bearings
+    idle_multipliers, unused = np.zeros((len(chain.levers), *multipliers.shape)), np.empty(n)
+    np.stack(open_tree.forces, out=parts[-1])
+    for lever, places, forces, of_gears in zip(chain.levers, fixed.balancing, map(list, parts), idle_multipliers, strict=False):
+        equation, work = chain.equations[lever], list(np.zeros((chain.count, n), complex))
+        along_lever = np.multiply(closed.inverses[lever][0], I, forces[len(chain.rows) + equation.loop])
+        _relieve(fixed, closed, equation, along_lever, work, forces)
+        _solve(fixed, closed, places, work, forces)
+        if chain.gears:
+            _through_gears(chain, closed, work, unused, of_gears)
+    for share, idle, of_gears in zip(shares_of(parts), parts, idle_multipliers, strict=False):
+        parts[-1] += share * idle
+        multipliers += share * of_gears
+    return open_tree._replace(forces=list(parts[-1]), bearings=parts[-1])
 
 
 def _put(plane: Plane, open_tree: OpenTree, wanted: Sequence[int], out: Array) -> complex:
@@ -382,3 +526,11 @@ def _add_guided(fixed: ChainBodies, closed: Closed, open_tree: OpenTree, moments
             moments[joint] += by_force
         else:
             moments[joint] -= by_force
+
+
+def _add_geared(fixed: ChainBodies, multipliers: Array, moments: dict[int, Any]) -> None:
+    """Add what the multipliers (couplings, n) of gear pairs do to the moments of the shafts."""
+    plane = fixed.chain.plane
+    for coupling, coefficients in enumerate(plane.coupling_rows):
+        for joint, by in coefficients.items():
+            moments[joint] = moments.get(joint, 0.0) + plane.sense[joint] * by * multipliers[coupling]

@@ -8,8 +8,10 @@ that are known before the dyad is closed. The two that are not are, in the order
     swinging guide    K + (a + b s) u = 0          u turns a guide, along whose direction b the way s goes; a is the offset of its line
     two guides        K + s D = s2 D2              both ways are along known directions
 
-Each has at most two solutions, which differ in the sign of one root. The drawn pose tells the sign; it stays the same while the dyad does
-not come into line, where the root is zero.
+A *lever* is a single link between two points that are known: K + A = 0, one of whose two equations is redundant.
+
+Each dyad has at most two solutions, which differ in the sign of one root. The drawn pose tells the sign; it stays the same while the dyad
+does not come into line, where the root is zero.
 
 The velocities of the two unknowns are x1 and x2, rates of angles and ways. Their *arms* are the vectors with which they close what opens at
 the rate o, a complex number as well:
@@ -19,6 +21,7 @@ the rate o, a complex number as well:
     e1 = conj(arm2) / d,   e2 = conj(arm1) / d,   d = -Im(conj(arm1) arm2)
 
 The arm of a link is the link itself, that of a way along D is -i D. The same two *inverses* e1 and e2 give accelerations and forces.
+The inverse of a lever is e1 = i conj(arm1) / |arm1|^2, with which x1 closes what opens across it.
 
 Of a function of the crank angle its *inward* part is minus its second derivative while the driver moves at the rate 1: that of a rotor u
 with angular velocity w and acceleration alpha is (w^2 - i alpha) u. What opens without the unknown accelerations is closed by these in the
@@ -35,7 +38,7 @@ import numpy as np
 
 from ...common.quantities import Array, ComplexArray
 
-ONE, MINUS_HALF, I = np.array(1.0), np.array(-0.5), np.array(1j)  # noqa: E741
+ZERO, ONE, MINUS_HALF, I = np.array(0.0), np.array(1.0), np.array(-0.5), np.array(1j)  # noqa: E741
 
 
 class Along(NamedTuple):
@@ -59,22 +62,21 @@ class Along(NamedTuple):
     second: list[Array]
 
 
-Inverses = tuple[ComplexArray, ComplexArray]
+Inverses = tuple[ComplexArray, ...]
+"""One (n,) for every unknown."""
 
 
 class Dyad(Protocol):
-    """Two unknowns of a chain, ``one`` and ``other``, which are rows of functions."""
+    """Two unknowns of a chain, ``one`` and ``other``, which are rows of functions; a lever has one."""
 
     @property
     def one(self) -> int: ...
-    @property
-    def other(self) -> int: ...
     @property
     def guides(self) -> tuple[Guide, ...]:
         """The guides whose directions are known before the dyad is closed."""
 
     def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> Inverses:
-        """Fill in both unknowns, and return their inverses.
+        """Fill in the unknowns, and return their inverses.
 
         Args:
             known: (n,) the vector K.
@@ -83,8 +85,8 @@ class Dyad(Protocol):
             along: what is known of the chain.
         """
 
-    def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array, Array]:
-        """Minus the efforts (n,) that the loop's force has to supply to both unknowns.
+    def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array, ...]:
+        """Minus the efforts (n,) that the loop's force has to supply to the unknowns.
 
         Args:
             along: the closed chain.
@@ -416,3 +418,40 @@ class TwoGuides:
 
     def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array, Array]:
         return self.first.asked(along, work), self.second.asked(along, work)
+
+
+@dataclass(frozen=True, eq=False)
+class Lever:
+    """A link A between two points that are known: it points against K. A second rod to the same slide is one.
+
+    Attributes:
+        one: row of the rotor of A.
+        of_one: that by which a unit vector along K has to be multiplied for this rotor.
+        of_inverse: that by which the conjugate of this vector has to be multiplied for the inverse [1/m].
+    """
+
+    one: int
+    of_one: ComplexArray
+    of_inverse: ComplexArray
+
+    guides: tuple[Guide, ...] = ()
+
+    @staticmethod
+    def drawn(one: int, a: complex) -> Lever:
+        """The lever a in the drawn pose."""
+        return Lever(one, np.array(-abs(a) / a), np.array(-1j / abs(a)))
+
+    def close(self, known: ComplexArray, opening: ComplexArray, inward: ComplexArray, along: Along) -> Inverses:
+        conjugate = known.conj()
+        by_length = ONE / np.sqrt((conjugate * known).real)
+        conjugate *= by_length
+        np.multiply(known, by_length * self.of_one, along.functions[self.one])
+        e1 = np.multiply(conjugate, self.of_inverse, conjugate)
+        bent = _started(self.one, np.multiply(opening, e1, opening), along)
+        known *= bent
+        inward -= known
+        _finished(self.one, np.multiply(inward, e1, inward), bent, along)
+        return (e1,)
+
+    def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array]:
+        return ((along.functions[self.one] * work[self.one]).imag,)

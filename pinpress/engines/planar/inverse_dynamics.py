@@ -47,7 +47,12 @@ def inverse_dynamics(
         on_chain: inertial constants of a chain of dyads, where the states are of one.
     """
     if isinstance(states, ChainStates):
-        if on_chain is not None and conditions.law is None and not _acts_out_of_plane(bodies, conditions.loads):
+        if (
+            on_chain is not None
+            and conditions.law is None
+            and (conditions.compliance is None or not bodies.plane.redundant)
+            and not _acts_out_of_plane(bodies, conditions.loads)
+        ):
             return _on_chain(on_chain(states.closure.chain), states, conditions, wanted)
         states = ClosedStates(states.position, states.v, states.a, states.basis)
     return _at_constant_speed(bodies, states, conditions, wanted) or _computed(bodies, states, conditions, wanted)
@@ -59,12 +64,12 @@ def _on_chain(fixed: ChainBodies, states: ChainStates, conditions: AppliedCondit
     if not loads and isinstance(speed, float) and not isinstance(states.acceleration, np.ndarray):
 
         def at(other: float) -> Wrenches:
-            return chain_forces(fixed, ChainStates(states.closure, other, 0.0), (), wanted)
+            return chain_forces(fixed, ChainStates(states.closure, other, 0.0), (), wanted, conditions.with_gear_torques)
 
-        kept = _by_speed(states.closure.answers, fixed.bodies, wanted, speed, at)
+        kept = _by_speed(states.closure.answers, fixed.bodies, wanted, conditions, speed, at)
         if kept is not None:
             return kept
-    return chain_forces(fixed, states, loads, wanted)
+    return chain_forces(fixed, states, loads, wanted, conditions.with_gear_torques)
 
 
 def _computed(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
@@ -92,6 +97,7 @@ class ForcesBySpeed(NamedTuple):
     Attributes:
         bodies: inertial constants of the linkage.
         wanted: the bearings.
+        with_gear_torques: as in `AppliedConditions`.
         computed: the first speeds that were asked for. Their wrenches are always computed from the states: the same question has the same
             answer.
         parts: the wrenches of inertia forces at the driver's speed 1, and those at rest; None until further speeds are asked for.
@@ -99,6 +105,7 @@ class ForcesBySpeed(NamedTuple):
 
     bodies: Bodies
     wanted: Sequence[int]
+    with_gear_torques: bool
     computed: tuple[float, ...]
     parts: tuple[Wrenches, Wrenches] | None = None
 
@@ -116,15 +123,22 @@ def _at_constant_speed(bodies: Bodies, states: ClosedStates, conditions: Applied
         by = other / speed
         return _computed(bodies, states.with_rates(states.v * by, states.a * (by * by)), conditions, wanted)
 
-    return _by_speed(states.jacobian.answers, bodies, wanted, speed, at)
+    return _by_speed(states.jacobian.answers, bodies, wanted, conditions, speed, at)
 
 
-def _by_speed(answers: list[Any], bodies: Bodies, wanted: Sequence[int], speed: float, at: Callable[[float], Wrenches]) -> Wrenches | None:
+def _by_speed(
+    answers: list[Any],
+    bodies: Bodies,
+    wanted: Sequence[int],
+    conditions: AppliedConditions,
+    speed: float,
+    at: Callable[[float], Wrenches],
+) -> Wrenches | None:
     """The wrenches at a constant speed from those that are kept in ``answers``, see `ForcesBySpeed`; None where they do not serve.
     ``at``: works out the wrenches at a speed."""
-    known = answers[0] if answers else None
-    if known is None or known.bodies is not bodies or known.wanted != wanted:
-        answers[:] = [ForcesBySpeed(bodies, wanted, (speed,))]
+    known, with_gear_torques = answers[0] if answers else None, conditions.with_gear_torques
+    if known is None or known.bodies is not bodies or known.wanted != wanted or known.with_gear_torques != with_gear_torques:
+        answers[:] = [ForcesBySpeed(bodies, wanted, with_gear_torques, (speed,))]
         return None
     if not speed or speed in known.computed:
         return None

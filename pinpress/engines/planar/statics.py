@@ -213,9 +213,18 @@ def _shares(statics: Statics, bearings: ComplexArray) -> Array:
         weights = np.tile(np.sqrt(statics.compliance), 2)[:, None]
         objectives = ((weights * forces, float(weights.max())), (forces, 1.0))
         return np.asarray(lexicographic_least_squares(Objective(parts[:, :, :-1], parts[:, :, -1], scale) for parts, scale in objectives).T)
+    return shares_of(parts)
+
+
+def shares_of(parts: ComplexArray) -> Array:
+    """Multiples (k, n) of k idle forces with which the sum of squared bearing forces is least.
+
+    Args:
+        parts: (k + 1, bearings, n) what every idle force adds to all bearings, then the forces of the bearings without idle forces [N].
+    """
     # The normal equations are good enough: every idle force loads pins of its own, so that their matrix is far from singular.
-    count, n = len(statics.idle), parts.shape[2]
-    real, products = parts.view(float), np.empty((len(statics.idle), len(parts), n))
+    count, n = len(parts) - 1, parts.shape[2]
+    real, products = parts.view(float), np.empty((count, len(parts), n))
     for k, a in enumerate(real[:count]):
         summed = np.add.reduce(a * real[k:], axis=1)
         products[k, k:] = summed[:, ::2] + summed[:, 1::2]
