@@ -9,11 +9,14 @@
 `.ci/run` stays the whole: it also tests the lowest and the newest versions.
 """
 
+from pathlib import Path
+
 import nox
 
 nox.needs_version = ">=2025.2"
 nox.options.default_venv_backend = "uv|virtualenv"
 CONSTRAINTS = ".ci/constraints.txt"
+PINOCCHIOS = ["3.10", "3.11", "3.12", "3.13", "3.14"]  # the Pythons for which Pinocchio's wheels exist
 
 
 def installed(session: nox.Session, extra: str = "test") -> None:
@@ -35,6 +38,14 @@ def long(session: nox.Session) -> None:
     session.run("python", "-m", "pytest", "-m", "exhaustive", *session.posargs)
 
 
+@nox.session(default=False, python=PINOCCHIOS)
+def wheel(session: nox.Session) -> None:
+    """Build sdist and wheel, install the wheel alone and try it as a stranger would, on one Python; nox -s wheel-3.13."""
+    session.install("-e", ".[report]", "build", "hatchling", "hypothesis", "pytest", "pytest-xdist", "uv", "-c", CONSTRAINTS)
+    versions = {"UV_CONSTRAINT": str(Path(CONSTRAINTS).resolve()), "PIP_CONSTRAINT": str(Path(CONSTRAINTS).resolve())}
+    session.run("python", "-m", "pytest", "-m", "exhaustive", "tests/project/test_installed_wheel.py", *session.posargs, env=versions)
+
+
 @nox.session
 def lint(session: nox.Session) -> None:
     """Run the linter, the type checker and the check that imports point down."""
@@ -54,10 +65,11 @@ def docs(session: nox.Session) -> None:
 
 @nox.session(default=False)
 def review(session: nox.Session) -> None:
-    """Compare the repository with the habits of scientific Python, and check CITATION.cff."""
-    session.install("sp-repo-review[cli]", "cffconvert")
+    """Compare the repository with the habits of scientific Python, check CITATION.cff, and render the recipe for conda-forge."""
+    session.install("sp-repo-review[cli]", "cffconvert", "py-rattler-build>=0.73")
     session.run("sp-repo-review", ".")
     session.run("cffconvert", "--validate")
+    session.run("python", "-c", "import rattler_build; print(rattler_build.Stage0Recipe.from_file('conda/recipe.yaml').render())")
 
 
 if __name__ == "__main__":

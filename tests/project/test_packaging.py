@@ -1,8 +1,6 @@
 """What is shipped: the wheel and the sdist, how much an import brings along, and URDF files that other programs open too."""
 
-import os
 import shutil
-import subprocess
 import sys
 import tarfile
 import zipfile
@@ -10,9 +8,10 @@ from pathlib import Path
 
 import pinocchio
 import pytest
+from support import distribution
+from support.distribution import ROOT, run
 from support.sampling import rest_exhaustive
 
-ROOT = Path(__file__).parents[2]
 PRESSES = (
     "aida_balance_slide",
     "crank_slide",
@@ -34,18 +33,10 @@ TABLES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "pinpress" / "pi
 SHIPPED = [f"{name}.{suffix}" for name in PRESSES for suffix in ("urdf", "yaml")]
 
 
-def run(*command: object, **options) -> str:
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, **options)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
 @pytest.fixture(scope="module")
 def built(tmp_path_factory) -> tuple[Path, Path]:
     """The wheel, built from the sdist as an installer without a wheel would, and the sdist."""
-    folder = tmp_path_factory.mktemp("dist")
-    run(sys.executable, "-m", "build", "--no-isolation", "--outdir", folder, ROOT)
-    return next(folder.glob("*.whl")), next(folder.glob("*.tar.gz"))
+    return distribution.build(tmp_path_factory.mktemp("dist"))
 
 
 @pytest.fixture(scope="module")
@@ -78,8 +69,7 @@ def python(first: Path, code: str, cwd: Path) -> str:
     """Output of code run with ``first`` as the first folder of packages, before those of this interpreter."""
     others = [path for path in sys.path if Path(path).name in ("site-packages", "dist-packages")]
     start = f"import site\nfor folder in {[str(first), *others]!r}: site.addsitedir(folder)\n"
-    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
-    return run(sys.executable, "-S", "-c", start + code, cwd=cwd, env=environment)
+    return run(sys.executable, "-S", "-c", start + code, cwd=cwd, env=distribution.elsewhere())
 
 
 @pytest.mark.exhaustive

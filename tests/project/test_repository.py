@@ -81,6 +81,38 @@ def test_all_is_every_extra_of_users() -> None:
     assert held == set(OF_USERS)
 
 
+ON_CONDA_FORGE = {  # names that differ from those on PyPI
+    "pin": "pinocchio-python",
+    "lazy-loader": "lazy_loader",
+    "meshcat": "meshcat-python",
+    "matplotlib": "matplotlib-base",
+    "playwright": "playwright-python",
+}
+
+
+def declared(*lists: str) -> dict[str, str]:
+    """Lowest versions by their names on conda-forge, of lists of `pyproject.toml`."""
+    named = "".join(re.search(rf"^{name} = \[(.*?)\](?:\n|  #)", project(), flags=re.MULTILINE | re.DOTALL)[1] for name in lists)
+    return {ON_CONDA_FORGE.get(name, name): f">={version}" for name, version in re.findall(r'"([\w-]+)>=([\d.]+)"', named)}
+
+
+def test_the_recipe_for_conda_forge_has_the_names_and_versions_of_the_project() -> None:
+    from pinpress.cli.about import OF_USERS
+
+    recipe = yaml.safe_load(text("conda/recipe.yaml"))
+    lowest = recipe["context"]["python_min"]
+    assert f'requires-python = ">={lowest}"' in project()
+    assert recipe["context"]["version"] == pp.__version__
+    assert recipe["about"]["license"] == "MIT"
+    commands = re.findall(r'^pinpress = "pinpress.*"$', project(), flags=re.MULTILINE)
+    assert recipe["build"]["python"]["entry_points"] == [command.replace('"', "") for command in commands]
+    required = {part: dict(line.split(" ", 1) for line in lines if " " in line) for part, lines in recipe["requirements"].items()}
+    python = {"python": ">=${{ python_min }}"}
+    assert required["run"] == python | declared("dependencies")
+    assert required["run_constraints"] == declared(*OF_USERS)
+    assert required["host"] == {"python": "${{ python_min }}.*"} | declared("requires")
+
+
 def test_tools_of_contributors_have_the_versions_of_the_continuous_integration() -> None:
     version = re.search(r"^ruff==(.*)$", text(".ci/constraints.txt"), flags=re.MULTILINE)[1]
     hooks = yaml.safe_load(text(".pre-commit-config.yaml"))["repos"]
