@@ -96,7 +96,7 @@ PRESSES = (
 HEAD = """\
 # Gallery
 
-Ten kinds of presses in a stroke under load, each made from a [table of pins](pin_table.md) of a few lines. Arrows are the forces of
+Twelve kinds of presses in a stroke under load, each made from a [table of pins](pin_table.md) of a few lines. Arrows are the forces of
 bearings and process, and the force on the floor. `python docs/gallery_films.py` makes all films.
 """
 

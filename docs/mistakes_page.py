@@ -56,6 +56,7 @@ What is said to calls after these lines:
 """
 TAB = "\t"
 HEAD = "| file | written | what is said |\n| --- | --- | --- |"
+HEAD_OF_CALLS = "| call | what is said |\n| --- | --- |"
 
 RIGHT_CALLS = """\
 from dataclasses import replace
@@ -132,7 +133,7 @@ def page() -> str:
         in_tables="\n".join([HEAD, *map(_row, tables)]),
         in_urdfs="\n".join([HEAD, *map(_row, urdfs)]),
         calls=RIGHT_CALLS,
-        in_calls="\n".join(_calls()),
+        in_calls="\n".join([HEAD_OF_CALLS, *_calls()]),
     )
 
 
@@ -148,10 +149,10 @@ def _row(file: Path) -> str:
 
 
 def _calls() -> list[str]:
-    """An item for each of `CALLS`: the call, and what is said."""
+    """A row for each of `CALLS`: the call, and what is said."""
     names: dict[str, object] = {}
     exec(RIGHT_CALLS, names)
-    return ["<br>".join([f"- `{call}`", *map(_plain, mistakes.heard(lambda call=call: eval(call, names)))]) for call in CALLS]
+    return [f"| `{call}` | {'<br>'.join(map(_plain, mistakes.heard(lambda call=call: eval(call, names))))} |" for call in CALLS]
 
 
 def _code(text: str) -> str:

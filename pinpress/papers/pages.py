@@ -183,6 +183,7 @@ class Page:
         introduction: what the document is, and which presses come from it.
         entries: its tables and figures, in their order.
         errata: its mistakes.
+        second: label of the entry with which a second page begins, and the title of that page; None for one page.
     """
 
     name: str
@@ -190,6 +191,7 @@ class Page:
     introduction: str
     entries: tuple[PageEntry, ...]
     errata: tuple[Erratum, ...]
+    second: tuple[str, str] | None = None
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -197,8 +199,14 @@ class Page:
         return tuple(row for entry in self.entries for row in entry.rows)
 
     def markdown(self, folder: str = "figures") -> str:
-        """The page as Markdown; ``folder`` is the folder of the figures, as seen from the page."""
+        """All as Markdown; ``folder`` is the folder of the figures, as seen from the page."""
+        return "\n".join(self.files(folder).values())
+
+    def files(self, folder: str = "figures") -> dict[str, str]:
+        """The page in Markdown, and the second one, by the names of their files; ``folder`` as of `markdown`."""
         shown = [entry for entry in self.entries if entry.kind != NO_RESULT]
+        labels = [entry.label for entry in shown]
+        first = len(shown) if self.second is None else labels.index(self.second[0])
         held = [row for row in self.rows if row.holds]
         printed = sum(not row.source for row in held)
         count = (
@@ -213,21 +221,30 @@ class Page:
             "## All tables and figures",
             table(("number", "what it shows", ""), ((entry.label, entry.title, entry.kind) for entry in self.entries)),
             "## One by one",
-            *(entry.markdown(folder) for entry in shown),
+            *(entry.markdown(folder) for entry in shown[:first]),
+        ]
+        files = {f"{self.name}.md": parts}
+        if self.second is not None:
+            title, file = self.second[1], f"{self.name}_2.md"
+            parts += [f"[{title}]({file}) goes on from here."]
+            parts = [f"# {title}", f"The second page of [{self.title}]({self.name}.md), which lists all tables and figures."]
+            files[file] = parts
+            parts += [entry.markdown(folder) for entry in shown[first:]]
+        parts += [
             "## Errata of the document",
             table(("place", "what is printed", "what is right"), ((e.place, e.wrong, e.right) for e in self.errata)),
         ]
-        return "\n\n".join(parts) + "\n"
+        return {name: "\n\n".join(each) + "\n" for name, each in files.items()}
 
     def write(self, out: str | os.PathLike[str]) -> tuple[Path, ...]:
-        """Write the page and its figures into a folder, and return the files written.
+        """Write the pages and their figures into a folder, and return the files written.
 
         Raises:
             PinpressError: Matplotlib is not installed, or a file cannot be written.
         """
         folder = Path(out)
         make_folder(folder / "figures")
-        written = [write(folder / f"{self.name}.md", self.markdown().encode())]
+        written = [write(folder / name, text.encode()) for name, text in self.files().items()]
         for entry in self.entries:
             if entry.draw is not None:
                 written.append(write(folder / "figures" / f"{entry.figure}.png", _small(entry.draw())))

@@ -53,6 +53,7 @@ def page() -> Page:
             *zhang2007_parts.entries(given["jf75g_125_plain"]),
         ),
         ERRATA,
+        ("Fig. 5-11", "Zhang 2007, 5 and 6: the balanced press at work"),
     )
 
 

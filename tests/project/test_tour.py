@@ -1,4 +1,4 @@
-"""The guided tour: its code and commands run as written and print what the page shows; its press moves as the closed form says."""
+"""The tour in three parts: its code and commands run as written and print what the page shows; its press moves as the closed form says."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from support import page_blocks
 
-TOUR = Path(__file__).resolve().parents[2] / "docs" / "tour.md"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+TOUR = ("tour", "tour_work", "tour_urdf")  # pages that are read, and run, one after the other
 CRANK, COUPLER, UPPER, LOWER = 0.090, 0.650, 0.300, 0.360  # m, from the page's first table
 SHAFT = 0.750 - 0.250j  # x + i z
 STEEL = 7850.0  # kg/m3
@@ -20,7 +21,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("tour"))
         names: dict[str, Any] = {}
-        yield names, list(page_blocks.run(TOUR.read_text(encoding="utf-8"), names))
+        yield names, [shown for page in TOUR for shown in page_blocks.run((DOCS / f"{page}.md").read_text(encoding="utf-8"), names)]
 
 
 def test_prints_what_the_page_shows(session: tuple[dict[str, Any], list[page_blocks.Shown]]) -> None:
@@ -36,7 +37,7 @@ def test_prints_what_the_page_shows(session: tuple[dict[str, Any], list[page_blo
 def test_writes_what_it_says(session: tuple[dict[str, Any], list[page_blocks.Shown]]) -> None:
     for name, least in (("knuckle.html", 300_000), ("report.html", 1_000_000), ("cycle.csv", 100_000), ("out/recording.html", 300_000)):
         assert Path(name).stat().st_size > least
-    complete = (TOUR.parent / "tour" / "knuckle.urdf").read_text(encoding="utf-8")
+    complete = (DOCS / "tour" / "knuckle.urdf").read_text(encoding="utf-8")
     assert Path("by_hand.urdf").read_text(encoding="utf-8") == complete
     for drawn in ("knuckle.svg", "short.svg"):
         assert "<circle" in Path(drawn).read_text(encoding="utf-8")
