@@ -38,8 +38,8 @@ LONGER_CRANK = """() => {
     seek(0.15 * duration);
     change(rows[data.dimensions.findIndex(each => each.name === "A to B")], 165, true);
 }"""
-AT_RATINGS = """() => {
-    [...document.querySelectorAll("#charts h2")].find(title => title.textContent.startsWith("Ratings")).scrollIntoView();
+AT_SECTION = """() => {
+    [...document.querySelectorAll("#charts h2")].find(title => title.textContent.startsWith("TITLE")).scrollIntoView();
     viewer.render();
 }"""
 BLUE, RED = "#0072B2", "#D55E00"
@@ -349,12 +349,22 @@ def lengths_too_short() -> str:
 
 def report_page() -> bytes:
     """docs/commands.md: the page of its command, at the ratings."""
-    manual = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8").replace("\\\n", "")
-    _, *words = next(line for line in manual.splitlines() if line.startswith("pinpress report zxn2_3000b")).split()
+    return _report_in("commands.md", "pinpress report zxn2_3000b", "Ratings")
+
+
+def frame_report() -> bytes:
+    """docs/foundation.md: the page of its command, at the frame on its mounts."""
+    return _report_in("foundation.md", "pinpress report jf75g_125", "On its mounts")
+
+
+def _report_in(page: str, command: str, title: str) -> bytes:
+    """The page that a command of the manual makes, at a section."""
+    manual = (ROOT / "docs" / page).read_text(encoding="utf-8").replace("\\\n", "")
+    _, *words = next(line for line in manual.splitlines() if line.startswith(command)).split()
     with tempfile.TemporaryDirectory() as folder:
-        page = Path(folder, words.pop())
-        main_of_pinpress([*words, str(page)])
-        return _in_window(page.as_uri() + "#t=0.64", "body:has(#charts h2)", AT_RATINGS)
+        file = Path(folder, words.pop())
+        main_of_pinpress([*words, str(file)])
+        return _in_window(file.as_uri() + "#t=0.64", "body:has(#charts h2)", AT_SECTION.replace("TITLE", title))
 
 
 def live() -> bytes:
@@ -390,7 +400,7 @@ PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
     slide, polar, run, slip_clutch, tolerances, identifiability,
     play, accuracy_budget, pause, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
     programs, sketch,
-    lengths_too_short, notebook, report_page, live, process_force, measured_modes, orders,
+    lengths_too_short, notebook, report_page, frame_report, live, process_force, measured_modes, orders,
 )  # fmt: skip
 
 

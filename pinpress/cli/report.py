@@ -1,9 +1,12 @@
 """`pinpress report`: all that a press does, on one page."""
 
+from __future__ import annotations
+
 import argparse
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +17,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import StandingLoad
-from ..loads.mounts import Frame, Mount
+from ..loads.mounts import Frame
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
 from ..simulation.steady_state import steady_state
@@ -31,19 +34,23 @@ from .words.options import (
     add_press_options,
     add_trace_option,
     forces,
-    frame_on_mounts,
     load_other,
     load_press,
+    mounted_press,
     named_point,
 )
 from .words.units import OfDriver, driver_speed, quantity
+
+if TYPE_CHECKING:
+    from ..foundation.mounted_press import MountedPress
 
 POINTS = 720  # of a turn
 SPEEDS = 61  # at which the press on its mounts is shown
 EPILOG = f"""\
 Each of these adds its part to the page: --load (the process), --nominal-force and other capacities (ratings), --motor with --flywheel (the
 steady state under it), --stiffness (the elastic press), --region with --minimise (the best counterweights), --frame with --mount, of
-springs or with --pad of rubber (loads of the mounts, modes, vibration and force on the floor; with --speed-range these over the speed).
+springs or with --pad of rubber, or --frame with a frame file (loads of the mounts, modes, vibration and force on the floor; with
+--speed-range these over the speed, with --lift-off where the mounts only press).
 regions: {balance.REGION}
 criteria: {balance.CRITERION}; see pinpress balance --help
 
@@ -58,7 +65,7 @@ criteria: {balance.CRITERION}; see pinpress balance --help
 """
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `report` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "report",
@@ -84,6 +91,8 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--frame-point", type=point, metavar="NAME:X,Y,Z", action="append", default=[], help=help)
     help = "show the vibration of the idle press from one crank speed to another too, in r/min"
     option("--speed-range", type=speed_range, metavar="LOW,HIGH", help=help)
+    help = "the mounts press and do not pull: show the vibration over so many strokes, with feet that lift off, too"
+    option("--lift-off", type=int, metavar="STROKES", help=help)
     add_before_option(parser)
     add_trace_option(parser)
     add_points_option(parser)
@@ -107,10 +116,12 @@ def run(options: argparse.Namespace) -> int:
     _refuse_what_is_incomplete(options)
     press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
-    acting = forces(options, press)
+    if options.frame is not None:
+        press.refuse_sliding_driver("--frame shows the vibration over turns of a crank: leave it out")
+    acting, system = forces(options, press), mounted_press(options, press, options.pad)
     motion = cycle(press, speed=options.speed.of(press.driver_coordinates[0]), points=states(press, options))
     reactions = inverse_dynamics(press, motion, **acting)
-    results = [*_results(press, reactions, acting, options)]
+    results = [*_results(press, reactions, acting, system, options)]
     before = None if options.before is None else press_before(options)
     with tempfile.TemporaryDirectory() as folder:
         page = options.out or Path(folder, "report.html")
@@ -142,14 +153,16 @@ def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
         raise PinpressError("--flywheel shows at a motor or in the ratings: give --motor, or --nominal-force and --speed-drop")
     if bool(options.region) != bool(options.minimise) or (options.limit and not options.region):
         raise PinpressError("--region, --minimise and --limit go together, to balance the press: give --region and --minimise, or none")
-    beside = [name for name in ("pad", "frame_point", "speed_range") if getattr(options, name)]
-    if frame_on_mounts(options, options.pad) is None and beside:
+    beside = [name for name in ("pad", "frame_point", "speed_range", "lift_off") if getattr(options, name) not in (None, [])]
+    if options.frame is None and not options.mount and beside:
         raise PinpressError(f"--{beside[0].replace('_', '-')} is for the press on its mounts: give --frame and every --mount too")
     if options.region and options.friction:
         raise PinpressError("--region: balancing needs forces linear in the masses, and with friction they are not: leave out either")
 
 
-def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argparse.Namespace) -> Iterator[Tabular]:
+def _results(
+    press: Linkage, reactions: Reactions, acting: Forces, system: MountedPress | None, options: argparse.Namespace
+) -> Iterator[Tabular]:
     """What the options ask for beside motion and forces."""
     coordinate, loads = press.driver_coordinates[0], acting["loads"]
     if options.nominal_force is not None:
@@ -175,31 +188,45 @@ def _results(press: Linkage, reactions: Reactions, acting: Forces, options: argp
         yield slide_deflection(press, reactions.motion, stiffness, loads=loads)
     if options.region:
         yield balance.balanced_by(press, [OperatingCondition(reactions.motion, loads)], options)
-    on_mounts = frame_on_mounts(options, options.pad)
-    if on_mounts is not None:
-        yield from _on_mounts(press, reactions, *on_mounts, options)
+    if system is not None:
+        yield from _on_mounts(system, reactions, options)
 
 
-def _on_mounts(press: Linkage, reactions: Reactions, frame: Frame, mounts: list[Mount], options: argparse.Namespace) -> Iterator[Tabular]:
+def _on_mounts(system: MountedPress, reactions: Reactions, options: argparse.Namespace) -> Iterator[Tabular]:
     """What the frame on its mounts does."""
-    from ..foundation.mounted_press import modes, mounted  # seldom needed
+    from ..foundation.lifting import lifting_response  # seldom needed
+    from ..foundation.mounted_press import modes
     from ..foundation.response import steady_response
     from ..foundation.speed_response import over_speeds
+    from ..foundation.whirl_modes import whirl
 
-    press.refuse_sliding_driver("--frame shows the vibration over turns of a crank: leave it out")
+    coordinate, top = system.press.driver_coordinates[0], abs(float(reactions.motion.crank_speed[0]))
     names = [name for name, _ in options.frame_point]
     if twice := {name for name in names if names.count(name) > 1}:
         raise PinpressError(f"--frame-point: {min(twice)} is given twice")
-    system = mounted(press, frame, mounts)
-    points = {"centre of the frame": frame.centre, **dict(options.frame_point)}
-    yield system
-    yield modes(system)
-    yield steady_response(system, reactions, points=points)
+    points = shown_points(system) | dict(options.frame_point)
+    speeds = None
     if options.speed_range is not None:
-        low, high = (speed.of(press.driver_coordinates[0]) for speed in options.speed_range)
+        low, high = (speed.of(coordinate) for speed in options.speed_range)
         if not 0 < low < high:
             raise PinpressError("--speed-range takes two positive speeds, the lower one first, e.g. 30,90")
-        yield over_speeds(system, np.linspace(low, high, SPEEDS), points=points)
+        speeds, top = np.linspace(low, high, SPEEDS), high
+    yield system
+    yield modes(system)
+    if system.rotors:
+        yield whirl(system, np.linspace(0.0, top, SPEEDS))
+    yield steady_response(system, reactions, points=points)
+    if options.lift_off is not None:
+        yield lifting_response(system, reactions, points=points, strokes=options.lift_off)
+    if speeds is not None:
+        yield over_speeds(system, speeds, points=points)
+
+
+def shown_points(system: MountedPress) -> dict[str, Any]:
+    """Points whose vibration is shown: the centre of a rigid frame, or bed and carrier of one that bends; and what stands on the frame."""
+    frame = system.frame
+    own = {"centre of the frame": frame.centre} if isinstance(frame, Frame) else {name: name for name in (frame.carrier, frame.bed)}
+    return own | {name: (name, each.body.centre) for name, each in system.attached.items()}
 
 
 def speed_range(words: str) -> tuple[OfDriver, OfDriver]:

@@ -51,7 +51,24 @@ class UrdfError(PinpressError):
         super().__init__(f"{where}: {problem}; {remedy}")
 
 
-class PinTableError(PinpressError):
+class FileEntryError(PinpressError):
+    """An entry of a file in YAML or JSON that cannot be used.
+
+    Attributes:
+        file: path of the file, or how what stands in it was given.
+        line: in the file; None where there is none.
+        element: keys that lead to the entry, such as "links: crank: mass"; empty where the file as a whole is at fault.
+        problem: what is wrong.
+        remedy: what to write instead.
+    """
+
+    def __init__(self, file: str, line: int | None, element: str, problem: str, remedy: str) -> None:
+        self.file, self.line, self.element, self.problem, self.remedy = file, line, element, problem, remedy
+        place = file if line is None else f"{file}:{line}"
+        super().__init__(f"{place}: {f'{element}: ' if element else ''}{problem}; {remedy}")
+
+
+class PinTableError(FileEntryError):
     """A pin table that makes no press.
 
     Attributes:
@@ -64,9 +81,8 @@ class PinTableError(PinpressError):
     """
 
     def __init__(self, file: str, line: int | None, element: str, problem: str, remedy: str, sketch: str | None = None) -> None:
-        self.file, self.line, self.element, self.problem, self.remedy, self.sketch = file, line, element, problem, remedy, sketch
-        place = file if line is None else f"{file}:{line}"
-        super().__init__(f"{place}: {f'{element}: ' if element else ''}{problem}; {remedy}")
+        self.sketch = sketch
+        super().__init__(file, line, element, problem, remedy)
 
 
 class AssemblyError(PinpressError):

@@ -3,6 +3,7 @@ from .beams import beam_frame as beam_frame
 from .elastic_frame import ElasticFrame as ElasticFrame
 from .elastic_frame import read_frame as read_frame
 from .elastic_frame import reduced_frame as reduced_frame
+from .frame_file import read_mounted as read_mounted
 from .frame_parts import Attachment as Attachment
 from .frame_parts import Rotor as Rotor
 from .free_decay import logarithmic_decrement as logarithmic_decrement

@@ -101,10 +101,10 @@ def lifting_response(
 ) -> LiftingMotion:
     """The vibration over time where the mounts press and do not pull: feet that are not bolted down.
 
-    Over one period, of `cycle` or `steady_state`, it begins in the linear steady state, in which every foot stands; over a run of
-    `simulate` at rest. Where no foot lifts off it is the linear response. Whether a motion with lifts settles, and after how many strokes
-    it repeats itself, is seen by ``strokes``: there may be several such motions, or none. Rotors spin at the mean speed. Loss factors act
-    as in `time_response`.
+    Over one period, of `cycle` or `steady_state`, it begins in the linear steady state, without the feet at which that pulls; over a run
+    of `simulate` at rest. Where no foot lifts off it is the linear response. Whether a motion with lifts settles, and after how many
+    strokes it repeats itself, is seen by ``strokes``: there may be several such motions, or none. Rotors spin at the mean speed. Loss
+    factors act as in `time_response`.
 
     Args:
         system: the press on its mounts; each stands on its mounts by its weight.
@@ -279,7 +279,7 @@ class _Feet:
 
 
 class _March:
-    """The feet along a motion: which of them stand, and where their pads grip.
+    """The feet along a motion that begins at a state (2 n,): which of them stand, and where their pads grip.
 
     Attributes:
         feet: their linear systems.
@@ -289,9 +289,10 @@ class _March:
         lifts: those that have ended.
     """
 
-    def __init__(self, feet: _Feet) -> None:
+    def __init__(self, feet: _Feet, begin: Array) -> None:
         mounts = len(feet.load)
-        self.feet, self.standing, self.anchor = feet, np.ones(mounts, dtype=bool), np.zeros((mounts, 3))
+        self.feet, self.anchor = feet, np.zeros((mounts, 3))
+        self.standing = feet.force(self.anchor, begin)[:, FREE_FALL] >= -ROUNDING * np.abs(feet.load).max()
         self.since, self.lifts = np.zeros(mounts), list[_Lift]()
 
     def stepped(self, state: Array, early: Array, late: Array, start: float, interval: float) -> Array:
@@ -342,7 +343,7 @@ class _March:
 
 def _marched(feet: _Feet, wrench: Array, interval: float, begin: Array) -> _Marched:
     """The motion under forces (states, n) that are linear in between, from a state (2 n,) on."""
-    n, march = len(begin) // 2, _March(feet)
+    n, march = len(begin) // 2, _March(feet, begin)
     states, force = np.zeros((len(wrench), 2 * n)), np.zeros((len(wrench), len(feet.load), 3))
     acceleration, state = np.zeros((len(wrench), n)), begin
     for k in range(len(wrench)):

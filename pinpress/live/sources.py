@@ -19,6 +19,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..common import files
+from ..common.entries import LARGEST_FILE
 from ..common.errors import PinpressError
 from ..derivatives.reshape import reshaped
 from ..linkage.linkage import Linkage
@@ -28,7 +29,7 @@ from ..pin_table.building import draft, drawn_from
 from ..pin_table.formulas import parameters_of
 from ..pin_table.numbers import TableNumber, numbers_of, rewritten, with_numbers
 from ..pin_table.placement import UNITS
-from ..pin_table.reading import LARGEST_FILE, Entry
+from ..pin_table.reading import Entry
 from .dimensions import REACH, TURN, Dimension, LinkageDimensions, dimension
 from .drivers import with_moving
 

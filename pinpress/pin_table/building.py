@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..common.arguments import in_unit, is_quantity
+from ..common.entries import DEEPEST
 from ..common.errors import AssemblyError, PinpressError, PinTableError, SingularityError, UnknownNameError, shown, suggestion
 from ..common.quantities import Array
 from ..common.results import Records, Tabular
@@ -28,7 +29,7 @@ from .copies import Parts, copied
 from .formulas import CONSTANTS, FUNCTIONS, formula, parameters_of
 from .links import Link, read_links
 from .placement import UNITS, Pin, UnreachableError, place_pins
-from .reading import CALL, DEEPEST, Entry, given_table, overlaid, read_table
+from .reading import CALL, Entry, given_table, overlaid, read_table
 from .sketch import sketch_of_failure, sketch_of_parts
 from .tree import Tree, build_tree
 from .urdf_text import REACH, urdf_text
@@ -173,7 +174,7 @@ class DrawnPress(Tabular):
         items = self._table.items("a table")
         pins = dict(items["pins"].items("pins"))
         entry = pins[pin]
-        near = Entry(tuple(Entry(each, entry.file, entry.line, entry.path) for each in places[pin]), entry.file, entry.line, entry.path)
+        near = replace(entry, value=tuple(replace(entry, value=each) for each in places[pin]))
         kept = {key: each for key, each in entry.items("a pin").items() if key not in ("side", "near")}
         pins[pin] = replace(entry, value=kept | {"near": near})
         drawn = drawn_from(replace(self._table, value={**items, "pins": replace(items["pins"], value=pins)}))
@@ -292,7 +293,7 @@ def _with_parameters(table: Entry, values: Mapping[str, Any]) -> DrawnPress:
             table.refuse(f"no parameter {name}{suggestion(name, known)}", where)
     numbers = _without_units(values, _length_of(items["units"].value if "units" in items else None))
     given = given_table({"parameters": numbers}).items("parameters")
-    drawn = drawn_from(overlaid(table, Entry({"parameters": given["parameters"]}, table.file, table.line, ())))
+    drawn = drawn_from(overlaid(table, replace(table, value={"parameters": given["parameters"]}, path=())))
     words = (f"{name}={value:.9g}" if isinstance(value, float) else f"{name}={value}" for name, value in numbers.items())
     return replace(drawn, _given=tuple(words))
 

@@ -26,7 +26,7 @@ from .shapes.appearance import bodies
 PAD = 0.05  # length of the line of a mount, share of the size of the picture
 
 
-class _Line(NamedTuple):
+class FrameLine(NamedTuple):
     """A line of the frame: its name, its nodes (k, 3), and the rows (k, 3, n) of their displacements."""
 
     name: str
@@ -60,7 +60,7 @@ def content(press: Linkage, modes: VibrationModes | WhirlDiagram, count: int, fr
     shown = _modes(modes)[:count]
     keys = swing * swings + 1
     motion = motion_through_change_points(press, np.zeros(keys), 0.0)
-    still, lines = poses(press, motion.joint_position), _lines(system)
+    still, lines = poses(press, motion.joint_position), frame_lines(system)
     size = max(press.size, float(np.ptp(np.vstack([line.places for line in lines]), axis=0).max()))
     films = [_film(system, still, lines, mode, SEEN * size, 2 * np.pi * np.arange(keys) / swing) for mode in shown]
     length = (keys - 1) / rate
@@ -101,7 +101,7 @@ def _modes(modes: VibrationModes | WhirlDiagram) -> list[_Mode]:
     return found
 
 
-def _film(system: MountedPress, still: Poses, lines: list[_Line], mode: _Mode, seen: float, phase: Array) -> tuple[Poses, list[Array]]:
+def _film(system: MountedPress, still: Poses, lines: list[FrameLine], mode: _Mode, seen: float, phase: Array) -> tuple[Poses, list[Array]]:
     """Poses of the bodies over phases (keys,), and nodes (keys, k, 3) of each line; the largest displacement of a node is ``seen``."""
     amplitude = max(float(np.linalg.norm(np.abs(line.rows @ mode.shape), axis=1).max()) for line in lines)
     coordinates = seen / amplitude * np.real(mode.shape * np.exp(1j * phase)[:, None])
@@ -111,7 +111,7 @@ def _film(system: MountedPress, still: Poses, lines: list[_Line], mode: _Mode, s
     return at, [line.places + np.einsum("kin,sn->ski", line.rows, coordinates) for line in lines]
 
 
-def _lines(system: MountedPress) -> list[_Line]:
+def frame_lines(system: MountedPress) -> list[FrameLine]:
     """The lines of the frame, its attachments and its mounts."""
     found = list(_elastic_lines(system.frame, len(system.mass))) if isinstance(system.frame, ElasticFrame) else _rigid_lines(system)
     for name, each in system.attached.items():
@@ -120,16 +120,16 @@ def _lines(system: MountedPress) -> list[_Line]:
         for end in ends:
             own = system.parts[name]
             foot = rows_at(own if each.springs else on, end)
-            found.append(_Line(name, np.array([centre, end]), np.array([rows_at(own, centre), foot])))
+            found.append(FrameLine(name, np.array([centre, end]), np.array([rows_at(own, centre), foot])))
     down = PAD * float(np.ptp(np.vstack([line.places for line in found]), axis=0).max())
     for k, mount in enumerate(system.mounts):
         foot = np.array(mount.point)
         rows = np.array([system.mount_rows[k], np.zeros_like(system.mount_rows[k])])
-        found.append(_Line(f"mount {k + 1}", np.array([foot, foot - [0.0, 0.0, down]]), rows))
+        found.append(FrameLine(f"mount {k + 1}", np.array([foot, foot - [0.0, 0.0, down]]), rows))
     return found
 
 
-def _rigid_lines(system: MountedPress) -> list[_Line]:
+def _rigid_lines(system: MountedPress) -> list[FrameLine]:
     """Lines from the centre of mass of each rigid part to its mounts and columns."""
     found = []
     points: dict[str, list[Any]] = {part: [upright.point for upright in system.uprights] for part in (system.bed, system.carrier)}
@@ -141,22 +141,22 @@ def _rigid_lines(system: MountedPress) -> list[_Line]:
         centre = np.asarray(body.centre, dtype=float)
         for end in ends:
             places = np.array([centre, end])
-            found.append(_Line(part, places, np.array([rows_at(system.parts[part], place) for place in places])))
+            found.append(FrameLine(part, places, np.array([rows_at(system.parts[part], place) for place in places])))
     return found
 
 
-def _elastic_lines(frame: ElasticFrame, count: int) -> list[_Line]:
+def _elastic_lines(frame: ElasticFrame, count: int) -> list[FrameLine]:
     """The lines of a frame's model; without any, from its middle to each interface."""
     shapes = np.pad(frame.shapes, ((0, 0), (0, 0), (0, count - frame.shapes.shape[2])))
     if len(frame.lines):
-        return [_Line("frame", frame.places[chain], shapes[chain]) for chain in _chains(frame)]
+        return [FrameLine("frame", frame.places[chain], shapes[chain]) for chain in _chains(frame)]
     middle = np.mean(list(frame.nodes.values()), axis=0)
     whole = rows_at(np.eye(6, count), middle)
     ends = [
         (np.array(place), rows_at(np.pad(frame.motions[name], ((0, 0), (0, count - shapes.shape[2]))), place))
         for name, place in frame.nodes.items()
     ]
-    return [_Line("frame", np.array([middle, place]), np.array([whole, rows])) for place, rows in ends]
+    return [FrameLine("frame", np.array([middle, place]), np.array([whole, rows])) for place, rows in ends]
 
 
 def _chains(frame: ElasticFrame) -> list[list[int]]:
@@ -170,7 +170,7 @@ def _chains(frame: ElasticFrame) -> list[list[int]]:
     return found
 
 
-def _nearest(lines: list[_Line], place: Array) -> Array:
+def _nearest(lines: list[FrameLine], place: Array) -> Array:
     """The node of the lines that is nearest to a place."""
     nodes = np.vstack([line.places for line in lines])
     return np.asarray(nodes[np.linalg.norm(nodes - place, axis=1).argmin()])

@@ -67,6 +67,26 @@ def test_the_frame_on_its_mounts(capsys: pytest.CaptureFixture[str]) -> None:
     assert "2 at (0.4, 0, -0.8), (-0.4, 0, -0.8) m: 4 / 4 / 9 kN/mm along x, y, z, damping 40 / 40 / 80 kN s/m" in out
 
 
+FILE = """\
+frame: {mass: 2 t, centre: [0, 0, 0.3], inertia: [400, 500, 300]}
+mounts: [{points: [[0.4, 0.1, -0.8], [-0.4, 0.1, -0.8], [0, -0.3, -0.8]], stiffness: [4 MN/m, 4 MN/m, 9 MN/m]}]
+"""
+
+
+def test_a_frame_file_is_what_the_words_are(capsys: pytest.CaptureFixture[str], tmp_path: Any) -> None:
+    path = tmp_path / "frame.yaml"
+    path.write_text(FILE)
+    mounts = [f"point={place},stiffness=4MN/m/4MN/m/9MN/m" for place in ("0.4/0.1/-0.8", "-0.4/0.1/-0.8", "0/-0.3/-0.8")]
+    shown = []
+    for words in (["--frame", str(path)], [*FRAME, *(word for each in mounts for word in ("--mount", each))]):
+        assert main([*RUN, *SPRINGS, *words, "--points", "12"]) == 0
+        shown.append([line for line in capsys.readouterr().out.splitlines() if "time taken" not in line])
+    assert shown[0] == shown[1]
+    path.write_text(FILE + "rotors: [{inertia: 3, axis: [0, 1, 0]}]\n")
+    assert main([*RUN, *SPRINGS, "--frame", str(path)]) == 2
+    assert f"stands on one rigid frame: leave out rotors of {path}" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [

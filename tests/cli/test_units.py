@@ -10,7 +10,7 @@ from support import sliding_presses
 import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.cli.words import part_specs
-from pinpress.cli.words.units import UNITS, read_quantity
+from pinpress.common.arguments import UNITS, read_quantity
 from pinpress.common.quantities import CRANK, RAM
 from pinpress.drives.motors import ConstantTorque, ServoMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed

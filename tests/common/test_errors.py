@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import pinpress as pp
-from pinpress.common.errors import UnknownScenarioError
+from pinpress.common.errors import FileEntryError, UnknownScenarioError
 from pinpress.loads.caller_laws import LawError
 from pinpress.pin_table.placement import UnreachableError
 from pinpress.servo.conic.never_resting import NoTurnError
@@ -23,6 +23,7 @@ pytestmark = pytest.mark.usefixtures("time_limit")
 ARGUMENTS = {
     pp.PinpressError: ("speed is 'x': give a number",),
     pp.UrdfError: ("press.urdf", '<joint name="A">', 12, "the axis is zero", "give three numbers"),
+    FileEntryError: ("frame.yaml", 3, "mounts: 1", "no stiffness", "write stiffness"),
     pp.PinTableError: ("press.yaml", 7, "pins: C", "no side", "say side: up", "<svg/>"),
     UnreachableError: ("press.yaml", 7, "pins: C", "they do not meet", "make one longer"),
     pp.AssemblyError: ("the loops do not close", 0.5, 1e-3, 7),

@@ -204,7 +204,7 @@ def test_press_on_its_mounts(press: Any, tmp_path: Path) -> None:
     over = pp.foundation.over_speeds(system, np.linspace(30, 90, 7) * pp.RPM, points=crown)
     results = [system, modes, steady, over]
     found = sections(pp.report(press, idle.motion, tmp_path / "out.html", reactions=idle, results=results))
-    (table,) = found["On its mounts at rest"]["blocks"]
+    table, *_ = found["On its mounts at rest"]["blocks"]
     assert_allclose([float(row[5]) for row in table["rows"]], 100 * system.load_share, atol=0.005)
     (table,) = found["Modes on the mounts"]["blocks"]
     assert_allclose([float(row[1]) for row in table["rows"]], modes.natural_frequency / (2 * np.pi), atol=5e-4)
@@ -345,6 +345,63 @@ def test_the_command_on_rubber_over_the_speed(press: Any, tmp_path: Path) -> Non
     assert_allclose(force["transmitted"][1], 100 * soft.transmitted, rtol=1e-5)
 
 
+FRAME_FILE = """\
+frame: {mass: 15 t, centre: [0, 0.1, -0.35], inertia: [9000, 8000, 4000]}
+mounts: [{points: [[-0.55, -0.5, -1.3], [-0.55, 0.6, -1.3], [0.55, -0.5, -1.3], [0.55, 0.6, -1.3]], stiffness: [8e6, 8e6, 4e7]}]
+attached: {motor: {mass: 450, centre: [0, 0.9, 0.95], inertia: [20, 10, 20]}}
+rotors: [{inertia: 136, axis: [0, -1, 0]}]
+"""
+
+
+def test_the_command_with_a_frame_file(tmp_path: Path) -> None:
+    """The motor aside, the flywheel's whirl and feet that lift off: numbers of the page are those of Python."""
+    file, page = tmp_path / "frame.yaml", tmp_path / "page.html"
+    file.write_text(FRAME_FILE)
+    words = ["report", "jf75g_125", "--speed", "350", "--points", "180", "--load", "point-force:link=slide,force=0/0/185kN"]
+    assert main([*words, "--frame", str(file), "--frame-point", "foot:0.55,0.6,-1.3", "--lift-off", "2", "--out", str(page)]) == 0
+    found = sections(page)
+    press, speed = texts.shipped("jf75g_125"), 350 * pp.RPM
+    system = pp.foundation.read_mounted(press, file)
+    lifting = pp.loads.PointForce("slide", (0, 0, 1.85e5))
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, speed, points=180), [lifting])
+    points = {"centre of the frame": (0, 0.1, -0.35), "motor": ("motor", (0, 0.9, 0.95)), "foot": (0.55, 0.6, -1.3)}
+    lifted = pp.foundation.lifting_response(system, reactions, points=points, strokes=2)
+    shown = found["Vibration on mounts that only press"]
+    rows = chart(shown, "Feet that lift off")["rows"]
+    assert [int(row[1]) for row in rows] == [int((lifted.mount == k).sum()) for k in np.unique(lifted.mount)]
+    loads = curves(chart(shown, "Force on each mount"))
+    total = system.mount_load[:, 2] + lifted.motion.mount_force[:, :, 2]
+    for k in range(4):
+        assert_allclose(1e3 * loads[f"mount {k + 1}"][1], total[:, k], rtol=1e-5, atol=1.0)
+    assert total.min() == 0.0  # at the first state too, at which the linear motion pulls
+    acceleration = curves(chart(shown, "Acceleration along z"))
+    assert list(acceleration) == list(points)
+    for name, (_, values) in acceleration.items():
+        assert_allclose(values, lifted.motion.acceleration[name][:, 2], rtol=1e-4, atol=1e-4)
+    diagram = pp.foundation.whirl(system, np.linspace(0, speed, 61))
+    whirling = curves(chart(found["Modes while the rotors spin"], "Natural frequency"))
+    assert_allclose(whirling["mode 1"][1], diagram.frequency[:, 0] / (2 * np.pi), rtol=1e-5)
+    inputs = dict(data_in(page)["report"]["inputs"][0]["rows"])
+    assert inputs["rotor 1"].startswith("Rotor(inertia=136 kg m2")
+    assert inputs["motor"].startswith("Frame(mass=450 kg")
+
+
+def test_the_drawing_of_a_frame_of_beams(tmp_path: Path) -> None:
+    """Its walk comes by every node of the model and jumps over none; feet and motor stand where they are."""
+    press = texts.shipped("jf75g_125")
+    system = pp.foundation.read_mounted(press, Path(__file__).parents[2] / "docs" / "jf75g_125_frame.yaml")
+    page = pp.report(press, pp.cycle(press, SPEED, points=12), tmp_path / "page.html", results=[system])
+    standing = sections(page)["On its mounts at rest"]
+    for where, across in (("front", 0), ("side", 1)):
+        drawn = {name: np.array(places).T for name, places in curves(chart(standing, f"The frame from the {where}")).items()}
+        assert_allclose(drawn["mounts"], np.array([mount.point for mount in system.mounts])[:, [across, 2]], atol=1e-6)
+        assert_allclose(drawn["motor, centre"], [[(0.0, 0.9)[across], 0.95]], atol=1e-6)
+        nodes = system.frame.places[:, [across, 2]]
+        for some, others in ((nodes, drawn["frame"]), (drawn["frame"], nodes)):
+            assert np.linalg.norm(some[:, None] - others, axis=2).min(axis=1).max() < 1e-6
+        assert np.linalg.norm(np.diff(drawn["frame"], axis=0), axis=1).max() < 0.2
+
+
 ON_SPRINGS = ["--frame", "mass=1t,centre=0/0/0,inertia=100/100/100"]
 ON_SPRINGS += [word for x in (-1, 1) for y in (-1, 1) for word in ("--mount", f"point={x}/{y}/0,stiffness=1e6/1e6/1e6")]
 
@@ -360,6 +417,11 @@ ON_SPRINGS += [word for x in (-1, 1) for y in (-1, 1) for word in ("--mount", f"
         (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1"], "--frame and --mount go together"),
         (["--mount", "point=0/0/0,stiffness=1e6/1e6/1e6"], "--frame and --mount go together"),
         (["--speed-range", "30,90"], "--speed-range is for the press on its mounts"),
+        (["--lift-off", "0"], "--lift-off is for the press on its mounts"),
+        ([*ON_SPRINGS, "--lift-off", "0"], "strokes is 0: give a whole number from 1"),
+        (["--frame", "frame.yaml"], "frame.yaml: it cannot be read: No such file"),
+        (["--frame", "frame.JSON", *ON_SPRINGS[2:4]], "--mount: the mounts stand in frame.JSON: leave it out"),
+        (["--frame", "frame.yml", "--pad", "length=1"], "--pad: the mounts stand in frame.yml: leave it out"),
         ([*ON_SPRINGS, "--frame-point", "a:0,0,0", "--frame-point", "a:0,0,1"], "--frame-point: a is given twice"),
         ([*ON_SPRINGS, "--speed-range", "90,30"], "--speed-range takes two positive speeds, the lower one first"),
         (

@@ -12,7 +12,7 @@ from ...common.files import make_folder
 from ...common.quantities import RPM
 from ...dynamics.inputs import Inputs, of_press, stated
 from ..words import part_specs
-from ..words.options import add_mount_options, add_out_option, frame_on_mounts, load_other, print_inputs, say_written
+from ..words.options import add_mount_options, add_out_option, load_other, mounted_press, print_inputs, say_written
 from ..words.units import read_quantity
 
 if TYPE_CHECKING:
@@ -138,12 +138,7 @@ def _refuse_what_does_not_go_together(options: argparse.Namespace, running: bool
 
 def _standing(options: argparse.Namespace) -> MountedPress | None:
     """The press on its mounts, as it is thought to be; None where it is not given."""
-    on_mounts = frame_on_mounts(options, options.pad)
-    if on_mounts is None:
-        return None
-    from ...foundation.mounted_press import mounted  # to save start-up time
-
-    return mounted(load_other(options, options.press), *on_mounts)
+    return None if options.press is None else mounted_press(options, load_other(options, options.press), options.pad)
 
 
 def _modes(record: VibrationRecord, system: MountedPress | None, options: argparse.Namespace) -> MeasuredModes:

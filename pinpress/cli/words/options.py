@@ -26,8 +26,10 @@ from . import part_specs
 from .part_specs import ALL
 
 if TYPE_CHECKING:
+    from ...foundation.mounted_press import MountedPress
     from ...pin_table.building import DrawnPress
 
+FRAME_FILES = (".yaml", ".yml", ".json")
 SIGNS = """\
 angles are in degrees of the driver joint, 0 as the file draws it, or with --zero at a dead centre; forces are the action of parent on child
 (of a loop, of link1 on link2) in world axes, z up; the shaking force is the action of the machine on its foundation.
@@ -217,24 +219,54 @@ def add_spring_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_mount_options(parser: argparse.ArgumentParser, what: str) -> None:
-    """Options of `frame_on_mounts`; ``what``: happens with the frame, for the help."""
+    """Options of `mounted_press`; ``what``: happens with the frame, for the help."""
     option = parser.add_argument
-    option("--frame", metavar="KEYS", help=f"the frame on its mounts, see below: {what}")
+    option("--frame", metavar="KEYS|FILE", help=f"the frame on its mounts, see below, or a frame file: {what}")
     option("--mount", metavar="KEYS", action="append", default=[], help="a mount below it, see below; may be given several times")
 
 
-def frame_on_mounts(options: argparse.Namespace, pad: str | None = None) -> tuple[Frame, list[Mount]] | None:
-    """The frame and its mounts, of `add_mount_options`; None where none are given.
+def mounted_press(options: argparse.Namespace, press: Linkage, pad: str | None = None) -> MountedPress | None:
+    """The press on its mounts, of `add_mount_options`; None where none are given.
 
     Args:
         options: those of `add_mount_options`.
+        press: the press that stands on them.
         pad: what the rubber pad of each mount is; None for none.
 
     Raises:
-        PinpressError: one is given without the other; as `part_specs`.
+        PinpressError: one is given without the other, or beside a file; as `part_specs`, `read_mounted` and `mounted`.
     """
+    from ...foundation.frame_file import read_mounted  # seldom needed
+    from ...foundation.mounted_press import mounted
+
+    if _is_frame_file(options.frame):
+        if options.mount or pad is not None:
+            raise PinpressError(f"--{'mount' if options.mount else 'pad'}: the mounts stand in {options.frame}: leave it out")
+        return read_mounted(press, options.frame)
+    given = _frame_and_mounts(options, pad)
+    return None if given is None else mounted(press, *given)
+
+
+def _rigid_frame(options: argparse.Namespace, press: Linkage) -> tuple[Frame | None, Sequence[Mount]]:
+    """The frame and its mounts, of `add_mount_options`, for a press on springs; raises as `mounted_press`, and where there is more."""
+    system = mounted_press(options, press) if _is_frame_file(options.frame) else None
+    if system is None:
+        return _frame_and_mounts(options, None) or (None, [])
+    more = [name for name in ("crown", "attached", "rotors") if getattr(system, name)]
+    if more or not isinstance(system.frame, Frame):
+        what = more[0] if more else "the beams or matrices"
+        raise PinpressError(f"--frame: a press on springs stands on one rigid frame: leave out {what} of {options.frame}")
+    return system.frame, system.mounts
+
+
+def _is_frame_file(words: str | None) -> bool:
+    return words is not None and words.lower().endswith(FRAME_FILES)
+
+
+def _frame_and_mounts(options: argparse.Namespace, pad: str | None) -> tuple[Frame, list[Mount]] | None:
+    """The frame and its mounts from words; None where none are given."""
     if (options.frame is None) != (not options.mount):
-        raise PinpressError("--frame and --mount go together, for the press on its mounts: give --frame and every --mount, or none")
+        raise PinpressError("--frame and --mount go together, for the press on its mounts: give --frame and every --mount, or a frame file")
     if options.frame is None:
         return None
     return part_specs.part("--frame", part_specs.FRAME, options.frame), part_specs.mounts(options.mount, pad)
@@ -294,7 +326,7 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
         shaft=also.shaft,
         frame=also.frame,
     )
-    frame, mounts = frame_on_mounts(options) or (None, [])
+    frame, mounts = _rigid_frame(options, press)
     try:
         return Elastic(stiffness, also.damping_ratio, {}, also.crown_mass, clearances, mounted_frame=frame, mounts=mounts)
     except PinpressError as error:

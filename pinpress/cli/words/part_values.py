@@ -9,10 +9,10 @@ import math
 import re
 from pathlib import Path
 
+from ...common.arguments import UNITS, read_quantity
 from ...common.errors import PinpressError
 from ...common.quantities import DriverCoordinate
 from ...drives.transmission import SwitchPoint
-from .units import UNITS, read_quantity
 
 
 def speed(text: str, driver: DriverCoordinate) -> float:

@@ -18,11 +18,14 @@ from ...foundation.mounts import Frame, Mount
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from ...foundation.whirl_modes import WhirlDiagram
+from ..swinging_frame import frame_lines
 from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown
 
 NOTHING = 1e-3  # a direction in which nothing vibrates more than this share of the largest acceleration has no chart, but its numbers
 MOST_MODES = 24  # of a table
+MOST_DRAWN = 12  # modes of a chart, the lowest
+MOST_MOUNTS = 8  # whose loads are drawn, those with the least
 DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linear
 
 
@@ -42,9 +45,60 @@ def standing(system: MountedPress, shown: Shown) -> Section:
         ]
         cells.append(length.shown(-float(system.sag[k, 2])))
         rows.append([f"{k + 1}", *cells, *(["" if pressure is None else f"{1e-6 * pressure:.4g}"] if pressed else [])])
+    views = [_view(system, "from the front", 0, 2), _view(system, "from the side", 1, 2)]
     centre = ", ".join(f"{round(value, 4) + 0.0:g}" for value in system.centre)
     note = f"{system.total_mass:.6g} kg of frame and press, mean centre of mass at ({centre}) m."
-    return Section("On its mounts at rest", [Table("", heads, rows)], _inputs(system), note)
+    return Section("On its mounts at rest", [Table("", heads, rows), *views], _inputs(system), note)
+
+
+def _view(system: MountedPress, where: str, across: int, up: int) -> LineChart:
+    """The frame, what stands aside on it, its mounts and the centre of mass of all, seen along a world axis."""
+    axes, chains = [across, up], dict[str, list[Array]]()
+    for line in frame_lines(system):
+        if not line.name.startswith("mount "):
+            chains.setdefault(line.name, []).append(line.places)
+    lines = []
+    for name, some in chains.items():
+        for k, walk in enumerate(_walks(some)):
+            lines.append(Line(name if k == 0 else f"{name}, part {k + 1}", walk[:, axes[1]], walk[:, axes[0]]))
+    points = {"mounts": np.array([mount.point for mount in system.mounts])}
+    points |= {f"{name}, centre": np.array([each.body.centre], dtype=float) for name, each in system.attached.items()}
+    points |= {"centre of mass": system.centre[None]}
+    lines += [Line(name, places[:, axes[1]], places[:, axes[0]], points=True) for name, places in points.items()]
+    return LineChart(
+        f"The frame {where}, {AXES[up]} over {AXES[across]}", "m", lines, across=f"{AXES[across]} [m]", follows="nothing", square=True
+    )
+
+
+def _walks(chains: Sequence[Array]) -> list[Array]:
+    """Chains of places (k, 3) as walks without a jump, one for each set that hangs together; each chain is walked there and back."""
+    at: dict[bytes, list[int]] = {}
+    for k, chain in enumerate(chains):
+        for end in chain[[0, -1]] + 0.0:  # -0.0 is the same place
+            at.setdefault(end.tobytes(), []).append(k)
+    left, found = set(range(len(chains))), list[Array]()
+    for first in range(len(chains)):
+        if first not in left:
+            continue
+        place, back = chains[first][0], list[Array]()
+        walk = [place[None]]
+        while True:
+            here = at[(place + 0.0).tobytes()]
+            while here and here[-1] not in left:
+                here.pop()
+            if here:
+                chain = chains[here[-1]]
+                left.remove(here.pop())
+                way = chain if np.array_equal(chain[0], place) else chain[::-1]
+                back.append(way[::-1])
+            elif back:
+                way = back.pop()
+            else:
+                break
+            walk.append(way[1:])
+            place = way[-1]
+        found.append(np.vstack(walk))
+    return found
 
 
 def _inputs(system: MountedPress) -> Inputs:
@@ -167,10 +221,10 @@ def whirling(found: WhirlDiagram, shown: Shown) -> Section:
         first, last = (f"{found.frequency[end, k] / (2 * np.pi):.4f}" for end in (0, -1))
         rows.append([f"{k + 1}", first, last, found.words(int(k)), f"{found.damping_ratio[-1, k]:.4f}"])
     heads = ["mode", *(f"at {speed[end]:.4g} r/min [Hz]" for end in (0, -1)), "whirl there", "damping ratio"]
-    lines = [Line(f"mode {k + 1}", found.frequency[:, k] / (2 * np.pi), speed) for k in order]
+    lines = [Line(f"mode {k + 1}", found.frequency[:, k] / (2 * np.pi), speed) for k in order[:MOST_DRAWN]]
     lines.append(Line("first harmonic of the crank", found.speed / (2 * np.pi), speed))
-    critical = ", ".join(f"{each / RPM:.4g}" for each in found.critical_speeds()[:MOST_MODES])
-    note = f"Critical speeds of the first harmonic: {critical} r/min." if critical else "No critical speed of the first harmonic."
+    critical = ", ".join(f"{each / RPM:.4g}" for each in found.critical_speeds()[:MOST_DRAWN])
+    note = f"Lowest critical speeds of the first harmonic: {critical} r/min." if critical else "No critical speed of the first harmonic."
     chart = LineChart("Natural frequency", "Hz", lines, across="crank speed [r/min]", follows="nothing", logarithmic="")
     return Section("Modes while the rotors spin", [chart, Table("", heads, rows)], _inputs(found.system), note)
 
@@ -187,7 +241,18 @@ def lifting(found: LiftingMotion, shown: Shown) -> Section:
     table = Table("Feet that lift off", ["mount", "lifts", "longest [ms]", "largest gap [mm]", "walked [mm]"], rows)
     after = "" if not len(found.change) else " It does not repeat itself." if found.repeats_after is None else " It repeats itself."
     note = f"Mounts press and do not pull; {len(found.mount)} lifts over {found.motion.time[-1]:.6g} s.{after}"
-    return Section("Vibration on mounts that only press", [table, *rest.blocks] if rows else rest.blocks, rest.inputs, note)
+    blocks = [table, _loads(found.motion), *rest.blocks] if rows else rest.blocks
+    return Section("Vibration on mounts that only press", blocks, rest.inputs, note)
+
+
+def _loads(motion: FrameMotion) -> LineChart:
+    """The force on each mount over time, weight included; nothing where a foot has lifted off."""
+    force = (motion.mount_force + motion.system.mount_load)[:, :, 2]
+    scale = tables.scale("N", [float(np.abs(force).max())])
+    drawn = np.sort(np.argsort(force.min(axis=0), kind="stable")[:MOST_MOUNTS])
+    lines = [Line(f"mount {k + 1}", scale.factor * force[:, k], motion.time) for k in drawn]
+    title = "Force on each mount, weight included"
+    return LineChart(title, scale.unit, lines, across="time [s]", follows="nothing")
 
 
 def isolation(found: Isolation, shown: Shown) -> Section:

@@ -1370,6 +1370,7 @@ def calls() -> dict[str, Call]:
         ),
         ("foundation.beam_frame", foundation.beam_frame, beam_model),
         ("foundation.reduced_frame", foundation.reduced_frame, matrices_of_a_frame),
+        ("foundation.read_mounted", foundation.read_mounted, lambda: {"press": press(), "file": "frame.yaml"}),
         (
             "foundation.read_frame",
             foundation.read_frame,
