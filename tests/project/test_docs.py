@@ -38,14 +38,26 @@ RUN = [
     "tolerances",
 ]
 
-RUN += ["press_parts", "measured", "measured_vibration", "mistakes", "motor", "pin_table", "process_force", "pinocchio", "units_and_signs"]
+RUN += [
+    "engines",
+    "errors",
+    "press_parts",
+    "measured",
+    "measured_vibration",
+    "mistakes",
+    "motor",
+    "pin_table",
+    "process_force",
+    "pinocchio",
+    "units_and_signs",
+]
 # these take as long as all others
 LONG = {"elastic_motion", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "comparison", "mistakes", "motor", "papers"]
 PICTURED += ["live", "ratings", "recording", "simulation", "slide_accuracy", "sweep", "synthesis", "tolerances", "tour", "units_and_signs"]
-PICTURED += ["measured_vibration", "press_parts", "process_force"]
+PICTURED += ["engines", "errors", "measured_vibration", "press_parts", "process_force"]
 SITE_TOOLS = ("mkdocs", "material", "mkdocstrings_handlers")
 
 
@@ -193,8 +205,9 @@ def test_pages_of_features_have_light_pictures() -> None:
         assert re.search(r"(python (docs|viz)/\w+\.py|python -m pinpress\.papers|pinpress build)", text(page)), page
 
 
-def test_every_picture_of_the_guide_is_made_and_shown() -> None:
-    made = {picture.__name__ for picture in runpy.run_path(str(DOCS / "pictures.py"))["PICTURES"]}
-    assert {path.stem for path in (DOCS / "pictures").iterdir()} == made
+@pytest.mark.parametrize(("folder", "made_by"), [("pictures", "PICTURES"), ("drawings", "DRAWINGS")])
+def test_every_picture_of_the_guide_is_made_and_shown(folder: str, made_by: str) -> None:
+    made = {picture.__name__ for picture in runpy.run_path(str(DOCS / f"{folder}.py"))[made_by]}
+    assert {path.stem for path in (DOCS / folder).iterdir()} == made
     pages = "".join(path.read_text(encoding="utf-8") for path in DOCS.glob("*.md"))
-    assert {name for name in made if f"(pictures/{name}." not in pages} == set()
+    assert {name for name in made if f"({folder}/{name}." not in pages} == set()
