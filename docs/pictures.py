@@ -347,6 +347,17 @@ def lengths_too_short() -> str:
     raise AssertionError("its lengths meet")
 
 
+def die_trade_off() -> Figure:
+    """docs/balancing.md: the curves of the page's own code."""
+    manual = (ROOT / "docs" / "balancing.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```python\n(.*?)^```$", manual, flags=re.DOTALL | re.MULTILINE)
+    names: dict[str, Any] = {}
+    with contextlib.redirect_stdout(io.StringIO()):
+        for word in ("compare_conditions,", "trade_off(press"):
+            exec(next(each for each in blocks if word in each).partition("best = balance(")[0], names)
+    return pp.plots.trade_offs(names["curves"])
+
+
 def report_page() -> bytes:
     """docs/commands.md: the page of its command, at the ratings."""
     return _report_in("commands.md", "pinpress report zxn2_3000b", "Ratings")
@@ -398,7 +409,7 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
     slide, polar, run, slip_clutch, tolerances, identifiability,
-    play, accuracy_budget, pause, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
+    die_trade_off, play, accuracy_budget, pause, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
     programs, sketch,
     lengths_too_short, notebook, report_page, frame_report, live, process_force, measured_modes, orders,
 )  # fmt: skip

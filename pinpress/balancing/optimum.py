@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ..common.arguments import suitable_numbers, typed, whole_number
 from ..common.conic_program import CONE, InfeasibleError
 from ..common.errors import PinpressError, shown
+from ..common.frozen import read_only
 from ..common.quantities import Array
 from ..common.results import Records, Tabular
 from ..dynamics.harmonics import is_cycle
@@ -94,13 +95,16 @@ class TradeOffCurve(Tabular):
         first: the first criterion.
         second: the second criterion.
         designs: balanced presses, from the best in the first criterion to the best in the second.
-        values: (designs, 2) values of both criteria, in their units.
+        values: (designs, 2) values of both criteria in the worst operating condition, in their units.
+        bounds: (designs,) proven lower bounds of the first criterion for all counterweights in these regions with which the second is at
+            most that of the design, in its unit.
     """
 
     first: Target
     second: Target
     designs: tuple[BalancedPress, ...]
     values: Array
+    bounds: Array
 
     @property
     def title(self) -> str:
@@ -113,15 +117,16 @@ class TradeOffCurve(Tabular):
         return tuple(f"{target.words} [{target.unit}]" for target in (self.second, self.first))
 
     def columns(self) -> dict[str, Array]:
-        """A row for each design: both criteria, and the added mass."""
+        """A row for each design: both criteria, the proven bound of the first, and the added mass."""
         columns = {name: self.values[:, k] for k, name in enumerate(reversed(self._pictured))}
+        columns[f"bound of the {self.first.words} [{self.first.unit}]"] = self.bounds
         return columns | {"added mass [kg]": np.array([design.added_mass for design in self.designs])}
 
 
 @typed
 def trade_off(
     press: Linkage,
-    motion: Motion,
+    motion: Motion | Sequence[OperatingCondition],
     *,
     regions: Sequence[CounterweightRegion],
     first: Target,
@@ -136,12 +141,12 @@ def trade_off(
 
     Args:
         press: the press.
-        motion: its motion.
+        motion: its motion, or several operating conditions, as for `balance`. Each criterion counts in its worst one.
         regions: where counterweights may be.
         first: the first criterion, or `AddedMass`.
         second: the second criterion, or `AddedMass`.
         limits: the most of criteria and of added mass along the whole curve, as for `balance`.
-        loads: loads on the press in this motion.
+        loads: loads on the one motion; operating conditions have their own.
         points: number of designs, 2 to 10 000.
 
     Raises:
@@ -151,12 +156,15 @@ def trade_off(
     _refuse_wrong_criteria(first, second)
     points = whole_number("points", points, 2, MOST_POINTS)
     held = checked_limits(limits)
-    problem = build_problem(press, (OperatingCondition(motion, tuple(loads)),), regions, [first, second, *held])
-    ends = _end(problem, first, second, held), _end(problem, second, first, held)
-    between = np.linspace(_value(ends[0], second), _value(ends[1], second), points)[1:-1]
-    designs = (ends[0], *(_best(problem, first, second, float(most), held) for most in between), ends[1])
+    problem = build_problem(press, _conditions(motion, loads), regions, [first, second, *held])
+    (least, start), (_, end) = _end(problem, first, second, held), _end(problem, second, first, held)
+    between = np.linspace(_value(start, second), _value(end, second), points)[1:-1]
+    designs = (start, *(_best(problem, first, second, float(most), held) for most in between), end)
     values = np.array([[_value(design, target) for target in (first, second)] for design in designs])
-    return TradeOffCurve(first, second, designs, values)
+    bounds = np.array([least.bound, *(design.bound for design in designs[1:])])
+    if next(iter(end.objective)) != first:  # the press as it is
+        bounds[-1] = values[-1, 0]
+    return TradeOffCurve(first, second, designs, read_only(values), read_only(bounds))
 
 
 def _conditions(motion: Motion | Sequence[OperatingCondition], loads: Sequence[Load]) -> tuple[OperatingCondition, ...]:
@@ -432,12 +440,13 @@ def _active(design: ProvenOptimum, scale: float, empty: Sequence[CounterweightRe
         yield ActiveConstraint(rows.name, scale * price / rows.unit if rows.unit else None)
 
 
-def _end(problem: BalancingProblem, least: Target, other: Target, limits: Mapping[Target, float]) -> BalancedPress:
+def _end(problem: BalancingProblem, least: Target, other: Target, limits: Mapping[Target, float]) -> tuple[BalancedPress, BalancedPress]:
     """The best press in one criterion, and among such presses the best in the other. Only one press has no added mass."""
     design = _best(problem, least, other, math.inf, limits)
-    if isinstance(least, AddedMass):
-        return design
-    return _best(problem, other, least, design.value + GIVEN * least.value(problem.reactions[0]), limits)
+    if isinstance(least, AddedMass) and not design.counterweights and not problem.replaced_mass:
+        return design, design
+    size = problem.moving_mass if isinstance(least, AddedMass) else max(least.value(before) for before in problem.reactions)
+    return design, _best(problem, other, least, design.value + GIVEN * size, limits)
 
 
 def _best(problem: BalancingProblem, target: Target, other: Target, most: float, limits: Mapping[Target, float]) -> BalancedPress:
@@ -447,7 +456,7 @@ def _best(problem: BalancingProblem, target: Target, other: Target, most: float,
 
 
 def _value(design: BalancedPress, target: Target) -> float:
-    """The value of a target after balancing, in its unit."""
+    """The value of a target after balancing, in its worst operating condition, in its unit."""
     if isinstance(target, AddedMass):
         return design.added_mass
-    return next(change.after for change in design.changes if change.criterion == target)
+    return max(change.after for change in design.changes if change.criterion == target)

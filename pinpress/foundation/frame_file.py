@@ -17,11 +17,11 @@ from __future__ import annotations
 import csv
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import MISSING, Field
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
@@ -32,11 +32,14 @@ from ..common.errors import FileEntryError, PinpressError, UnknownNameError
 from ..common.parameters import declared, in_signature
 from ..common.quantities import Array
 from ..linkage.linkage import Linkage
+from ..loads.mounts import Vector
 from .beams import FrameBeam, beam_frame
 from .elastic_frame import ElasticFrame, read_frame
 from .frame_parts import Attachment, Rotor
 from .mounted_press import MountedPress, mounted
-from .mounts import Frame, Mount, RubberPad, Vector, pad_mount
+from .mounts import Frame, Mount, RubberPad, pad_mount
+
+T = TypeVar("T")
 
 LARGEST_FILE = 10**7  # of a CSV file [bytes]
 USUAL_WORDS = {  # what else keys are called, in lower case
@@ -145,7 +148,7 @@ def _body(entry: Entry) -> Frame:
 
 def _attachment(entry: Entry) -> Attachment:
     values = _values(Frame, entry, {"on": _text, "springs": _mounts})
-    aside = {name: values.pop(name) for name in ("on", "springs") if name in values}
+    aside: dict[str, Any] = {name: values.pop(name) for name in ("on", "springs") if name in values}
     body = _made(Frame, values, entry)
     return _made(Attachment, {"body": body, **aside}, entry)
 
@@ -226,7 +229,7 @@ def _rows(entry: Entry, folder: Path, columns: Sequence[str]) -> Array:
         rows = [(k, row) for k, row in enumerate(csv.reader(lines), 1) if any(cell.strip() for cell in row)]
     except (OSError, ValueError, csv.Error) as error:
         entry.refuse(f"{path} cannot be read: {files.reason(error) if isinstance(error, OSError) else 'it is no text'}", wanted)
-    found = []
+    found = list[list[float]]()
     for k, row in rows:
         try:
             numbers = [float(cell) for cell in row]
@@ -296,14 +299,14 @@ def _refuse_missing(entry: Entry, items: Mapping[str, Entry], names: Sequence[st
         entry.refuse(f"{' and '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing", f"write {remedy}")
 
 
-def _made(kind: Callable[..., Any], values: Mapping[str, Any], entry: Entry) -> Any:
+def _made(kind: Callable[..., T], values: Mapping[str, Any], entry: Entry) -> T:
     """An object of a class; what it says of its arguments is said of the entry."""
     with _placed(entry):
         return kind(**values)
 
 
 @contextmanager
-def _placed(entry: Entry) -> Any:
+def _placed(entry: Entry) -> Iterator[None]:
     """What is wrong with arguments is said with the place of the entry that they are from; what is wrong with a press, as it is."""
     try:
         yield

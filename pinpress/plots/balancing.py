@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..balancing.optimum import TradeOffCurve
 from ..balancing.problem import AddedMass, Target
+from ..balancing.result import before_balancing
 from ..common.arguments import typed
 from ..common.errors import PinpressError
 from .style import COLOURS, GREY, grid, legend, panel_places, panels, plain
@@ -23,7 +24,7 @@ HIGH = 6.5  # height of a panel [cm]
 def trade_offs(curves: Mapping[str, TradeOffCurve], *, ax: Axes | Iterable[Axes] | None = None) -> Figure:
     """Draw curves of `trade_off`, the first criterion over the second, with a panel for each pair of criteria.
 
-    A grey cross marks the press before balancing.
+    A grey cross marks the press before balancing. Of several operating conditions the worst is drawn.
 
     Args:
         curves: results of `pinpress.balancing.trade_off`, by the names of the curves.
@@ -58,17 +59,11 @@ def _panel(axes: Axes, curves: Mapping[str, TradeOffCurve]) -> None:
         lines += axes.plot(across * x, up * y, color=COLOURS[i % len(COLOURS)], marker="o", markersize=2.5)
     grid(axes, y_label)
     plain(axes.set_xlabel(x_label))
-    x, y = across * _before(some, some.second), up * _before(some, some.first)
+    x, y = (factor * before_balancing(some.designs[0], target) for factor, target in ((across, some.second), (up, some.first)))
     axes.plot([x], [y], color=GREY, marker="x", markersize=5.0, linestyle="none")
     axes.margins(x=0.04)
     if len(curves) > 1:
         legend(axes, lines, list(curves), loc="best")
-
-
-def _before(curve: TradeOffCurve, target: Target) -> float:
-    if isinstance(target, AddedMass):
-        return 0.0
-    return next(change.before for change in curve.designs[0].changes if change.criterion == target)
 
 
 def _scaled(target: Target) -> tuple[float, str]:

@@ -64,6 +64,63 @@ def test_limits_hold_along_the_curve():
         assert change.after <= limit * (1 + 1e-9)
 
 
+def dies(points=36):
+    """The press with two dies, and a motion with each at its own speed."""
+    found = []
+    for mass, speed in ((0.0, 300.0), (300.0, 250.0)):
+        weight = [pp.balancing.Counterweight("slide", mass, (0.0, 0.0, -0.4))] if mass else []
+        each = pp.balancing.with_counterweights(texts.shipped("jf75g_125_plain"), weight) if mass else texts.shipped("jf75g_125_plain")
+        found.append(pp.balancing.OperatingCondition(pp.cycle(each, speed * pp.RPM, points=points), press=each, name=f"{mass:g} kg"))
+    return found
+
+
+@pytest.mark.parametrize("reset", ["", "mass"])
+def test_several_conditions_against_all_masses_on_a_grid(reset):
+    """One mass opposite to the crank pin, the same for both dies or set anew: none on a grid beats the curve or its bound."""
+    press, cases = texts.shipped("jf75g_125_plain"), dies()
+    region = pp.balancing.CounterweightRegion("crank", at=(-0.12, 0.0, 0.02), mass=(0, 400), reset=reset)
+    curve = pp.balancing.trade_off(press, cases, regions=[region], first=Z, second=X, points=4)
+    at = np.linspace(0.0, 400.0, 2001)
+    grid = np.zeros((2, 2, len(at)))
+    for number, case in enumerate(cases):
+        weights = [[pp.balancing.Counterweight("crank", mass, (-0.12, 0.0, 0.02))] for mass in (100.0, 200.0)]
+        presses = [pp.balancing.with_counterweights(case.press, each) for each in weights]
+        one, two = (pp.inverse_dynamics(each, case.motion, bearings=()).shaking_force for each in presses)
+        for k, axis in enumerate((2, 0)):
+            grid[number, k] = np.ptp(one[:, axis] + np.outer(at - 100.0, (two - one)[:, axis]) / 100.0, axis=1)
+    assert [len(design.conditions) for design in curve.designs] == [2] * 4
+    for (first, second), bound in zip(curve.values, curve.bounds, strict=True):
+        allowed = grid[:, 1] <= second * (1 + 1e-12)
+        if reset:  # each die has its own mass
+            best = max(np.where(allowed[number], grid[number, 0], np.inf).min() for number in range(2))
+        else:
+            best = np.where(allowed.all(axis=0), grid[:, 0].max(axis=0), np.inf).min()
+        assert bound <= first * (1 + 1e-9)
+        assert first - bound <= 1e-5 * first
+        assert bound <= best * (1 + 1e-9)
+        step = np.abs(np.diff(grid[:, 0], axis=1)).max()
+        assert first <= best + step
+
+
+def test_one_condition_is_the_motion():
+    region = pp.balancing.CounterweightRegion("crank", radius=0.3)
+    one = pp.balancing.OperatingCondition(MOTION)
+    found = [pp.balancing.trade_off(PRESS, of, regions=[region], first=X, second=MASS, points=3) for of in (MOTION, [one])]
+    np.testing.assert_array_equal(found[0].values, found[1].values)
+    np.testing.assert_array_equal(found[0].bounds, found[1].bounds)
+    assert found[0].bounds[-1] == found[0].values[-1, 0]
+    with pytest.raises(pp.PinpressError, match="loads goes with one motion"):
+        pp.balancing.trade_off(PRESS, [one], regions=[region], first=X, second=MASS, loads=[pp.loads.Idle()])
+
+
+def test_bounds_lie_below_the_values_and_next_to_them(forces, weight):
+    for curve in (forces, weight):
+        before = curve.designs[1].changes[0].before
+        gap = curve.values[:, 0] - curve.bounds
+        assert gap.min() >= -1e-9 * before
+        assert gap.max() <= 3e-6 * before
+
+
 @pytest.mark.exhaustive
 def test_curves_of_the_same_criteria_share_a_panel(forces, weight):
     figure = pp.plots.trade_offs({"661 kg": forces, "again": forces, "light": weight})

@@ -40,12 +40,13 @@ def trade_off(curve: TradeOffCurve, shown: Shown) -> Section:
     origin = [factor * before_balancing(first, target) for factor, target in ((up, curve.first), (across, curve.second))]
     lines = [line, Line("before balancing", np.array([origin[0]]), np.array([origin[1]]), points=True)]
     chart = LineChart(curve.first.words.capitalize(), unit, lines, across=f"{curve.second.words} [{other}]", follows="nothing")
-    heads = [f"{curve.first.words} [{unit}]", f"{curve.second.words} [{other}]", "added mass [kg]"]
+    heads = [f"{curve.first.words} [{unit}]", "its bound", f"{curve.second.words} [{other}]", "added mass [kg]"]
     rows = [
-        [f"{up * value[0]:.5g}", f"{across * value[1]:.5g}", tables.cell(design.added_mass)]
-        for value, design in zip(curve.values, curve.designs, strict=True)
+        [f"{up * value[0]:.5g}", f"{up * bound:.5g}", f"{across * value[1]:.5g}", tables.cell(design.added_mass)]
+        for value, bound, design in zip(curve.values, curve.bounds, curve.designs, strict=True)
     ]
-    return Section("Trade-off", [chart, Table("", heads, rows, words=0)], note="Each point is a proved optimum.")
+    several = f" In the worst of {len(first.conditions)} operating conditions." if len(first.conditions) > 1 else ""
+    return Section("Trade-off", [chart, Table("", heads, rows, words=0)], note=f"Each point is a proved optimum.{several}")
 
 
 def _refuse_others(balanced: BalancedPress, shown: Shown) -> None:
