@@ -16,7 +16,17 @@ ITSELF = "pinpress"
 UNSTATED = "not stated"
 MISSING = "not installed"
 REQUIREMENT = re.compile(r"([\w.-]+)[^;]*(?:;.*extra\s*==\s*['\"](\w+)['\"])?")
-OF_USERS = ("recording", "report", "plots", "view", "video", "tables", "sweeps", "records")  # extras; the others are those of developers
+OF_USERS = (
+    "recording",
+    "report",
+    "plots",
+    "view",
+    "video",
+    "tables",
+    "sweeps",
+    "cluster",
+    "records",
+)  # extras; the others are those of developers
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

@@ -4,6 +4,7 @@ A column is an array (n,), or a sequence with None, or a masked array, where the
 """
 
 import html as markup
+import importlib.util
 import io
 import itertools
 import math
@@ -105,15 +106,20 @@ def write_parquet(path: str | os.PathLike[str], columns: Columns) -> None:
     Raises:
         PinpressError: the file cannot be written, or pyarrow is not installed.
     """
-    try:
-        import pyarrow  # optional, and slow to import
-        import pyarrow.parquet
-    except ImportError:
-        raise PinpressError("pyarrow is not installed: pip install 'pinpress[sweeps]'") from None
+    needs_pyarrow()
+    import pyarrow  # optional, and slow to import
+    import pyarrow.parquet
+
     with pyarrow.BufferOutputStream() as stream:
         pyarrow.parquet.write_table(pyarrow.table({name: pyarrow.array(_of_one_type(column)) for name, column in columns.items()}), stream)
         content = stream.getvalue().to_pybytes()
     files.write(path, content)
+
+
+def needs_pyarrow() -> None:
+    """Raise PinpressError where pyarrow is not installed."""
+    if importlib.util.find_spec("pyarrow") is None:
+        raise PinpressError("pyarrow is not installed: pip install 'pinpress[sweeps]'")
 
 
 def frame(columns: Columns) -> "DataFrame":

@@ -1,4 +1,5 @@
-"""The work of a sweep: calls of the function at all points, in this process or by the workers of an executor."""
+"""The work of a sweep, in this process or by the workers of an executor: pieces that are done one by one or several a task, and what a
+function gives at a point."""
 
 import time
 from collections import deque
@@ -7,15 +8,16 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from queue import Empty, SimpleQueue
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from ..common.errors import shown
 from .grid import LONGEST, RESERVED, Grid, Scalar, scalar
 
 Function = Callable[..., Mapping[str, object]]
+Result = TypeVar("Result")
 
 TASK = 0.1  # length of a task [s]; sending one costs a tenth of a millisecond with processes, and some milliseconds with a cluster
-LONGEST_TASK = 2 * TASK  # after this time a task returns the points it has done [s]
+LONGEST_TASK = 2 * TASK  # after this time a task returns the pieces it has done [s]
 LEAVE_TIME = 1.0  # time in which finished tasks may arrive after one has failed [s]
 
 
@@ -33,12 +35,24 @@ class Outcome(NamedTuple):
     error: str
 
 
-Task = Future[tuple[list[Outcome], float]]
-
 KILLS = (
     "BrokenProcessPool: the function ends the process that it runs in, by os._exit, a crash of compiled code, or because it takes too much"
     " memory"
 )
+
+
+class Work(NamedTuple, Generic[Result]):
+    """Pieces of work with numbers, such as the points of a sweep.
+
+    Attributes:
+        call: function of a piece's number and argument, which can be sent to other processes.
+        argument: the argument of a piece by its number; asked where the sweep runs, when the piece is sent.
+        killed: what stands for the result of a piece that ends the process that it runs in.
+    """
+
+    call: Callable[[int, Any], Result]
+    argument: Callable[[int], Any]
+    killed: Callable[[int], Result]
 
 
 class TaskError(Exception):
@@ -78,70 +92,70 @@ class Apart(Executor):
             pool.shutdown(wait=False)
 
 
-def serially(function: Function, grid: Grid, numbers: Sequence[int]) -> Generator[list[Outcome], None, None]:
-    """Outcomes of points, computed one after the other in this process."""
-    for number in numbers:
-        yield [outcome(function, number, grid.point(number))]
+def points_of(function: Function, grid: Grid) -> Work[Outcome]:
+    """The points of a sweep as pieces of work, by their numbers."""
+    return Work(partial(outcome, function), grid.point, lambda number: Outcome(number, {}, KILLS))
 
 
-def in_parallel(
-    executor: Executor, function: Function, grid: Grid, numbers: Sequence[int], in_flight: int
-) -> Generator[list[Outcome], None, None]:
-    """Outcomes of points as they arrive from an executor.
+def done(work: Work[Result], numbers: Sequence[int], executor: Executor | None, in_flight: int) -> Generator[list[Result], None, None]:
+    """Results of pieces of work as they are finished: one after the other in this process, or as they arrive from an executor.
 
-    A task has as many points as take about `TASK`: at first one, then at most twice as many from task to task. A task that takes longer
-    returns early, and its remaining points are submitted again. When a worker dies, the points of all tasks that may have killed it are
-    done one by one; a point that kills its worker then counts as failed. A process pool breaks by such a death; its work goes on in pools
-    of one process. The points of a task that otherwise fails are submitted once more, one by one.
+    A task of an executor has as many pieces as take about `TASK`: at first one, then at most twice as many from task to task. A task that
+    takes longer returns early, and its remaining pieces are submitted again. When a worker dies, the pieces of all tasks that may have
+    killed it are done one by one; a piece that kills its worker then has ``work.killed`` as its result. A process pool breaks by such a
+    death; its work goes on in pools of one process. The pieces of a task that otherwise fails are submitted once more, one by one.
 
     Args:
-        executor: the executor.
-        function: the function of the sweep.
-        grid: its grid.
-        numbers: numbers of the points to be done.
+        work: the work.
+        numbers: numbers of the pieces to be done.
+        executor: the executor; None: this process.
         in_flight: number of tasks submitted at a time.
 
     Raises:
-        TaskError: a task was not carried out, twice. It is raised after the outcomes of other finished tasks.
+        TaskError: a task was not carried out, twice. It is raised after the results of other finished tasks.
     """
-    work = _Tasks(executor, function, grid, numbers, in_flight)
+    if executor is None:
+        for number in numbers:
+            yield [work.call(number, work.argument(number))]
+        return
+    tasks = _Tasks(executor, work, numbers, in_flight)
     try:
-        while work.unfinished:
-            yield from work.next()
+        while tasks.unfinished:
+            yield from tasks.next()
     finally:
-        work.close()
+        tasks.close()
 
 
-class _Tasks:
-    """The points of a sweep in the hands of an executor; see `in_parallel`."""
+class _Tasks(Generic[Result]):
+    """Pieces of work in the hands of an executor; see `done`."""
 
-    def __init__(self, executor: Executor, function: Function, grid: Grid, numbers: Sequence[int], in_flight: int) -> None:
-        self._executor, self._function, self._grid, self._in_flight = executor, function, grid, in_flight
-        self._waiting, self._alone = deque(numbers), deque[int]()  # points to be submitted: several a task, and each by itself
-        self._pending: dict[Task, list[int]] = {}
-        self._finished: SimpleQueue[Task] = SimpleQueue()
-        self._repeated: set[int] = set()  # points of tasks that have failed once
-        self._size = 1  # points of the next task
+    def __init__(self, executor: Executor, work: Work[Result], numbers: Sequence[int], in_flight: int) -> None:
+        self._executor, self._work, self._in_flight = executor, work, in_flight
+        self._waiting, self._alone = deque(numbers), deque[int]()  # pieces to be submitted: several a task, and each by itself
+        self._pending: dict[Future[tuple[list[Result], float]], list[int]] = {}
+        self._finished: SimpleQueue[Future[tuple[list[Result], float]]] = SimpleQueue()
+        self._repeated: set[int] = set()  # pieces of tasks that have failed once
+        self._size = 1  # pieces of the next task
 
     @property
     def unfinished(self) -> bool:
         return bool(self._pending or self._waiting or self._alone)
 
-    def next(self) -> Iterator[list[Outcome]]:
-        """Outcomes of the next task that ends, and of others where it has broken the pool."""
-        points: list[int] = []
+    def next(self) -> Iterator[list[Result]]:
+        """Results of the next task that ends, and of others where it has broken the pool."""
+        numbers: list[int] = []
         carried_out = False
         try:
             while (self._waiting or self._alone) and len(self._pending) < self._in_flight:
-                points = self._taken()
-                self._submit(points)
+                numbers = self._taken()
+                self._submit(numbers)
             future = self._finished.get()
-            points, carried_out = self._pending.pop(future), True
+            numbers, carried_out = self._pending.pop(future), True
             found, seconds = future.result()
         except Exception as error:  # a pool that is broken or shut down, a cluster that is gone, a function that cannot be sent
-            yield from self._after(error, points, carried_out)
+            yield from self._after(error, numbers, carried_out)
             return
-        self._waiting.extendleft(reversed(points[len(found) :]))
+        self._waiting.extendleft(reversed(numbers[len(found) :]))
         self._size = max(1, min(2 * self._size, int(TASK * len(found) / max(seconds, 1e-9))))
         yield found
 
@@ -157,46 +171,46 @@ class _Tasks:
             return [self._alone.popleft()]
         return [self._waiting.popleft() for _ in range(min(self._size, len(self._waiting)))]
 
-    def _submit(self, points: list[int]) -> None:
-        future = self._executor.submit(outcomes, self._function, [(number, self._grid.point(number)) for number in points])
-        self._pending[future] = points
+    def _submit(self, numbers: list[int]) -> None:
+        future = self._executor.submit(results, self._work.call, [(number, self._work.argument(number)) for number in numbers])
+        self._pending[future] = numbers
         future.add_done_callback(self._finished.put)
 
-    def _after(self, error: Exception, points: list[int], carried_out: bool) -> Iterator[list[Outcome]]:
-        """Handle the exception of a task with these points, or of its submission."""
+    def _after(self, error: Exception, numbers: list[int], carried_out: bool) -> Iterator[list[Result]]:
+        """Handle the exception of a task with these pieces, or of its submission."""
         if type(self._executor) is ProcessPoolExecutor and isinstance(error, BrokenProcessPool):
-            yield from self._leave_broken_pool(self._executor, points)
-        elif carried_out and _killed(error) and len(points) == 1:
-            yield [Outcome(points[0], {}, KILLS)]
+            yield from self._leave_broken_pool(self._executor, numbers)
+        elif carried_out and _killed(error) and len(numbers) == 1:
+            yield [self._work.killed(numbers[0])]
         elif carried_out and _killed(error):
-            self._alone.extend(points)
-        elif carried_out and not self._repeated.issuperset(points):
+            self._alone.extend(numbers)
+        elif carried_out and not self._repeated.issuperset(numbers):
             # Dask loses the result of a task whose worker dies while it is fetched: "not enough values to unpack".
-            self._repeated.update(points)
-            self._alone.extend(points)
+            self._repeated.update(numbers)
+            self._alone.extend(numbers)
         else:
             yield from _left(self._finished, len(self._pending))
             raise TaskError from error
 
-    def _leave_broken_pool(self, pool: ProcessPoolExecutor, points: list[int]) -> Iterator[list[Outcome]]:
-        """Give the outcomes that the pool has finished, and mark all its other points to be done one by one, by pools of one process."""
+    def _leave_broken_pool(self, pool: ProcessPoolExecutor, numbers: list[int]) -> Iterator[list[Result]]:
+        """Give the results that the pool has finished, and mark all its other pieces to be done one by one, by pools of one process."""
         wait(self._pending, timeout=LEAVE_TIME)
         for future, others in self._pending.items():
             good = future.done() and not future.cancelled() and future.exception() is None
             found = future.result()[0] if good else []
             self._alone.extend(others[len(found) :])
             yield from [found] if good else []
-        self._alone.extend(points)
+        self._alone.extend(numbers)
         self._pending, self._finished = {}, SimpleQueue()
         self._executor = apart = Apart(pool)
         self._in_flight = min(self._in_flight, apart.workers)
 
 
-def outcomes(function: Function, points: Sequence[tuple[int, Mapping[str, object]]]) -> tuple[list[Outcome], float]:
-    """One task: the outcomes of numbered points (of the first few where they take long), and the time that they took [s]."""
+def results(call: Callable[[int, Any], Result], pieces: Sequence[tuple[int, Any]]) -> tuple[list[Result], float]:
+    """One task: the results of pieces with their numbers (of the first few where they take long), and the time that they took [s]."""
     found, start = [], time.perf_counter()
-    for number, point in points:
-        found.append(outcome(function, number, point))
+    for number, argument in pieces:
+        found.append(call(number, argument))
         if (seconds := time.perf_counter() - start) > LONGEST_TASK:
             break
     return found, seconds
@@ -209,10 +223,10 @@ def outcome(function: Function, number: int, point: Mapping[str, object]) -> Out
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # after any error, SystemExit too, the other points go on
-        return Outcome(number, {}, _described(error))
+        return Outcome(number, {}, described(error))
 
 
-def _described(error: BaseException) -> str:
+def described(error: BaseException) -> str:
     """Type and text of an exception, as a table takes them."""
     try:
         said = str(error)
@@ -230,7 +244,7 @@ def _checked(returned: object) -> dict[str, Scalar]:
         ValueError: a table cannot hold a value.
     """
     if not isinstance(returned, Mapping) or not returned:
-        raise TypeError(f"the function returned {_short(returned)}; return a mapping of names to numbers, {{'peak_torque': 1.0}}")
+        raise TypeError(f"the function returned {short(returned)}; return a mapping of names to numbers, {{'peak_torque': 1.0}}")
     values = {}
     for name, value in returned.items():
         if not isinstance(name, str) or not name or name in RESERVED:
@@ -243,8 +257,8 @@ def _checked(returned: object) -> dict[str, Scalar]:
     return values
 
 
-def _left(finished: "SimpleQueue[Task]", count: int) -> Iterator[list[Outcome]]:
-    """Outcomes of other tasks that finish soon after one has failed; in a broken pool all fail at once."""
+def _left(finished: "SimpleQueue[Future[tuple[list[Result], float]]]", count: int) -> Iterator[list[Result]]:
+    """Results of other tasks that finish soon after one has failed; in a broken pool all fail at once."""
     until = time.monotonic() + LEAVE_TIME
     for _ in range(count):
         try:
@@ -260,6 +274,6 @@ def _killed(error: Exception) -> bool:
     return isinstance(error, BrokenProcessPool) or type(error).__name__ == "KilledWorker"
 
 
-def _short(value: object) -> str:
+def short(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 80 else f"{text[:77]}..."

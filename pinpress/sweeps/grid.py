@@ -114,6 +114,16 @@ def scalar(value: object) -> Scalar:
     raise ValueError(f"a {type(value).__name__}, no number, word or bool")
 
 
+def kind(value: Scalar) -> str:
+    """The kind of a value: "bool", "word" or "number"."""
+    return "bool" if isinstance(value, bool) else "word" if isinstance(value, str) else "number"
+
+
+def listed(kinds: Mapping[str, str]) -> str:
+    """Names of results and kinds of their values, in words."""
+    return ", ".join(f"{name} ({kind})" for name, kind in kinds.items())
+
+
 def differences(before: Mapping[str, object], now: Mapping[str, object]) -> Iterator[str]:
     """The differences of two descriptions of sweeps, in words."""
     if before.get("function") != now["function"]:

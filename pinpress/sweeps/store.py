@@ -22,7 +22,7 @@ from typing import Any
 from ..common import files
 from ..common.errors import PinpressError
 from .execution import Outcome
-from .grid import Grid, Scalar, differences, fingerprint
+from .grid import Grid, differences, fingerprint, kind, listed
 
 SUFFIX = ".sqlite"
 PAGE = 1024  # bytes of a page of the database; a commit writes at least one
@@ -66,7 +66,7 @@ class Results:
         """Raise PinpressError where a result has other names or kinds than the first one."""
         if outcome.error:
             return
-        kinds = {name: _kind(value) for name, value in outcome.values.items()}
+        kinds = {name: kind(value) for name, value in outcome.values.items()}
         if not self.kinds:
             taken = [name for name in kinds if name in self._grid.axes]
             if taken:
@@ -75,7 +75,7 @@ class Results:
         elif kinds != self.kinds:
             point = dict(zip(self._grid.axes, self._grid.labels(outcome.number), strict=True))
             raise PinpressError(
-                f"the function returned {_listed(kinds)} at {point}, but {_listed(self.kinds)} before:"
+                f"the function returned {listed(kinds)} at {point}, but {listed(self.kinds)} before:"
                 " return the same names with values of the same kind at every point"
             )
 
@@ -231,11 +231,3 @@ def _described(description: Mapping[str, Any], kinds: Mapping[str, str]) -> tupl
 
 def _checksum(value: object, seed: int = 0) -> int:
     return zlib.crc32(repr(value).encode(), seed)
-
-
-def _kind(value: Scalar) -> str:
-    return "bool" if isinstance(value, bool) else "word" if isinstance(value, str) else "number"
-
-
-def _listed(kinds: Mapping[str, str]) -> str:
-    return ", ".join(f"{name} ({kind})" for name, kind in kinds.items())

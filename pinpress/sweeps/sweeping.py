@@ -21,7 +21,7 @@ from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.files import path_of
 from ..common.frozen import read_only
 from ..common.results import Record, Records, Tabular
-from .execution import Function, Outcome, TaskError, in_parallel, serially
+from .execution import Function, Outcome, TaskError, done, points_of
 from .grid import Grid, Scalar, gridded
 from .store import Results, opened, results
 
@@ -66,12 +66,12 @@ def sweep(
             damaged, in use, or cannot be written, results differ in names or kinds, or the executor is gone. The file has all that was
             finished.
     """
-    _check_arguments(function, executor, in_flight, progress)
+    check_arguments(function, executor, in_flight, progress)
     points = gridded(grid, paired)
-    _check_call(function, points)
+    check_call(function, points)
     if isinstance(executor, ProcessPoolExecutor):
-        _check_sendable(function, points)
-    name = _name(function)
+        check_sendable(function, points)
+    name = name_of(function)
     with results(points, name, to, retry_failed) as kept:
         _run(function, points, kept, executor, in_flight, progress, to)
         return table(name, points, kept.kinds, kept.known)
@@ -209,7 +209,7 @@ def table(function: str, grid: Grid, kinds: Mapping[str, str], known: Mapping[in
     )
 
 
-def _check_arguments(function: object, executor: object, in_flight: object, progress: object) -> None:
+def check_arguments(function: object, executor: object, in_flight: object, progress: object) -> None:
     if not callable(function):
         raise PinpressError(f"function is {shown(function)}: give a function that takes the axes' names and returns a mapping")
     if executor is not None and not isinstance(executor, Executor):
@@ -223,7 +223,7 @@ def _check_arguments(function: object, executor: object, in_flight: object, prog
         raise PinpressError(f"progress is {shown(progress)}: give a function of the share done")
 
 
-def _check_call(function: Function, grid: Grid) -> None:
+def check_call(function: Function, grid: Grid) -> None:
     """Refuse a function that does not take the axes, before it fails at every point."""
     try:
         signature = inspect.signature(function)
@@ -232,15 +232,15 @@ def _check_call(function: Function, grid: Grid) -> None:
     try:
         signature.bind(**grid.point(0))
     except TypeError as error:
-        raise PinpressError(f"{_name(function)} does not take the axes {', '.join(grid.axes)}: {error}") from None
+        raise PinpressError(f"{name_of(function)} does not take the axes {', '.join(grid.axes)}: {error}") from None
 
 
-def _check_sendable(function: Function, grid: Grid) -> None:
+def check_sendable(function: Function, grid: Grid) -> None:
     try:
         pickle.dumps(function)
     except Exception as error:  # pickling may raise anything
         raise PinpressError(
-            f"{_name(function)} cannot be sent to other processes ({error}): define it with def at the top level of a module"
+            f"{name_of(function)} cannot be sent to other processes ({error}): define it with def at the top level of a module"
         ) from error
     for name, objects in grid.objects.items():
         for label, value in zip(grid.axes[name], objects, strict=True):
@@ -265,22 +265,26 @@ def _run(
         PinpressError: the executor is gone, or as `Results.add`.
     """
     numbers = [number for number in range(len(grid)) if number not in kept.known]
-    work = serially(function, grid, numbers) if executor is None else in_parallel(executor, function, grid, numbers, in_flight)
+    work = done(points_of(function, grid), numbers, executor, in_flight)
     try:
         for found in work:
             kept.add(found)
             if progress is not None:
                 progress(len(kept.known) / len(grid))
     except TaskError as error:
-        cause = error.__cause__
-        where = "which are lost: give to=, a file that keeps them" if to is None else f"which are in {os.fspath(to)}"
-        again = "" if to is None else "; call the same sweep again, with a new executor, to do the others"
-        raise PinpressError(
-            f"the executor could not do its work ({type(cause).__name__}: {cause}) after {len(kept.known)} of {len(grid)} points,"
-            f" {where}{again}"
-        ) from cause
+        raise executor_is_gone(error, len(kept.known), len(grid), to) from error.__cause__
     finally:
         work.close()  # nothing more is begun
+
+
+def executor_is_gone(error: TaskError, known: int, points: int, to: str | os.PathLike[str] | None) -> PinpressError:
+    """The error of a sweep whose executor could not do its work, when so many of its points were known."""
+    cause = error.__cause__
+    where = "which are lost: give to=, a file that keeps them" if to is None else f"which are in {os.fspath(to)}"
+    again = "" if to is None else "; call the same sweep again, with a new executor, to do the others"
+    return PinpressError(
+        f"the executor could not do its work ({type(cause).__name__}: {cause}) after {known} of {points} points, {where}{again}"
+    )
 
 
 def _column(labels: list[Scalar]) -> Column:
@@ -303,7 +307,7 @@ def _ends(labels: tuple[Scalar, ...]) -> str:
     return first if len(labels) == 1 else f"{first} to {last}" if len(labels) > 2 else f"{first}, {last}"
 
 
-def _name(function: object) -> str:
+def name_of(function: object) -> str:
     """Name of a function; for a partial that of the function it calls."""
     inner = function.func if isinstance(function, partial) else function
     return str(getattr(inner, "__qualname__", type(inner).__qualname__))

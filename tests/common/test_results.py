@@ -25,6 +25,7 @@ OF_CALLERS = {
     "BoundedQuantity",
     "DesignTradeOff",
     "FailedPoint",
+    "ParquetSweep",
     "SweepTable",
     "SynthesisResult",
 }

@@ -77,6 +77,7 @@ MADE |= {
     "MotionTable",
     "TriedMotor",
     "MotorChoice",
+    "ParquetSweep",
     "SweepTable",
     "SynthesisResult",
 }

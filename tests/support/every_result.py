@@ -1,5 +1,6 @@
 """One of each public class of data: of every result, and of every description that calls take."""
 
+import atexit
 import dataclasses
 import inspect
 import re
@@ -199,6 +200,13 @@ def sweep():
 
 
 @cache
+def parquet_sweep():
+    folder = tempfile.TemporaryDirectory(prefix="pinpress-sweep-")
+    atexit.register(folder.cleanup)
+    return pp.sweeps.sweep_to_parquet(fails_at_odd, {"a": [1, 2, 3]}, to=Path(folder.name, "runs"), points_a_part=2)
+
+
+@cache
 def balance():
     return pp.balancing.balance(
         press(), motion(), regions=[pp.balancing.CounterweightRegion("crank", radius=0.2, mass=(0, 50))], minimise=Z, limits={X: 1e5}
@@ -309,6 +317,7 @@ def made():
             run_over_joints(),
             runs(),
             sweep(),
+            parquet_sweep(),
             *sweep().failed,
             run().stats,
         ),

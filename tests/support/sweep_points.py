@@ -5,6 +5,8 @@ import os
 import signal
 import time
 
+import numpy as np
+
 
 def product(a, b):
     return {"product": a * b, "larger": max(a, b), "even": (a * b) % 2 == 0, "which": "a" if a > b else "b, or, both"}
@@ -39,6 +41,16 @@ def dies(a, at, how, log):
     return doubled(a)
 
 
+def dies_at_once(a, at, how, log):
+    """The same of many points: the process ends where one of them is among these."""
+    return {"twice": np.array([dies(each, at, how, log)["twice"] for each in a.tolist()])}
+
+
+def hypotenuse(a, b):
+    """Of many points."""
+    return {"c": np.hypot(a, b)}
+
+
 def logged(a, log, pause):
     """Twice a, after a while; every execution is logged."""
     descriptor = os.open(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
@@ -46,6 +58,12 @@ def logged(a, log, pause):
     os.close(descriptor)
     time.sleep(pause)
     return {"twice": 2 * a, "process": os.getpid()}
+
+
+def logged_at_once(a, b, log, pause):
+    """The hypotenuses of many points, after a while; every execution is logged."""
+    logged(a[0], log, pause)
+    return hypotenuse(a, b)
 
 
 WORDS = ["plain", "two\nlines", 'say "x", or y', "é 滑块", "\r", "7"]

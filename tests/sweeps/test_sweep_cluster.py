@@ -1,58 +1,31 @@
-"""A sweep on a Dask cluster of separate processes, one worker of which is killed."""
+"""Sweeps on a Dask cluster of separate processes, some of which are killed."""
 
 import os
 import signal
-import subprocess
-import sys
-import time
 from collections import Counter
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from urllib.request import urlopen
 
+import numpy as np
 import pytest
-from support.sweep_points import fails_at_odd, logged
+from support.dask_processes import dask_processes
+from support.sweep_points import dies_at_once, fails_at_odd, logged, logged_at_once
 from support.time_limit import within
 
 import pinpress as pp
+from pinpress.sweeps.parquet_sweep import sweep_to_parquet
 from pinpress.sweeps.sweeping import sweep
-
-HERE = Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture
 def cluster(tmp_path):
     """Client, and the processes of the scheduler and the two workers."""
     distributed = pytest.importorskip("distributed")  # here, as to import it takes longer than to collect all tests of a room
-    environment = os.environ | {
-        "PYTHONPATH": str(HERE),
-        "OMP_NUM_THREADS": "1",
-        "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "20s",
-        "DASK_TEMPORARY_DIRECTORY": str(tmp_path),
-    }
-    address = tmp_path / "scheduler.json"
-    processes = []
-
-    def start(what, *arguments):
-        command = [sys.executable, "-m", "distributed.cli." + what, "--no-dashboard", *arguments]
-        with open(tmp_path / f"{what}{len(processes)}.log", "w") as log:
-            processes.append(subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=log, stderr=log, start_new_session=True))
-
-    try:
-        start("dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(address))
-        with within(120):
-            while not address.exists():
-                time.sleep(0.02)
-        for _ in range(2):
-            start("dask_worker", "--scheduler-file", str(address), "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1")
-        with distributed.Client(scheduler_file=str(address)) as client:
-            client.wait_for_workers(2, timeout=60)
-            yield client, processes
-    finally:
-        for process in processes:
-            with suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+    # The time is that in which a scheduler that was killed is sought.
+    with dask_processes(tmp_path) as (file, processes), distributed.Client(scheduler_file=str(file), timeout=5) as client:
+        client.wait_for_workers(2, timeout=60)
+        yield client, processes
 
 
 @pytest.mark.exhaustive
@@ -91,3 +64,65 @@ def test_a_worker_is_killed_in_the_middle(cluster, tmp_path):
     with within(120), pytest.raises(pp.PinpressError, match="call the same sweep again, with a new executor"):
         sweep(function, {"a": points}, to=other, executor=client.get_executor(), in_flight=8, progress=kill_the_scheduler)
     assert len(points) - len(pp.sweeps.read(other).missing) > 0.2 * len(points)
+
+
+def contents(folder):
+    return {file.name: file.read_bytes() for file in folder.iterdir()}
+
+
+@pytest.mark.exhaustive
+def test_parts_of_a_cluster_are_those_of_one_process(cluster, tmp_path):
+    """Byte by byte, though a worker is killed on the way; and what the scheduler's death leaves is gone on with."""
+    client, (scheduler, *workers) = cluster
+    grid, log = {"a": np.linspace(0.0, 1.0, 100), "b": np.linspace(0.0, 2.0, 100)}, str(tmp_path / "log")
+    how = {"points_a_part": 100, "at_once": True}
+    sweep_to_parquet(partial(logged_at_once, log=log, pause=0.0), grid, to=tmp_path / "alone", **how)
+    function, killed = partial(logged_at_once, log=log, pause=0.02), []
+
+    def kill(share):
+        if share > 0.3 and not killed:
+            killed.append(workers[0].pid)
+            os.kill(workers[0].pid, signal.SIGKILL)
+
+    with within(120):
+        executor = client.get_executor()
+        found = sweep_to_parquet(function, grid, to=tmp_path / "cluster", executor=executor, in_flight=8, progress=kill, **how)
+    assert killed == [workers[0].pid]
+    assert found.failed == 0
+    assert contents(tmp_path / "cluster") == contents(tmp_path / "alone")
+
+    def kill_the_scheduler(share):
+        if share > 0.3 and scheduler.poll() is None:
+            scheduler.kill()
+            scheduler.wait()
+
+    with within(120), pytest.raises(pp.PinpressError, match="call the same sweep again, with a new executor"):
+        sweep_to_parquet(function, grid, to=tmp_path / "other", executor=executor, in_flight=8, progress=kill_the_scheduler, **how)
+    left = 100 - len(list((tmp_path / "other").glob("*.parquet")))
+    assert 0 < left < 75
+    before = len(Path(log).read_text().splitlines())
+    sweep_to_parquet(partial(logged_at_once, log=log, pause=0.0), grid, to=tmp_path / "other", **how)
+    assert len(Path(log).read_text().splitlines()) - before == left
+    assert contents(tmp_path / "other") == contents(tmp_path / "alone")
+
+
+@pytest.mark.exhaustive
+def test_a_point_that_kills_its_workers_has_failed_on_a_cluster(tmp_path):
+    """Dask gives its part up after four deaths; the workers are started anew by their nannies. One can look at it in the dashboard."""
+    distributed = pytest.importorskip("distributed")
+    cluster = dask_processes(tmp_path, nanny=True, dashboard=True)
+    with cluster as (file, _), distributed.Client(scheduler_file=str(file)) as client, within(120):
+        client.wait_for_workers(2, timeout=60)
+        with urlopen(client.dashboard_link, timeout=30) as page:
+            assert "BokehJS" in page.read().decode() or page.status == 200
+        found = sweep_to_parquet(
+            partial(dies_at_once, at=(7,), how="exit", log=os.devnull),
+            {"a": range(20)},
+            to=tmp_path / "runs",
+            points_a_part=5,
+            at_once=True,
+            executor=client.get_executor(),
+        )
+    columns = found.columns()
+    assert [k for k, error in enumerate(columns["error"]) if error] == [7]
+    assert np.ma.compressed(columns["twice"]).tolist() == [2 * k for k in range(20) if k != 7]

@@ -1,11 +1,20 @@
 """Operating points a second, beside a loop over inverse dynamics; and what a sweep adds to each of its points.
 
+<<<<<<< HEAD:tests/benchmarks/features/sweep.py
 Run `python tests/benchmarks/features/sweep.py`. pytest does not collect this file. CPU time of one core for operating points, wall time
 for sweeps.
+=======
+Run `python tests/benchmarks/benchmark_sweep.py`; `--cluster 1000000` for that many simulations on a Dask cluster of two worker processes,
+into a folder of Parquet files (10 000 without a number; `--to` keeps the folder). pytest does not collect this file. CPU time of one core
+for operating points, wall time for sweeps.
+>>>>>>> 8d7946a (Sweeps of millions of points into a folder of Parquet files, in parts, on a cluster too):tests/benchmarks/benchmark_sweep.py
 """
 
 from __future__ import annotations
 
+import argparse
+import os
+import resource
 import sys
 import tempfile
 import time
@@ -18,10 +27,17 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+<<<<<<< HEAD:tests/benchmarks/features/sweep.py
+=======
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from support import press_strokes
+from support.dask_processes import dask_processes
+>>>>>>> 8d7946a (Sweeps of millions of points into a folder of Parquet files, in parts, on a cluster too):tests/benchmarks/benchmark_sweep.py
 from support.sweep_points import product
 
 import pinpress as pp
 from pinpress.sweeps.operating_map import operating_points
+from pinpress.sweeps.parquet_sweep import sweep_to_parquet
 from pinpress.sweeps.sweeping import sweep
 
 START = 0.020  # m above bottom dead centre
@@ -79,8 +95,65 @@ def overhead(name: str, executor: Executor | None, folder: Path) -> None:
     print(f"  {name:42}{''.join(cells)}")
 
 
+def both_ways() -> None:
+    """Runs a second, one by one and at once."""
+    axes = press_strokes.grid(1000)
+    columns = [each.ravel() for each in np.meshgrid(*axes.values(), indexing="ij")]
+    alone = cpu(lambda: [press_strokes.strokes(*point) for point in zip(*(each[::50] for each in columns), strict=True)]) / 20
+    print("\nJF75G-125, ten strokes under motor, flywheel and blanking, one core\n  one by one" + f"{1 / alone:12.3g} runs/s")
+    for count in (10, 100, 1000):
+        seconds = cpu(lambda count=count: press_strokes.strokes_at_once(*(each[:: len(each) // count][:count] for each in columns))) / count
+        print(f"  {count:4} at once{1 / seconds:12.3g} runs/s, {alone / seconds:.3g} times as many")
+
+
+def large(points: int, to: Path | None) -> None:
+    """So many simulations on a Dask cluster of two worker processes, and as many points that do nothing."""
+    import cloudpickle
+    import psutil
+    from distributed import Client
+
+    with tempfile.TemporaryDirectory() as name, dask_processes(name) as (file, processes), Client(scheduler_file=str(file)) as client:
+        client.wait_for_workers(2)
+        scheduler = psutil.Process(processes[0].pid)
+        executor, axes = client.get_executor(), press_strokes.grid(points)
+        for function, folder in ((press_strokes.nothing, Path(name, "nothing")), (press_strokes.strokes_at_once, to or Path(name, "runs"))):
+            tasks: list[int] = []
+            submit = executor.submit
+
+            def counted(*arguments: Any, submit: Any = submit, tasks: list[int] = tasks, **named: Any) -> Any:
+                tasks.append(len(cloudpickle.dumps(arguments)))
+                return submit(*arguments, **named)
+
+            executor.submit = counted  # type: ignore[method-assign]
+            busy = client.run(time.process_time)
+            start, own, before = time.perf_counter(), time.process_time(), sum(scheduler.cpu_times()[:2])
+            found = sweep_to_parquet(function, axes, to=folder, at_once=True, executor=executor)
+            seconds, own = time.perf_counter() - start, time.process_time() - own
+            executor.submit = submit  # type: ignore[method-assign]
+            sorting = sum(scheduler.cpu_times()[:2]) - before
+            busy = {worker: spent - busy[worker] for worker, spent in client.run(time.process_time).items()}
+            size = sum(each.stat().st_size for each in folder.iterdir())
+            print(f"\n{found.title}")
+            print(f"  {seconds:.4g} s, {found.points / seconds:.4g} points/s, {1e6 * seconds / found.points:.4g} us a point")
+            print(f"  CPU: workers {sum(busy.values()):.4g} s, scheduler {sorting:.4g} s, this process {own:.4g} s")
+            print(f"  a task: scheduler {1e3 * sorting / len(tasks):.3g} ms, this process {1e3 * own / len(tasks):.3g} ms")
+            print(f"  {len(tasks)} tasks, {sum(tasks) / len(tasks):.4g} bytes each as they are sent")
+            print(f"  {size / 1e6:.4g} MB in {found.parts} files, {size / found.points:.3g} bytes a point")
+            print(f"  most memory of this process {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3:.4g} MB", flush=True)
+        print(found)
+
+
 def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cluster", nargs="?", type=int, const=10_000, metavar="POINTS", help="simulations on a Dask cluster, and no more")
+    parser.add_argument("--to", type=Path, help="folder for the results of these simulations")
+    options = parser.parse_args()
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    if options.cluster:
+        large(options.cluster, options.to)
+        return
     points()
+    both_ways()
     print(f"\nwhat a sweep of {POINTS} points that do nothing takes, us a point\n{'':44}{'no file':>12}{'file':>12}")
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

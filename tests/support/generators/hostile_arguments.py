@@ -10,6 +10,7 @@ import inspect
 import itertools
 import math
 import sys
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -1270,6 +1271,20 @@ def calls() -> dict[str, Call]:
             "sweep",
             pp.sweeps.sweep,
             lambda: {"function": swept, "grid": {"x": [1.0, 2.0]}, "executor": Inline(), "paired": False, "in_flight": 2},
+        ),
+        (
+            "sweeps.sweep_to_parquet",
+            pp.sweeps.sweep_to_parquet,
+            lambda: {
+                "function": swept,
+                "grid": {"x": [1.0, 2.0]},
+                "to": Path(tempfile.mkdtemp(dir=FOLDER), "parts"),
+                "points_a_part": 1,
+                "at_once": False,
+                "executor": Inline(),
+                "paired": False,
+                "in_flight": 2,
+            },
         ),
         ("sweeps.read", pp.sweeps.read, lambda: {"path": SWEPT}),
         ("sweeps.full_factorial", pp.sweeps.full_factorial, lambda: {"ranges": {"x": (0.0, 1.0), "y": (2.0, 3.0)}, "levels": 3}),
