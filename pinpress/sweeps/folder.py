@@ -120,7 +120,8 @@ def part_folder(path: Path, function: str, at_once: bool, division: Division) ->
     elif there:
         raise PinpressError(f"{path} has other files in it, such as {there[0]}: give a folder of its own for each sweep")
     else:
-        files.make_folder(path)
+        with files.refused(path):
+            path.mkdir(exist_ok=True)
         files.write(file, json.dumps(description).encode())
     return PartFolder(path, description, division)
 

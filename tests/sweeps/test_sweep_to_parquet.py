@@ -331,7 +331,7 @@ def test_long_axes_are_described_by_a_checksum(folder):
         ({"points_a_part": 0}, "points_a_part is 0"),
         ({"at_once": 1}, "at_once is 1"),
         ({"to": 5}, "to is 5"),
-        ({"to": "/proc/none/here"}, "cannot make the folder /proc/none/here"),
+        ({"to": "/proc/none/here"}, "cannot write /proc/none/here: No such file"),
         ({"to": __file__}, "cannot write"),
         ({"to": Path(__file__).parent}, "has other files in it, such as "),
         ({"executor": 4}, "executor is 4"),

@@ -10,7 +10,6 @@ import inspect
 import itertools
 import math
 import sys
-import tempfile
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -1278,7 +1277,7 @@ def calls() -> dict[str, Call]:
             lambda: {
                 "function": swept,
                 "grid": {"x": [1.0, 2.0]},
-                "to": Path(tempfile.mkdtemp(dir=FOLDER), "parts"),
+                "to": FOLDER / "parts",
                 "points_a_part": 1,
                 "at_once": False,
                 "executor": Inline(),
