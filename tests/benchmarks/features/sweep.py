@@ -1,13 +1,8 @@
 """Operating points a second, beside a loop over inverse dynamics; and what a sweep adds to each of its points.
 
-<<<<<<< HEAD:tests/benchmarks/features/sweep.py
-Run `python tests/benchmarks/features/sweep.py`. pytest does not collect this file. CPU time of one core for operating points, wall time
-for sweeps.
-=======
-Run `python tests/benchmarks/benchmark_sweep.py`; `--cluster 1000000` for that many simulations on a Dask cluster of two worker processes,
+Run `python tests/benchmarks/features/sweep.py`; `--cluster 1000000` for that many simulations on a Dask cluster of two worker processes,
 into a folder of Parquet files (10 000 without a number; `--to` keeps the folder). pytest does not collect this file. CPU time of one core
 for operating points, wall time for sweeps.
->>>>>>> 8d7946a (Sweeps of millions of points into a folder of Parquet files, in parts, on a cluster too):tests/benchmarks/benchmark_sweep.py
 """
 
 from __future__ import annotations
@@ -27,12 +22,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-<<<<<<< HEAD:tests/benchmarks/features/sweep.py
-=======
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from support import press_strokes
 from support.dask_processes import dask_processes
->>>>>>> 8d7946a (Sweeps of millions of points into a folder of Parquet files, in parts, on a cluster too):tests/benchmarks/benchmark_sweep.py
 from support.sweep_points import product
 
 import pinpress as pp
