@@ -22,6 +22,7 @@ from ..kinematics.motion import Motion, bearing_points, loaded_bodies, poses
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.contact import Clearance as Clearance
 from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness
+from ..simulation.elastic.description import FRAME as FRAME
 from ..simulation.elastic.description import STIFFEST, refuse_joint_but_of_guide
 from ..simulation.elastic.description import Elastic as Elastic
 from ..simulation.elastic.description import Rod as Rod
@@ -31,7 +32,7 @@ from ..simulation.elastic.flexible_link import read_flexible_link as read_flexib
 from ..simulation.elastic.preloaded_joint import PreloadedJoint as PreloadedJoint
 from ..simulation.elastic.preloaded_joint import closed_stiffness
 
-SHAFT, FRAME = "shaft", "frame"  # names of these parts
+SHAFT = "shaft"  # name of this part
 MEET = 1e-9  # bearings closer together than this share of the linkage's size have no line between them
 
 

@@ -54,10 +54,6 @@ REASONS = {
         "the stroke that repeats itself is unstable: a disturbance of the links grows by {decay:.3g} in each, so that the press does not"
         " come to it; give it more damping, or let it run with simulate"
     ),
-    "joint opens": (
-        "the preloaded joint of {joint} opens under {load:.4g} kN, and an elastic motion counts it as closed: give it more preload, or look"
-        " at the press with slide_deflection, which follows joints as they open"
-    ),
     "crank rests": (
         "the crank comes to rest: on its springs a press is followed while its crank turns one way; give it more speed, a larger flywheel"
         " or a stronger drive, or leave elastic out"

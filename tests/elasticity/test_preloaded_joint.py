@@ -1,4 +1,4 @@
-"""Preloaded joints: both members by equilibrium and by least energy, closed and open; in the slide's deflection; in elastic motion."""
+"""Preloaded joints: both members by equilibrium, closed and open; in the slide's deflection; closed in elastic motion."""
 
 import numpy as np
 import pytest
@@ -112,7 +112,7 @@ def test_a_screw_in_a_rod_that_lifts_off():
     assert found.parts[name].max() > 1.2 * linear.parts[name].max()  # the lock carries alone
 
 
-def test_elastic_motion_counts_it_as_closed_and_refuses_where_it_opens():
+def test_closed_in_elastic_motion_it_is_a_spring():
     press, held = shipped("crank_slide"), pp.drives.PrescribedSpeed(2.0)
     bearings, blank = dict.fromkeys(press.bearings, 1e8), [pp.loads.Blanking(3e4, 0.02, 0.01)]
 
@@ -124,10 +124,7 @@ def test_elastic_motion_counts_it_as_closed_and_refuses_where_it_opens():
 
     linear, joined = run(4e8), run(PreloadedJoint(1e8, 3e8, 1e5), PreloadedJoint(5e7, 5e7, 1e5))
     assert joined.slide_position == pytest.approx(linear.slide_position, abs=1e-12)
-    with pytest.raises(pp.SimulationError, match=r"the preloaded joint of frame opens under .* kN, .* more preload.*\(time"):
-        run(PreloadedJoint(1e8, 3e8, 1e4))
-    with pytest.raises(pp.SimulationError, match="the preloaded joint of slide_guide opens"):
-        run(4e8, PreloadedJoint(5e7, 5e7, 1e3))
+    assert joined.stats.energy_error < 1e-10
 
 
 def test_bad_joints():
@@ -152,6 +149,3 @@ def test_bad_joints():
     low = Stiffness(BEARINGS, frame=PreloadedJoint(2e9, 6e9, 1e4))
     with pytest.raises(pp.PinpressError, match=r"the joint of frame opens by 31\.416 rad/s: give it more preload"):
         dead_centre_shift(press, low, speed=SPEED)
-    screw = Elastic(Stiffness(BEARINGS, {"slide_guide": 1e8}, rods=[Rod("main_rod", ("P2", "P4"), TIE_RODS)]))
-    with pytest.raises(pp.PinpressError, match="does not follow whether its preloaded joint opens"):
-        pp.steady_state(press, SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=screw)

@@ -23,11 +23,11 @@ from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
 from .acting.frame_on_mounts import on_mounts
 from .contact import Clearance, OpenPin
-from .description import STIFFEST, Elastic, Rod, by_bearing, dampers_by_bearing
+from .description import FRAME, STIFFEST, Elastic, Rod, by_bearing, dampers_by_bearing
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
 from .in_space.assembly import press_in_space
 from .in_space.bodies import PressInSpace
-from .preloaded_joint import PreloadedJoint, closed_stiffness
+from .preloaded_joint import JointSpring, PreloadedJoint, closed_stiffness
 from .press_on_springs import frequencies, reference_angle
 from .sprung_press import LineSprings, SprungPress, TurningSprings
 
@@ -195,14 +195,23 @@ class _Softer(NamedTuple):
     """A pin that yields more along a rod that ends there.
 
     Attributes:
-        body: the rod's link.
-        along: direction of the rod in the drawn pose.
-        compliance: of the rod at this pin [m/N].
+        name: of the rod.
+        body: its link.
+        along: direction of the rod in the drawn pose, outwards at this pin.
+        stiffness: of the rod [N/m], or a joint.
+        ends: number of pins that share its elongation.
     """
 
+    name: str
     body: int
     along: complex
-    compliance: float
+    stiffness: float | PreloadedJoint
+    ends: int
+
+    @property
+    def compliance(self) -> float:
+        """Of the rod at this pin, with a closed joint [m/N]."""
+        return 1 / positive(f"stiffness of rod {shown(self.name)}", closed_stiffness(self.stiffness), "N/m", STIFFEST) / self.ends
 
 
 def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> SprungPress:
@@ -215,6 +224,11 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
     guides = list(drawn.plane.prismatic)
     turning = by_bearing(press, "moments", stiffness.moments, "N m/rad", guides, **words)
     softer = _rods(drawn, stiffness.rods)
+    given = {-1: (FRAME, stiffness.frame)} | {press.bearings.index(name): (name, value) for name, value in stiffness.bearings.items()}
+    joints = [JointSpring(name, place, value) for place, (name, value) in given.items() if isinstance(value, PreloadedJoint)]
+    for place, rod in softer.items():
+        if isinstance(rod.stiffness, PreloadedJoint):
+            joints.append(JointSpring(rod.name, place, rod.stiffness, rod.ends, radial[place]))
     rows: list[tuple[int, int, complex, complex, complex, float, float, float, float, int, float]] = []
 
     def body(link: int) -> int:
@@ -261,6 +275,7 @@ def _with_springs(drawn: DrawnBodies, bare: SprungPress, elastic: Elastic) -> Sp
         bare,
         lines=_columns(LineSprings, rows),
         turns=_columns(TurningSprings, turns),
+        joints=tuple(joints),
         shapes=np.zeros((2, len(rows), 0), dtype=complex),
     )
 
@@ -278,12 +293,6 @@ def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
     press = drawn.press
     if not isinstance(rods, Sequence) or not all(isinstance(rod, Rod) for rod in rods):
         raise PinpressError(f"rods is {shown(rods)}: give a list of Rod(link, (bearing, bearing), stiffness)")
-    for rod in rods:
-        if isinstance(rod.stiffness, PreloadedJoint):
-            raise PinpressError(
-                f"rod {shown(rod.name)}: an elastic motion does not follow whether its preloaded joint opens; give its stiffness while"
-                f" closed, {rod.stiffness.stiffness:g} N/m, and look with slide_deflection whether it stays so"
-            )
     ends = [_rod_ends(drawn, rod) for rod in rods]
     used = [number for _, pins, _ in ends for number in pins]
     found: dict[int, _Softer] = {}
@@ -297,9 +306,8 @@ def _rods(drawn: DrawnBodies, rods: Sequence[Rod]) -> dict[int, _Softer]:
                     f"rod {shown(rod.name)}: another rod yields at its pin {shown(press.bearings[pin_number])}; give one of them to the"
                     " stiffness of the pin"
                 )
-            found[pin_number] = _Softer(
-                body, along, 1 / positive(f"stiffness of rod {shown(rod.name)}", rod.stiffness, "N/m", STIFFEST) / len(alone)
-            )
+            outwards = along if press.bearings[pin_number] == rod.between[1] else -along
+            found[pin_number] = _Softer(rod.name, body, outwards, rod.stiffness, len(alone))
     return found
 
 

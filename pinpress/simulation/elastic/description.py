@@ -20,6 +20,7 @@ from .flexible_link import FlexibleLink
 from .preloaded_joint import STIFFEST as STIFFEST
 from .preloaded_joint import PreloadedJoint, closed_stiffness
 
+FRAME = "frame"  # name of this part
 MOST_DAMPING = 2.0  # largest damping ratio
 
 
@@ -49,7 +50,7 @@ class Rod:
 @dataclass(frozen=True, eq=False)
 class Stiffness(Frozen):
     """Stiffnesses of the parts of a press. All parts without one are rigid, and so are gear pairs. A `PreloadedJoint` in place of a
-    number counts as closed wherever it stays closed.
+    number opens where its load opens it.
 
     Attributes:
         bearings: name of a bearing -> radial stiffness, in space also along its axis; of a guide, stiffness across its axis [N/m],

@@ -7,7 +7,7 @@ bearings. Slide position, velocity and acceleration are those of the slide on it
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 
@@ -18,16 +18,14 @@ from ...common.quantities import Array, ComplexArray
 from ...engines.planar.model import to_world
 from ...kinematics.motion import Motion, motion_through_change_points
 from ..driven_press import WorkOfForce
-from ..failures import failure
 from ..law_trials import confirm_torques
 from ..run import Run, Stats
 from ..solvers import SimulationProblem
 from ..trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 from .contact import OpenPin
-from .description import Elastic, Stiffness
+from .description import Elastic
 from .load_paths import NEAREST
 from .panels import Indices
-from .preloaded_joint import PreloadedJoint
 from .sprung_press import SprungPress
 from .task import ElasticSolution
 
@@ -47,6 +45,8 @@ class ElasticRun(Run):
             axes of the plane [m], and its turn [rad]. Of a linkage in space (n, links, 6): of its centre of mass in world axes [m], and
             the vector of its turn, along its axis and as long as its angle, in world axes [rad].
         bearing_force: (n, 3) by the names of joints and loops: action of parent on child, or of link1 on link2, in the plane [N].
+        joint_load: (n,) by the names of the parts with preloaded joints, "frame" that of the columns: the load on both members, positive
+            where it pulls [N]; `PreloadedJoint.forces` shares it among them. Of a rod it is the mean of the pulls at its pins.
         shaking_force: (n, 3) sum of the forces of linkage, crown and process loads on the frame [N].
         floor_force: (n, 3) force of the mounts on the floor [N]; None where the frame does not stand on mounts.
         frame_motion: (n, 3) displacement of the frame's centre of mass on its mounts along the axes of the plane, from its place under the
@@ -58,6 +58,7 @@ class ElasticRun(Run):
 
     displacement: Array
     bearing_force: NamedArrays[np.float64]
+    joint_load: Mapping[str, Array]
     shaking_force: Array
     floor_force: Array | None
     frame_motion: Array | None
@@ -110,14 +111,15 @@ class ElasticRun(Run):
 
     @property
     def events(self) -> tuple[tuple[float, float, float], ...]:
-        """Time [s], crank angle [rad] and slide position [m] of each event: a load begins, changes its law or ends; clutch or brake is
-        switched, begins to slip or to hold; the drive's torque jumps."""
+        """Time [s], crank angle [rad] and slide position [m] of each event: a load begins, changes its law or ends; a member of a preloaded
+        joint lifts off or touches; clutch or brake is switched, begins to slip or to hold; the drive's torque jumps."""
         return self._extremes.events
 
     def columns(self) -> dict[str, Array]:
-        """The columns of a run, then the size of each bearing's force, and the force on the frame."""
+        """The columns of a run, then the size of each bearing's force, the loads of preloaded joints, and the force on the frame."""
         columns = super().columns()
         columns |= {f"force_{name} [N]": np.linalg.norm(force, axis=1) for name, force in self.bearing_force.items()}
+        columns |= {f"joint_load_{name} [N]": load for name, load in self.joint_load.items()}
         columns |= {f"shaking_force_{axis} [N]": force for axis, force in zip("xyz", self.shaking_force.T, strict=True)}
         if self.floor_force is not None and self.frame_motion is not None:
             columns |= {f"floor_force_{axis} [N]": force for axis, force in zip("xyz", self.floor_force.T, strict=True)}
@@ -292,30 +294,10 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     powers = [force * rate for force, rate in equations.load_forces(at.times, at.segments, coordinates, all_rates)]
     loads = len(driven.forces)
     found[LOAD_WORK], found[LOST] = -sum(powers[:loads], nothing), found[LOST] - sum(powers[loads:], nothing)
+    if isinstance(sprung, SprungPress) and sprung.open_joints:  # what the springs of their members take is not lost
+        for joint, (extension, rate) in sprung.joint_motion(sprung.geometry(coordinates, all_rates)):
+            found[LOST] += joint.spring_force(extension) * rate
     return found
-
-
-def _refuse_open_joints(segment: ElasticSegment, stiffness: Stiffness) -> None:
-    """Raise SimulationError where a preloaded joint opens: the motion counts it as closed."""
-    sprung, panels = segment.solution.equations.sprung, segment.solution.panels
-    given = {-1: stiffness.frame} | {sprung.press.bearings.index(name): value for name, value in stiffness.bearings.items()}
-    joints = {number: joint for number, joint in given.items() if isinstance(joint, PreloadedJoint)}
-    if not joints:
-        return
-    count, stages = panels.accelerations.shape[:2]
-    at = solution_states(segment.solution, np.repeat(np.arange(count), stages), np.tile(panels.rule.points, count), None, segment.gain)
-    coordinates = sprung.all_coordinates(at.whole[0])
-    assert isinstance(sprung, SprungPress)  # joints in space are refused
-    pulls = sprung.lines.stiffness * sprung.geometry(coordinates, np.zeros_like(coordinates)).extension
-    for number, joint in joints.items():
-        (spring,) = np.flatnonzero(sprung.lines.bearing == number)
-        beyond = (pulls[:, spring] > joint.opening_load) | (pulls[:, spring] < -joint.slack_load)
-        if beyond.any():
-            first = int(np.argmax(beyond))
-            name = "frame" if number < 0 else sprung.press.bearings[number]
-            raise failure(
-                "joint opens", float(at.times[first]), float(at.whole[0][first, -1]), joint=name, load=1e-3 * float(pulls[first, spring])
-            )
 
 
 def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: Elastic, points: int, began: float) -> ElasticRun:
@@ -327,12 +309,8 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
         elastic: what yields.
         points: number of states.
         began: time of the clock at which the call began [s].
-
-    Raises:
-        SimulationError: a preloaded joint opens.
     """
     press, solution = problem.driven.press, segment.solution
-    _refuse_open_joints(segment, elastic.stiffness)
     sprung, trajectory = solution.equations.sprung, Trajectory([segment])
     times = np.linspace(0.0, segment.end, points)
     at = segment.states(times)
@@ -362,6 +340,7 @@ def elastic_run(problem: SimulationProblem, segment: ElasticSegment, elastic: El
         trajectory=trajectory,
         displacement=read_only(sprung.displacement(coordinates, motion)),
         bearing_force=NamedArrays(press.bearings, forces),
+        joint_load=FrozenMapping(_joint_loads(solution, at.times, at.segments, coordinates, rates)),
         shaking_force=read_only(_shaking_force(solution, at.whole_acceleration)),
         floor_force=_floor_force(solution, at.whole_acceleration),
         frame_motion=_frame_motion(solution, coordinates),
@@ -380,13 +359,46 @@ def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, c
         assert isinstance(sprung, SprungPress)
         for number, along in friction.along_guides(coordinates, rates).items():
             found[number] += to_world(sprung.plane, along)
-    if sprung.open_pins:
-        assert isinstance(sprung, SprungPress)
-        loads = solution.equations.load_forces(times, segments, coordinates, rates)[len(solution.equations.driven.forces) :]
-        for pin, (force, _) in zip(sprung.open_pins, loads, strict=True):
-            gap = journal_places(sprung, pin, coordinates)
-            found[pin.bearing] = to_world(sprung.plane, -force * gap / np.maximum(np.abs(gap), NEAREST))
+    if not sprung.open_pins and not sprung.open_joints:
+        return found
+    assert isinstance(sprung, SprungPress)
+    contacts = _contact_forces(solution, times, segments, coordinates, rates)
+    for pin, force in zip(sprung.open_pins, contacts, strict=False):
+        gap = journal_places(sprung, pin, coordinates)
+        found[pin.bearing] = to_world(sprung.plane, -force * gap / np.maximum(np.abs(gap), NEAREST))
+    if sprung.open_joints:
+        lines, against = sprung.lines, sprung.geometry(coordinates, rates).against
+        for joint, force in zip(sprung.open_joints, _joint_forces(sprung, contacts), strict=True):
+            if lines.bearing[joint.spring] >= 0:
+                along = lines.sign[joint.spring] * against[:, joint.spring].conj()
+                found[lines.bearing[joint.spring]] += to_world(sprung.plane, force * along)
     return found
+
+
+def _contact_forces(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> list[Array]:
+    """Forces (n,) of all contacts along their paths [N]."""
+    found = solution.equations.load_forces(times, segments, coordinates, rates)
+    return [force for force, _ in found[len(solution.equations.driven.forces) :]]
+
+
+def _joint_forces(sprung: SprungPress, contacts: Sequence[Array]) -> list[Array]:
+    """Of each preloaded joint the force (n,) of both members along its extension, of the forces (n,) of all contacts [N]."""
+    members = contacts[len(sprung.open_pins) :]
+    return [loaded + relieved for loaded, relieved in zip(members[::2], members[1::2], strict=True)]
+
+
+def _joint_loads(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> dict[str, Array]:
+    """Load (n,) of each part with a preloaded joint, the mean where it yields at two bearings [N]."""
+    sprung, found = solution.equations.sprung, dict[str, list[Array]]()
+    if not isinstance(sprung, SprungPress) or not sprung.open_joints:
+        return {}
+    lines, at = sprung.lines, sprung.geometry(coordinates, rates)
+    contacts = _contact_forces(solution, times, segments, coordinates, rates)
+    for joint, force in zip(sprung.open_joints, _joint_forces(sprung, contacts), strict=True):
+        k = joint.spring
+        always = lines.stiffness[k] * at.extension[:, k] + lines.damping[k] * at.opening[:, k]
+        found.setdefault(joint.name, []).append(always - force)
+    return {name: np.mean(pulls, axis=0) for name, pulls in found.items()}
 
 
 def journal_places(sprung: SprungPress, pin: OpenPin, coordinates: Array) -> ComplexArray:

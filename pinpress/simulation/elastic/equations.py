@@ -92,7 +92,7 @@ class ElasticEquations:
         segments: the forces that act in each segment.
         modes: of the drive train in each segment; (): it is engaged all the time.
         events: what happens at the knots whose times are free.
-        contacts: of pins with clearance; they come after the loads.
+        contacts: of pins with clearance, then of members of preloaded joints; they come after the loads.
         friction: of the bearings; None: they have none.
         direction: 1 where the crank turns forwards, else -1.
         lost: laws of contacts whose bodies are not apart yet, but part too fast to push each other, by the numbers of their forces.
@@ -251,12 +251,15 @@ class ElasticEquations:
         assert damping is not None
         if self.friction is not None:
             self.friction.add(coordinates, all_rates, force, stiffness, damping)
+        seen: dict[tuple[int, tuple[int, ...]], tuple[Indices, PathMotion]] = {}  # members of a joint have one path
         for number, law in enumerate(self.all_forces):
-            on = [segment for segment in np.unique(segments) if self.segments[segment][number] is not None]
+            on = tuple(int(segment) for segment in np.unique(segments) if self.segments[segment][number] is not None)
             if not on:
                 continue
-            some = np.flatnonzero(np.isin(segments, on))
-            path = self.paths[law.row].over(self.sprung, coordinates[some], all_rates[some])
+            if (law.row, on) not in seen:
+                some = np.flatnonzero(np.isin(segments, on))
+                seen[law.row, on] = some, self.paths[law.row].over(self.sprung, coordinates[some], all_rates[some])
+            some, path = seen[law.row, on]
             values, by_place, by_rate = self._law_values(law, number, segments[some], time[some], path)
             force[some] += values[:, None] * path.gradient
             outer = path.gradient[:, :, None] * path.gradient[:, None, :]
@@ -303,7 +306,7 @@ class ElasticEquations:
                 values[there] = _at_time(law, interval, time[there])
                 continue
             values[there], by_place[there], by_rate[there] = _values(interval, path.value[there] - law.datum, path.rate[there])
-            if interval.one_sided and number < len(self.driven.forces):
+            if interval.one_sided and not 0 <= number - len(self.driven.forces) < len(self.sprung.open_pins):
                 for each in (by_place, by_rate, values):
                     each[there] *= interval.sense * values[there] > 0
         return values, by_place, by_rate
@@ -312,7 +315,7 @@ class ElasticEquations:
         assert self.events is not None
         event = self.events[knot]
         if isinstance(event, Release):
-            return self._contact_force(event.force, time, y, v)
+            return self._contact_force(event.force, knot, time, y, v)
         if isinstance(event, TrainEvent):
             return self._train_event(event, knot, time, y, v)
         path, value = event
@@ -333,14 +336,17 @@ class ElasticEquations:
         """Derivative by time of what has this gradient (f,) by the free coordinates, where the crank goes its prescribed way."""
         return 0.0 if self.crank is None else float(gradient[-1] * self.crank.speed)
 
-    def _contact_force(self, number: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
-        """Force of a contact that acts before an event, its gradient (2 size,) by state and rate, and its derivative by time."""
+    def _contact_force(self, number: int, knot: int, time: float, y: Array, v: Array) -> tuple[float, Array, float]:
+        """Force of a contact that acts before a knot, or comes back there, its gradient (2 size,) by state and rate, and its derivative
+        by time."""
         law = self.all_forces[number]
         free, rates = self.whole(np.array([time]), y[None], v[None])
         path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
-        interval = self.lost.get(number, self.segments[-1][number])
+        interval, place = self.lost.get(number, self.segments[knot - 1][number]), path.value - law.datum
+        if interval is None:  # lost before, in a motion of several segments
+            interval = next((each for each in law.rising if each.lower < place[0] <= each.upper), law.rising[0])
         assert isinstance(interval, ForceInterval)
-        value, by_place, by_rate = _values(interval, path.value - law.datum, path.rate)
+        value, by_place, by_rate = _values(interval, place, path.rate)
         gradient = by_place[0] * path.gradient[0] + by_rate[0] * (path.bend[0] @ rates[0])
         by_state = np.concatenate([self._of_unknowns(gradient), self._of_unknowns(by_rate[0] * path.gradient[0])])
         return float(value[0]), by_state, self._with_the_crank(gradient)

@@ -18,6 +18,7 @@ from ..driven_press import Coordinate, JointPosition, Length, WorkOfForce
 from .assembly import DrawnBodies
 from .in_space.bodies import PressInSpace
 from .in_space.paths import path_in_space
+from .preloaded_joint import OpenJoint
 from .press_on_springs import LoadPath, PathMotion, PressOnSprings
 from .sprung_press import LineSprings, SprungPress
 
@@ -95,7 +96,7 @@ class LengthPath:
 
 @dataclass(frozen=True, eq=False)
 class FramePath:
-    """How far a point of a link has moved along a direction that turns with the frame.
+    """How far a point of a body has moved from a point of another along a direction that may turn with that.
 
     Attributes:
         line: the press with one spring along the path.
@@ -110,6 +111,13 @@ class FramePath:
         at = self.line.geometry(coordinates, rates)
         bend = self.line._bend(at, np.ones((len(coordinates), 1)))
         return PathMotion(at.extension[:, 0] + self.offset, at.opening[:, 0], self.line._gradient(at)[:, 0], bend)
+
+
+def joint_path(sprung: SprungPress, joint: OpenJoint) -> LoadPath:
+    """The extension of the spring in whose place a preloaded joint stands, from the drawn pose."""
+    own = slice(joint.spring, joint.spring + 1)
+    line = LineSprings._make(column[own] for column in sprung.lines)
+    return FramePath(replace(sprung, lines=line._replace(rest=np.zeros(1)), shapes=sprung.shapes[:, own]), 0.0)
 
 
 def load_path(sprung: PressOnSprings, coordinate: Coordinate) -> LoadPath:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
+from ..driven_press import GeneralizedForce
 from ..failures import failure
 from .acting.drive_train import TrainEvent, TrainMode
 from .acting.phases import Border as LoadBorder
@@ -216,6 +217,7 @@ class _March:
         acting = [(k, law) for k, law in enumerate(self.laws[-1]) if isinstance(law, ForceInterval)]
         pushing = [(k, law) for k, law in acting if law.one_sided and law.heeds_velocity]
         contacts = [*pushing, *self.lost.items()]
+        joints = [number for number in self.lost if number >= len(phases.driven.forces) + len(self.task.equations.sprung.open_pins)]
         telling = telling_steps(phases, places)
         telling[1] = True  # it starts on a border
         for _, values in margins:
@@ -230,7 +232,8 @@ class _March:
                 self.phase = phase
                 return _Passing(float(times[k]), None, force=released)
             before_step, phase = phase, phases.advanced(phase, places[k])
-            if phases.active(phase, places[k], self.time) != self.segments[-1]:
+            apart = any(before_step.through[number] and not phase.through[number] for number in joints)  # its spring is relaxed
+            if apart or phases.active(phase, places[k], self.time) != self.segments[-1]:
                 passed += [self._passing(times, places[:, border.path], k, border) for border in phases.borders]
             found_here = [one for one in passed if one is not None]
             if found_here:
@@ -442,7 +445,8 @@ def cut_to(near: PanelSolution, mesh: Mesh) -> PanelSolution:
 
 def resting(task: Task, start: float) -> Array:
     """The state (2 size,) at time 0 whose springs carry weight, loads and the inertia forces of the rigid motion, so that no vibration
-    begins. Journals with clearance rest on their bearings on the side to which these forces press them.
+    begins. Journals with clearance rest on their bearings on the side to which these forces press them; preloaded joints are open where
+    these forces open them.
 
     A free crank is accelerated by what its drive then leaves.
 
@@ -463,11 +467,31 @@ def resting(task: Task, start: float) -> Array:
     if sprung.closed is None:
         return np.concatenate([_balanced(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
     assert isinstance(sprung, SprungPress)
-    y = _balanced(replace(equations, sprung=sprung.closed), y, v, a, by_crank, task.tolerance)
-    aside = replace(sprung.closed, lines=_pressed_aside(sprung, replace(equations, sprung=sprung.closed), y, v))
-    y = _balanced(replace(equations, sprung=aside), y, v, a, by_crank, task.tolerance)
-    touching = segment[: len(task.phases.driven.forces)] + tuple(contact.rising[0] for contact in task.phases.contacts)
-    return np.concatenate([_balanced(replace(equations, segments=(touching,)), y, v, a, by_crank, task.tolerance)[0], v[0]])
+    loads, contacts = segment[: len(task.phases.driven.forces)], task.phases.contacts
+    closed = replace(equations, sprung=sprung.closed, segments=((*loads, *(None for _ in contacts)),))
+    y = _balanced(closed, y, v, a, by_crank, task.tolerance)
+    if sprung.open_pins:
+        aside = replace(sprung.closed, lines=_pressed_aside(sprung, closed, y, v))
+        y = _balanced(replace(closed, sprung=aside), y, v, a, by_crank, task.tolerance)
+    touching: Segment = tuple(contact.rising[0] for contact in contacts)
+    for _ in range(MOST_STEPS):
+        y = _balanced(replace(equations, segments=((*loads, *touching),)), y, v, a, by_crank, task.tolerance)
+        before, touching = touching, _members_touching(equations, contacts, y, v)
+        if touching == before:
+            return np.concatenate([y[0], v[0]])
+    raise failure("cannot go on", 0.0, message="preloaded joints neither stay closed nor open at the start")
+
+
+def _members_touching(equations: ElasticEquations, contacts: Sequence[GeneralizedForce], y: Array, v: Array) -> Segment:
+    """The laws of all contacts of pins, and of the members of preloaded joints that touch at a state (1, size); None of the others."""
+    sprung, pins = equations.sprung, len(equations.sprung.open_pins)
+    free, rates = equations.whole(np.zeros(1), y, v)
+    coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
+    found: list[ForceInterval | None] = [contact.rising[0] for contact in contacts]
+    for number, contact in enumerate(contacts[pins:], pins):
+        place, law = float(equations.paths[contact.row].over(sprung, coordinates, all_rates).value[0]), contact.rising[0]
+        found[number] = law if law.lower < place <= law.upper else None
+    return tuple(found)
 
 
 def _balanced(equations: ElasticEquations, y: Array, v: Array, a: Array, by_crank: Array, tolerance: float) -> Array:

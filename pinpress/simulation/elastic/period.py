@@ -16,7 +16,7 @@ from ...common.quantities import Array
 from ..failures import failure
 from .acting.drive_train import TrainEvent, TrainMode
 from .acting.phases import Plan
-from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent
+from .equations import CRANK_ANGLE, ElasticEquations, Event, MotionEvent, Release
 from .marching import cut_to, march, telling_steps
 from .panels import Border, Indices, Mesh, PanelSolution, newton_step, radau, solve
 from .task import ASIDE, FIRST, LEAST, LOOKS, MOST_STEPS, SETTLED, STAGES, ElasticSolution, Task, even_mesh, places_on
@@ -66,8 +66,13 @@ def periodic(task: Task, start: float) -> ElasticSolution:
         if stroke < 1:
             continue
         of, knots = followed.equations, followed.panels.mesh.knots * abs(task.speed)
-        plan = Plan(of.segments, of.events or {}, knots, of.modes)
-        found = _refined(task, start, plan, followed.panels)
+        plan, guess = Plan(of.segments, of.events or {}, knots, of.modes), followed.panels
+        if any(isinstance(event, Release) for event in plan.events.values()):  # within a period contacts are lost without an event
+            observed = _observed(task, followed, start)
+            if observed is None:
+                continue
+            plan, guess = observed, _replanned(observed, guess)
+        found = _refined(task, start, plan, guess)
         observed = None if found is None else _observed(task, found, start)
         if found is not None and observed is not None and _alike(observed, plan):
             return _with_passage(task, found)

@@ -7,7 +7,10 @@ alone (any textbook of machine elements, preloaded bolts).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +19,7 @@ from ...common.arguments import numbers, positive
 from ...common.errors import caution
 from ...common.frozen import Frozen
 from ...common.quantities import Array
+from ...loads.process import ForceInterval
 
 STIFFEST = 1e15  # [N/m, N m/rad], beyond other sizes, as what counts as rigid is given so; rounding of places is then a force of 0.1 N
 FAINT = 1e3  # no joint of a press is preloaded by less [N]
@@ -84,3 +88,104 @@ class PreloadedJoint(Frozen):
 def closed_stiffness(given: object) -> object:
     """The stiffness of a part with both members of its joint touching; anything but a `PreloadedJoint` is returned unchanged."""
     return given.stiffness if isinstance(given, PreloadedJoint) else given
+
+
+# ----------------------------------------------------------------------------------------------------------------------- in elastic motion
+
+
+@dataclass(frozen=True)
+class JointSpring:
+    """A preloaded joint in series with a spring, as a die-height screw is with the pin at the end of its rod.
+
+    While both members touch, the whole is as stiff as f(loaded + relieved), with f(k) = 1 / (1 / (ends k) + 1 / series); with one member
+    alone f(loaded), or f(relieved). Three springs side by side do the same: one that always holds, of f(loaded) + f(relieved) -
+    f(loaded + relieved), never negative as f is concave, and two members of their own that push one way each.
+
+    Attributes:
+        name: of the part that has the joint.
+        bearing: number of the bearing with whose spring it yields; -1: the columns of a crown.
+        joint: stiffnesses of both members, and their preload.
+        ends: number of bearings, this one among them, each of which has the same share of the joint's elongation.
+        series: stiffness of the spring in series; infinite: there is none [N/m].
+    """
+
+    name: str
+    bearing: int
+    joint: PreloadedJoint
+    ends: int = 1
+    series: float = math.inf
+
+    def _in_series(self, stiffness: float) -> float:
+        return 1 / (1 / (self.ends * stiffness) + 1 / self.series)
+
+    def opened(self, spring: int, damping: float) -> OpenJoint:
+        """The joint whose members may lift off, in place of the spring of this number, with its damper while closed [N s/m]."""
+        joint = self.joint
+        closed, pulled, pressed = map(self._in_series, (joint.stiffness, joint.loaded, joint.relieved))
+        members = closed - pressed, closed - pulled
+        reach = joint.slack_load / closed, joint.opening_load / closed
+        always = pulled + pressed - closed if math.isfinite(self.series) else 0.0
+        rest = (members[0] * reach[0] - members[1] * reach[1]) / always if always > 0 else 0.0
+        share = damping / closed
+        return OpenJoint(self.name, spring, always, share * always, rest, members, (share * members[0], share * members[1]), reach)
+
+
+@dataclass(frozen=True)
+class OpenJoint:
+    """A preloaded joint as the spring that always holds and two members, each of which pushes until its force vanishes.
+
+    With the extension x, positive where the joint is pulled, the loaded member pulls with k (reach + x) + c x' and the relieved one pushes
+    with k (reach - x) - c x'. Neither does the opposite, so that a damped member lifts off before its spring is relaxed.
+
+    Attributes:
+        name: of the part.
+        spring: number of the line spring in whose place it stands.
+        always: stiffness of the spring that always holds [N/m].
+        damping: its damper [N s/m].
+        rest: extension at which it is slack [m].
+        members: stiffnesses of the loaded and of the relieved member [N/m].
+        dampers: of both [N s/m].
+        reach: how far the joint is pressed until the loaded member is slack, and pulled until the relieved one is [m].
+    """
+
+    name: str
+    spring: int
+    always: float
+    damping: float
+    rest: float
+    members: tuple[float, float]
+    dampers: tuple[float, float]
+    reach: tuple[float, float]
+
+    def contacts(self) -> tuple[ForceInterval, ForceInterval]:
+        """The loaded and the relieved member, as contacts along the extension."""
+        loaded, relieved = (
+            partial(_member, *each) for each in zip(self.members, self.dampers, (-self.reach[0], self.reach[1]), strict=True)
+        )
+        return (
+            ForceInterval(math.inf, -self.reach[0], loaded, one_sided=True, heeds_velocity=self.dampers[0] > 0, sense=-1),
+            ForceInterval(self.reach[1], -math.inf, relieved, one_sided=True, heeds_velocity=self.dampers[1] > 0),
+        )
+
+    def strained(self, extension: Array) -> tuple[Array, Array]:
+        """By how much (n,) the loaded member is stretched, and the relieved one pressed [m]."""
+        return np.maximum(self.reach[0] + extension, 0.0), np.maximum(self.reach[1] - extension, 0.0)
+
+    def spring_force(self, extension: Array) -> Array:
+        """Force (n,) of the springs of both members along the extension [N]."""
+        stretched, pressed = self.strained(extension)
+        return self.members[1] * pressed - self.members[0] * stretched
+
+    def spring_slope(self, extension: Array) -> Array:
+        """Minus the derivative (n,) of `spring_force` [N/m]."""
+        stretched, pressed = self.strained(extension)
+        return self.members[1] * (pressed > 0) + self.members[0] * (stretched > 0)
+
+    def stored(self, extension: Array) -> Array:
+        """Energy (n,) in the springs of both members [J]."""
+        stretched, pressed = self.strained(extension)
+        return np.asarray(0.5 * (self.members[0] * stretched**2 + self.members[1] * pressed**2))
+
+
+def _member(stiffness: float, damping: float, touching: float, place: Any, rate: Any) -> Any:
+    return stiffness * (touching - place) - damping * rate

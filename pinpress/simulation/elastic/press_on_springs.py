@@ -17,6 +17,7 @@ from ...kinematics.slide_path import dead_centres
 from ...linkage.linkage import Linkage
 from .contact import OpenPin
 from .panels import VaryingInertia
+from .preloaded_joint import OpenJoint
 
 
 class SpringForces(NamedTuple):
@@ -80,8 +81,12 @@ class PressOnSprings(Protocol):
         """Pins with clearance."""
 
     @property
+    def open_joints(self) -> tuple[OpenJoint, ...]:
+        """Preloaded joints that may open."""
+
+    @property
     def closed(self) -> Any:
-        """The same press without clearance; None where there is none."""
+        """The same press without clearance and with closed joints; None where it is the same."""
 
     def all_coordinates(self, free: Array) -> Array:
         """All coordinates (n, k) of free ones (n, f)."""

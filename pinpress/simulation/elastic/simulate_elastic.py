@@ -23,7 +23,7 @@ from .assembly import press_on_springs
 from .description import Elastic
 from .elastic_run import ElasticRun, ElasticSegment, elastic_run
 from .equations import ElasticEquations, HeldCrank
-from .load_paths import LengthPath, from_frame, load_path, refuse_on_flexible_links
+from .load_paths import LengthPath, from_frame, joint_path, load_path, refuse_on_flexible_links
 from .marching import march, resting
 from .period import periodic, periodic_near
 from .press_on_springs import PressOnSprings
@@ -151,7 +151,9 @@ def _task(
     """What is to be found for a crank at a constant speed, and the crank angle at which the solution begins: for a steady state one at
     which the rigid press turns; ``sprung``: the press on its springs where it is known."""
     _refuse_unsuitable(driven, elastic)
-    sprung = sprung or press_on_springs(driven.press, elastic)
+    if sprung is None:
+        sprung = press_on_springs(driven.press, elastic)
+        sprung = sprung.opening() if isinstance(sprung, SprungPress) else sprung
     if steady and sprung.open_pins:
         raise PinpressError(
             "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"
@@ -184,6 +186,8 @@ def _task_from(start: float, sprung: PressOnSprings, phases: LoadPhases, speed: 
     if isinstance(sprung, SprungPress) and sprung.base is not None:
         paths = from_frame(sprung, paths, isinstance(driven.coordinates[0], JointPosition))
     paths += tuple(LengthPath(pin.bodies, pin.arms, 0.0, -1.0) for pin in sprung.open_pins)
+    if isinstance(sprung, SprungPress):
+        paths += tuple(joint_path(sprung, joint) for joint in sprung.open_joints)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
         found = _rigid_states(sprung, motion_through_change_points(press, start + speed * times, speed))
@@ -197,11 +201,15 @@ def _task_from(start: float, sprung: PressOnSprings, phases: LoadPhases, speed: 
 
 
 def _contacts(driven: DrivenPress, sprung: PressOnSprings) -> tuple[GeneralizedForce, ...]:
-    """The contacts of pins with clearance, on paths after those of the loads."""
-    found = []
-    for number, pin in enumerate(sprung.open_pins):
+    """The contacts of pins with clearance and of members of preloaded joints, on paths after those of the loads."""
+    found, first = [], len(driven.coordinates)
+    for row, pin in enumerate(sprung.open_pins, first):
         both = (pin.contact(),)
-        found.append(GeneralizedForce(len(driven.coordinates) + number, -pin.clearance.radial, both, both))
+        found.append(GeneralizedForce(row, -pin.clearance.radial, both, both))
+    for row, joint in enumerate(sprung.open_joints, first + len(sprung.open_pins)):
+        for member in joint.contacts():
+            both = (member,)
+            found.append(GeneralizedForce(row, 0.0, both, both))
     return tuple(found)
 
 

@@ -17,7 +17,7 @@ springs (`flexible_link`); they stand after those of all bodies.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -33,6 +33,7 @@ from ...linkage.linkage import Linkage
 from .contact import OpenPin
 from .flexible_link import FlexibleBody
 from .panels import VaryingInertia
+from .preloaded_joint import JointSpring, OpenJoint
 from .press_on_springs import SpringForces, frequencies, reference_angle
 
 Indices = NDArray[np.intp]
@@ -105,8 +106,10 @@ class SprungPress:
         shapes: (2, S, Q) by the coordinates of the flexible links, displacements of points 1 and 2 of the line springs [-].
         crown: the body that carries the bearings on the frame, on its columns; None: the frame carries them.
         rotor: the body that a shaft joins to the crank; None: the crank is the shaft's own.
+        joints: preloaded joints, whose springs in ``lines`` are those of closed joints.
         open_pins: pins with clearance, which have no springs in ``lines``.
-        closed: the same press without clearance; None where there is none.
+        open_joints: preloaded joints that may open, whose members have no springs in ``lines``.
+        closed: the same press without clearance and with closed joints; None where it is the same.
         flexible: the flexible links.
         base: the frame, where it stands on mounts; the ground is the last body then.
         fixed: the same press on a fixed frame, where it stands on mounts.
@@ -123,7 +126,9 @@ class SprungPress:
     shapes: ComplexArray
     crown: int | None = None
     rotor: int | None = None
+    joints: tuple[JointSpring, ...] = ()
     open_pins: tuple[OpenPin, ...] = ()
+    open_joints: tuple[OpenJoint, ...] = ()
     closed: SprungPress | None = None
     flexible: tuple[FlexibleBody, ...] = ()
     base: int | None = None
@@ -138,6 +143,25 @@ class SprungPress:
     def free(self) -> int:
         """Number of free coordinates."""
         return int(self.carry.shape[1])
+
+    def opening(self) -> SprungPress:
+        """The same press with preloaded joints that may open."""
+        if not self.joints:
+            return self
+        lines, found = self.lines, []
+        columns = lines.stiffness.copy(), lines.damping.copy(), lines.rest.copy()
+        for joint in self.joints:
+            spring = int(np.flatnonzero(lines.bearing == joint.bearing)[0])
+            found.append(joint.opened(spring, float(lines.damping[spring])))
+            for column, value in zip(columns, (found[-1].always, found[-1].damping, found[-1].rest), strict=True):
+                column[spring] = value
+        return replace(
+            self,
+            lines=lines._replace(stiffness=columns[0], damping=columns[1], rest=columns[2]),
+            open_joints=tuple(found),
+            closed=self.closed or self,
+            fixed=None if self.fixed is None else self.fixed.opening(),
+        )
 
     def bodies_of(self, bearing: int) -> tuple[int, int]:
         """The bodies that a bearing joins, the acting one first."""
@@ -158,8 +182,8 @@ class SprungPress:
 
     @cached_property
     def lowest_frequency(self) -> float:
-        """Lowest natural frequency at bottom dead centre, with the crank held and without dampers [rad/s]."""
-        return float(frequencies(self, reference_angle(self.press))[0])
+        """Lowest natural frequency at bottom dead centre, with the crank held, closed joints and without dampers [rad/s]."""
+        return float(frequencies(self if self.closed is None else self.closed, reference_angle(self.press))[0])
 
     def all_coordinates(self, free: Array) -> Array:
         """All coordinates (n, k) of free ones (n, f)."""
@@ -276,6 +300,11 @@ class SprungPress:
             damping += self.carry.T @ (self._of_shapes[1][:, None] * self.carry)
         return SpringForces(force, stiffness, damping)
 
+    def joint_motion(self, at: LineGeometry) -> list[tuple[OpenJoint, tuple[Array, Array]]]:
+        """The preloaded joints that may open, each with its extension and the rate of that, (n,) each, where the springs are so."""
+        rest = self.lines.rest
+        return [(each, (at.extension[:, each.spring] + rest[each.spring], at.opening[:, each.spring])) for each in self.open_joints]
+
     def bearing_forces(self, coordinates: Array, rates: Array) -> Array:
         """Forces (bearings, n, 3) of the springs, parent on child or link1 on link2, in world axes [N]."""
         lines, at = self.lines, self.geometry(coordinates, rates)
@@ -303,9 +332,10 @@ class SprungPress:
 
     def stored_energy(self, coordinates: Array) -> Array:
         """Energy (n,) of springs and weights [J]."""
-        extension, twist = self.geometry(coordinates, np.zeros_like(coordinates)).extension, self.turning_rates(coordinates)
+        at, twist = self.geometry(coordinates, np.zeros_like(coordinates)), self.turning_rates(coordinates)
+        extension, joints = at.extension, sum(joint.stored(motion[0]) for joint, motion in self.joint_motion(at))
         found = extension**2 @ self.lines.stiffness + twist**2 @ self.turns.stiffness + coordinates**2 @ self._of_shapes[0]
-        return np.asarray(0.5 * found - coordinates @ self.weight)
+        return np.asarray(0.5 * found + joints - coordinates @ self.weight)
 
     @cached_property
     def _of_shapes(self) -> Array:

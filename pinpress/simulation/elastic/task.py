@@ -93,6 +93,8 @@ def largest_deflection(task: Task, start: float) -> float:
     share = (np.arange(SAMPLES) + 1) / SAMPLES
     times = (plan.knots[:-1, None] + np.diff(plan.knots)[:, None] * share).ravel() * (task.period / plan.knots[-1])
     y, v, a = task.rigid(times)
+    contacts = (None,) * len(task.equations.contacts)
+    plan = plan._replace(segments=tuple(segment[: len(segment) - len(contacts)] + contacts for segment in plan.segments))
     equations = replace(task.equations, segments=plan.segments, sprung=sprung.closed or sprung)
     segments = np.repeat(np.arange(len(plan.segments)), SAMPLES)
     force, _, _, _ = equations.forces(times, y, v, segments)

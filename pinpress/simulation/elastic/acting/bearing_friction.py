@@ -77,6 +77,8 @@ class BearingFriction:
         lines = self.sprung.lines
         geometry, sliding = self.sprung.geometry(coordinates, rates), self.slides.geometry(coordinates, rates)
         pulls = -(lines.stiffness * geometry.extension + lines.damping * geometry.opening)
+        for joint, (extension, _) in self.sprung.joint_motion(geometry):
+            pulls[:, joint.spring] += joint.spring_force(extension)
         pressing = np.sqrt((pulls * pulls) @ self.owners)
         speed = np.concatenate([rates @ self.angles.T, sliding.opening], axis=1)
         efforts = -(self.arm * pressing * np.tanh(speed / self.slow) + self.viscous * speed)
@@ -102,7 +104,10 @@ class BearingFriction:
         turned[:, pins:] = slides._gradient_rate(found.sliding, rates)
         force += np.matmul(found.efforts[:, None, :], gradient)[:, 0]
         opening = sprung._gradient(found.geometry)
-        by_place = lines.stiffness[:, None] * opening + lines.damping[:, None] * sprung._gradient_rate(found.geometry, rates)
+        held = np.tile(lines.stiffness, (count, 1))
+        for joint, (extension, _) in sprung.joint_motion(found.geometry):
+            held[:, joint.spring] += joint.spring_slope(extension)
+        by_place = held[:, :, None] * opening + lines.damping[:, None] * sprung._gradient_rate(found.geometry, rates)
         share = np.tanh(found.speed / self.slow)
         steep = self.arm * found.pressing * (1 - share * share) / self.slow + self.viscous
         along = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, LEAST)[:, None, :]  # (n, S, K)

@@ -56,7 +56,8 @@ class LoadPhases:
     Attributes:
         driven: the press with its loads.
         direction: 1 where the crank turns forwards, else -1.
-        contacts: of pins with clearance, on paths after those of the driven press; the rigid press touches none of them.
+        contacts: of pins with clearance and of members of preloaded joints, on paths after those of the driven press, which the rigid
+            press does not leave.
     """
 
     driven: DrivenPress
@@ -91,7 +92,8 @@ class LoadPhases:
 
     def places(self, angle: float) -> Array:
         """(paths,) values of the paths of the rigid press at a crank angle [m]."""
-        return np.concatenate([self.driven.model.at(np.array(angle))[0][COORDINATES:], np.zeros(len(self.contacts))])
+        own = max((contact.row + 1 - len(self.driven.coordinates) for contact in self.contacts), default=0)
+        return np.concatenate([self.driven.model.at(np.array(angle))[0][COORDINATES:], np.zeros(own)])
 
     def begun(self, angle: float) -> Phase:
         """The phase of a stroke in which nothing has happened yet, at a crank angle."""

@@ -28,6 +28,7 @@ from ....kinematics.motion import Motion, poses
 from ....linkage.linkage import Linkage
 from ..contact import OpenPin
 from ..panels import Indices, VaryingInertia
+from ..preloaded_joint import OpenJoint
 from ..press_on_springs import SpringForces, frequencies, reference_angle
 from .turning import NominalTurns, Turned, turned
 
@@ -117,6 +118,7 @@ class PressInSpace:
     alike: tuple[int, ...]
 
     open_pins: tuple[OpenPin, ...] = ()
+    open_joints: tuple[OpenJoint, ...] = ()
     _last_turned: list[tuple[Turned, Array, Array]] = field(default_factory=list, init=False)
 
     closed = None
