@@ -41,7 +41,12 @@ NAMES = {  # method -> what the table calls it
     "hand script": "hand script, batched NumPy",
 }
 ON_SPRINGS = 1e-3, 1e-6, 1e-8  # errors that are asked for, of a peak force
-PAGES = {"docs/accuracy.md": lambda: table(), "docs/comparison.md": lambda: comparison(), "README.md": lambda: in_short()}
+PAGES = {
+    "docs/accuracy.md": lambda: table(),
+    "docs/comparison.md": lambda: comparison(),
+    "README.md": lambda: in_short(),
+    "paper/paper.md": lambda: in_paper(),
+}
 Row = dict[str, str]
 
 
@@ -95,6 +100,12 @@ def in_short() -> str:
     turns = [_turns(turning) for _, turning in programs]
     lines = [f"| a turn, all forces | {' | '.join(words for words, _ in programs)} |", "|---" * (1 + len(programs)) + "|"]
     return "\n".join([*lines, *(f"| {words} | {' | '.join(turn[k] for turn in turns)} |" for k, words in enumerate(LINKAGES.values()))])
+
+
+def in_paper() -> str:
+    """The table of the article: a turn of each linkage, a program a row."""
+    lines = [f"| program | {' | '.join(LINKAGES.values())} |", "|---" * (1 + len(LINKAGES)) + "|"]
+    return "\n".join([*lines, *(f"| {words} | {' | '.join(_turns(turning))} |" for words, turning, _ in PROGRAMS if turning)])
 
 
 def put_into_pages() -> None:

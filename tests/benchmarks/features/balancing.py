@@ -49,7 +49,7 @@ def problems() -> dict[str, tuple[BalancingProblem, pp.balancing.Range]]:
 def by_highs(problem: BalancingProblem) -> np.ndarray:
     """Largest less smallest value of the one signal as a linear program over all states; circles from inside."""
     (signal,) = problem.signals
-    effects, fixed, count = signal.effects[:, 0], signal.fixed[:, 0], len(problem.mass)
+    effects, fixed, count = signal.effects[:, 0], signal.fixed[:, 0], signal.effects.shape[2]
     ones = np.ones((len(fixed), 1))
     above, right = [np.hstack([effects, -ones, 0 * ones]), np.hstack([-effects, 0 * ones, ones])], [-fixed, fixed]
     for part in problem.rows:
@@ -72,7 +72,7 @@ def by_highs(problem: BalancingProblem) -> np.ndarray:
 def by_search(problem: BalancingProblem) -> tuple[np.ndarray, int]:
     """SLSQP on the range itself, from 100 and 1000 kg; and how often it asked for the range."""
     (signal,) = problem.signals
-    u = np.array([100.0, 1000.0]) / problem.mass
+    u = np.array([100.0, 1000.0]) / problem.mass[0]
 
     def slope(u: np.ndarray) -> np.ndarray:
         series = signal.at(u)[:, 0]
@@ -99,7 +99,7 @@ def main() -> None:
             print(f"{name:24}{solver:>12}{value:16.8g}{bound:>16}{1e3 * seconds:11.2f}{seconds / times[0]:8.2f}")
         if "JF75G" in name:
             u, asked_for = by_search(problem)
-            masses = ", ".join(f"{mass:.4f} kg" for mass in problem.mass * u)
+            masses = ", ".join(f"{mass:.4f} kg" for mass in problem.mass[0] * u)
             print(f"{'':24}the search stops at {masses} after {asked_for} ranges")
 
 
