@@ -40,13 +40,15 @@ class Tree(NamedTuple):
     Attributes:
         joints: its joints, consecutive.
         rows: rows of functions, the row of ones first.
-        matrix: second derivatives of the functions to the work on them, below that to the forces of all links that each joint carries.
-        single: the four numbers of this matrix where there is one joint.
+        to_work: second derivatives of the functions to the work on them.
+        to_forces: the same to the forces of all links that each joint carries.
+        single: the four numbers of these matrices where there is one joint.
     """
 
     joints: range
     rows: slice
-    matrix: ComplexArray
+    to_work: ComplexArray
+    to_forces: ComplexArray
     single: tuple[ComplexArray, ...]
 
 
@@ -57,13 +59,13 @@ class OpenTree(NamedTuple):
         work: by rows, on the functions.
         own: of the links ``on_guides`` of `Bodies` alone.
         forces: of all bearings; those of the loops are to be filled in.
-        bearings: the same as one array (bearings, n); None where they are apart.
+        bearings: the same as one array (bearings, n).
     """
 
     work: list[ComplexArray]
     own: list[ComplexArray]
     forces: list[ComplexArray]
-    bearings: ComplexArray | None
+    bearings: ComplexArray
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -147,9 +149,8 @@ def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
         columns = [0, *places[one + 1 : end]]
         to_work = plain(bodies.reduced[[place - 1 for place in columns[1:]]][:, columns]).conj()
         to_forces = plain(bodies.subtree_forces[joints][:, columns]).conj()
-        matrix = np.concatenate([to_work, to_forces])
-        single = tuple(np.array(entry) for entry in matrix.ravel()) if len(joints) == 1 else ()
-        trees.append(Tree(range(joints[0], joints[-1] + 1), slice(one, end), matrix, single))
+        single = tuple(np.array(entry) for entry in (*to_work[0], *to_forces[0])) if len(joints) == 1 else ()
+        trees.append(Tree(range(joints[0], joints[-1] + 1), slice(one, end), to_work, to_forces, single))
         if together is not None:
             together[one + 1 : end, one:end] = to_work
             together[first_force + joints[0] : first_force + joints[-1] + 1, one:end] = to_forces
@@ -262,7 +263,7 @@ def _fill(
     shared: bool,
     found: Found,
 ) -> bool:
-    """Fill in a piece of the motion; returns whether a sum shows that it is finite.
+    """Fill in a piece of the motion; returns whether sums show that it is finite.
 
     Args:
         fixed: inertial constants.
@@ -287,24 +288,27 @@ def _fill(
         _through_gears(chain, closed, work, torque, found.coupling)
     if shared:
         open_tree = _share(fixed, closed, open_tree, found.coupling)
-    total = np.add.reduce(torque)
+    total = 0.0
     if asked.bearings:
-        total = total + _put(plane, open_tree, asked.bearings, found.force)
+        bearings = open_tree.bearings if asked is fixed.all_bearings else open_tree.bearings.take(asked.bearings, axis=0)
+        _put_forces(plane, bearings, found.force)
+        total = np.add.reduce(bearings, axis=None)
         if asked.guided:
             _add_guided(fixed, closed, open_tree, moments)
         if chain.turns:
             moments[plane.driver] = torque
         if chain.gears:
             _add_geared(fixed, found.coupling, moments)
-        for joint, moment in zip(asked.turned, found.moment, strict=True):
-            values = moments[joint]
-            if values is not torque and isinstance(values, np.ndarray):
-                total = total + np.add.reduce(values)
-            if isinstance(values, np.ndarray):
-                put_normal(plane, values, moment)
+        values = np.empty((len(asked.turned), len(torque)))
+        for row, joint in zip(values, asked.turned, strict=True):
+            row[:] = moments[joint]
+        put_normal(plane, values, found.moment)
+        total += np.add.reduce(values, axis=None)
+    if plane.driver not in asked.turned:
+        total += np.add.reduce(torque)
     if chain.gears:
         torques(plane, found.coupling)
-        total = total + np.add.reduce(found.coupling, axis=None)
+        total += np.add.reduce(found.coupling, axis=None)
     return math.isfinite(abs(total))
 
 
@@ -321,29 +325,28 @@ def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acce
 def _open_tree(fixed: ChainBodies, second: ComplexArray, apart: bool) -> OpenTree:
     """Forces with all loops open, from what `_second_derivatives` returned; ``apart``: whether own forces must not be those of joints."""
     chain, first = fixed.chain, fixed.first_force
-    joints, n, loops = len(chain.rows), second.shape[1], len(chain.plane.loop_heights)
+    joints, n = len(chain.rows), second.shape[1]
+    found = np.empty((first + fixed.bearing_count, n), complex)
     if fixed.together is not None and fixed.together.size * n <= SERIAL:
-        found = np.empty((first + joints + loops, n), complex)
         np.dot(fixed.together, second, found[: first + joints])
         rows = list(found)
         return OpenTree(rows[: chain.count], rows[chain.count : first], rows[first:], found[first:])
-    work, forces = [second[0]] * chain.count, [second[0]] * joints
+    rows = list(found)
+    work, forces = rows[: chain.count], rows[first:]
     for tree in fixed.trees:
-        here, count = second[tree.rows], len(tree.joints)
-        found = np.empty((2 * count, n), complex)
+        here, start, end = second[tree.rows], first + tree.joints.start, first + tree.joints.stop
         if tree.single:
             constant1, by1, constant2, by2 = tree.single
-            for row, by, constant in ((0, by1, constant1), (1, by2, constant2)):
-                np.add(np.multiply(here[1], by, found[row]), constant, found[row])
+            for row, by, constant in ((rows[tree.rows.start + 1], by1, constant1), (rows[start], by2, constant2)):
+                np.add(np.multiply(here[1], by, row), constant, row)
         else:
-            _multiply(tree.matrix, here, found)
-        work[tree.rows.start + 1 : tree.rows.stop] = found[:count]
-        forces[tree.joints.start : tree.joints.stop] = found[count:]
+            _multiply(tree.to_work, here, found[tree.rows.start + 1 : tree.rows.stop])
+            _multiply(tree.to_forces, here, found[start:end])
     if fixed.leaves:
         own = [forces[joint].copy() if apart else forces[joint] for joint in fixed.bodies.on_guides]
     else:
-        own = list(_multiply(fixed.to_own, second, np.empty((len(fixed.to_own), n), complex)))
-    return OpenTree(work, own, [*forces, *np.empty((loops, n), complex)], None)
+        own = list(_multiply(fixed.to_own, second, found[chain.count : first]))
+    return OpenTree(work, own, forces, found[first:])
 
 
 def _multiply(rows: ComplexArray, columns: ComplexArray, out: ComplexArray) -> ComplexArray:
@@ -370,11 +373,11 @@ def _solve(fixed: ChainBodies, closed: Closed, places: Sequence[int], work: list
     relieve joints and functions."""
     along, joints = closed.along, len(fixed.chain.rows)
     for place in places:
-        equation, (e1, *others) = fixed.chain.equations[place], closed.inverses[place]
-        one, *more = equation.dyad.asked(along, work)
-        force = np.multiply(e1, one, forces[joints + equation.loop])
-        for e2, other in zip(others, more, strict=True):
-            force += e2 * other
+        equation, inverses = fixed.chain.equations[place], closed.inverses[place]
+        efforts = equation.dyad.asked(along, work)
+        force = np.multiply(inverses[0], efforts[0], forces[joints + equation.loop])
+        if len(efforts) > 1:
+            force += inverses[1] * efforts[1]
         _relieve(fixed, closed, equation, force, work, forces)
 
 
@@ -422,7 +425,7 @@ def _share(fixed: ChainBodies, closed: Closed, open_tree: OpenTree, multipliers:
     chain, n = fixed.chain, multipliers.shape[1]
     parts = np.zeros((len(chain.levers) + 1, fixed.bearing_count, n), complex)  # idle forces, then those of the bearings
     idle_multipliers, unused = np.zeros((len(chain.levers), *multipliers.shape)), np.empty(n)
-    np.stack(open_tree.forces, out=parts[-1])
+    parts[-1] = open_tree.bearings
     for lever, places, forces, of_gears in zip(chain.levers, fixed.balancing, map(list, parts), idle_multipliers, strict=False):
         equation, work = chain.equations[lever], list(np.zeros((chain.count, n), complex))
         along_lever = np.multiply(closed.inverses[lever][0], I, forces[len(chain.rows) + equation.loop])
@@ -436,21 +439,8 @@ def _share(fixed: ChainBodies, closed: Closed, open_tree: OpenTree, multipliers:
     return open_tree._replace(forces=list(parts[-1]), bearings=parts[-1])
 
 
-def _put(plane: Plane, open_tree: OpenTree, wanted: Sequence[int], out: Array) -> complex:
-    """Fill ``out`` (k, n, 3) with the forces of the wanted bearings; returns their sum."""
-    if open_tree.bearings is not None and len(wanted) == len(open_tree.forces):
-        _put_forces(plane, open_tree.bearings, out)
-        return complex(np.add.reduce(open_tree.bearings, axis=None))
-    total = 0j
-    for place, bearing in enumerate(wanted):
-        force = open_tree.forces[bearing]
-        _put_forces(plane, force, out[place])
-        total += complex(np.add.reduce(force))
-    return total
-
-
 def _put_forces(plane: Plane, forces: ComplexArray, out: Array) -> None:
-    """Fill ``out`` (..., 3) with forces whose conjugates (...) are given."""
+    """Fill ``out`` (k, n, 3) with forces whose conjugates (k, n) are given."""
     for i, first, second, _ in plane.world_components:
         if not (first or second):
             out[..., i] = 0.0

@@ -241,14 +241,14 @@ def put_in_plane(plane: Plane, vectors: ComplexArray, out: Array) -> None:
 
 
 def put_normal(plane: Plane, values: Array, out: Array) -> None:
-    """Fill ``out`` (n, 3), zero so far, with vectors along the normal whose lengths are ``values`` (n,)."""
+    """Fill ``out`` (..., 3), zero so far, with vectors along the normal whose lengths are ``values`` (...)."""
     for i, _, _, along in plane.world_components:
         if along == 1.0:
-            out[:, i] = values
+            out[..., i] = values
         elif along == -1.0:
-            np.negative(values, out=out[:, i])
+            np.negative(values, out=out[..., i])
         elif along:
-            np.multiply(values, along, out=out[:, i])
+            np.multiply(values, along, out=out[..., i])
 
 
 def build_plane(
