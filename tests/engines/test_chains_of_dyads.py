@@ -242,7 +242,7 @@ def test_gears_that_are_left_to_newtons_method():
     assert chain_of(texts.load(text.replace("</robot>", f'<link name="planet">{mass}</link>{planet}</robot>'))) is None
 
 
-@given(linkages(tilted=False, stacked=False, solid=False))
+@given(linkages())
 @examples(30)
 def test_random_chains(spec):
     drawing = drawn(spec)

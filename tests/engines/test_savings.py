@@ -376,16 +376,20 @@ def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(
 
 
 def test_what_is_not_redundant_shares_nothing(monkeypatch, six_bar, turn):
-    stacked = case("two_point")
-    pp.inverse_dynamics(*stacked)  # what the press keeps is made
+    stacked, across = case("two_point"), pp.loads.PointForce("slide", (0.0, 10.0, 0.0))
+    pp.inverse_dynamics(*stacked, [across])  # what the press keeps is made
     for bearings, shared in ((None, True), (("O",), True), ((), False)):
         assert calls(monkeypatch, spatial_dynamics, LEAST, *stacked, engine="pinocchio", bearings=bearings) == shared
         stiff = {"stiffness": dict.fromkeys(stacked[0].bearings, 1e9)}
-        assert calls(monkeypatch, bodies, LEAST, *stacked, **stiff, bearings=bearings) == shared
-        assert not calls(monkeypatch, bodies, LEAST, *stacked, bearings=bearings)  # that is the press's, made once
-    assert not calls(monkeypatch, statics, "_shares", six_bar, turn)
-    assert calls(monkeypatch, statics, "_shares", *case("three_rods"))
-    assert not calls(monkeypatch, statics, "_shares", *case("three_rods"), bearings=())
+        assert calls(monkeypatch, bodies, LEAST, *stacked, [across], **stiff, bearings=bearings) == shared
+        assert not calls(monkeypatch, bodies, LEAST, *stacked, **stiff, bearings=bearings)  # nothing acts along the normal
+        assert not calls(monkeypatch, bodies, LEAST, *stacked, [across], bearings=bearings)  # that is the press's, made once
+    assert not calls(monkeypatch, chain_forces, "_share", six_bar, turn)
+    assert calls(monkeypatch, chain_forces, "_share", *case("three_rods"))
+    assert not calls(monkeypatch, chain_forces, "_share", *case("three_rods"), bearings=())
+    rubbing = {"friction": {"O": pp.loads.Friction(0.1, 0.1)}}
+    assert not calls(monkeypatch, statics, "_shares", six_bar, turn, friction={"A": pp.loads.Friction(0.1, 0.1)})
+    assert calls(monkeypatch, statics, "_shares", *case("three_rods"), **rubbing)
 
 
 def test_no_friction_is_no_iteration(monkeypatch, six_bar, turn, engine):

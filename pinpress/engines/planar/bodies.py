@@ -78,6 +78,30 @@ class Bodies:
         """How bearings share tilting moments."""
         return share_moments(self.plane)
 
+    @cached_property
+    def along_normal(self) -> bool:
+        """Whether weights act along the normal."""
+        return bool(np.any(np.abs(self.axial_weight) > ROUNDING * self.mass * np.linalg.norm(self.gravity)))
+
+    @cached_property
+    def tilting(self) -> Matrix:
+        """(nv, nb) second derivative of the basis to the tilting moments that the joints would have to carry with all loops open, where
+        nothing acts along the normal."""
+        plane, width = self.plane, 1 + len(self.mass)
+        steps = np.array([height - plane.heights[p] if p >= 0 else 0.0 for p, height in zip(plane.parents, plane.heights, strict=True)])
+        turned = [{rotor: -1j * by} if rotor else {} for rotor, by in zip(plane.rotors, self.products.tolist(), strict=True)]
+        own = weighted(1j * self.forces, plane.center_heights - plane.heights) + matrix(turned, width, len(self.mass))
+        hanging = weighted(1j * self.subtree_forces, steps)
+        return compressed(plane.subtree @ (own + hanging) - hanging)
+
+    @cached_property
+    def tilting_by_pins(self) -> Matrix:
+        """(nv, nl) forces of the loops in the plane to minus i times what they add to these moments."""
+        plane, count = self.plane, len(self.mass)
+        levers = plane.heights[:, None] - plane.loop_heights
+        rows = [{k: sign * float(levers[j, k]) for k, sign in loops.items()} for j, loops in enumerate(plane.loops_of_joint)]
+        return matrix(rows, len(plane.loop_heights), count, float)
+
 
 def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     """Inertial constants of a linkage from its Pinocchio model."""

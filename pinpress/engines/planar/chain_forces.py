@@ -27,6 +27,7 @@ import numpy as np
 from ...common.quantities import Array, ComplexArray
 from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
 from ..joints import LARGE, SERIAL, Matrix, plain, product
+from . import out_of_plane
 from .bodies import Bodies
 from .chain import Chain, ChainStates, Closed, Equation, all_functions, rate_of
 from .dyads import I
@@ -194,26 +195,27 @@ def _over_functions(chain: Chain, rows: ComplexArray, places: Sequence[int]) -> 
 def chain_forces(
     fixed: ChainBodies, states: ChainStates, loads: Sequence[AppliedForce], wanted: Sequence[int], with_gear_torques: bool
 ) -> Wrenches:
-    """Driving torque and the wrenches of the ``wanted`` bearings of a linkage in one plane, without friction and stiffnesses; see
-    `AppliedConditions` for ``with_gear_torques``."""
+    """Driving torque and the wrenches of the ``wanted`` bearings, without friction and stiffnesses; see `AppliedConditions` for
+    ``with_gear_torques``."""
     chain, closure, n = fixed.chain, states.closure, len(states.closure.angle)
     asked = fixed.all_bearings if len(wanted) == fixed.bearing_count else fixed.asked(wanted)
+    tilted = bool(wanted) and out_of_plane.is_loaded(fixed.bodies, loads)
     shared = bool(chain.levers) and (bool(wanted) or (with_gear_torques and bool(chain.gears)))
     found = Found(
         np.empty(n),
         np.empty((len(chain.plane.offsets), n)),
         np.empty((3, len(wanted), n)).transpose(1, 2, 0),
-        np.zeros((3, len(asked.turned), n)).transpose(1, 2, 0),
+        np.zeros((3, len(wanted) if tilted else len(asked.turned), n)).transpose(1, 2, 0),
     )
     finite = True
     for s, closed in closure.pieces():
         if s.stop - s.start == n:
-            finite = _fill(fixed, closed, states.speed, states.acceleration, loads, asked, shared, found)
+            finite = _fill(fixed, closed, states.speed, states.acceleration, loads, asked, shared, tilted, found)
             continue
         speed, acceleration = (of[s] if isinstance(of, np.ndarray) else of for of in (states.speed, states.acceleration))
         acting = [load.part(s) for load in loads]
-        finite &= _fill(fixed, closed, speed, acceleration, acting, asked, shared, found.part(s))
-    moment = SomeVectors(found.moment, asked.places)
+        finite &= _fill(fixed, closed, speed, acceleration, acting, asked, shared, tilted, found.part(s))
+    moment = found.moment if tilted else SomeVectors(found.moment, asked.places)
     return Wrenches(found.torque[None], found.coupling, nothing(fixed.bearing_count, n), found.force, moment, finite)
 
 
@@ -240,7 +242,7 @@ class Found(NamedTuple):
         torque: (n,) of the driver [N m], force of one that slides [N].
         coupling: (couplings, n) torques on their followers [N m].
         force: (wanted, n, 3) forces [N].
-        moment: (turned, n, 3) moments, zero so far [N m].
+        moment: (turned, n, 3) moments, or (wanted, n, 3) where something acts out of the plane, zero so far [N m].
     """
 
     torque: Array
@@ -261,6 +263,7 @@ def _fill(
     loads: Sequence[AppliedForce],
     asked: Asked,
     shared: bool,
+    tilted: bool,
     found: Found,
 ) -> bool:
     """Fill in a piece of the motion; returns whether sums show that it is finite.
@@ -273,10 +276,12 @@ def _fill(
         loads: forces on links.
         asked: what is asked of the bearings.
         shared: whether idle forces are shared.
+        tilted: whether something acts out of the plane.
         found: what is to be filled in.
     """
     chain, plane = fixed.chain, fixed.chain.plane
-    open_tree = _open_tree(fixed, _second_derivatives(chain, closed, speed, acceleration), apart=bool(loads) and asked.guided)
+    second = _second_derivatives(chain, closed, speed, acceleration)
+    open_tree = _open_tree(fixed, second, apart=bool(loads) and asked.guided)
     for load in loads:
         if load.joint:
             _take_load(plane, chain, load, open_tree)
@@ -302,8 +307,14 @@ def _fill(
         values = np.empty((len(asked.turned), len(torque)))
         for row, joint in zip(values, asked.turned, strict=True):
             row[:] = moments[joint]
-        put_normal(plane, values, found.moment)
         total += np.add.reduce(values, axis=None)
+        if tilted:
+            for row, joint in zip(values, asked.turned, strict=True):
+                put_normal(plane, row, found.moment[asked.bearings.index(joint)])
+            _add_out_of_plane(fixed, closed, second, open_tree, loads, asked.bearings, found)
+            total += np.add.reduce(found.moment, axis=None)
+        else:
+            put_normal(plane, values, found.moment)
     if plane.driver not in asked.turned:
         total += np.add.reduce(torque)
     if chain.gears:
@@ -356,6 +367,26 @@ def _multiply(rows: ComplexArray, columns: ComplexArray, out: ComplexArray) -> C
         s = slice(start, start + step)
         np.matmul(rows, columns[:, s], out=out[:, s])
     return out
+
+
+def _add_out_of_plane(
+    fixed: ChainBodies,
+    closed: Closed,
+    second: ComplexArray,
+    open_tree: OpenTree,
+    loads: Sequence[AppliedForce],
+    wanted: Sequence[int],
+    found: Found,
+) -> None:
+    """Add what acts out of the plane to forces and moments; arguments as of `_fill`, ``second`` as of `_open_tree`."""
+    chain, pins = fixed.chain, open_tree.bearings[len(fixed.chain.rows) :].conj()
+
+    def basis() -> ComplexArray:
+        return all_functions(chain, closed).take(chain.order, axis=0)
+
+    axial = out_of_plane.forces(fixed.bodies, loads, None, second.shape[1])
+    in_order = second.take(chain.order, axis=0)
+    out_of_plane.add(fixed.bodies, basis, np.conjugate(in_order, in_order), pins, loads, axial, wanted, found.force, found.moment)
 
 
 def _take_load(plane: Plane, chain: Chain, load: AppliedForce, open_tree: OpenTree) -> None:

@@ -50,8 +50,7 @@ def inverse_dynamics(
         if (
             on_chain is not None
             and conditions.law is None
-            and (conditions.compliance is None or not bodies.plane.redundant)
-            and not _acts_out_of_plane(bodies, conditions.loads)
+            and (conditions.compliance is None or (not bodies.plane.redundant and not out_of_plane.is_loaded(bodies, conditions.loads)))
         ):
             return _on_chain(on_chain(states.closure.chain), states, conditions, wanted)
         states = ClosedStates(states.position, states.v, states.a, states.basis)
@@ -83,7 +82,7 @@ def _computed(bodies: Bodies, states: ClosedStates, conditions: AppliedCondition
         s = slice(start, start + plane.piece)
         piece, acting, filled = (states, conditions, result) if n <= plane.piece else (states.part(s), conditions.part(s), result.part(s))
         friction = None if law is None or speeds is None else FrictionState(law, speeds[:, s], states.position[plane.driver, s])
-        if only_some and not (wanted and _acts_out_of_plane(bodies, acting.loads)):
+        if only_some and not (wanted and out_of_plane.is_loaded(bodies, acting.loads)):
             _fill_with_some_bearings(bodies, piece, acting.loads, wanted, filled)
         else:
             _fill_with_all_bearings(bodies, piece, acting, friction, wanted, filled)
@@ -179,7 +178,7 @@ def bearing_loads(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedF
     forces, coupling_multipliers = np.empty((len(efforts), n), complex), np.zeros((len(plane.offsets), n))
     statics.balance(system, open_tree.joint_efforts - _resisted(plane, efforts), coupling_multipliers, forces)
     radial = np.stack([forces.real, forces.imag, np.zeros(forces.shape)], axis=2)
-    axial = out_of_plane.forces(bodies, loads, None, n) if _acts_out_of_plane(bodies, loads) else None
+    axial = out_of_plane.forces(bodies, loads, None, n) if out_of_plane.is_loaded(bodies, loads) else None
     for joint, direction in zip(plane.prismatic, product(plane.directions, basis).conj(), strict=True):
         radial[joint, :, 0], radial[joint, :, 1] = (direction * forces[joint]).imag, 0.0
         if axial is not None:
@@ -226,7 +225,8 @@ def _fill_with_all_bearings(
     """Fill in the result of a piece of the motion, by way of all bearing forces."""
     plane, basis, n, loads = bodies.plane, known_basis(states), states.v.shape[1], conditions.loads
     open_tree = _solve_open_tree(bodies, states, loads)
-    axial = out_of_plane.forces(bodies, loads, conditions.compliance, n) if _acts_out_of_plane(bodies, loads) else None
+    flat = not out_of_plane.is_loaded(bodies, loads)
+    axial = None if flat else out_of_plane.forces(bodies, loads, conditions.compliance, n)
     system = _statics(bodies, states, open_tree, conditions.compliance)
     friction_efforts, joint_efforts = None, open_tree.joint_efforts
     if friction is not None:
@@ -244,14 +244,9 @@ def _fill_with_all_bearings(
         for bearing, moment in _moments_about_normal(bodies, open_tree, pins, torque, coupling_multipliers, friction_efforts).items():
             if bearing in places:
                 put_normal(plane, moment, result.moment[places[bearing]])
-        if axial is not None:
-            out_of_plane.add(bodies, states, open_tree, pins, loads, axial, wanted, result)
+        if not flat:
+            out_of_plane.add(bodies, lambda: basis, open_tree.second, pins, loads, axial, wanted, result.force, result.moment)
     statics.torques(plane, coupling_multipliers)
-
-
-def _acts_out_of_plane(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
-    """Whether anything acts out of the plane."""
-    return not bodies.in_one_plane or any(not out_of_plane.is_flat(bodies.plane, load) for load in loads)
 
 
 def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[AppliedForce]) -> OpenTree:

@@ -9,18 +9,18 @@ With the axes of `Plane`, normal x f is i f, and r x normal is -i r, for complex
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...common.quantities import Array, ComplexArray
-from ..engine import ClosedStates
-from ..forces import RANK, AppliedForce, Wrenches
+from ..forces import RANK, AppliedForce
 from ..joints import product
-from .bodies import Bodies, OpenTree, share_forces
-from .kinematics import basis_at, known_basis
+from .bodies import Bodies, share_forces
+from .kinematics import basis_at
 from .model import Plane, to_complex, to_world
+from .statics import carried
 
 
 def is_flat(plane: Plane, load: AppliedForce) -> bool:
@@ -31,84 +31,98 @@ def is_flat(plane: Plane, load: AppliedForce) -> bool:
     return bool(height == 0.0 and not np.any(load.force @ plane.normal))
 
 
-def forces(bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array:
-    """Forces (bearings, n) of all bearings along the normal [N]; ``compliance`` as in `AppliedConditions`, ``n`` states."""
+def is_loaded(bodies: Bodies, loads: Sequence[AppliedForce]) -> bool:
+    """Whether anything acts out of the plane."""
+    return not bodies.in_one_plane or any(not is_flat(bodies.plane, load) for load in loads)
+
+
+def forces(bodies: Bodies, loads: Sequence[AppliedForce], compliance: Array | None, n: int) -> Array | None:
+    """Forces (bearings, n) of all bearings along the normal [N]; None where nothing acts along it. ``compliance`` as in
+    `AppliedConditions`, ``n`` states."""
     plane = bodies.plane
+    along = [(load.joint - 1, load.force @ plane.normal) for load in loads if load.joint]
+    if not bodies.along_normal and not any(np.any(force) for _, force in along):
+        return None
     axial = np.zeros((len(plane.parents), n)) - bodies.axial_weight[:, None]
-    for load in loads:
-        if load.joint:
-            axial[load.joint - 1] -= load.force @ plane.normal
+    for joint, force in along:
+        axial[joint] -= force
     spread = bodies.force_sharing if compliance is None else share_forces(plane, compliance)
     return np.asarray(spread.shared(plane.subtree @ axial, slice(None)))
 
 
 def add(
     bodies: Bodies,
-    states: ClosedStates,
-    open_tree: OpenTree,
+    basis: Callable[[], ComplexArray],
+    second: ComplexArray,
     pins: ComplexArray,
     loads: Sequence[AppliedForce],
-    axial: Array,
+    axial: Array | None,
     wanted: Sequence[int],
-    result: Wrenches,
+    force: Array,
+    moment: Array,
 ) -> None:
-    """Add the axial forces and tilting moments of the wanted bearings to a result that holds their forces and moments in the plane.
+    """Add the axial forces and tilting moments of the wanted bearings to their forces and moments in the plane.
 
     Args:
         bodies: inertial constants of the linkage.
-        states: closed states with their basis.
-        open_tree: its forces with all loops open.
+        basis: returns the basis (nb, n) of the states, which only forces along the normal need.
+        second: (nb, n) second derivative of the basis by time, its first row 1.
         pins: (loops, n) complex forces of the loops in the plane [N].
         loads: forces on links.
-        axial: (bearings, n) what `forces` returned [N].
+        axial: what `forces` returned [N].
         wanted: indices of the wanted bearings.
-        result: wrenches of these bearings.
+        force: (wanted, n, 3) forces of these bearings, to be added to [N].
+        moment: (wanted, n, 3) their moments, to be added to [N m].
     """
-    kept = slice(None) if len(wanted) == len(axial) else list(wanted)
-    tilting = bodies.moment_sharing.shared(_tilting_moments(bodies, states, open_tree, pins, loads, axial), kept)
-    axial = axial[kept]
-    for i, (along, first, second) in enumerate(zip(bodies.plane.normal, *bodies.plane.axes, strict=True)):
+    plane = bodies.plane
+    kept = slice(None) if len(wanted) == len(plane.parents) + len(plane.loop_heights) else list(wanted)
+    moments = _tilting_moments(bodies, second, pins, loads)
+    if axial is not None:
+        moments += _moments_of_axial_forces(bodies, basis(), loads, axial)
+    tilting = bodies.moment_sharing.shared(moments, kept)
+    for i, (along, first, other) in enumerate(zip(plane.normal, *plane.axes, strict=True)):
         # most presses stand in a coordinate plane: axes without a component there cost nothing
-        if along:
-            result.force[..., i] += along * axial
+        if along and axial is not None:
+            force[..., i] += along * axial[kept]
         if first:
-            result.moment[..., i] += first * tilting.real
-        if second:
-            result.moment[..., i] += second * tilting.imag
+            moment[..., i] += first * tilting.real
+        if other:
+            moment[..., i] += other * tilting.imag
 
 
-def _tilting_moments(
-    bodies: Bodies, states: ClosedStates, open_tree: OpenTree, pins: ComplexArray, loads: Sequence[AppliedForce], axial: Array
-) -> ComplexArray:
-    """Tilting moments (nv, n) that the joints would have to carry if no loop carried any [N m]. Arguments as of `add`."""
-    plane, basis = bodies.plane, known_basis(states)
-    count = len(plane.parents)
-    spin, acceleration = plane.spin @ states.v, plane.spin @ states.a
-    rotors = basis[list(plane.rotors)]
-    weight = -bodies.axial_weight[:, None]
-    tilt: ComplexArray = (acceleration + 1j * spin**2) * bodies.products[:, None] * rotors
-    own, centers = product(bodies.forces, open_tree.second), product(plane.centers, basis)
-    tilt += 1j * (plane.center_heights - plane.heights)[:, None] * own - 1j * centers * weight
+def _tilting_moments(bodies: Bodies, second: ComplexArray, pins: ComplexArray, loads: Sequence[AppliedForce]) -> ComplexArray:
+    """Tilting moments (nv, n) that the joints would have to carry if no loop carried any, without those of forces along the normal [N m].
+    Arguments as of `add`."""
+    plane = bodies.plane
+    tilt: ComplexArray = product(bodies.tilting, second)
+    tilt += 1j * carried(bodies.tilting_by_pins, pins)
+    for load in loads:
+        if load.joint:
+            joint, force = load.joint - 1, 1j * to_complex(plane, load.force)
+            height = plane.heights[joint] + (plane.frames[joint] @ load.point)[2]
+            for carrier in plane.carriers(joint):
+                tilt[carrier] -= (height - plane.heights[carrier]) * force
+    return tilt
+
+
+def _moments_of_axial_forces(bodies: Bodies, basis: ComplexArray, loads: Sequence[AppliedForce], axial: Array) -> ComplexArray:
+    """What forces along the normal add to the moments of `_tilting_moments`. ``axial``: (bearings, n) of all bearings [N]."""
+    plane, count = bodies.plane, len(bodies.plane.parents)
+    origins, points = product(plane.origins, basis), product(plane.loop_points, basis)
+    tilt: ComplexArray = product(plane.centers, basis) * (1j * bodies.axial_weight[:, None])
     for load in loads:
         if load.joint:
             joint = load.joint - 1
-            x, y, height = plane.frames[joint] @ load.point
-            tilt[joint] -= 1j * height * to_complex(plane, load.force) - 1j * complex(x, y) * rotors[joint] * (load.force @ plane.normal)
+            x, y, _ = plane.frames[joint] @ load.point
+            tilt[joint] += 1j * complex(x, y) * basis[plane.rotors[joint]] * (load.force @ plane.normal)
     hanging = axial[:count] + plane.incidence @ axial[count:]
-    origins = plane.origins @ basis
     for j in reversed(range(count)):
         p = plane.parents[j]
         if p >= 0:
-            tilt[p] += (
-                tilt[j]
-                + 1j * (plane.heights[j] - plane.heights[p]) * open_tree.subtree_force[j]
-                - 1j * (origins[j] - origins[p]) * hanging[j]
-            )
-    points = plane.loop_points @ basis
+            tilt[p] += tilt[j] - 1j * (origins[j] - origins[p]) * hanging[j]
     for j in range(count):
         for k, sign in plane.loops_of_joint[j].items():
-            arm = points[k] - origins[j]
-            tilt[j] -= sign * (1j * (plane.loop_heights[k] - plane.heights[j]) * pins[k] - 1j * arm * axial[count + k])
+            tilt[j] += sign * 1j * (points[k] - origins[j]) * axial[count + k]
     return tilt
 
 

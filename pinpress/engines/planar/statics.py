@@ -90,9 +90,9 @@ def balance(statics: Statics, joint_efforts: Array, coupling_multipliers: Array,
             coupling_multipliers += share * idle_couplings
 
 
-def carried(minus_incidence: Matrix, pins: ComplexArray) -> ComplexArray:
-    """By what forces of the pins (nl, n) relieve joints, whose rows of `Bodies.minus_incidence` are given."""
-    return np.asarray(product(minus_incidence, pins.view(float)).view(complex))  # a product of real numbers takes a third of the time
+def carried(rows: Matrix, pins: ComplexArray) -> ComplexArray:
+    """Real rows (k, nl), such as those of `Bodies.minus_incidence`, times the forces of the pins (nl, n)."""
+    return np.asarray(product(rows, pins.view(float)).view(complex))  # a product of real numbers takes a third of the time
 
 
 def transmit(
