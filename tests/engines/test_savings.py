@@ -354,7 +354,7 @@ def test_a_flat_press_computes_nothing_across_its_plane(monkeypatch, six_bar, tu
 def test_torque_alone_needs_no_forces_from_link_to_link(monkeypatch, six_bar, turn):
     """Nor do the pins; guides do, and what all bearings share."""
     for bearings, walked in (((), False), (("A", "C"), False), (("slide_guide",), True), (None, True)):
-        assert calls(monkeypatch, chain_forces, "_turning", six_bar, turn, bearings=bearings) == walked
+        assert calls(monkeypatch, chain_forces, "moments_of_guides", six_bar, turn, bearings=bearings) == walked
     rubbing = {"A": pp.loads.Friction(0.1, 0.1)}
     assert calls(monkeypatch, plane_dynamics, "_solve_open_tree", six_bar, turn, bearings=(), friction=rubbing)
     assert not calls(monkeypatch, plane_dynamics, "_solve_open_tree", *case("two_point"), bearings=())

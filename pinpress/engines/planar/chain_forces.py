@@ -17,7 +17,7 @@ A lever supplies the effort of its rotor across itself. Along it any force is le
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -26,11 +26,12 @@ import numpy as np
 
 from ...common.quantities import Array, ComplexArray
 from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
-from ..joints import LARGE, SERIAL, Matrix, plain, product
+from ..joints import LARGE, SERIAL, plain
 from . import out_of_plane
 from .bodies import Bodies
 from .chain import Chain, ChainStates, Closed, Equation, all_functions, rate_of
 from .dyads import I
+from .guide_moments import GuidedBody, guided_bodies, moments_of_guides
 from .model import Plane, put_normal, to_complex
 from .statics import shares_of, torques
 
@@ -58,13 +59,13 @@ class OpenTree(NamedTuple):
 
     Attributes:
         work: by rows, on the functions.
-        own: of the links ``on_guides`` of `Bodies` alone.
+        own: by joint, inertia forces less weights of the ``guided`` links with a centre of mass beside their joint.
         forces: of all bearings; those of the loops are to be filled in.
         bearings: the same as one array (bearings, n).
     """
 
     work: list[ComplexArray]
-    own: list[ComplexArray]
+    own: dict[int, ComplexArray]
     forces: list[ComplexArray]
     bearings: ComplexArray
 
@@ -78,11 +79,9 @@ class ChainBodies:
         bodies: inertial constants of the linkage.
         together: (work, own forces, forces of joints; rows) of all trees together, for few states; None for many joints.
         trees: the same tree by tree.
-        to_own: rows of the own forces of the links on guides.
-        leaves: whether nothing hangs on the links on guides.
-        spins: by link on guides that turns the row of its rotor, and its moment of inertia [kg m2].
-        arms: `Bodies.arms` over the functions.
-        still: the values of these arms where they do not turn; None for those that are zero.
+        to_own: rows of the own forces of links on guides.
+        with_center: joints of these links.
+        guided: the links on guides.
         carriers: of every loop the joints that carry one of its ends, with `Plane.incidence`.
     """
 
@@ -91,10 +90,8 @@ class ChainBodies:
     together: ComplexArray | None
     trees: tuple[Tree, ...]
     to_own: ComplexArray
-    leaves: bool
-    spins: Mapping[int, tuple[int, float]]
-    arms: Matrix
-    still: tuple[ComplexArray | None, ...]
+    with_center: tuple[int, ...]
+    guided: tuple[GuidedBody, ...]
     carriers: tuple[tuple[tuple[int, float], ...], ...]
 
     @cached_property
@@ -139,8 +136,10 @@ def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
     """Inertial constants of a chain."""
     plane = chain.plane
     places = [chain.order.index(row) if row not in chain.ones else 0 for row in range(chain.count)]  # of rows in the basis
-    on_guides, first_force, trees = list(bodies.on_guides), chain.count + len(bodies.on_guides), []
-    own, arms = (_over_functions(chain, plain(rows), places) for rows in (bodies.forces[on_guides], bodies.arms))
+    guided = guided_bodies(chain, bodies)
+    with_center = [body.joint for body in guided if body.center is not None]
+    first_force, trees = chain.count + len(with_center), []
+    own = _over_functions(chain, plain(bodies.forces[with_center]), places)
     together = None
     if len(plane.parents) < LARGE:
         together = np.zeros((first_force + len(plane.parents), chain.count), complex)
@@ -159,14 +158,7 @@ def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
     for joint, signs in enumerate(plane.loops_of_joint):
         for loop, sign in signs.items():
             carriers[loop].append((joint, sign))
-    still = () if bodies.arms_turn else tuple(np.array(arm) if arm else None for arm in arms[:, chain.ones[0]])
-    spins = {}
-    for j in on_guides:
-        if rotor := plane.rotors[j]:
-            turner = chain.rows.index(chain.order[rotor])
-            spins[j] = chain.order[rotor], float(bodies.inertia[j, turner] * plane.sense[turner])
-    leaves = not set(on_guides) & set(plane.parents)
-    return ChainBodies(chain, bodies, together, tuple(trees), own.conj(), leaves, spins, arms, still, tuple(map(tuple, carriers)))
+    return ChainBodies(chain, bodies, together, tuple(trees), own.conj(), tuple(with_center), guided, tuple(map(tuple, carriers)))
 
 
 def _balancing(chain: Chain, lever: int) -> tuple[int, ...]:
@@ -281,11 +273,10 @@ def _fill(
     """
     chain, plane = fixed.chain, fixed.chain.plane
     second = _second_derivatives(chain, closed, speed, acceleration)
-    open_tree = _open_tree(fixed, second, apart=bool(loads) and asked.guided)
+    open_tree = _open_tree(fixed, second)
     for load in loads:
         if load.joint:
             _take_load(plane, chain, load, open_tree)
-    moments = _turning(fixed, closed, speed, acceleration, open_tree, loads) if asked.guided else {}
     work, torque = open_tree.work, found.torque
     _solve(fixed, closed, fixed.backwards, work, open_tree.forces)
     _ask_driver(chain, closed, work, torque)
@@ -298,8 +289,11 @@ def _fill(
         bearings = open_tree.bearings if asked is fixed.all_bearings else open_tree.bearings.take(asked.bearings, axis=0)
         _put_forces(plane, bearings, found.force)
         total = np.add.reduce(bearings, axis=None)
-        if asked.guided:
-            _add_guided(fixed, closed, open_tree, moments)
+        moments = (
+            moments_of_guides(plane, fixed.guided, closed, speed, acceleration, open_tree.own, open_tree.forces, loads)
+            if asked.guided
+            else {}
+        )
         if chain.turns:
             moments[plane.driver] = torque
         if chain.gears:
@@ -333,17 +327,16 @@ def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acce
     return np.conjugate(second, second)
 
 
-def _open_tree(fixed: ChainBodies, second: ComplexArray, apart: bool) -> OpenTree:
-    """Forces with all loops open, from what `_second_derivatives` returned; ``apart``: whether own forces must not be those of joints."""
+def _open_tree(fixed: ChainBodies, second: ComplexArray) -> OpenTree:
+    """Forces with all loops open, from what `_second_derivatives` returned."""
     chain, first = fixed.chain, fixed.first_force
     joints, n = len(chain.rows), second.shape[1]
     found = np.empty((first + fixed.bearing_count, n), complex)
+    rows = list(found)
+    work, forces, own = rows[: chain.count], rows[first:], dict(zip(fixed.with_center, rows[chain.count :], strict=False))
     if fixed.together is not None and fixed.together.size * n <= SERIAL:
         np.dot(fixed.together, second, found[: first + joints])
-        rows = list(found)
-        return OpenTree(rows[: chain.count], rows[chain.count : first], rows[first:], found[first:])
-    rows = list(found)
-    work, forces = rows[: chain.count], rows[first:]
+        return OpenTree(work, own, forces, found[first:])
     for tree in fixed.trees:
         here, start, end = second[tree.rows], first + tree.joints.start, first + tree.joints.stop
         if tree.single:
@@ -353,10 +346,8 @@ def _open_tree(fixed: ChainBodies, second: ComplexArray, apart: bool) -> OpenTre
         else:
             _multiply(tree.to_work, here, found[tree.rows.start + 1 : tree.rows.stop])
             _multiply(tree.to_forces, here, found[start:end])
-    if fixed.leaves:
-        own = [forces[joint].copy() if apart else forces[joint] for joint in fixed.bodies.on_guides]
-    else:
-        own = list(_multiply(fixed.to_own, second, found[chain.count : first]))
+    if own:
+        _multiply(fixed.to_own, second, found[chain.count : first])
     return OpenTree(work, own, forces, found[first:])
 
 
@@ -487,66 +478,6 @@ def _put_forces(plane: Plane, forces: ComplexArray, out: Array) -> None:
             out[..., i] = forces.imag
         elif second:
             np.multiply(forces.imag, -second, out=out[..., i])
-
-
-def _turning(
-    fixed: ChainBodies,
-    closed: Closed,
-    speed: Array | float,
-    acceleration: Array | float,
-    open_tree: OpenTree,
-    loads: Sequence[AppliedForce],
-) -> dict[int, Any]:
-    """Moments (n,) about the normal that prismatic joints would have to transmit with all loops open, from the tips of the tree to them;
-    the number 0.0 where nothing has an arm.
-
-    Args:
-        fixed: inertial constants.
-        closed: the closed chain.
-        speed: of the driver.
-        acceleration: of the driver.
-        open_tree: what `_open_tree` returned.
-        loads: forces on links.
-    """
-    plane, joints = fixed.chain.plane, fixed.bodies.on_guides
-    arms = product(fixed.arms[: 2 * len(joints)], all_functions(fixed.chain, closed)) if fixed.bodies.arms_turn else fixed.still
-    places = {joint: place for place, joint in enumerate(joints)}
-    moments = [_minus_moment(arm, own) for arm, own in zip(arms, open_tree.own, strict=False)]
-    for joint, place in places.items():
-        if joint in fixed.spins:
-            rotor, inertia = fixed.spins[joint]
-            moments[place] += inertia * (closed.along.first[rotor] * acceleration - closed.along.second[rotor] * (speed * speed))
-    for load in loads:
-        joint = load.joint - 1
-        if joint in places:
-            arm = complex(*(plane.frames[joint] @ load.point)[:2])
-            if plane.rotors[joint]:
-                arm = arm * closed.functions[fixed.chain.order[plane.rotors[joint]]]
-            moments[places[joint]] += (arm * to_complex(plane, load.force).conj()).imag
-    for joint, place in places.items():
-        parent = places.get(plane.parents[joint])
-        if parent is not None:
-            moments[parent] += moments[place] + _minus_moment(arms[len(joints) + place], open_tree.forces[joint])
-    return {joint: moments[places[joint]] for joint in plane.prismatic}
-
-
-def _minus_moment(arm: ComplexArray | None, force: ComplexArray) -> Any:
-    """Im(arm force) with its sign changed, for the conjugate of a force: its moment. 0.0 without an arm."""
-    return 0.0 if arm is None else -(arm * force).imag
-
-
-def _add_guided(fixed: ChainBodies, closed: Closed, open_tree: OpenTree, moments: dict[int, Any]) -> None:
-    """Add what the forces of the ``guided`` loops of `Bodies` do to the moments of prismatic joints."""
-    plane, first = fixed.chain.plane, 2 * len(fixed.bodies.on_guides)
-    arms = product(fixed.arms[first:], all_functions(fixed.chain, closed)) if fixed.bodies.arms_turn else fixed.still[first:]
-    for (joint, loop), arm in zip(fixed.bodies.guided, arms, strict=True):
-        if arm is None:
-            continue
-        by_force = (arm * open_tree.forces[len(plane.parents) + loop]).imag
-        if plane.loops_of_joint[joint][loop] > 0.0:
-            moments[joint] += by_force
-        else:
-            moments[joint] -= by_force
 
 
 def _add_geared(fixed: ChainBodies, multipliers: Array, moments: dict[int, Any]) -> None:

@@ -98,6 +98,7 @@ class Plane:
         center_heights: (nv,) centres of mass along the normal, from the world origin [m].
         directions: (np, nb) prismatic directions.
         closure: (nl + columns, nb) loop gaps (point 2 less point 1), then the columns of the loop Jacobian.
+        loop_links: (nl,) joints of link 1 and link 2 of every loop, -1 for the frame.
         loop_points: (nl, nb) point 1 of every loop.
         loop_heights: (nl,) points of the loops along the normal, from the world origin [m].
         resists_tilting: (nl,) whether the loop's bearing keeps its links from tilting out of the plane: a revolute one does.
@@ -131,6 +132,7 @@ class Plane:
     center_heights: Array
     directions: Matrix
     closure: Matrix
+    loop_links: tuple[tuple[int, int], ...]
     loop_points: Matrix
     loop_heights: Array
     resists_tilting: NDArray[np.bool_]
@@ -310,6 +312,7 @@ def build_plane(
         center_heights=np.array([place[j].act(model.inertias[j].lever) @ tree.normal for j in range(1, count + 1)]),
         directions=matrix([tree.guides[j] for j in prismatic], 1 + count, count),
         closure=matrix([*gaps, *columns.values()], 1 + count, count),
+        loop_links=tuple((loop.joint1 - 1, loop.joint2 - 1) for loop in loops),
         loop_points=matrix([first.row for first, _ in ends], 1 + count, count),
         loop_heights=np.array([first.height for first, _ in ends]),
         resists_tilting=np.array([loop.held_rotations > 0 for loop in loops], dtype=bool),
