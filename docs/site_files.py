@@ -3,9 +3,10 @@ mkdocs.yml.
 
 Pages in docs/ link to these files as they lie in the repository, ``../viz/report.png``; in the site that is ``viz/report.png``. The
 changelog and its neighbours link to ``docs/balancing.md``, the pages of viz/ to ``../docs/balancing.md``; in the site they stand beside and
-below the pages of docs/.
+below the pages of docs/. At the foot of every page stands which version it is of.
 """
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,13 @@ BESIDE = ("](../viz/", "](../CHANGELOG.md", "](../urdf/")
 BELOW_THE_GUIDE = {"reference/pp": 0.6, "reference/": 0.3, "accuracy": 0.4, "limits": 0.4, "glossary": 0.3, "mistakes": 0.3}
 BELOW_THE_GUIDE |= dict.fromkeys(("kong2025", "zhang2007", "chen2002", "papers", "viz/"), 0.2)
 BELOW_THE_GUIDE |= {name.partition(".")[0]: 0.1 for name in TOP}
+
+
+def on_config(config: Any) -> Any:
+    """Material shows the line for the copyright at the foot of each page."""
+    (version,) = re.findall(r'^__version__ = "(.*)"$', (ROOT / "pinpress" / "__init__.py").read_text(encoding="utf-8"), re.MULTILINE)
+    config.copyright = f"pinpress {version}"
+    return config
 
 
 def on_files(files: Files, config: Any) -> Files:
