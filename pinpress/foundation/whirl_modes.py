@@ -174,11 +174,13 @@ class _Equations:
 
     def followed(self, before: tuple[Array, ComplexArray], low: float, high: float, halvings: int) -> tuple[Array, ComplexArray]:
         """The modes at a speed in the order of those at a lower one; halfway too where they change much in between."""
-        from scipy.optimize import linear_sum_assignment  # slow to import
-
         frequency, vectors = self.modes(high)
         products = np.abs(before[1].conj().T @ vectors)
-        mine, theirs = linear_sum_assignment(-(products**2))
+        mine, theirs = np.arange(len(products)), products.argmax(axis=1)
+        if not np.all(products[mine, theirs] ** 2 > 0.5):  # squares of a row or column add up to 1 at most: else these are the partners
+            from scipy.optimize import linear_sum_assignment  # slow to import
+
+            mine, theirs = linear_sum_assignment(-(products**2))
         if halvings and products[mine, theirs].min() < SAME_MODE:
             middle = self.followed(before, low, 0.5 * (low + high), halvings - 1)
             return self.followed(middle, 0.5 * (low + high), high, halvings - 1)

@@ -95,13 +95,11 @@ class Loops(Frozen):
             return None
         count, gears = len(self.spatial.loops), self.rows - len(self.offsets)
         blocks = [block for block in self.blocks.blocks for _ in range(len(block.rows) - len(block.joints))]
-        if max(block.rows.max() for block in blocks) >= gears:
-            return None
         places = np.concatenate([np.arange(len(block.rows) - len(block.joints)) for block in self.blocks.blocks])  # within the block
         idle = InBlocks(self.blocks, self._irregular).idle(places, int(places.max()) + 1)[0]
-        own = [(np.abs(idle[block.rows, place]), block.rows < 3 * count) for block, place in zip(blocks, places, strict=True)]
-        is_force = np.array([sizes[~points].max(initial=0.0) <= PURE for sizes, points in own])
-        is_couple = np.array([sizes[points].max() <= PURE for sizes, points in own])
+        own = [(np.abs(idle[block.rows, place]), block.rows) for block, place in zip(blocks, places, strict=True)]
+        is_force = np.array([sizes[rows >= 3 * count].max(initial=0.0) <= PURE for sizes, rows in own])
+        is_couple = np.array([sizes[(rows < 3 * count) | (rows >= gears)].max(initial=0.0) <= PURE for sizes, rows in own])
         if not np.all(is_force | is_couple):
             return None
         rows = [block.rows.tolist() for block in blocks]

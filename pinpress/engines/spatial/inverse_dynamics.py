@@ -248,8 +248,9 @@ class _Balance:
             chains: what stands in these columns.
         """
         forces, couples = np.split(idle, [chains.forces.columns])
-        own = 3 * len(self.loops.spatial.loops)
-        if max(np.abs(forces[:, own:]).max(initial=0.0), np.abs(couples[:, :own]).max(initial=0.0)) > PURE:
+        own, gears = 3 * len(self.loops.spatial.loops), self.loops.rows - len(self.loops.offsets)
+        others = forces[:, own:], couples[:, :own], couples[:, gears:]
+        if max(np.abs(each).max(initial=0.0) for each in others) > PURE:
             yield None
             return
         objective, _ = next(self._objectives(forces, states))

@@ -177,7 +177,7 @@ QUICK = {
 }
 SEARCHES = {
     "foundation.isolate": "foundation.isolate(press, frame, mounts, speeds=[7.0, 8.0], transmitted=0.9)",
-    "synthesis.trade_off": "pp.synthesis.trade_off(press, LENGTH, first=largest_force, second=lambda t: t.positions['P'][:, 2], speed=7.0)",
+    "synthesis.trade_off": "pp.synthesis.trade_off(press, LENGTH, first=largest_force, second=lambda t: t.positions['E'][:, 2], speed=7.0)",
     "synthesis.synthesise": "pp.synthesis.synthesise(press, LENGTH, minimise=largest_force, speed=7.0)",
 }
 PLOTS = {
@@ -203,7 +203,7 @@ KINDS = {
 }
 
 WAITING_FOR = (
-    "\nWhat takes longest imports SciPy, for DOP853, splines or a QR with pivots. Whatever is imported of that, its"
+    "\nWhat takes longest, but for work, imports SciPy, for DOP853 or splines. Whatever is imported of that, its"
     " `from numpy import *` imports numpy.f2py and numpy.testing too, see the table of processes."
 )
 

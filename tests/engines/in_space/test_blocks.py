@@ -136,13 +136,14 @@ def test_joints_of_a_kind_are_placed_as_one_by_one(text, monkeypatch):
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-15)
 
 
-@pytest.mark.parametrize("every", [None, 1, 2], ids=["balls", "hinges", "both"])
+@pytest.mark.parametrize("every", [None, 1, 2, "gears"], ids=["balls", "hinges", "both", "gears"])
 @pytest.mark.parametrize("stiff", ["none", "all", "some"])
 def test_idle_forces_of_a_chain_are_shared_by_neighbours(stiff, every):
     """Under forces across the plane, as by Pinocchio's engine from dense decompositions; where a bearing of a loop counts for nothing, they
     are decomposed here too."""
-    text, rng = n_four_bar.urdf(18), np.random.default_rng(3)
-    press = large_linkages.load(large_linkages.hinged(text, every) if every else text)
+    text, rng, gears = n_four_bar.urdf(18), np.random.default_rng(3), every == "gears"
+    every = None if gears else every
+    press = large_linkages.load(large_linkages.geared_chain(18) if gears else large_linkages.hinged(text, every) if every else text)
     engine, count = in_space(press), len(press.bearings)
     chain, couples = engine.loops.chains.forces, engine.loops.chains.couples
     assert (chain.columns, chain.band, len(chain.column)) == (2, 1, 18)

@@ -60,6 +60,23 @@ def hinged(text: str, every: int = 1) -> str:
     return start
 
 
+def geared_chain(count: int) -> str:
+    """A planar chain of five-bars: upright rods 1 m apart, their tips joined by two bars each, the pin between which turns half as far as
+    that at the first tip, backwards, by a gear pair. Joints A0, A1, ... on the frame, B0, C0, ... at tips and between bars."""
+    upright, half = _rod("0 0 0.5", "xy"), _rod("0.25 0 0.15", "xyz")
+    parts = ['<robot name="geared_chain">', '<link name="frame"/>']
+    for k in range(count + 1):
+        parts += [f'<link name="rod_{k}">{upright}</link>', _joint(f"A{k}", "frame", f"rod_{k}", f"{k} 0 0")]
+    for k in range(count):
+        parts += [f'<link name="left_{k}">{half}</link><link name="right_{k}">{half}</link>']
+        parts.append(_joint(f"B{k}", f"rod_{k}", f"left_{k}", "0 0 1"))
+        pin = _joint(f"C{k}", f"left_{k}", f"right_{k}", "0.5 0 0.3")
+        parts.append(pin.replace("</joint>", f'<mimic joint="B{k}" multiplier="-0.5"/></joint>'))
+        ends = f'<link1 link="right_{k}" xyz="0.5 0 -0.3"/><link2 link="rod_{k + 1}" xyz="0 0 1"/>'
+        parts.append(f'<loop_joint name="D{k}" type="spherical">{ends}</loop_joint>')
+    return "\n".join([*parts, '<transmission name="drive"><joint name="A0"/></transmission>', "</robot>"])
+
+
 def tied_row(count: int, short: bool) -> str:
     """A crank and ``count`` links in a row behind it, the far end of each on a rod that stands on the frame, written in two ways.
 
