@@ -2,6 +2,7 @@
 which halves the bracket where a step would leave it, or without derivatives.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -12,6 +13,7 @@ import numpy as np
 from .quantities import Array
 
 NODES = 14  # nodes of the quadrature; the polynomials through them have one degree less
+BESIDE_EACH_OTHER = 64  # columns from which on rows are added one by one
 MOST_STEPS = 60  # most steps of Newton's method: as many halvings narrow a bracket down to rounding
 ValueAndSlope = Callable[[Array], tuple[Any, Any]]
 """Places (m,) -> values and derivatives of a function there, (m,) each. They may be complex; decisions are made on their real parts."""
@@ -83,6 +85,17 @@ def values_and_slopes(coefficients: Array, x: Array) -> tuple[Array, Array]:
         value *= x
         value += coefficients[k]
     return value, slope
+
+
+def running_sums(start: Array | float, steps: Array) -> Array:
+    """(p + 1, n) a ``start`` (n,), and what it becomes with each of the steps (p, n)."""
+    result = np.empty((len(steps) + 1, steps.shape[1]))
+    result[0], result[1:] = start, steps
+    if result.shape[1] < BESIDE_EACH_OTHER:
+        return np.asarray(result.cumsum(axis=0))
+    for before, after in itertools.pairwise(result):  # the same sums; for many columns `cumsum` goes through memory in strides
+        after += before
+    return result
 
 
 def horner(falling: Sequence[float], x: float) -> float:

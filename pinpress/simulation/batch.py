@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..common.arguments import in_unit, is_whole_number, number, suitable_numbers, typed
 from ..common.errors import PinpressError, SimulationError, UnknownScenarioError
 from ..common.frozen import read_only
-from ..common.numerics import gauss_rule, polynomial_values
+from ..common.numerics import gauss_rule, polynomial_values, running_sums, values_and_slopes
 from ..common.parameters import pick_scenarios, scenario_lengths
 from ..common.quantities import Array
 from ..common.results import Tabular
@@ -46,7 +46,7 @@ from .simulate import checked_tolerance, refuse_many_turns, simulate
 
 Mask = NDArray[np.bool_]
 
-AT_ONCE = 512  # scenarios in one array: more make it no faster, but take more memory
+AT_ONCE = 334  # scenarios in one array: more make it no faster, but take more memory
 MOST_KEPT = 24  # panels beyond those of the model that are taken over into the next period
 MOST_CUTS = 12  # most rounds of cutting panels; scenarios that need more are run alone
 
@@ -378,7 +378,7 @@ class BatchSolver:
             mesh = build_mesh(driven, self.anchor, self.direction, mesh_borders(driven, self.anchor, self.direction, period))
         for _ in range(MOST_CUTS):
             solution = collocation.solve(driven, mesh, self.energy, guess, beside=beside)
-            passed = np.concatenate([self.clock[None], solution.durations]).cumsum(axis=0)
+            passed = running_sums(self.clock, solution.durations)
             # what follows the end of the run does not matter
             self.alone |= going & (stopping_panels(solution) & (passed[:-1] < until)).any(axis=0)
             which = np.flatnonzero(going & ~self.alone)
@@ -417,16 +417,17 @@ class BatchSolver:
         at = panel * len(going) + scenario  # among panels and scenarios
         slowness = solution.slowness.reshape(len(rule.nodes), -1).take(at, axis=1)
         since = time - passed[:-1].ravel().take(at)
-        x = place_at(rule.integral(slowness), since, passed[1:].ravel().take(at) - passed[:-1].ravel().take(at))
+        elapsed = rule.integral(slowness)
+        x = place_at(elapsed, since, passed[1:].ravel().take(at) - passed[:-1].ravel().take(at))
         along, measure = mesh.travelled(panel, x)
         self.angle[place, scenario] = self.at + self.direction * along
-        self.speed[place, scenario] = self.direction * measure / polynomial_values(rule.polynomial(slowness), x)
+        self.speed[place, scenario] = self.direction * measure / values_and_slopes(elapsed, x)[1]
         ending = np.flatnonzero(place == len(self.times) - 1)
         if not len(ending):
             return
         of, at = scenario[ending], panel[ending]
         for k, force, over_panels in forces:
-            before = np.concatenate([np.zeros((1, len(going))), over_panels.cumsum(axis=0)])[at, of]
+            before = running_sums(0.0, over_panels)[at, of]
             within = polynomial_values(rule.integral(force[:, at, of] * mesh.measure[:, at]), x[ending])
             self.works[k, of] += before + within
 

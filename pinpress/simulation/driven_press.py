@@ -242,7 +242,7 @@ class DrivenPress:
             return True
         return any(force.rising is not force.falling or any(each.heeds_velocity for each in force.rising) for force in self.forces)
 
-    @property
+    @cached_property
     def speed_free(self) -> bool:
         """Whether no force depends on time or on the size of the speed, while the crank turns one way."""
         if self.timed or self.friction is not None or (self.drive is not None and getattr(self.drive, "heeds_speed", True)):

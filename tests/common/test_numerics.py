@@ -1,4 +1,4 @@
-"""Roots within brackets."""
+"""Roots within brackets, and running sums."""
 
 import math
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from pinpress.common.numerics import sign_change
+from pinpress.common.numerics import running_sums, sign_change
 
 FUNCTIONS = {
     "polynomial": lambda x: float(np.polyval([1.0, -0.3, -2.0, 0.7], x)),
@@ -33,3 +33,11 @@ def test_sign_change_is_found_in_few_steps(name, width):
 def test_sign_change_at_an_end():
     assert sign_change(lambda x: x, 0.0, 1.0, 1e-15) == 0.0
     assert sign_change(lambda x: x - 1.0, 0.0, 1.0, 1e-15) == 1.0
+
+
+@pytest.mark.parametrize("columns", [1, 63, 64, 300])
+def test_running_sums_are_those_of_numpy_bit_by_bit(columns):
+    rng = np.random.default_rng(columns)
+    start, steps = rng.normal(size=columns), 10.0 ** rng.uniform(-8, 8, (20, columns)) * rng.choice([-1, 1], (20, columns))
+    np.testing.assert_array_equal(running_sums(start, steps), np.concatenate([start[None], steps]).cumsum(axis=0))
+    np.testing.assert_array_equal(running_sums(0.0, steps)[1:], steps.cumsum(axis=0))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...common.numerics import gauss_rule
+from ...common.numerics import gauss_rule, running_sums
 from ...common.quantities import Array
 from ...drives.transmission import PrescribedSpeed
 from ..driven_press import DrivenPress
@@ -136,6 +136,8 @@ def solve(
     inertia = _inertia(driven, mesh)
     if driven.prescribed is not None:
         return _prescribed(driven, mesh, inertia, driven.prescribed)
+    if driven.speed_free:
+        return _Newton(driven, mesh, inertia, energy, energy[None, None], periodic).integrated()
     if beside is not None:
         work, moved = beside.started_with(energy)
         return _Newton(driven, mesh, inertia, energy, work, periodic).solve(work, beside.growth, moved)
@@ -149,7 +151,7 @@ def solve(
 def _inertia(driven: DrivenPress, mesh: Mesh) -> Array:
     """(q, p, S) inertia at the crank [kg m2]."""
     inertia: Array = mesh.inertia[:, :, None] + driven.inertia
-    if not inertia.min() > 0:
+    if not mesh.inertia.min() + np.min(driven.inertia) > 0 and not inertia.min() > 0:
         worst = np.unravel_index(int(inertia.min(axis=2).argmin()), mesh.angle.shape)
         raise failure("no inertia", None, float(mesh.angle[worst]), inertia=float(inertia.min()))
     return inertia
@@ -166,12 +168,13 @@ class _Newton:
             mesh: its panels.
             inertia: (q, p, S) at the crank [kg m2].
             energy: (S,) kinetic energy at the start [J].
-            work: (q, p, S) the guess at the nodes [J].
+            work: (q, p, S) the guess at the nodes [J]; (1, 1, S) where none is needed.
             periodic: whether the motion has to end with the energy with which it begins.
         """
         self.mesh, self.inertia, self.energy, self.periodic = mesh, inertia, energy, periodic
-        self.forces = Forces(driven.drive, mesh, inertia, work.shape)
-        self.twice, self.speed_free = 2 / inertia, driven.speed_free
+        self.shape = (*mesh.angle.shape, len(energy))
+        self.forces = Forces(driven.drive, mesh, inertia, self.shape)
+        self.twice = 2 / inertia
         self.ending = max(SETTLED, NEARLY_SETTLED * driven.tolerance), max(FORESEEN, NEARLY_FORESEEN * driven.tolerance)
         self.added = float(np.ravel(driven.inertia)[0])
         # from the guess alone, because W may rise without bounds far from the solution
@@ -187,8 +190,6 @@ class _Newton:
             above = np.maximum(work, self.floor)
             speed = np.sqrt(above * self.twice)
             total = self.forces.at(speed)
-            if self.speed_free:
-                return self._solution(work, True, self.everywhere)
             # K is found by a difference, because it only has to lead to the solution, and is kept close to it
             if growth is None or moved > CLOSE:
                 change = self.forces.faster(speed, BESIDE)
@@ -213,6 +214,11 @@ class _Newton:
         self.forces.at(np.sqrt(np.maximum(work, self.floor) * self.twice))
         stiff = growth is not None and growth.within is None
         return self._solution(work, False, settled, growth, ends if stiff else None, force)
+
+    def integrated(self) -> CollocationSolution:
+        """Where no force depends on the speed, W is an integral."""
+        self.forces.at(np.broadcast_to(np.sqrt(np.maximum(self.energy, self.floor) * self.twice[0, 0]), self.shape))
+        return self._solution(None, True, self.everywhere)
 
     def _round(self, total: Array, growth: Growth, before: Array) -> tuple[Array, Array, Array | None]:
         """W at the nodes and borders after a round, and under a stiff drive the force that solves the equations.
@@ -266,7 +272,7 @@ class _Newton:
 
     def _solution(
         self,
-        work: Array,
+        work: Array | None,
         speed_free: bool,
         settled: Indices,
         growth: Growth | None = None,
@@ -274,18 +280,19 @@ class _Newton:
         force: Array | None = None,
     ) -> CollocationSolution:
         forces, weight = self.forces, self.mesh.weight[:, :, None]
-        if ends is None or force is None:
+        if work is None or ends is None or force is None:
             force = forces.total + weight
             work, ends = _integral(self.mesh, forces.total, weight, self.energy)
         else:  # the torque of a stiff drive follows from the solution: computed from the speed it would have the rounding of that
             others = forces.resisting if forces.friction_torque is None else forces.resisting + forces.friction_torque
             forces.driving = force - others - weight
-        least = np.finfo(float).tiny if speed_free else self.floor  # before a stop W is small, and right
+        speed = np.maximum(work, np.finfo(float).tiny if speed_free else self.floor)  # before a stop W is small, and right
+        speed *= self.twice
         return CollocationSolution(
             mesh=self.mesh,
             energy=work,
             ends=ends,
-            speed=np.sqrt(np.maximum(work, least) * self.twice),
+            speed=np.sqrt(speed, out=speed),
             force=force,
             driving=forces.driving,
             resisting=forces.resisting,
@@ -362,14 +369,14 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     inner = (force + weight if rests else force) * mesh.measure[:, :, None]
     flat = inner.reshape(q, p * count)
     totals = (rule.weights @ flat).reshape(p, count)
-    ends = np.concatenate([energy[None], totals]).cumsum(axis=0)
+    ends = running_sums(energy, totals)
     work = (rule.cumulative @ flat).reshape(q, p, count)
     work += ends[:-1]
     if not rests:
         work -= mesh.lifted[:, :, None]
         ends -= mesh.lifted_ends[:, None]
     elif mesh.kinds[-1] == TO_REST:
-        back = np.concatenate([-totals[::-1].cumsum(axis=0)[::-1], np.zeros((1, count))])
+        back = running_sums(0.0, -totals[::-1])[::-1]
         half = int(ends[:, 0].argmax())
         left = ((rule.weights - rule.cumulative) @ flat).reshape(q, p, count)
         work[:, half:], ends[half + 1 :] = (back[1:] - left)[:, half:], back[half + 1 :]
@@ -433,11 +440,8 @@ def _panel_by_panel(gained: Array, factors: Array, short: Array | None, start: A
 
 def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
     """Integrals (p, S) of a rate (q, p, S) by the angle travelled, over each panel."""
-    return _over_panels(solution.mesh, rate)
-
-
-def _over_panels(mesh: Mesh, rate: Array) -> Array:
-    return _summed(rate * mesh.measure[:, :, None])
+    rule, mesh = gauss_rule(), solution.mesh
+    return np.einsum("qp,qps->ps", rule.weights[:, None] * mesh.measure, rate)
 
 
 def _summed(rate: Array) -> Array:
