@@ -1,21 +1,23 @@
 """`pinpress about`: versions of what pinpress runs on, and the licences of that and of what its pages hold of others."""
 
 import argparse
-import itertools
-import json
 import platform
 import re
+import textwrap
+from collections import defaultdict
 from collections.abc import Iterator
 from importlib import metadata
 
 from ..common import tables
 from ..common.errors import PinpressError
-from ..visual.pages import meshcat_script, plotly_script
+from ..visual import licences
+from ..visual.pages import meshcat_script, plotly_head
 
 ITSELF = "pinpress"
 UNSTATED = "not stated"
 MISSING = "not installed"
 REQUIREMENT = re.compile(r"([\w.-]+)[^;]*(?:;.*extra\s*==\s*['\"](\w+)['\"])?")
+WIDTH = 100  # of lists of names
 OF_USERS = (
     "recording",
     "report",
@@ -35,7 +37,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "about",
         help="versions of pinpress and of what it runs on, and the licences of all that is in its pages",
         description="Print the versions of pinpress, Python and all packages that it uses, for a bug report, with their licences as each\n"
-        "package states them; then what a page (recording, report, live window) holds of others, read from the files that go into it.",
+        "package states them; then what a page (recording, report, live window) holds of others; the page has the texts of these licences.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
@@ -56,7 +58,8 @@ def _lines() -> Iterator[str]:
     if optional:
         rows = [(name, *stated(name), f"for {', '.join(extras)}") for name, extras in optional.items()]
         yield from ("", "Optional", *tables.fitted_words(rows))
-    yield from ("", "In recordings, reports and the live window", *tables.fitted_words([*_in_meshcat(), *_in_plotly()]))
+    yield from ("", "In recordings, reports and the live window", *tables.fitted_words([*_in_meshcat(), _plotly()]))
+    yield from _in_plotly()
 
 
 def stated(package: str) -> tuple[str, str]:
@@ -89,25 +92,37 @@ def _requirements() -> tuple[list[str], dict[str, list[str]]]:
 
 
 def _in_meshcat() -> Iterator[tuple[str, str, str]]:
-    """Meshcat's viewer and what is in it, by the list that it was built with."""
+    """Meshcat's viewer and what is in it."""
     try:
         script = meshcat_script()
     except PinpressError:
         yield "Meshcat", MISSING, ""
         return
     yield "Meshcat's viewer", *stated("meshcat")
-    for part in json.loads(script.with_name(f"{script.name}.THIRD_PARTY_LICENSES.json").read_text("utf-8")):
-        yield part["name"], part["version"], part["license"] or UNSTATED
+    for part in licences.of_meshcat(script):
+        yield part.name, part.version, part.licence
 
 
-def _in_plotly() -> Iterator[tuple[str, str, str]]:
+def _plotly() -> tuple[str, str, str]:
     """Plotly's charts, by the comment in front of the script."""
     try:
-        script = plotly_script()
+        head = plotly_head()
     except PinpressError:
-        yield "plotly.js", MISSING, ""
+        return "plotly.js", MISSING, ""
+    licence = re.search(r"under the ([\w.-]+) license", head)
+    return "plotly.js", licences.plotly_version(head) or UNSTATED, licence[1] if licence else UNSTATED
+
+
+def _in_plotly() -> Iterator[str]:
+    """What is in Plotly's charts: hundreds, so by their licences."""
+    _, version, _ = _plotly()
+    if version == MISSING:
         return
-    with script.open(encoding="utf-8") as lines:
-        head = "".join(itertools.takewhile(lambda line: "*/" not in line, lines))
-    version, licence = (re.search(words, head) for words in (r"plotly\.js v([\w.-]+)", r"under the ([\w.-]+) license"))
-    yield "plotly.js", version[1] if version else UNSTATED, licence[1] if licence else UNSTATED
+    known = version if version in licences.examined() else " or ".join(licences.examined())
+    yield from ("", f"In plotly.js {known}")
+    names = defaultdict[str, list[str]](list)
+    for part in licences.of_plotly(version):
+        names[part.licence].append(f"{part.name} {part.version}".strip().replace(" ", "\N{NO-BREAK SPACE}"))
+    for licence, parts in sorted(names.items(), key=lambda each: -len(each[1])):
+        words = textwrap.wrap(", ".join(parts), WIDTH, break_long_words=False, break_on_hyphens=False)
+        yield from (f"  {licence}", *(f"    {line}".replace("\N{NO-BREAK SPACE}", " ") for line in words))

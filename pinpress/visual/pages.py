@@ -24,6 +24,7 @@ import numpy as np
 from ..common import files
 from ..common.errors import PinpressError
 from ..common.quantities import Array
+from . import licences
 
 FIELD = re.compile(r"\{\{(\w+)\}\}")
 FILE = re.compile(r"\{\{(\w+\.\w+)\}\}")
@@ -40,7 +41,7 @@ class Library:
     Attributes:
         packed: the script, see `pack`.
         digest: its name in a page's security policy.
-        licence: text of its licence.
+        licence: text of its licence, and of those of all that is in it.
     """
 
     packed: str
@@ -122,8 +123,9 @@ def meshcat() -> Library:
         PinpressError: it is not installed.
     """
     script = meshcat_script()
-    licences = (script.parents[1] / "LICENSE", script.with_name("main.min.js.LICENSE.txt"))
-    return _library(script, "\n".join(licence.read_text("utf-8") for licence in licences))
+    own = (script.parents[1] / "LICENSE", script.with_name("main.min.js.LICENSE.txt"))
+    parts = licences.together("Meshcat's viewer holds parts of others:", licences.of_meshcat(script))
+    return _library(script, "\n".join([*(path.read_text("utf-8") for path in own), parts]))
 
 
 def meshcat_script() -> Path:
@@ -137,15 +139,20 @@ def plotly() -> Library:
     Raises:
         PinpressError: it is not installed.
     """
-    script = plotly_script()
-    with script.open(encoding="utf-8") as lines:
-        head = list(itertools.takewhile(lambda line: "*/" not in line, lines))  # the comment in front, which is its licence
-    return _library(script, "".join(head))
+    head = plotly_head()
+    parts = licences.together("plotly.js holds parts of others:", licences.of_plotly(licences.plotly_version(head)))
+    return _library(plotly_script(), f"{head}\n{parts}")
 
 
 def plotly_script() -> Path:
     """The file of Plotly's charts; raises PinpressError where it is not installed."""
     return _package("plotly", NO_PLOTLY) / "package_data/plotly.min.js"
+
+
+def plotly_head() -> str:
+    """The comment in front of Plotly's charts, with version and licence; raises PinpressError where they are not installed."""
+    with plotly_script().open(encoding="utf-8") as lines:
+        return "".join(itertools.takewhile(lambda line: "*/" not in line, lines))
 
 
 def _package(name: str, missing: str) -> Path:

@@ -1,6 +1,5 @@
 """`pinpress about` against the metadata of packages and the files that go into pages."""
 
-import json
 import re
 from importlib import metadata
 
@@ -11,7 +10,7 @@ import pytest
 from pinpress.cli import about
 from pinpress.cli.main import main
 from pinpress.common.errors import PinpressError
-from pinpress.visual import pages
+from pinpress.visual import licences, pages
 
 
 def said(capsys) -> dict[str, list[str]]:
@@ -37,8 +36,8 @@ def test_packages_are_those_that_the_extras_of_users_name(capsys):
 
 def test_licences_in_pages_are_those_of_their_files(capsys):
     found = said(capsys)
-    for part in json.loads(pages.meshcat_script().with_name("main.min.js.THIRD_PARTY_LICENSES.json").read_text("utf-8")):
-        assert found[part["name"]] == [part["version"], part["license"]]
+    for part in licences.of_meshcat(pages.meshcat_script()):
+        assert found[part.name] == ([part.version, part.licence] if part.version else [part.licence])
     assert {"three", "dat.gui", "msgpack-lite"} <= found.keys()
     assert found["three"][1] == "MIT"
     assert 'const i="132"' in pages.meshcat_script().read_text("utf-8")  # three.js's own word for its revision
@@ -48,12 +47,32 @@ def test_licences_in_pages_are_those_of_their_files(capsys):
     assert licence == "MIT"
 
 
+def test_parts_of_plotly_stand_under_their_licences(capsys):
+    assert main(["about"]) == 0
+    lines = capsys.readouterr().out.partition("In plotly.js ")[2].splitlines()
+    shown, licence = {}, ""
+    for line in lines[1:]:
+        if line.startswith("    "):
+            shown |= dict.fromkeys(line.strip().rstrip(",").split(", "), licence)
+        else:
+            licence = line.strip()
+    parts = licences.of_plotly(licences.plotly_version(pages.plotly_head()))
+    assert lines[0] == licences.plotly_version(pages.plotly_head())
+    assert shown == {f"{part.name} {part.version}".strip(): part.licence for part in parts}
+
+
+def test_a_plotly_whose_parts_are_not_known_is_said_to_be_so(monkeypatch, capsys):
+    monkeypatch.setattr(about, "plotly_head", lambda: "/**\n* plotly.js v99.0.0\n* Licensed under the MIT license\n")
+    assert main(["about"]) == 0
+    assert f"In plotly.js {' or '.join(licences.examined())}\n" in capsys.readouterr().out
+
+
 def test_says_what_is_not_installed(monkeypatch, capsys):
     def nowhere():
         raise PinpressError("not installed")
 
     monkeypatch.setattr(about, "meshcat_script", nowhere)
-    monkeypatch.setattr(about, "plotly_script", nowhere)
+    monkeypatch.setattr(about, "plotly_head", nowhere)
     found = said(capsys)
     assert found["Meshcat"] == found["plotly.js"] == ["not installed"]
     assert about.stated("no-such-package-anywhere") == ("not installed", "")

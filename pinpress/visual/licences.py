@@ -1,0 +1,86 @@
+"""What pages hold of others, with the licences that these are under and their texts.
+
+Pages carry Meshcat's viewer and Plotly's charts, each one script that many packages were bundled into. Meshcat's comes with a list of
+them, which leaves some out; Plotly's comes with none. What is missing stands in ``templates/licences.json``, which
+``docs/page_licences.py`` writes. Licences are SPDX expressions.
+"""
+
+import functools
+import importlib.resources
+import itertools
+import json
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Part:
+    """A package that is in a script of a page.
+
+    Attributes:
+        name: as its registry has it.
+        version: empty where the bundle does not tell it.
+        licence: SPDX expression.
+        notice: who holds the copyright, in the package's own words; empty where ``text`` says so.
+        text: the licence.
+    """
+
+    name: str
+    version: str
+    licence: str
+    notice: str
+    text: str
+
+
+@functools.cache
+def of_meshcat(script: Path) -> tuple[Part, ...]:
+    """Those in Meshcat's viewer, ``script``: of the list beside it, and those that it leaves out or has no text of."""
+    listed = json.loads(script.with_name(f"{script.name}.THIRD_PARTY_LICENSES.json").read_text("utf-8"))
+    parts = {part.name: part for part in map(_part, _known()["meshcat"])}
+    for each in listed:
+        if each["licenseText"] or each["name"] not in parts:
+            parts[each["name"]] = Part(each["name"], each["version"], each["license"], "", (each["licenseText"] or each["license"]).strip())
+    return tuple(part for _, part in sorted(parts.items()))
+
+
+@functools.cache
+def of_plotly(version: str) -> tuple[Part, ...]:
+    """Those in a version of plotly.js; where its parts are not known, those of all versions whose parts are."""
+    every = _known()["plotly"]
+    return tuple(_part(each) for each in every if version in each["in"] or version not in examined())
+
+
+def plotly_version(head: str) -> str:
+    """The version that the comment in front of plotly.js tells; empty where it tells none."""
+    found = re.search(r"plotly\.js v([\w.-]+)", head)
+    return found[1] if found else ""
+
+
+def examined() -> tuple[str, ...]:
+    """The versions of plotly.js whose parts are known."""
+    return tuple(sorted({version for each in _known()["plotly"] for version in each["in"]}))
+
+
+def together(title: str, parts: Iterable[Part]) -> str:
+    """Notices and licences of the parts of a script, each text once."""
+    passages = [title]
+    by_text = sorted(parts, key=lambda part: (part.licence, part.text, part.name))
+    for text, same in itertools.groupby(by_text, key=lambda part: part.text):
+        holders = [" ".join(filter(None, (part.name, part.version))) + (f": {part.notice}" if part.notice else "") for part in same]
+        passages.append("\n".join(holders) + "\n\n" + text)
+    return "\n\n".join(passages)
+
+
+def _part(entry: dict[str, Any]) -> Part:
+    text = _known()["texts"].get(entry["text"], entry["text"])
+    return Part(entry["name"], entry["version"], entry["licence"], entry["notice"], text)
+
+
+@functools.cache
+def _known() -> dict[str, Any]:
+    """The list of ``templates/licences.json``."""
+    text = (importlib.resources.files(__package__) / "templates" / "licences.json").read_text("utf-8")
+    return dict(json.loads(text))
