@@ -59,6 +59,7 @@ np.testing.assert_allclose(w * B + du * (C - B), dv * (C - D), rtol=0, atol=1e-1
 # Hint: -w² B + (i u'' - u'²)(C - B) = (i v'' - v'²)(C - D). Bring all that is known to one side, divide by i, and go on as before.
 
 # Gap: ddu and ddv, the angular accelerations of coupler and rocker [rad/s2], each (360,)
+along = (C - D).conj()
 known = 1j * (w**2 * B + du**2 * (C - B) - dv**2 * (C - D))
 ddu = -(known * along).imag / ((C - B) * along).imag
 ddv = ((known + ddu * (C - B)) * along).real / c**2
@@ -137,7 +138,7 @@ print("largest deviation below 1e-12 of the largest value")
 figure, (above, below) = plt.subplots(2, 1, sharex=True, figsize=(6.3, 4.4), layout="constrained")
 for name, values in force.items():
     above.plot(np.degrees(q), np.hypot(*values.T), label=name)
-above.set_ylabel("pin force [N]")
+above.set(ylabel="pin force [N]", ylim=(0, 300))
 above.legend(ncols=4)
 below.plot(np.degrees(q), torque)
 below.plot(np.degrees(q[::12]), reactions.driving_torque[::12], "k.", label="pinpress")

@@ -4,7 +4,7 @@ A crank press blanks a sheet. The force acts over a few millimetres, the motor i
 down, and is driven up again until the next stroke. Find work, torque, flywheel, drop of speed and permissible force by hand, then by
 pinpress.
 
-| | |
+| given | |
 |---|---|
 | crank press | radius 100 mm, rod 400 mm, nominal force 1000 kN from 6 mm above bottom dead centre |
 | speed at the start of the stroke | 60 r/min |
@@ -45,7 +45,7 @@ np.testing.assert_allclose(work / (start - end) / largest, 0.6366, atol=5e-5, er
 # Hint: H = r + rod - r cos q - sqrt(rod² - r² sin² q).
 
 
-# Gap: `height(q)` and `travel(q)` for any crank angles, and `torque` (721,) of the sheet [N m]
+# Gap: `height(q)`, `travel(q)` for any crank angles; `force` and `torque` (721,) of the sheet [N], [N m]
 def height(q: np.ndarray) -> np.ndarray:
     return r + rod - r * np.cos(q) - np.sqrt(rod**2 - (r * np.sin(q)) ** 2)
 
@@ -109,7 +109,7 @@ at_20_mm = min(nominal_force, limit / abs(travel(higher)), work / 0.020)
 # End of the gap
 np.testing.assert_allclose(permissible, found.force[at], rtol=1e-9, err_msg="not the ratings of pinpress")
 np.testing.assert_allclose(at_20_mm, work / 0.020, rtol=1e-12, err_msg="20 mm above the bottom the flywheel is the limit")
-print(f"20 mm above the bottom: {at_20_mm / 1e3:.1f} kN, by the flywheel; by the torque alone {limit / abs(travel(higher)) / 1e3:.1f} kN")
+print(f"20 mm above the bottom: {at_20_mm / 1e3:.1f} kN, by the flywheel")
 
 # %% The motor
 # In continuous strokes a motor gives back in each turn what the sheet took. How much power must it have on average, at 60 strokes/min?
@@ -136,6 +136,6 @@ left.plot(np.degrees(two_turns), np.tile(steady.crank_speed, 2) / pp.RPM, label=
 left.set(xlabel="crank angle [degrees]", ylabel="speed [r/min]", xlim=(-180, 180))
 left.legend(fontsize="small")
 right.plot(1e3 * found.height, found.force / 1e3, label="permissible")
-right.plot(1e3 * h, force / 1e3, label="sheet")
+right.plot(1e3 * height(q), force / 1e3, label="sheet")
 right.set(xlabel="height above bottom dead centre [mm]", ylabel="force [kN]", xlim=(0, 30))
 right.legend()

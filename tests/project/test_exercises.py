@@ -1,6 +1,8 @@
 """The exercises: their solutions find what their pages say, and their notebooks have gaps that say what is missing and checks that fail."""
 
+import ast
 import json
+import re
 import runpy
 from pathlib import Path
 from typing import Any
@@ -66,6 +68,35 @@ def test_notebook_has_gaps_and_no_solutions(name: str) -> None:
     for step in steps:
         assert step.hint, step.heading
         assert step.gap.splitlines()[-1] not in text, step.heading
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_that_other_code_needs_are_asked_for(name: str) -> None:
+    """A student may call everything else as he likes, and may take the page's solution of one step alone."""
+    steps = PAGES["steps"](name)
+    for k, step in enumerate(steps):
+        if step.gap:
+            asked = re.search("# Gap: (.*)", step.code)[1]
+            own = {name for name in names_set(step.gap) if not re.search(rf"\b{name}\b", asked)}
+            others = [step.with_gap, *(code for later in steps[k + 1 :] for code in (later.with_gap, later.gap))]
+            for code in others:
+                assert own & names_needed(code) == set(), step.heading
+
+
+def names_set(code: str) -> set[str]:
+    """Names that lines of code leave behind."""
+    body = ast.parse(code).body
+    targets = [target for node in body if isinstance(node, ast.Assign) for target in node.targets]
+    found = {node.id for target in targets for node in ast.walk(target) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+    return found | {node.name for node in body if isinstance(node, ast.FunctionDef)}
+
+
+def names_needed(code: str) -> set[str]:
+    """Names that code reads and does not set itself."""
+    tree = list(ast.walk(ast.parse(code)))
+    names = [node for node in tree if isinstance(node, ast.Name)]
+    own = {node.id for node in names if isinstance(node.ctx, ast.Store)} | {node.arg for node in tree if isinstance(node, ast.arg)}
+    return {node.id for node in names} - own
 
 
 @pytest.mark.parametrize("name", NAMES)
