@@ -120,7 +120,7 @@ print(
 # Hint: `balance(press, motion, regions=[CounterweightRegion("crank", radius=0.2)], minimise=Rms("shaking_force"))`. The result has
 # `counterweights`, with mass and position.
 
-# Gap: `best`, and of its counterweight the `product` of mass and position (3,) [kg m] and the share `k`
+# Gap: `best`, the `product` (3,) of its mass and position [kg m], and the share `k`
 best = balance(press, motion, regions=[CounterweightRegion("crank", radius=0.2)], minimise=Rms("shaking_force"))
 product = sum(each.mass * np.array(each.position) for each in best.counterweights)  # [kg m], in the crank's own axes
 k = (-product[0] - turning) / (reciprocating * r)

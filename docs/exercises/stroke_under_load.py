@@ -45,7 +45,7 @@ np.testing.assert_allclose(work / (start - end) / largest, 0.6366, atol=5e-5, er
 # Hint: H = r + rod - r cos q - sqrt(rod² - r² sin² q).
 
 
-# Gap: `height(q)`, `travel(q)` for any crank angles; `force` and `torque` (721,) of the sheet [N], [N m]
+# Gap: `height(q)`, `travel(q)` for any crank angles; `force`, `torque` (721,) of the sheet
 def height(q: np.ndarray) -> np.ndarray:
     return r + rod - r * np.cos(q) - np.sqrt(rod**2 - (r * np.sin(q)) ** 2)
 
