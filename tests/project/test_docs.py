@@ -1,5 +1,6 @@
 """The documentation says what is so: its code runs, its tables are what their scripts print, its pages are short."""
 
+import dataclasses
 import importlib.util
 import inspect
 import re
@@ -141,6 +142,15 @@ def test_names_and_files_in_sentences_exist() -> None:
     files = r"(?:python |`)((?:tests|viz|docs|pinpress)/[\w/.]*\w)"
     missing += [f"{page}: {file}" for page, words in pages.items() for file in re.findall(files, words) if not (ROOT / file).exists()]
     assert missing == []
+
+
+def test_glossary_has_each_quantity_of_a_motion_of_reactions_and_of_a_run() -> None:
+    press = pp.load("crank_slide")
+    columns = [*pp.cycle(press, 7.0, points=4).columns(), *pp.simulate(press, 0.1, speed=7.0, points=4).columns()]
+    quantities = {column.partition(" ")[0] for column in columns} - {"time"}
+    quantities |= {field.name for field in dataclasses.fields(pp.Reactions) if "Array" in str(field.type) and field.name[0] != "_"}
+    quantities |= {"shaking_force", "shaking_moment", "process_force", "power_residual", "indeterminate", "coupling_torque"}
+    assert {name for name in quantities if f"`{name}`" not in text("glossary")} == set()
 
 
 def _is_public(name: str) -> bool:
