@@ -136,11 +136,12 @@ def _mains(run: Run, whole: MotorDuty) -> list[str]:
     share = "" if whole.efficiency is None else f"{100 * whole.efficiency:.4g} % of it reach the driver"
     lines = [
         tables.entry("from the mains", works.shown(whole.mains_work), works.unit, share),
-        tables.entry("lost by slip", slip.shown(whole.slip_loss), slip.unit),
+        *([tables.entry("lost by slip", slip.shown(whole.slip_loss), slip.unit)] if whole.slip_loss else []),
         tables.entry("mean power", mean.shown(power), mean.unit, f"from the mains, {power / 1e3:.4g} kWh in an hour"),
     ]
     if whole.settled_rise is not None:
-        remark = f"of its temperature, if this goes on for good; {motor.rated_rise:g} K at its rated point"
+        rated = getattr(motor, "rated_rise", None)
+        remark = "of its temperature, if this goes on for good" + ("" if rated is None else f"; {rated:g} K at its rated point")
         lines.append(tables.entry("settled rise", f"{whole.settled_rise:.4g}", "K", remark))
     return lines
 

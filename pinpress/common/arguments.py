@@ -399,6 +399,8 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"rad/s2": 1.0, "deg/s2": math.pi / 180},
     {"W/(N m)2": 1.0},
     {"W s2/rad2": 1.0},
+    {"W/N2": 1.0},
+    {"W s2/m2": 1.0},
     {"s/rad": 1.0},
     {"V": 1.0, "kV": 1e3},
     {"N/m": 1.0, "kN/m": 1e3, "kN/mm": 1e6, "N/mm": 1e3, "MN/m": 1e6, "GN/m": 1e9},

@@ -89,6 +89,8 @@ _ALONG = {  # units of a shaft's quantities, and those along an axis
     "N m": "N",
     "N m/rad": "N/m",
     "N m s/rad": "N s/m",
+    "W/(N m)2": "W/N2",
+    "W s2/rad2": "W s2/m2",
     "kg m2": "kg",
 }
 

@@ -1,3 +1,4 @@
+from .electric import MotorPower as MotorPower
 from .motors import ConstantTorque as ConstantTorque
 from .motors import InductionMotor as InductionMotor
 from .motors import InverterMotor as InverterMotor

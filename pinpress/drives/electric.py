@@ -22,23 +22,23 @@ from .protocol import SpeedTorqueDrive
 
 
 class MotorPower(NamedTuple):
-    """Where the power of a motor goes [W], in the shape of its speed.
+    """Where the power of a motor goes [W], in the shape of its speed; what is left out is 0.
 
     Attributes:
         shaft: from the motor into its shaft; negative where it brakes.
         slip: lost by slip: in the bars of the rotor, or as eddy currents in the drum of a slip clutch.
         load: lost in windings and elsewhere with the square of the current, the slip left out, and by excitation.
-        constant: lost in iron, bearings and fan.
+        constant: lost in iron, bearings and fan, whatever the torque.
         inverter: lost in the inverter.
         resistor: of braking, burnt in the inverter's resistor.
     """
 
     shaft: Values
-    slip: Values
-    load: Values
-    constant: Values
-    inverter: Values
-    resistor: Values
+    slip: Values = 0.0
+    load: Values = 0.0
+    constant: Values = 0.0
+    inverter: Values = 0.0
+    resistor: Values = 0.0
 
     @property
     def mains(self) -> Values:

@@ -306,6 +306,14 @@ class ServoMotor(SpeedTorqueDrive):
         peak_torque: [N m].
         inertia: of the rotor [kg m2], or (S,) for S scenarios.
         rated_torque: permanent torque [N m]; None: not known.
+        copper: heat in the windings by the torque's square, R / kt² [W/(N m)²].
+        iron: loss in the iron by the speed's square [W s2/rad2].
+        constant_loss: losses of motor and controller that do not depend on torque and speed [W].
+        regeneration: share of the power of braking that is used again, by other axes, the mains or a capacitor that is large enough (see
+            `pinpress.servo.capacitor`); the rest is burnt in a resistor.
+        rated_rise: temperature rise of the motor at its permanent torque for good [K]; it takes ``copper`` and ``rated_torque``. None: not
+            known, as its temperature then is.
+        thermal_time: time constant of its temperature [s]; None: not known.
     """
 
     times: Sequence[float] | Array
@@ -315,9 +323,19 @@ class ServoMotor(SpeedTorqueDrive):
     peak_torque: float = field(metadata=parameter("N m", "positive"))
     inertia: Values = field(default=0.0, metadata=parameter("kg m2", "not negative", scenarios=True))
     rated_torque: float | None = field(default=None, metadata=parameter("N m", "positive"))
+    copper: float = field(default=0.0, kw_only=True, metadata=parameter("W/(N m)2", "not negative"))
+    iron: float = field(default=0.0, kw_only=True, metadata=parameter("W s2/rad2", "not negative"))
+    constant_loss: float = field(default=0.0, kw_only=True, metadata=parameter("W", "not negative"))
+    regeneration: float = field(default=1.0, kw_only=True, metadata=parameter("-", "not negative"))
+    rated_rise: float | None = field(default=None, kw_only=True, metadata=parameter("K", "positive"))
+    thermal_time: float | None = field(default=None, kw_only=True, metadata=parameter("s", "positive"))
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.regeneration > 1:
+            raise PinpressError(f"ServoMotor: regeneration is {shown(self.regeneration)}; give a share from 0 to 1")
+        if self.rated_rise is not None and (self.rated_torque is None or not self.copper):
+            raise PinpressError("ServoMotor: rated_rise is by the heat at the permanent torque: give rated_torque= and copper= too")
         for name, unit in (("times", "s"), ("angles", "rad")):
             wanted = f"two or more finite numbers [{unit}]"
             values = suitable_numbers(f"ServoMotor: {name}", getattr(self, name), wanted, (None,), lambda values: len(values) > 1)
@@ -365,3 +383,17 @@ class ServoMotor(SpeedTorqueDrive):
         wanted_angle, wanted_speed = self.program(time)
         torque = self.stiffness * (wanted_angle - angle) + self.damping * (wanted_speed - speed)
         return limited(-self.peak_torque, torque, self.peak_torque)
+
+    def power(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> MotorPower:
+        """Where the power of motor and controller goes, by the losses of `pinpress.servo.ServoDrive`; arguments as for ``torque``."""
+        torque = self.torque(speed, angle, time)
+        shaft, copper, iron = torque * speed, self.copper * torque * torque, self.constant_loss + self.iron * speed * speed
+        given = np.maximum(-(shaft + copper + iron), 0.0)
+        return MotorPower(shaft, load=copper, constant=iron, resistor=(1.0 - self.regeneration) * given)
+
+    @property
+    def thermal_resistance(self) -> float | None:
+        """Rise for good by heat [K/W]; None where the rise at the permanent torque is not known."""
+        if self.rated_rise is None or self.rated_torque is None:
+            return None
+        return self.rated_rise / (self.copper * self.rated_torque**2)

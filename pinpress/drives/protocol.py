@@ -38,6 +38,10 @@ class Drive(Protocol):
     give it element by element. Memory, as of an excitation or a hysteresis, belongs in ``state`` with its ``rates``, not in other
     attributes. `simulate` and `steady_state` try a caller's own drive before a run, and ask for the run's torques again after it.
 
+    A drive that also has ``power``, a method with the arguments of ``torque`` that returns a `MotorPower`, tells what it takes from the
+    mains (`pinpress.measures.motor_energy`). With the numbers ``thermal_time`` [s] and ``thermal_resistance`` [K/W] it tells how warm it
+    becomes too.
+
     On a driver that slides the torque is a force [N], the speed in m/s, the angle a position [m] and the inertia a mass [kg].
 
     Attributes:

@@ -1,8 +1,8 @@
 """What the motor of a run takes from the mains, where it goes, and how warm the motor becomes.
 
-The powers of an `ElectricMotor` follow from speed, torque and states of a run that is solved already, so that they are integrated
-afterwards, by Gauss-Legendre quadrature between the borders within which the run is smooth. Heat and rise have one time constant, so that
-the rise between two instants is exact for the heat at the nodes:
+The powers of a motor that tells them, by a method ``power`` that returns a `MotorPower`, follow from speed, torque and states of a run that
+is solved already, so that they are integrated afterwards, by Gauss-Legendre quadrature between the borders within which the run is smooth.
+Heat and rise have one time constant, so that the rise between two instants is exact for the heat at the nodes:
 rise(t2) = rise(t1) exp(-(t2 - t1) / T) + R / T x integral of exp(-(t2 - t) / T) heat(t) dt.
 """
 
@@ -11,15 +11,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..common import tables
-from ..common.errors import PinpressError, shown
+from ..common.arguments import finite_numbers, positive
+from ..common.errors import PinpressError, said, shown
 from ..common.numerics import gauss_rule
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..drives.electric import ElectricMotor
+from ..drives.electric import ElectricMotor, MotorPower
+from ..drives.motors import ServoMotor
 from ..drives.transmission import innermost
 from ..loads.caller_laws import as_given
 from .driven_press import DrivenPress
@@ -28,6 +31,9 @@ from .trajectory import Sample, Trajectory
 LOSSES = ("slip", "load", "constant", "gears", "inverter", "resistor")
 FLOWS = ("mains", "drive", *LOSSES, "heat")
 """Powers of a motor: from the mains, of the drive on the crank, those lost on the way, and of these what warms the motor."""
+TOLD = 1e-9  # share of the largest power on the motor's shaft up to which torque x speed may differ from what it tells
+ROUGH = 1e-11  # share of all work by which both halves of an interval may differ from it
+MOST_HALVINGS = 20
 ROUNDED = 1e-14  # share of the power on the crank below which a loss in gears is rounding
 MOST_PIECES = 1_000_000  # into which a run is cut, no longer than a time constant each
 MAINS, DRIVE, SLIP, HEAT = FLOWS.index("mains"), FLOWS.index("drive"), FLOWS.index("slip"), FLOWS.index("heat")
@@ -41,8 +47,8 @@ class EnergyFlow(Tabular):
         linkage: name of the linkage.
         time: (n,) [s].
         power: (n,) [W] by name: from the "mains" (negative where braking feeds them), of the "drive" on the crank's shaft; lost by "slip",
-            with the square of the "load", as a "constant", in "gears", "inverter", and the brake "resistor"; and the "heat" of slip,
-            load and constant loss that warms the motor.
+            with the square of the "load", as a "constant", whatever the torque, in "gears", "inverter", and the brake "resistor"; and the
+            "heat" of slip, load and constant loss that warms the motor.
         work: (n,) the same since the start of the run [J].
         strokes: number of strokes in the run; None where the slide has none.
         temperature_rise: (n,) of the motor above its surroundings [K]; None where its rise at the rated point or its time constant is not
@@ -115,29 +121,29 @@ class Spent:
         return None if self.rise is None else float(self.rise[-1] / -np.expm1(-self.elapsed[-1]))
 
 
-def motor_of(driven: DrivenPress) -> ElectricMotor | None:
-    """The electric motor that drives a press; None where something else does."""
-    found = None if driven.drive is None else innermost(as_given(driven.drive))[0]
-    return found if isinstance(found, ElectricMotor) else None
+def motor_of(driven: DrivenPress) -> Any | None:
+    """The drive that tells where its power goes, see `Drive`; None where that which drives a press does not."""
+    found = None if driven.drive is None else as_given(innermost(as_given(driven.drive))[0])
+    return found if callable(getattr(found, "power", None)) else None
 
 
-def needed_motor(driven: DrivenPress) -> ElectricMotor:
+def needed_motor(driven: DrivenPress) -> Any:
     """`motor_of`; raises PinpressError where there is none."""
     motor = motor_of(driven)
     if motor is None:
         raise PinpressError(
-            "the drive is no motor whose power from the mains is known: give an InductionMotor, InverterMotor or SlipClutchMotor"
+            "the drive is no motor whose power from the mains is known: give an InductionMotor, InverterMotor, SlipClutchMotor or"
+            " ServoMotor, or a drive of your own with a method power"
         )
     return motor
 
 
 def flows(driven: DrivenPress, times: Array, sample: Sample) -> Array:
     """(flows, n) the `FLOWS` of a sample at times (n,) [W]; raises PinpressError where they are not finite."""
-    motor, ratio = innermost(as_given(driven.drive))
-    assert isinstance(motor, ElectricMotor)
+    motor, ratio = needed_motor(driven), innermost(as_given(driven.drive))[1]
     angle = sample.position[driven.press.driver_indices[0] if len(sample.position) > 1 else 0]
     with np.errstate(all="ignore"):  # what is not finite is refused below
-        power = motor.power(ratio * sample.drive_speed, ratio * angle, times, tuple(sample.drive_states))
+        power = _power(motor, ratio * sample.drive_speed, ratio * angle, times, tuple(sample.drive_states))
     given = sample.drive_torque * sample.drive_speed
     in_gears = np.where(np.abs(power.shaft - given) > ROUNDED * np.abs(given), power.shaft - given, 0.0)
     parts = (power.mains, given, power.slip, power.load, power.constant, in_gears, power.inverter, power.resistor, power.heat)
@@ -147,7 +153,35 @@ def flows(driven: DrivenPress, times: Array, sample: Sample) -> Array:
     return found
 
 
-def spent(motor: ElectricMotor, driven: DrivenPress, trajectory: Trajectory, instants: Array) -> Spent:
+def _power(motor: Any, speed: Array, angle: Array, times: Array, states: tuple[Array, ...]) -> MotorPower:
+    """Where the power of a motor goes; raises PinpressError where a caller's own drive does not tell it, or its torque says otherwise."""
+    try:
+        power = motor.power(speed, angle, times, states)
+    except PinpressError:
+        raise
+    except Exception as error:  # whatever a caller's own drive raises
+        raise PinpressError(f"{type(motor).__name__}: power cannot be worked out: {said(error)}") from error
+    wanted = f"give a pinpress.drives.MotorPower of {times.shape} numbers each, or numbers"
+    if not isinstance(power, MotorPower):
+        raise PinpressError(f"{type(motor).__name__}: power is {shown(power)}: {wanted}")
+    for name, part in power._asdict().items():
+        values = finite_numbers(part)
+        if values is None and not isinstance(motor, ElectricMotor | ServoMotor):
+            raise PinpressError(f"{type(motor).__name__}: {name} of its power is {shown(part)}: {wanted}, all finite")
+        if values is not None and values.shape not in ((), times.shape):
+            raise PinpressError(f"{type(motor).__name__}: {name} of its power has shape {values.shape}: {wanted}")
+    shaft = motor.torque(speed, angle, times, states) * speed
+    apart = np.abs(power.shaft - shaft)
+    if (apart > TOLD * np.abs(shaft).max()).any():
+        at = int(np.argmax(np.broadcast_to(apart, times.shape)))
+        raise PinpressError(
+            f"{type(motor).__name__}: shaft of its power is {np.broadcast_to(power.shaft, times.shape)[at]:.6g} W at {speed[at]:.6g} rad/s,"
+            f" where its torque has {np.broadcast_to(shaft, times.shape)[at]:.6g} W: give torque x speed"
+        )
+    return power
+
+
+def spent(motor: Any, driven: DrivenPress, trajectory: Trajectory, instants: Array) -> Spent:
     """What a motor takes and loses between rising instants (n,).
 
     Raises:
@@ -156,12 +190,13 @@ def spent(motor: ElectricMotor, driven: DrivenPress, trajectory: Trajectory, ins
     rule, borders = gauss_rule(), trajectory.borders
     first, last = np.searchsorted(borders, [instants[0], instants[-1]])
     edges = np.unique(np.concatenate([instants, borders[first:last]]))
-    resistance = motor.thermal_resistance
-    constant = math.inf if resistance is None or motor.thermal_time is None else motor.thermal_time
+    resistance, time = (getattr(motor, name, None) for name in ("thermal_resistance", "thermal_time"))
+    constant = math.inf if resistance is None or time is None else float(positive(f"{type(motor).__name__}: thermal_time", time, "s"))
     edges = _cut(edges, constant)
+    if motor.timed:  # the speeds at which others are not smooth are borders; of these they are not known
+        edges = _halved(driven, trajectory, edges)
     half = 0.5 * np.diff(edges)
-    times = 0.5 * (edges[:-1] + edges[1:])[:, None] + half[:, None] * rule.nodes
-    power = flows(driven, times.ravel(), trajectory.at(times.ravel(), complete=False)).reshape(len(FLOWS), *times.shape)
+    times, power = _at_nodes(driven, trajectory, edges[:-1], edges[1:])
     gains = half * (power @ rule.weights)
     work = np.concatenate([np.zeros((len(FLOWS), 1)), gains.cumsum(axis=1)], axis=1)
     at, elapsed = edges.searchsorted(instants), (instants - instants[0]) / constant
@@ -177,8 +212,37 @@ def spent(motor: ElectricMotor, driven: DrivenPress, trajectory: Trajectory, ins
     for share, more in zip(np.exp(-2.0 * half / constant).tolist(), warmed.tolist(), strict=True):
         rise.append(rise[-1] * share + more)
     if not math.isfinite(sum(rise) + float(work[:, -1].sum())):
-        raise PinpressError(f"rated_rise of the {type(motor).__name__} is {shown(motor.rated_rise)}: give that of its data sheet [K]")
+        given = getattr(motor, "rated_rise", None)
+        raise PinpressError(f"rated_rise of the {type(motor).__name__} is {shown(given)}: give that of its data sheet [K]")
     return Spent(work[:, at], elapsed, np.array(rise)[at])
+
+
+def _at_nodes(driven: DrivenPress, trajectory: Trajectory, starts: Array, ends: Array) -> tuple[Array, Array]:
+    """Times (n, nodes) of the quadrature over intervals (n,), and the powers (flows, n, nodes) there."""
+    times = 0.5 * (starts + ends)[:, None] + 0.5 * (ends - starts)[:, None] * gauss_rule().nodes
+    power = flows(driven, times.ravel(), trajectory.at(times.ravel(), complete=False))
+    return times, power.reshape(len(FLOWS), *times.shape)
+
+
+def _halved(driven: DrivenPress, trajectory: Trajectory, edges: Array) -> Array:
+    """Edges (n,) with more of them where the powers are not smooth: an interval is halved until both halves together agree with it."""
+
+    def works(starts: Array, ends: Array) -> Array:
+        return np.asarray(0.5 * (ends - starts) * (_at_nodes(driven, trajectory, starts, ends)[1] @ gauss_rule().weights))
+
+    starts, ends = edges[:-1], edges[1:]
+    whole = works(starts, ends)
+    largest, found = float(np.abs(whole).sum(axis=1).max()), [edges]
+    for _ in range(MOST_HALVINGS):
+        middle = 0.5 * (starts + ends)
+        first, second = works(starts, middle), works(middle, ends)
+        rough = (np.abs(first + second - whole) > ROUGH * largest).any(axis=0)
+        if not rough.any():
+            break
+        found.append(middle[rough])
+        starts, ends = np.concatenate([starts[rough], middle[rough]]), np.concatenate([middle[rough], ends[rough]])
+        whole = np.concatenate([first[:, rough], second[:, rough]], axis=1)
+    return np.unique(np.concatenate(found))
 
 
 def _cut(edges: Array, longest: float) -> Array:

@@ -420,8 +420,8 @@ def stroke_duties(run: Run) -> Records[MotorDuty]:
 def motor_energy(run: Run, *, initial_rise: float | None = None) -> EnergyFlow:
     """What the motor of a run takes from the mains, where it goes, and how warm the motor becomes.
 
-    The motor is an `InductionMotor`, `InverterMotor` or `SlipClutchMotor`, behind gears or not; its losses are those of its model and of
-    its data sheet, see there.
+    The motor is an `InductionMotor`, `InverterMotor`, `SlipClutchMotor` or `ServoMotor`, behind gears or not; its losses are those of its
+    model and of its data sheet, see there. A drive of your own tells them by a method ``power``, see `pinpress.drives.Drive`.
 
     Args:
         run: of a press with one driver.

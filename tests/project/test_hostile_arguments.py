@@ -43,6 +43,7 @@ MADE = {
     "DyadAngles",
     "MotorDuty",
     "EnergyFlow",
+    "MotorPower",
     "GuideReaction",
     "SlideCompliance",
     "ExtremeValues",

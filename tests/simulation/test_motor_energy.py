@@ -20,6 +20,46 @@ MOTORS: dict[str, Any] = {
     "slip clutch": Geared(SlipClutchMotor(**YCT, excitation_power=100.0, **DATA), 3.0, efficiency=0.96),
     "slip clutch with states": Geared(SlipClutchMotor(**YCT, lag=0.1, integral_time=0.5, **DATA), 3.0),
 }
+RATIO = 5.0
+PROGRAM = np.linspace(0.0, 0.6, 31)
+SERVO = pp.drives.ServoMotor(
+    PROGRAM,
+    RATIO * 12.0 * (PROGRAM / 0.6 - np.sin(2 * np.pi * PROGRAM / 0.6) / (2 * np.pi)),  # from rest to 40 rad/s, and to rest again
+    stiffness=4e3,
+    damping=400.0,
+    peak_torque=4e4,
+    inertia=0.3,
+    rated_torque=400.0,
+    copper=0.02,
+    iron=0.01,
+    constant_loss=250.0,
+    regeneration=0.4,
+    rated_rise=80.0,
+    thermal_time=1500.0,
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class Hydraulic(pp.drives.SpeedTorqueDrive):
+    """A drive of one's own: a straight line of torque, with an efficiency that a table has over speed and torque."""
+
+    standstill: float = dataclasses.field(metadata=pp.drives.parameter("N m", "positive"))
+    idle: float = dataclasses.field(metadata=pp.drives.parameter("rad/s", "positive"))
+    inertia: float = 0.0
+    rated_torque: float | None = None
+    thermal_time: float = 900.0
+    thermal_resistance: float = 0.02
+
+    def torque(self, speed, angle=0.0, time=0.0, state=()):
+        return self.standstill * (1.0 - speed / self.idle)
+
+    def power(self, speed, angle=0.0, time=0.0, state=()):
+        shaft = self.torque(speed) * speed
+        efficiency = np.interp(np.abs(speed), [0.0, 20.0, 40.0], [0.3, 0.8, 0.85])
+        return pp.drives.MotorPower(shaft, load=np.where(shaft > 0, shaft * (1 / efficiency - 1), 0.0), constant=150.0)
+
+
+MOTORS |= {"servo": Geared(SERVO, RATIO, efficiency=0.97), "of one's own": Geared(Hydraulic(8e3, 32.0), 1.0)}
 LOSSES = ("slip", "load", "constant", "gears", "inverter", "resistor")
 BLANKING = [pp.loads.Blanking(force=400e3, start=0.006, end=0.003)]
 
@@ -43,7 +83,8 @@ def stored(run):
 @pytest.mark.parametrize("name", MOTORS)
 def test_mains_are_work_and_losses_and_what_is_stored(name):
     """At every state of a run that is not steady: an error of 1e-9 of the largest work."""
-    run = pp.simulate(press(), 0.5, speed=28.0, drive=MOTORS[name], flywheel=Flywheel(136.0), loads=BLANKING)
+    at_rest = name == "servo"  # where its program begins: from another speed its torque would be limited, with a kink
+    run = pp.simulate(press(), 0.5, speed=0.0 if at_rest else 28.0, drive=MOTORS[name], flywheel=Flywheel(136.0), loads=BLANKING)
     energy = pp.measures.motor_energy(run)
     work, gained = energy.work, stored(run) - stored(run)[0]
     missing = work["mains"] - (run.load_work + run.lost + gained + sum(work[each] for each in LOSSES))
@@ -52,6 +93,7 @@ def test_mains_are_work_and_losses_and_what_is_stored(name):
     assert energy.power["mains"] == pytest.approx(energy.power["drive"] + sum(energy.power[each] for each in LOSSES), rel=1e-9, abs=1e-6)
     duty = pp.measures.duty_cycle(run)
     assert duty.mains_work == pytest.approx(work["mains"][-1], rel=1e-9)
+    assert name != "servo" or work["resistor"][-1] > 0.05 * work["mains"][-1]
     assert duty.slip_loss == pytest.approx(work["slip"][-1], rel=1e-9)
     assert duty.efficiency == pytest.approx(run.drive_work[-1] / work["mains"][-1], rel=1e-8)
     assert duty.settled_rise == pytest.approx(energy.settled_rise, rel=1e-3)
@@ -196,6 +238,53 @@ def test_strokes_hours_and_columns():
     assert pp.measures.motor_energy(swing).strokes < 1
     strokes = pp.measures.stroke_duties(pp.simulate(press(), 0.5, speed=28.0, drive=MOTORS["mains"], flywheel=Flywheel(136.0)))
     assert all(each.mains_work > 0 for each in strokes)
+
+
+@pytest.mark.parametrize("regeneration", [0.4, *(pytest.param(share, marks=pytest.mark.exhaustive) for share in (0.0, 1.0))])
+def test_a_servo_motor_takes_what_the_planned_motion_takes(regeneration):
+    """The run's own motion through inverse dynamics and the drive of servo presses: another way to torque, losses and energy drawn."""
+    drawing = [pp.loads.DeepDrawing(force=400e3, start=0.006)]  # without a jump, for the trapezoids of the plan
+    motor = dataclasses.replace(SERVO, constant_loss=0.0, regeneration=regeneration)
+    run = pp.simulate(press(), 0.45, speed=0.0, drive=Geared(motor, RATIO), loads=drawing, points=801)
+    at = {"time": run.time, "angle": run.crank_angle, "speed": run.crank_speed, "acceleration": run.crank_acceleration}
+    drive = pp.servo.ServoDrive(0.3, RATIO, copper=motor.copper, iron=motor.iron, regeneration=regeneration)
+    planned, energy = pp.servo.evaluate(press(), drive, drawing, **at), pp.measures.motor_energy(run)
+    assert planned.mains_power.min() < -1e4
+    trapezoids = 1e-4 * planned.weight @ np.abs(planned.mains_power)  # their error
+    assert energy.work["mains"][-1] == pytest.approx(planned.energy_drawn, abs=trapezoids)
+    assert energy.work["load"][-1] == pytest.approx(planned.weight @ (motor.copper * planned.motor_torque**2), rel=5e-4)
+    assert energy.work["constant"][-1] == pytest.approx(planned.weight @ (motor.iron * planned.motor_speed**2), rel=1e-5)
+    rest = energy.power["mains"] - np.where(planned.mains_power > 0, 1.0, regeneration) * planned.mains_power
+    assert np.median(np.abs(rest)) < 1e-6 * np.abs(planned.mains_power).max()
+
+
+def test_a_drive_of_ones_own_that_tells_its_power_wrongly_is_named():
+    """Its message says what; a drive with another member of that name runs as before."""
+
+    def run(power):
+        kind = dataclasses.dataclass(frozen=True)(type("Own", (Hydraulic,), {"power": power}))
+        return pp.simulate(press(), 0.05, speed=28.0, drive=kind(8e3, 32.0), points=5)
+
+    told = pp.drives.MotorPower
+    for power, message in (
+        (lambda self, *at: at[0], "Own: power is array.*give a pinpress.drives.MotorPower"),
+        (lambda self, *at: told(0.9 * self.torque(at[0]) * at[0]), "Own: shaft of its power is .* where its torque has .*torque x speed"),
+        (lambda self, *at: told(self.torque(at[0]) * at[0], load=np.nan), "Own: load of its power is nan"),
+        (lambda self, *at: told(self.torque(at[0]) * at[0], slip=[1.0, 2.0]), r"Own: slip of its power has shape \(2,\)"),
+        (lambda self, *at: 1 / 0, "Own: power cannot be worked out: ZeroDivisionError"),
+    ):
+        with pytest.raises(pp.PinpressError, match=message):
+            pp.measures.motor_energy(run(power))
+    assert pp.measures.duty_cycle(run(7.5e3)).mains_work is None
+    slow = pp.simulate(press(), 0.05, speed=28.0, drive=dataclasses.replace(Hydraulic(8e3, 32.0), thermal_time="long"), points=5)
+    with pytest.raises(pp.PinpressError, match="thermal_time is 'long'"):
+        pp.measures.motor_energy(slow)
+
+
+def test_what_makes_no_servo_motor_is_named():
+    for words, message in (({"regeneration": 1.1}, "regeneration is 1.1; give a share"), ({"copper": 0.0}, "rated_rise is by the heat")):
+        with pytest.raises(pp.PinpressError, match=message):
+            dataclasses.replace(SERVO, **words)
 
 
 def test_what_is_not_known_is_said():

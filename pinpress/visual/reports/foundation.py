@@ -241,7 +241,9 @@ def lifting(found: LiftingMotion, shown: Shown) -> Section:
     table = Table("Feet that lift off", ["mount", "lifts", "longest [ms]", "largest gap [mm]", "walked [mm]"], rows)
     after = "" if not len(found.change) else " It does not repeat itself." if found.repeats_after is None else " It repeats itself."
     note = f"Mounts press and do not pull; {len(found.mount)} lifts over {found.motion.time[-1]:.6g} s.{after}"
-    blocks: list[Block] = [*([table, _loads(found.motion)] if rows else []), *rest.blocks]
+    blocks = list(rest.blocks)
+    if rows:
+        blocks[:0] = [table, _loads(found.motion)]
     return Section("Vibration on mounts that only press", blocks, rest.inputs, note)
 
 

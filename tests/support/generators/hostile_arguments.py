@@ -903,6 +903,8 @@ def calls() -> dict[str, Call]:
                 "damping": 100.0,
                 "peak_torque": 500.0,
                 "inertia": 0.1,
+                "copper": 0.01,
+                "regeneration": 0.5,
             },
         ),
         (
