@@ -1,8 +1,10 @@
 """Commands in the shell blocks of the pages do what they are there for, run one after the other in a folder as a reader runs them.
 
-Blocks that show what is printed (``console``) are run with their pages, in `test_docs`; those in tables are forms, with FILE in them.
+Blocks that show what is printed (``console``) are run with their pages, in `test_docs`; those in tables and sentences are forms, with FILE
+in them, and their options exist.
 """
 
+import re
 import shlex
 from pathlib import Path
 
@@ -25,6 +27,7 @@ NOT_RUN = {  # commands that begin so, and why
     "rattler-build": "needs conda-forge; `nox -s review` renders its recipe",
 }
 QUICK = ("pin_table",)
+TOGETHER = "\n".join(path.read_text("utf-8") for path in (*sorted(DOCS.glob("*.md")), ROOT / "README.md", ROOT / "CHANGELOG.md"))
 
 
 def commands(page: str) -> list[str]:
@@ -59,3 +62,13 @@ def test_commands_of_a_page_run(page: str, tmp_path: Path, monkeypatch: pytest.M
 def test_every_reason_is_needed() -> None:
     every = [command for page in PAGES for command in commands(page)]
     assert [start for start in NOT_RUN if not any(command.startswith(start) for command in every)] == []
+
+
+@pytest.mark.parametrize("name", sorted(set(re.findall(r"`pinpress ([a-z]+)", TOGETHER))))
+def test_options_of_commands_in_sentences_exist(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main([name, "--help"])
+    assert end.value.code == 0, f"there is no pinpress {name}"
+    options = set(re.findall(r"--[a-z][\w-]*", capsys.readouterr().out))
+    said = {option for words in re.findall(rf"`pinpress {name}([^`]*)`", TOGETHER) for option in re.findall(r"--[a-z][\w-]*", words)}
+    assert said - options == set()
