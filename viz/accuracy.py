@@ -135,7 +135,7 @@ def _inverse_dynamics() -> list[str]:
         cells: list[str] = []
         for turn in turns.values():
             row = turn.get(method)
-            cells += ["", ""] if row is None else [_time(row), f"{max(float(row[name] or 0) for name in ('error', 'force_error')):.0e}"]
+            cells += ["", ""] if row is None else [_time(row), _share(max(float(row[name] or 0) for name in ("error", "force_error")))]
         lines.append(f"| {_name(method)} | {' | '.join(cells)} |")
     return lines
 

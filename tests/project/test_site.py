@@ -105,6 +105,7 @@ EXTERNAL = {  # looked at by hand: tests have no network
     "https://github.com/stack-of-tasks/pinocchio",
     "https://nox.thea.codes",
     "https://pint.readthedocs.io",
+    "https://pola.rs",
     "https://pre-commit.com",
 }
 
