@@ -12,7 +12,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ from ..engines.engine import Engine
 from ..engines.forces import AppliedConditions, AppliedForce, SomeVectors, Wrenches, compliances
 from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
+from ..linkage.memo import per_linkage
 from ..linkage.mobility import own_axes
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
@@ -390,6 +391,7 @@ def _refuse_not_finite(motion: Motion, wrenches: Wrenches) -> None:
             )
 
 
+@per_linkage(of_geometry=True)
 def on_frame(press: Linkage) -> tuple[int, ...]:
     """Indices of the bearings on the frame in `Linkage.bearings`."""
     joints = [j for j, parent in enumerate(list(press.model.parents)[1:]) if parent == 0]
@@ -416,15 +418,50 @@ def shaking(
             total[1, :, i] += point[..., j] * on_frame[..., k] - point[..., k] * on_frame[..., j]
         total[1] += about
 
-    frame = press.model.inertias[0]
-    add_force(frame.mass * press.model.gravity.linear, 0.0, frame.lever)
-    for k in on_frame(press):
-        for sign, point in on_frame_at(press, motion, k):
-            add_force(sign * force[k], sign * moment[k], point)
+    model = press.model
+    frame = model.inertias[0]
+    add_force(frame.mass * model.gravity.linear, 0.0, frame.lever)
+    for end in _frame_ends(press):
+        add_force(end.sign * force[end.bearing], end.sign * moment[end.bearing], _acting_at(end, motion))
     for load in loads:
         if load.joint == 0:
             add_force(load.force, 0.0, load.point)
     return total[0], total[1]
+
+
+class FrameEnd(NamedTuple):
+    """A point of the frame at which a bearing acts on it.
+
+    Attributes:
+        bearing: index of the bearing.
+        sign: of the bearing's force there.
+        point: (3,) where it acts in the drawn pose, in world axes [m].
+        along: (3,) direction in which the point travels with a guide; None where it does not.
+    """
+
+    bearing: int
+    sign: float
+    point: Array
+    along: Array | None
+
+
+@per_linkage(of_geometry=True)
+def _frame_ends(press: Linkage) -> tuple[FrameEnd, ...]:
+    """All ends of bearings on the frame; of a loop both may be there."""
+    places, count, ends = press.model.jointPlacements, len(press.joints), []
+    axes = press.axes
+    for bearing in on_frame(press):
+        if bearing < count:
+            place, axis = places[bearing + 1], axes[bearing]
+            along = None if axis.turns else place.rotation @ axis.direction
+            ends.append(FrameEnd(bearing, -1.0, place.translation.copy(), along))
+            continue
+        loop = press.loops[bearing - count]
+        if loop.joint1 == 0:
+            ends.append(FrameEnd(bearing, -1.0, loop.point1, None))
+        if loop.joint2 == 0:
+            ends.append(FrameEnd(bearing, 1.0, loop.point2, None))
+    return tuple(ends)
 
 
 def on_frame_at(press: Linkage, motion: Motion, bearing: int) -> Iterator[tuple[float, Array]]:
@@ -432,13 +469,9 @@ def on_frame_at(press: Linkage, motion: Motion, bearing: int) -> Iterator[tuple[
 
     Both sides of a loop may be on the frame.
     """
-    if bearing < len(press.joints):
-        place, axis = press.model.jointPlacements[bearing + 1], press.axes[bearing]
-        travel = 0.0 if axis.turns else motion._travel(bearing)[:, None] * (place.rotation @ axis.direction)
-        yield -1.0, place.translation + travel
-        return
-    loop = press.loops[bearing - len(press.joints)]
-    if loop.joint1 == 0:
-        yield -1.0, loop.point1
-    if loop.joint2 == 0:
-        yield 1.0, loop.point2
+    return ((end.sign, _acting_at(end, motion)) for end in _frame_ends(press) if end.bearing == bearing)
+
+
+def _acting_at(end: FrameEnd, motion: Motion) -> Array:
+    """Where an end acts on the frame over a motion, (3,) or (n, 3) [m]."""
+    return end.point if end.along is None else end.point + motion._travel(end.bearing)[:, None] * end.along

@@ -115,6 +115,7 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
         raise PinpressError("friction is no mapping: give {name of a bearing: Friction(...)}")
     if not friction:
         return None
+    size = press.size  # each look at it compares the whole model
     turns = [axis.turns for axis in press.axes] + [True] * len(press.loops)
     arm, viscous = np.zeros(len(press.bearings)), np.zeros(len(press.bearings))
     for name, given in friction.items():
@@ -135,7 +136,7 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
             raise PinpressError(f"friction of {shown(name)}: its radius is missing; give that of the bearing [m]")
         if not turns[index] and given.radius is not None:
             raise PinpressError(f"friction of {shown(name)}: a guide has no radius; leave it out")
-        plausibility.friction(shown(name), float(given.coefficient), float(given.radius or 0.0), press.size)
+        plausibility.friction(shown(name), float(given.coefficient), float(given.radius or 0.0), size)
         arm[index] = float(given.coefficient) * (1.0 if given.radius is None else float(given.radius))
         viscous[index] = float(given.viscous)
-    return FrictionLaw(arm, viscous, np.array(turns), press.size) if arm.any() or viscous.any() else None
+    return FrictionLaw(arm, viscous, np.array(turns), size) if arm.any() or viscous.any() else None
