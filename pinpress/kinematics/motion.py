@@ -516,9 +516,13 @@ def _reaches(chain: Chain, branch: Branch, angles: Array) -> bool:
 
 def _is_finite(known: _Known, speeds: Array | float, accelerations: Array | float) -> bool:
     """Whether the rates of a chain of dyads are clearly not too large for floating point."""
-    speed, acceleration = (float(np.abs(of).max()) if isinstance(of, np.ndarray) else abs(of) for of in (speeds, accelerations))
+    speed, acceleration = _largest(speeds), _largest(accelerations)
     first, second = known.fastest
     return first * (speed + acceleration) + second * (speed * speed) < TOO_FAST
+
+
+def _largest(rates: Array | float) -> float:
+    return float(np.abs(rates).max()) if isinstance(rates, np.ndarray) else abs(rates)
 
 
 def _of_chain(
@@ -540,7 +544,7 @@ def _of_chain(
         closure = ChainClosure(chain, known.branch, angles)
         if key is not None:
             known.closures.keep(key, closure)
-    states = ChainStates(closure, *(of if isinstance(of, float) else _kept(of) for of in (speeds, accelerations)))
+    states = ChainStates(closure, _kept(speeds), _kept(accelerations))
     if times is not None:
         times.setflags(write=False)
     motion: Motion = object.__new__(Motion)
@@ -559,8 +563,10 @@ def _of_chain(
     return motion
 
 
-def _kept(values: Array) -> Array:
-    """A read-only copy of these values (n,)."""
+def _kept(values: Array | float) -> Array | float:
+    """A read-only copy of these values (n,), or the one number."""
+    if isinstance(values, float):
+        return values
     found = np.array(values)
     found.setflags(write=False)
     return found
