@@ -29,7 +29,7 @@ from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
 from ..joints import LARGE, SERIAL, plain
 from . import out_of_plane
 from .bodies import Bodies
-from .chain import Chain, ChainStates, Closed, Equation, all_functions, rate_of
+from .chain import Chain, ChainStates, Closed, Equation, Known, all_functions, rate_of
 from .dyads import I
 from .guide_moments import GuidedBody, guided_bodies, moments_of_guides
 from .model import Plane, put_normal, to_complex
@@ -59,7 +59,7 @@ class OpenTree(NamedTuple):
 
     Attributes:
         work: by rows, on the functions.
-        own: by joint, inertia forces less weights of the ``guided`` links with a centre of mass beside their joint.
+        own: by joint, inertia forces less weights of the links ``with_center`` of `ChainBodies`.
         forces: of all bearings; those of the loops are to be filled in.
         bearings: the same as one array (bearings, n).
     """
@@ -79,8 +79,8 @@ class ChainBodies:
         bodies: inertial constants of the linkage.
         together: (work, own forces, forces of joints; rows) of all trees together, for few states; None for many joints.
         trees: the same tree by tree.
-        to_own: rows of the own forces of links on guides.
-        with_center: joints of these links.
+        with_center: joints of the ``guided`` links with a centre of mass beside their joint.
+        own_terms: of each of these rows and coefficients of the second derivatives of which its own inertia force less weight consists.
         guided: the links on guides.
         carriers: of every loop the joints that carry one of its ends, with `Plane.incidence`.
     """
@@ -89,8 +89,8 @@ class ChainBodies:
     bodies: Bodies
     together: ComplexArray | None
     trees: tuple[Tree, ...]
-    to_own: ComplexArray
     with_center: tuple[int, ...]
+    own_terms: tuple[Known, ...]
     guided: tuple[GuidedBody, ...]
     carriers: tuple[tuple[tuple[int, float], ...], ...]
 
@@ -129,7 +129,7 @@ class ChainBodies:
     @property
     def first_force(self) -> int:
         """Row of the first bearing's force."""
-        return self.chain.count + len(self.to_own)
+        return self.chain.count + len(self.with_center)
 
 
 def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
@@ -139,11 +139,11 @@ def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
     guided = guided_bodies(chain, bodies)
     with_center = [body.joint for body in guided if body.center is not None]
     first_force, trees = chain.count + len(with_center), []
-    own = _over_functions(chain, plain(bodies.forces[with_center]), places)
+    own = _over_functions(chain, plain(bodies.forces[with_center]), places).conj()
     together = None
     if len(plane.parents) < LARGE:
         together = np.zeros((first_force + len(plane.parents), chain.count), complex)
-        together[chain.count : first_force] = own.conj()
+        together[chain.count : first_force] = own
     for one, end in zip(chain.ones, (*chain.ones[1:], chain.count), strict=True):
         joints = [j for j, row in enumerate(chain.rows) if one < row < end]
         columns = [0, *places[one + 1 : end]]
@@ -158,7 +158,8 @@ def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
     for joint, signs in enumerate(plane.loops_of_joint):
         for loop, sign in signs.items():
             carriers[loop].append((joint, sign))
-    return ChainBodies(chain, bodies, together, tuple(trees), own.conj(), tuple(with_center), guided, tuple(map(tuple, carriers)))
+    own_terms = tuple(tuple((int(row), np.array(terms[row])) for row in np.flatnonzero(terms)) for terms in own)
+    return ChainBodies(chain, bodies, together, tuple(trees), tuple(with_center), own_terms, guided, tuple(map(tuple, carriers)))
 
 
 def _balancing(chain: Chain, lever: int) -> tuple[int, ...]:
@@ -346,13 +347,16 @@ def _open_tree(fixed: ChainBodies, second: ComplexArray) -> OpenTree:
         else:
             _multiply(tree.to_work, here, found[tree.rows.start + 1 : tree.rows.stop])
             _multiply(tree.to_forces, here, found[start:end])
-    if own:
-        _multiply(fixed.to_own, second, found[chain.count : first])
+    for force, terms in zip(own.values(), fixed.own_terms, strict=True):
+        (row, by), *others = terms
+        np.multiply(second[row], by, force)
+        for row, by in others:
+            force += second[row] * by
     return OpenTree(work, own, forces, found[first:])
 
 
 def _multiply(rows: ComplexArray, columns: ComplexArray, out: ComplexArray) -> ComplexArray:
-    """`joints.product` into an array."""
+    """`joints.product` of several rows into an array."""
     step = max(1, SERIAL // rows.size)
     for start in range(0, columns.shape[1], step):
         s = slice(start, start + step)
