@@ -24,6 +24,7 @@ RUN = [
     "balancing",
     "commands",
     "elastic_motion",
+    "elastic_space",
     "elasticity",
     "foundation",
     "motion_and_forces",
@@ -53,7 +54,7 @@ RUN += [
     "units_and_signs",
 ]
 # these take as long as all others
-LONG = {"elastic_motion", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}
+LONG = {"elastic_motion", "elastic_space", "foundation", "measured", "motor", "pinocchio", "press_parts", "ratings", "simulation", "sweep"}
 SPACES = [name for name in dir(pp) if inspect.ismodule(getattr(pp, name))] + ["balancing.classical"]
 PICTURED = ["accuracy", "balancing", "describe", "elasticity", "foundation", "limits", "motion_and_forces", "pin_table", "pinocchio"]
 PICTURED += ["elastic_motion", "measured", "servo", "commands", "comparison", "mistakes", "motor", "papers"]
