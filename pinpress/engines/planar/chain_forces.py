@@ -29,7 +29,7 @@ from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
 from ..joints import LARGE, SERIAL, plain
 from . import out_of_plane
 from .bodies import Bodies
-from .chain import Chain, ChainStates, Closed, Equation, Known, all_functions, rate_of
+from .chain import Chain, ChainStates, Closed, Equation, all_functions, rate_of
 from .dyads import I
 from .guide_moments import GuidedBody, guided_bodies, moments_of_guides
 from .model import Plane, put_normal, to_complex
@@ -59,13 +59,11 @@ class OpenTree(NamedTuple):
 
     Attributes:
         work: by rows, on the functions.
-        own: by joint, inertia forces less weights of the links ``with_center`` of `ChainBodies`.
         forces: of all bearings; those of the loops are to be filled in.
         bearings: the same as one array (bearings, n).
     """
 
     work: list[ComplexArray]
-    own: dict[int, ComplexArray]
     forces: list[ComplexArray]
     bearings: ComplexArray
 
@@ -77,10 +75,8 @@ class ChainBodies:
     Attributes:
         chain: the chain.
         bodies: inertial constants of the linkage.
-        together: (work, own forces, forces of joints; rows) of all trees together, for few states; None for many joints.
+        together: (work, forces of joints; rows) of all trees together, for few states; None for many joints.
         trees: the same tree by tree.
-        with_center: joints of the ``guided`` links with a centre of mass beside their joint.
-        own_terms: of each of these rows and coefficients of the second derivatives of which its own inertia force less weight consists.
         guided: the links on guides.
         carriers: of every loop the joints that carry one of its ends, with `Plane.incidence`.
     """
@@ -89,8 +85,6 @@ class ChainBodies:
     bodies: Bodies
     together: ComplexArray | None
     trees: tuple[Tree, ...]
-    with_center: tuple[int, ...]
-    own_terms: tuple[Known, ...]
     guided: tuple[GuidedBody, ...]
     carriers: tuple[tuple[tuple[int, float], ...], ...]
 
@@ -126,24 +120,15 @@ class ChainBodies:
         """For every lever the places of the equations before it whose forces balance its idle force, the last one first."""
         return tuple(_balancing(self.chain, lever) for lever in self.chain.levers)
 
-    @property
-    def first_force(self) -> int:
-        """Row of the first bearing's force."""
-        return self.chain.count + len(self.with_center)
-
 
 def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
     """Inertial constants of a chain."""
     plane = chain.plane
     places = [chain.order.index(row) if row not in chain.ones else 0 for row in range(chain.count)]  # of rows in the basis
-    guided = guided_bodies(chain, bodies)
-    with_center = [body.joint for body in guided if body.center is not None]
-    first_force, trees = chain.count + len(with_center), []
-    own = _over_functions(chain, plain(bodies.forces[with_center]), places).conj()
+    first, trees = chain.count, []
     together = None
     if len(plane.parents) < LARGE:
-        together = np.zeros((first_force + len(plane.parents), chain.count), complex)
-        together[chain.count : first_force] = own
+        together = np.zeros((first + len(plane.parents), chain.count), complex)
     for one, end in zip(chain.ones, (*chain.ones[1:], chain.count), strict=True):
         joints = [j for j, row in enumerate(chain.rows) if one < row < end]
         columns = [0, *places[one + 1 : end]]
@@ -153,13 +138,12 @@ def build_chain_bodies(chain: Chain, bodies: Bodies) -> ChainBodies:
         trees.append(Tree(range(joints[0], joints[-1] + 1), slice(one, end), to_work, to_forces, single))
         if together is not None:
             together[one + 1 : end, one:end] = to_work
-            together[first_force + joints[0] : first_force + joints[-1] + 1, one:end] = to_forces
+            together[first + joints[0] : first + joints[-1] + 1, one:end] = to_forces
     carriers: list[list[tuple[int, float]]] = [[] for _ in plane.loop_heights]
     for joint, signs in enumerate(plane.loops_of_joint):
         for loop, sign in signs.items():
             carriers[loop].append((joint, sign))
-    own_terms = tuple(tuple((int(row), np.array(terms[row])) for row in np.flatnonzero(terms)) for terms in own)
-    return ChainBodies(chain, bodies, together, tuple(trees), tuple(with_center), own_terms, guided, tuple(map(tuple, carriers)))
+    return ChainBodies(chain, bodies, together, tuple(trees), guided_bodies(chain, bodies), tuple(map(tuple, carriers)))
 
 
 def _balancing(chain: Chain, lever: int) -> tuple[int, ...]:
@@ -176,13 +160,6 @@ def _balancing(chain: Chain, lever: int) -> tuple[int, ...]:
 def _moved_by(equation: Equation) -> set[int]:
     """Rows of the functions that are known before an equation and move its loop."""
     return {row for row, _ in equation.known} | {guide.rotor for guide in equation.dyad.guides if guide.rotor is not None}
-
-
-def _over_functions(chain: Chain, rows: ComplexArray, places: Sequence[int]) -> ComplexArray:
-    """Rows over the basis as rows over the functions of a chain; what does not move stands in the first row of ones."""
-    found = rows[:, places]
-    found[:, list(chain.ones[1:])] = 0.0
-    return found
 
 
 def chain_forces(
@@ -290,11 +267,7 @@ def _fill(
         bearings = open_tree.bearings if asked is fixed.all_bearings else open_tree.bearings.take(asked.bearings, axis=0)
         _put_forces(plane, bearings, found.force)
         total = np.add.reduce(bearings, axis=None)
-        moments = (
-            moments_of_guides(plane, fixed.guided, closed, speed, acceleration, open_tree.own, open_tree.forces, loads)
-            if asked.guided
-            else {}
-        )
+        moments = moments_of_guides(plane, fixed.guided, closed, speed, acceleration, open_tree.forces, loads) if asked.guided else {}
         if chain.turns:
             moments[plane.driver] = torque
         if chain.gears:
@@ -330,14 +303,14 @@ def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acce
 
 def _open_tree(fixed: ChainBodies, second: ComplexArray) -> OpenTree:
     """Forces with all loops open, from what `_second_derivatives` returned."""
-    chain, first = fixed.chain, fixed.first_force
+    chain, first = fixed.chain, fixed.chain.count
     joints, n = len(chain.rows), second.shape[1]
     found = np.empty((first + fixed.bearing_count, n), complex)
     rows = list(found)
-    work, forces, own = rows[: chain.count], rows[first:], dict(zip(fixed.with_center, rows[chain.count :], strict=False))
+    work, forces = rows[:first], rows[first:]
     if fixed.together is not None and fixed.together.size * n <= SERIAL:
         np.dot(fixed.together, second, found[: first + joints])
-        return OpenTree(work, own, forces, found[first:])
+        return OpenTree(work, forces, found[first:])
     for tree in fixed.trees:
         here, start, end = second[tree.rows], first + tree.joints.start, first + tree.joints.stop
         if tree.single:
@@ -347,12 +320,7 @@ def _open_tree(fixed: ChainBodies, second: ComplexArray) -> OpenTree:
         else:
             _multiply(tree.to_work, here, found[tree.rows.start + 1 : tree.rows.stop])
             _multiply(tree.to_forces, here, found[start:end])
-    for force, terms in zip(own.values(), fixed.own_terms, strict=True):
-        (row, by), *others = terms
-        np.multiply(second[row], by, force)
-        for row, by in others:
-            force += second[row] * by
-    return OpenTree(work, own, forces, found[first:])
+    return OpenTree(work, forces, found[first:])
 
 
 def _multiply(rows: ComplexArray, columns: ComplexArray, out: ComplexArray) -> ComplexArray:

@@ -1,13 +1,13 @@
 """Moments about the plane's normal that the guides of a chain of dyads hold.
 
-A pin transmits no moment. Therefore the moment of a guide follows from the link alone that it carries, once all forces are known: from the
-link's inertia force, the loads and the forces of all other bearings on it, and from the moments of guides on this link. Forces are
-conjugates, as in `chain_forces`; the moment of a force f with the arm r is -Im(r conj(f)).
+A pin transmits no moment. Therefore the moment of a guide follows from the link alone that it carries, once all forces are known. About
+the centre of mass the link is turned by the loads, by the forces of all bearings on it, the guide's own among them, and by the moments of
+guides on it. Forces are conjugates, as in `chain_forces`; the moment of a force f with the arm r is -Im(r conj(f)).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,21 +23,21 @@ ROUNDING = 1e-15  # arms below this share of the linkage's size are rounding
 
 
 class GuidedBody(NamedTuple):
-    """A link on a guide. Arms are in the drawn pose, from the origin of the guide's joint [m]; those of zero length are left out.
+    """A link on a guide. Arms are in the drawn pose [m]; those of zero length are left out.
 
     Attributes:
         joint: the guide.
         rotor: row of the rotor that turns the link; None where none does.
         inertia: its moment of inertia about its centre of mass [kg m2].
-        center: arm of the centre of mass; None where there is none.
-        arms: arms of the other bearings on the link, by the bearings; with their signs changed for loops of which it is link 2.
+        center: centre of mass from the origin of the guide's joint [m].
+        arms: by bearing the arm from the centre of mass, with its sign changed where the bearing's force acts on the link, not by it.
         ways: of guides on this link the row of the way, and their direction: their forces act where the way has come to.
     """
 
     joint: int
     rotor: int | None
     inertia: float
-    center: ComplexArray | None
+    center: complex
     arms: tuple[tuple[int, ComplexArray], ...]
     ways: tuple[tuple[int, int, ComplexArray], ...]
 
@@ -50,11 +50,12 @@ def guided_bodies(chain: Chain, bodies: Bodies) -> tuple[GuidedBody, ...]:
 def _guided_body(chain: Chain, bodies: Bodies, joint: int) -> GuidedBody:
     plane, rotor, count = chain.plane, chain.plane.rotors[joint], len(chain.rows)
     origin, own = plain(plane.origins[[joint]])[0], plain(bodies.inertia[[joint]])[0]
-    arms: dict[int, complex] = {}
+    center = complex(plain(plane.centers[[joint]])[0][rotor])
+    arms = {joint: center}
     ways = []
     for child, parent in enumerate(plane.parents):
         if parent == joint:
-            arms[child] = (plain(plane.origins[[child]])[0] - origin)[rotor]
+            arms[child] = (plain(plane.origins[[child]])[0] - origin)[rotor] - center
             if child in plane.prismatic:
                 direction = plain(plane.directions[[plane.prismatic.index(child)]])[0][rotor]
                 ways.append((child, chain.rows[child], np.array(direction)))
@@ -62,13 +63,13 @@ def _guided_body(chain: Chain, bodies: Bodies, joint: int) -> GuidedBody:
         first = plain(plane.loop_points[[loop]])[0]
         for link, row, sign in zip(links, (first, first + plain(plane.gap_rows[[loop]])[0]), (1.0, -1.0), strict=True):
             if link == joint:
-                arms[count + loop] = sign * (row - origin)[rotor]
-    center, least = plain(plane.centers[[joint]])[0][rotor], ROUNDING * plane.size
+                arms[count + loop] = sign * ((row - origin)[rotor] - center)
+    least = ROUNDING * plane.size
     return GuidedBody(
         joint=joint,
         rotor=chain.order[rotor] if rotor else None,
         inertia=float(np.abs(own).max(initial=0.0)) if rotor else 0.0,
-        center=np.array(center) if abs(center) > least else None,
+        center=center,
         arms=tuple((bearing, np.array(arm)) for bearing, arm in arms.items() if abs(arm) > least),
         ways=tuple(ways),
     )
@@ -80,7 +81,6 @@ def moments_of_guides(
     closed: Closed,
     speed: Array | float,
     acceleration: Array | float,
-    own: Mapping[int, ComplexArray],
     forces: Sequence[ComplexArray],
     loads: Sequence[AppliedForce],
 ) -> dict[int, Any]:
@@ -92,7 +92,6 @@ def moments_of_guides(
         closed: the closed chain.
         speed: of the driver.
         acceleration: of the driver.
-        own: inertia forces less weights (n,) of the links with an arm of their centre of mass, by their joints.
         forces: (n,) of all bearings.
         loads: forces on links.
     """
@@ -101,12 +100,10 @@ def moments_of_guides(
     for body in guided:
         parts = [forces[bearing] * arm for bearing, arm in body.arms]
         parts += [forces[bearing] * (along.ways[row] * direction) for bearing, row, direction in body.ways]
-        if body.center is not None:
-            parts.append(own[body.joint] * body.center)
         for load in loads:
             if load.joint - 1 == body.joint:
                 arm = complex(*(plane.frames[body.joint] @ load.point)[:2])
-                parts.append(-arm * to_complex(plane, load.force).conj())
+                parts.append((body.center - arm) * to_complex(plane, load.force).conj())
         moment: Any = 0.0
         if parts:
             total = sum(parts[1:], parts[0])
