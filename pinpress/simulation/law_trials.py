@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
+from .. import drives
 from ..common.arguments import any_numbers, suitable_numbers
 from ..common.errors import PinpressError, said, shown
 from ..common.parameters import scenario_lengths
 from ..common.quantities import Array, Values
-from ..drives import motors
 from ..drives.protocol import Corner, Drive, corners_of
 from ..drives.transmission import Geared
 from ..loads.caller_laws import Asked, AskedLoad, Law, LawError
@@ -51,7 +51,7 @@ def _is_known(drive: object) -> bool:
     """Whether a drive is one of the library's, or an `AskedDrive` already."""
     if isinstance(drive, Geared):
         return _is_known(drive.drive)
-    return isinstance(drive, AskedDrive) or type(drive).__module__ == motors.__name__
+    return isinstance(drive, AskedDrive) or type(drive).__module__.startswith(f"{drives.__name__}.")
 
 
 # ------------------------------------------------------------------------------------------------------------------------------- asked

@@ -15,6 +15,7 @@ from support.texts import without_mass
 import pinpress as pp
 from pinpress.loads.process import ForceInterval
 from pinpress.simulation import batch
+from pinpress.simulation.law_trials import asked_drive
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -30,6 +31,25 @@ def press():
 @pytest.fixture(params=METHODS)
 def method(request):
     return request.param
+
+
+@pytest.mark.parametrize("geared", [False, True])
+def test_the_librarys_own_drives_are_asked_as_they_are(geared):
+    kinds = {name: getattr(pp.drives, name) for name in dir(pp.drives) if name.endswith(("Motor", "Torque"))}
+    made = {
+        "ConstantTorque": lambda kind: kind(100.0),
+        "InductionMotor": lambda kind: kind(75e3, 1485 * pp.RPM),
+        "InverterMotor": lambda kind: kind(500.0, 1485 * pp.RPM, 50.0),
+        "ServoMotor": lambda kind: kind([0.0, 1.0, 2.0], [0.0, 3.0, 6.0], 1e4, 10.0, 500.0),
+        "SlipClutchMotor": lambda kind: kind(189.0, 1470 * pp.RPM, 1320 * pp.RPM, 900 * pp.RPM),
+    }
+    assert set(made) == set(kinds)
+    for name, kind in kinds.items():
+        drive = made[name](kind)
+        drive = pp.drives.Geared(drive, 5.0) if geared else drive
+        assert asked_drive(drive, 1.0) is drive, name
+        own = type("Own", (kind,), {})  # a caller's own class, if made from one of the library's
+        assert asked_drive(made[name](own), 1.0).part.__class__ is own
 
 
 class Own:
