@@ -253,7 +253,7 @@ def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, curr
     start[unknowns.zero] = zero
     fit = fitted(unknowns, [row for run in runs for row in run.rows(start, {})], current)
     slopes = [run.friction_slopes(fit.values) if set(BY_FORCE) & set(run.losses.friction) else {} for run in runs]
-    about, change, step, longest, halved = fit.values, math.inf, 1.0, 1.0, False
+    about, change, step, longest, lengthened = fit.values, math.inf, 1.0, 1.0, False
     for _ in range(PASSES):
         fit = fitted(unknowns, [row for run, own in zip(runs, slopes, strict=True) for row in run.rows(about, own)], current)
         last, moving = change, fit.deviation > 0
@@ -261,9 +261,11 @@ def _settled(unknowns: Unknowns, runs: Sequence[RunEquations], zero: float, curr
         if change <= SETTLED:
             return fit
         if change < (1 - SHRINKING * step) * last:
+            lengthened |= step < longest
             step = min(2 * step, longest)
-        else:  # a first time after a far start, a second time where cones turn whole steps to and fro
-            step, longest, halved = 0.5 * step, 0.5 * step if halved else 1.0, True
+        else:  # at first because the start is far; where a step is too long again, cones turn such steps to and fro
+            step *= 0.5
+            longest, lengthened = step if lengthened else longest, False
         about = about + step * (fit.values - about)
     if not change <= UNSETTLED:
         raise PinpressError(

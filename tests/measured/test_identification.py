@@ -148,6 +148,19 @@ def test_an_encoder_that_counts_downwards_is_half_a_count_off():
     assert wide(found.intervals["crank friction"], 1.5, 500.0)
 
 
+@pytest.mark.exhaustive
+def test_two_minutes_in_space_settle_from_afar():
+    """So many samples leave so little noise that several steps have to be shortened before one leads nearer, and may be whole again."""
+    rng = np.random.default_rng(0)
+    masses, speeds = drawn("rssp", rng), STROKES["rssp"]
+    torques = [columns("rssp", strokes, (), False, 40.0, 1000.0) @ masses for strokes in speeds]
+    rubbing, noise = (share * max(np.abs(torque).max() for torque in torques) for share in (0.02, 0.01))
+    runs = [run(drive(strokes, 40.0, 1000.0), torque + rubbing, rng, noise, 8192) for strokes, torque in zip(speeds, torques, strict=True)]
+    found = identify(press_of("rssp"), runs, friction=LOSSES, cylinder=True)
+    for name, value in (("crank friction", rubbing), ("encoder zero", 0.0)):
+        assert wide(found.intervals[name], 1.5, value), name
+
+
 def test_what_was_weighed_narrows_what_hides_behind_it():
     """In the JF75G-125 slide and counterweight hide behind each other; the sum of all masses tells the rest of them."""
     name = "jf75g_125"
