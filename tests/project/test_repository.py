@@ -177,3 +177,10 @@ def test_sessions_of_nox_run_what_the_continuous_integration_runs() -> None:
     for command in ("ruff check .", "ruff format --check .", "mypy", "lint-imports --no-cache", "python -m pytest -m exhaustive"):
         assert command in said
         assert command in ci
+
+
+def test_pythons_are_the_same_wherever_they_are_named() -> None:
+    pythons = re.findall(r'"(3\.\d+)"', re.search(r"^PINOCCHIOS = (.*)$", text("noxfile.py"), flags=re.MULTILINE)[1])
+    assert f'requires-python = ">={pythons[0]}"' in project()
+    for page in ("README.md", "docs/install.md", "docs/start.md"):
+        assert f"Python {pythons[0]} to {pythons[-1]}" in text(page), page

@@ -2,9 +2,11 @@
 
 Run `python tests/benchmarks/features/install.py`, or with names of extras; pytest does not collect this file. Each installation is one
 of its own: the wheel of this checkout, in a new environment, with no cache, so that all else comes from the index. Megabytes are those of
-the files that were unpacked, without compiled bytecode. Seconds depend on network and machine.
+the files that were unpacked, without compiled bytecode. Seconds depend on the network and on what else the machine does; in brackets are
+those of the processor.
 """
 
+import resource
 import sys
 import tempfile
 import time
@@ -35,20 +37,26 @@ def main() -> None:
             )
 
 
-def by_pip_seconds(environment: Path, what: object) -> float:
+def by_pip_seconds(environment: Path, what: object) -> str:
     run(sys.executable, "-m", "venv", environment, env=elsewhere())
     return _seconds(environment / "bin" / "pip", "install", "-q", "--no-cache-dir", what)
 
 
-def by_uv_seconds(environment: Path, what: object) -> float:
+def by_uv_seconds(environment: Path, what: object) -> str:
     run(*UV, "venv", "-q", "--python", sys.executable, environment, env=elsewhere())
     return _seconds(*UV, "pip", "install", "-q", "--no-cache", "--python", environment, what)
 
 
-def _seconds(*command: object) -> float:
-    start = time.perf_counter()
+def _seconds(*command: object) -> str:
+    start, before = time.perf_counter(), _of_processor()
     run(*command, env=elsewhere(), cwd=Path(tempfile.gettempdir()))
-    return time.perf_counter() - start
+    return f"{time.perf_counter() - start:.0f} s ({_of_processor() - before:.0f} s)"
+
+
+def _of_processor() -> float:
+    """Seconds that processes started here have computed."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def installed(environment: Path) -> tuple[int, float]:
