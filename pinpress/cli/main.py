@@ -5,12 +5,12 @@ import io
 import sys
 
 from ..common.command_end import ended
-from . import about, accuracy, analyse, balance, build, check, ratings, record, report, servo, simulate, tolerances, view
+from . import about, accuracy, analyse, balance, build, check, ratings, record, report, servo, simulate, sweep, tolerances, view
 from .measured import force, identify, vibration
 
 # as the help lists them
 MEASURED = (identify, force, vibration)
-COMMANDS = (build, view, report, analyse, simulate, balance, servo, ratings, tolerances, *MEASURED, record, accuracy, check, about)
+COMMANDS = (build, view, report, analyse, simulate, balance, servo, ratings, tolerances, sweep, *MEASURED, record, accuracy, check, about)
 
 
 def main(arguments: list[str] | None = None) -> int:

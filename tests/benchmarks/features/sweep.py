@@ -27,6 +27,7 @@ from support.dask_processes import dask_processes
 from support.sweep_points import product
 
 import pinpress as pp
+from pinpress.sweeps import execution
 from pinpress.sweeps.operating_map import operating_points
 from pinpress.sweeps.parquet_sweep import sweep_to_parquet
 from pinpress.sweeps.sweeping import sweep
@@ -98,40 +99,49 @@ def both_ways() -> None:
 
 
 def large(points: int, to: Path | None) -> None:
-    """So many simulations on a Dask cluster of two worker processes, and as many points that do nothing."""
-    import cloudpickle
-    import psutil
+    """So many simulations on a Dask cluster of two worker processes; before that as many points that do nothing, and small tasks."""
     from distributed import Client
 
+    usual = execution.TASK
     with tempfile.TemporaryDirectory() as name, dask_processes(name) as (file, processes), Client(scheduler_file=str(file)) as client:
         client.wait_for_workers(2)
-        scheduler = psutil.Process(processes[0].pid)
-        executor, axes = client.get_executor(), press_strokes.grid(points)
-        for function, folder in ((press_strokes.nothing, Path(name, "nothing")), (press_strokes.strokes_at_once, to or Path(name, "runs"))):
-            tasks: list[int] = []
-            submit = executor.submit
+        for said, function, task, count, length, folder in (
+            ("nothing to do", press_strokes.nothing, usual, points, 1000, Path(name, "nothing")),
+            ("nothing to do, each part of ten points a task", press_strokes.nothing, 0.0, points // 50, 10, Path(name, "small")),
+            ("ten strokes", press_strokes.strokes_at_once, usual, points, 1000, to or Path(name, "runs")),
+        ):
+            execution.TASK = task
+            print(f"\n{said}")
+            on_cluster(client, processes[0].pid, function, count, length, folder)
 
-            def counted(*arguments: Any, submit: Any = submit, tasks: list[int] = tasks, **named: Any) -> Any:
-                tasks.append(len(cloudpickle.dumps(arguments)))
-                return submit(*arguments, **named)
 
-            executor.submit = counted  # type: ignore[method-assign]
-            busy = client.run(time.process_time)
-            start, own, before = time.perf_counter(), time.process_time(), sum(scheduler.cpu_times()[:2])
-            found = sweep_to_parquet(function, axes, to=folder, at_once=True, executor=executor)
-            seconds, own = time.perf_counter() - start, time.process_time() - own
-            executor.submit = submit  # type: ignore[method-assign]
-            sorting = sum(scheduler.cpu_times()[:2]) - before
-            busy = {worker: spent - busy[worker] for worker, spent in client.run(time.process_time).items()}
-            size = sum(each.stat().st_size for each in folder.iterdir())
-            print(f"\n{found.title}")
-            print(f"  {seconds:.4g} s, {found.points / seconds:.4g} points/s, {1e6 * seconds / found.points:.4g} us a point")
-            print(f"  CPU: workers {sum(busy.values()):.4g} s, scheduler {sorting:.4g} s, this process {own:.4g} s")
-            print(f"  a task: scheduler {1e3 * sorting / len(tasks):.3g} ms, this process {1e3 * own / len(tasks):.3g} ms")
-            print(f"  {len(tasks)} tasks, {sum(tasks) / len(tasks):.4g} bytes each as they are sent")
-            print(f"  {size / 1e6:.4g} MB in {found.parts} files, {size / found.points:.3g} bytes a point")
-            print(f"  most memory of this process {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3:.4g} MB", flush=True)
-        print(found)
+def on_cluster(client: Any, scheduler: int, function: Callable[..., Any], points: int, length: int, folder: Path) -> None:
+    """A sweep, what it takes and what travels."""
+    import cloudpickle
+    import psutil
+
+    executor = client.get_executor()
+    tasks: list[int] = []
+    submit = executor.submit
+
+    def counted(*arguments: Any, **named: Any) -> Any:
+        tasks.append(len(cloudpickle.dumps(arguments)))
+        return submit(*arguments, **named)
+
+    executor.submit = counted
+    started = client.run(time.process_time)
+    start, own, before = time.perf_counter(), time.process_time(), sum(psutil.Process(scheduler).cpu_times()[:2])
+    found = sweep_to_parquet(function, press_strokes.grid(points), to=folder, points_a_part=length, at_once=True, executor=executor)
+    seconds, own = time.perf_counter() - start, time.process_time() - own
+    sorting = sum(psutil.Process(scheduler).cpu_times()[:2]) - before
+    working = sum(spent - started[worker] for worker, spent in client.run(time.process_time).items())
+    size = sum(each.stat().st_size for each in folder.iterdir())
+    print(f"  {found.points} points in {found.parts} parts and {len(tasks)} tasks, {found.failed} points failed")
+    print(f"  {seconds:.4g} s, {found.points / seconds:.4g} points/s, {1e6 * seconds / found.points:.4g} us a point")
+    print(f"  CPU: workers {working:.4g} s, scheduler {sorting:.4g} s, this process {own:.4g} s")
+    print(f"  a task: scheduler {1e3 * sorting / len(tasks):.3g} ms, this process {1e3 * own / len(tasks):.3g} ms")
+    print(f"  sent {sum(tasks) / len(tasks):.4g} bytes a task; files {size / 1e6:.4g} MB, {size / found.points:.3g} bytes a point")
+    print(f"  most memory of this process {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3:.4g} MB", flush=True)
 
 
 def main() -> None:

@@ -1,0 +1,195 @@
+"""`pinpress sweep`: a function of your own at every point of a grid, here or on a Dask cluster, into a folder of Parquet files."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import importlib.util
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..common.errors import PinpressError, UnknownNameError
+from .words.options import progress
+
+MOST_A_AXIS = 10_000_000
+IN_FLIGHT = 64  # tasks submitted at once, at least
+MEMORY = "MALLOC_TRIM_THRESHOLD_=134217728 MALLOC_MMAP_THRESHOLD_=33554432"  # [bytes]
+HASTY = "workers give freed memory back at once, as Dask has it, and take several times as long where arrays are large"
+REACHED = 10  # time in which a scheduler must answer [s]
+EPILOG = """\
+STUDY.py:FUNCTION is a function in a file of yours: def strokes(inertia, force): ... return {"lowest_speed": ...}. It takes the axes' names,
+and returns names with numbers, words or bools; with --at-once it takes and returns arrays, a value for each of many points.
+
+--axis force=0:250e3:100 makes 100 values at equal steps from 0 to 250e3, --axis power=30e3,45e3,60e3 these three. Numbers are passed on as
+they are, without units. The points are all combinations, the last axis fastest.
+
+A cluster is started by `dask scheduler` on one machine, and on each that works by
+    MALLOC_TRIM_THRESHOLD_=134217728 MALLOC_MMAP_THRESHOLD_=33554432 dask worker tcp://SCHEDULER:8786 --nworkers -1 --nthreads 1
+all with pip install 'pinpress[cluster]'. They are sent the file, but not other modules of yours that it imports. After Ctrl-C the same
+command goes on; what is in the folder can be read meanwhile: pandas.read_parquet("runs").
+
+e.g. pinpress sweep strokes.py:strokes --axis inertia=100:200:100 --axis force=0:250e3:100 --at-once --to runs --processes 4
+"""
+
+
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Put `sweep` among the subcommands; parsed options have ``run``, see `run`."""
+    parser = commands.add_parser(
+        "sweep",
+        help="a function of your own at every point of a grid, in processes or on a cluster, into Parquet files",
+        description="Call a function of your own at every point of a grid, in processes of this machine or on a Dask cluster, and write\n"
+        "the results to a folder of Parquet files, part by part. The same command goes on with what a stop has left.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    option = parser.add_argument
+    option("function", metavar="STUDY.py:FUNCTION", help="file and function")
+    option("--axis", action="append", required=True, metavar="NAME=VALUES", help="FIRST:LAST:COUNT, or values with commas; see below")
+    option("--to", type=Path, required=True, metavar="DIR", help="folder for the results, one of its own; made if it is not there")
+    option("--points-a-part", type=int, default=1000, metavar="N", help="points of a part, each a file (default: %(default)s)")
+    option("--at-once", action="store_true", help="the function takes all points of a part at once, as arrays")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--processes", type=int, default=1, metavar="N", help="processes of this machine (default: this one alone)")
+    where.add_argument("--cluster", metavar="ADDRESS", help="scheduler of a Dask cluster, such as tcp://127.0.0.1:8786")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Sweep, and print the ranges of the results.
+
+    Raises:
+        PinpressError: an option is at fault, the function cannot be imported, the cluster cannot be reached, or the sweep fails.
+    """
+    from ..sweeps.parquet_sweep import sweep_to_parquet  # to save start-up time, that of all other commands
+
+    grid: dict[str, list[Any]] = {}
+    for words in options.axis:
+        name, values = _axis(words)
+        if name in grid:
+            raise PinpressError(f"--axis {words}: {name} is given twice")
+        grid[name] = values
+    function, file = _function(options.function)
+    done = 0.0
+    with _executor(options, file) as (executor, threads), progress(1.0, "{percentage:3.0f} % |{bar}| {remaining} to go") as told:
+
+        def tell(share: float) -> None:
+            nonlocal done
+            done = share
+            if told is not None:
+                told(share)
+
+        try:
+            found = sweep_to_parquet(
+                function,
+                grid,
+                to=options.to,
+                points_a_part=options.points_a_part,
+                at_once=options.at_once,
+                executor=executor,
+                in_flight=max(IN_FLIGHT, 2 * threads),
+                progress=tell,
+            )
+        except KeyboardInterrupt:
+            print(f"{100 * done:.1f} % of the points are in {options.to}; the same command goes on", file=sys.stderr)
+            raise
+    print(found)
+    return 0
+
+
+def _axis(words: str) -> tuple[str, list[Any]]:
+    """Name and values of an axis, from ``name=0:1:11`` or ``name=1,2,5``."""
+    name, equals, text = words.partition("=")
+    if not (name and equals and text):
+        raise PinpressError(f"--axis {words}: write NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE,..., such as force=0:250e3:100")
+    if text.count(":") != 2:
+        return name, [_value(words, each) for each in text.split(",")]
+    first, last, count = (_value(words, each) for each in text.split(":"))
+    if not isinstance(count, int) or not 2 <= count <= MOST_A_AXIS or isinstance(first, str) or isinstance(last, str):
+        raise PinpressError(f"--axis {words}: give two numbers and how many values there are from one to the other, at least 2")
+    return name, np.linspace(first, last, count).tolist()
+
+
+def _value(axis: str, text: str) -> int | float | str:
+    """A number, or a word."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    if not text or text[0] in "+-." or text[0].isdigit():
+        raise PinpressError(f"--axis {axis}: {text!r} is no number: give numbers as the function takes them, without units, or words")
+    return text
+
+
+def _function(words: str) -> tuple[Callable[..., Any], Path]:
+    """The function of a file, and the file."""
+    path, colon, name = words.rpartition(":")
+    file = Path(path).resolve()
+    if not colon or not name.isidentifier() or file.suffix != ".py" or not file.stem.isidentifier():
+        raise PinpressError(f"{words!r} names no function of a file: write STUDY.py:FUNCTION, such as strokes.py:strokes")
+    if not file.is_file():
+        raise PinpressError(f"there is no file {path}")
+    sys.path.insert(0, str(file.parent))
+    try:
+        module = importlib.import_module(file.stem)
+    except Exception as error:
+        raise PinpressError(f"{path} cannot be imported ({type(error).__name__}: {error})") from error
+    if not module.__file__ or Path(module.__file__).resolve() != file:
+        raise PinpressError(f"{path} has the name of another module, {module.__file__ or file.stem}: give the file another name")
+    found = getattr(module, name, None)
+    if not callable(found):
+        raise UnknownNameError(f"function of {path}", name, tuple(each for each, value in vars(module).items() if callable(value)))
+    return found, file
+
+
+@contextmanager
+def _executor(options: argparse.Namespace, file: Path) -> Iterator[tuple[Executor | None, int]]:
+    """What does the work, and how many threads it has."""
+    if options.cluster is not None:
+        with _cluster(options.cluster, file) as found:
+            yield found
+    elif options.processes < 1:
+        raise PinpressError(f"--processes {options.processes}: give how many there shall be, at least 1")
+    elif options.processes == 1:
+        yield None, 1
+    else:
+        with ProcessPoolExecutor(options.processes, initializer=_begin_worker, initargs=(str(file.parent),)) as pool:
+            yield pool, options.processes
+
+
+@contextmanager
+def _cluster(address: str, file: Path) -> Iterator[tuple[Executor, int]]:
+    """The executor of a Dask cluster whose workers have the file, and how many threads they have."""
+    if importlib.util.find_spec("distributed") is None:
+        raise PinpressError("Dask is not installed: pip install 'pinpress[cluster]'")
+    from distributed import Client
+
+    try:
+        client = Client(address, timeout=REACHED)
+    except (OSError, ValueError) as error:
+        raise PinpressError(
+            f"no scheduler answers at {address} ({error}): start one by `dask scheduler`, which prints its address"
+        ) from error
+    with client:
+        client.upload_file(str(file))
+        threads = sum(client.nthreads().values())
+        print(f"{threads} threads; dashboard {client.dashboard_link}", flush=True)
+        if not threads:
+            print(f"waiting for workers: dask worker {address} --nworkers -1 --nthreads 1", flush=True)
+        if "65536" in client.run(os.environ.get, "MALLOC_TRIM_THRESHOLD_").values():
+            print(f"{HASTY}: start them with {MEMORY}", file=sys.stderr, flush=True)
+        yield client.get_executor(), threads
+
+
+def _begin_worker(folder: str) -> None:
+    """In a process of a pool: Ctrl-C ends the command, which ends the pool; and studies are found where the command finds them."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    sys.path.insert(0, folder)

@@ -1,0 +1,138 @@
+"""`pinpress sweep`: studies of a file here, in processes and on a cluster; interrupted; what is refused."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from support.dask_processes import dask_processes
+
+from pinpress.cli.main import main
+
+pandas = pytest.importorskip("pandas")
+pytest.importorskip("pyarrow")
+
+STUDY = """
+import time
+
+def area(a, b, kind="full"):
+    if a > b:
+        raise ValueError("a is longer")
+    return {"area": a * b, "made": kind}
+
+def areas(a, b):
+    return {"area": a * b}
+
+def slowly(a):
+    time.sleep(0.05)
+    return {"twice": 2 * a}
+
+number = 3
+"""
+
+
+@pytest.fixture
+def study(tmp_path, monkeypatch):
+    """The file of a study in the working folder, under a name of its own: it is imported into this process."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    name = f"study_{tmp_path.name}".replace("-", "_")
+    (tmp_path / f"{name}.py").write_text(STUDY)
+    yield f"{name}.py"
+    sys.modules.pop(name, None)
+
+
+def test_a_sweep_of_a_file(study, capsys):
+    assert main(["sweep", f"{study}:area", "--axis", "a=0:3:4", "--axis", "b=1,2.5", "--axis", "kind=full,half", "--to", "runs"]) == 0
+    assert "ParquetSweep of area: 16 points in 1 parts, 6 of which failed, in runs" in capsys.readouterr().out
+    frame = pandas.read_parquet("runs")
+    assert frame["a"].tolist() == [0.0] * 4 + [1.0] * 4 + [2.0] * 4 + [3.0] * 4
+    good = frame[frame["error"] == ""]
+    assert (good["area"] == good["a"] * good["b"]).all()
+    assert (good["made"] == good["kind"]).all()
+    assert frame["error"][8] == "ValueError: a is longer"
+
+
+def test_processes_and_one_process_write_the_same(study, capsys):
+    axes = ["--axis", "a=0:3:50", "--axis", "b=1:2:40", "--at-once", "--points-a-part", "300"]
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "one"]) == 0
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "two", "--processes", "2"]) == 0
+    names = sorted(os.listdir("one"))
+    assert names == sorted(os.listdir("two"))
+    assert len(names) == 8
+    for name in names:
+        with open(f"one/{name}", "rb") as first, open(f"two/{name}", "rb") as second:
+            assert first.read() == second.read()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["{}:area", "--axis", "a=1"], "does not take the axes a: missing a required argument: 'b'"),
+        (["{}:are", "--axis", "a=1"], "did you mean 'area'"),
+        (["{}:number", "--axis", "a=1"], "no function of"),
+        (["{}", "--axis", "a=1"], "write STUDY.py:FUNCTION"),
+        (["none.py:area", "--axis", "a=1"], "there is no file none.py"),
+        (["broken.py:area", "--axis", "a=1"], "broken.py cannot be imported (ZeroDivisionError"),
+        (["json.py:area", "--axis", "a=1"], "json.py has the name of another module"),
+        (["{}:area", "--axis", "a"], "--axis a: write NAME=FIRST:LAST:COUNT"),
+        (["{}:area", "--axis", "a=1kN"], "'1kN' is no number"),
+        (["{}:area", "--axis", "a=1:2:1"], "how many values there are"),
+        (["{}:area", "--axis", "a=1:2:2.5"], "how many values there are"),
+        (["{}:area", "--axis", "a=x:2:3"], "give two numbers"),
+        (["{}:area", "--axis", "a=1", "--axis", "a=2"], "a is given twice"),
+        (["{}:area", "--axis", "a=1", "--processes", "0"], "--processes 0"),
+        (["{}:slowly", "--axis", "a=1", "--points-a-part", "0"], "points_a_part is 0"),
+    ],
+)
+def test_what_is_refused(study, capsys, words, says):
+    for name, content in (("broken", "1 / 0"), ("json", "")):
+        with open(f"{name}.py", "w") as file:
+            file.write(content)
+    assert main(["sweep", *(word.format(study) for word in words), "--to", "runs"]) == 2
+    printed = capsys.readouterr().err
+    assert says in printed
+    assert printed.count("\n") == 1
+    assert not os.path.exists("runs")
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("where", [[], ["--processes", "2"]])
+def test_ctrl_c_leaves_what_was_done(study, where):
+    command = [sys.executable, "-m", "pinpress", "sweep", f"{study}:slowly", "--axis", "a=1:40:40", "--points-a-part", "2", "--to", "runs"]
+    process = subprocess.Popen([*command, *where], stderr=subprocess.PIPE, text=True, start_new_session=True)
+    while not os.path.exists("runs/part-000003.parquet"):
+        assert process.poll() is None
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does, to the processes of the pool too
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "of the points are in runs; the same command goes on" in said
+    assert "Traceback" not in said
+    left = len(pandas.read_parquet("runs"))
+    assert 8 <= left < 40
+    done = subprocess.run([*command, *where], stdout=subprocess.PIPE, text=True, check=True)
+    assert "40 points in 20 parts, 0 of which failed" in done.stdout
+    assert pandas.read_parquet("runs")["twice"].tolist() == [2.0 * k for k in range(1, 41)]
+
+
+@pytest.mark.exhaustive
+def test_a_cluster(study, tmp_path, capsys):
+    distributed = pytest.importorskip("distributed")
+    axes = ["--axis", "a=0:3:50", "--axis", "b=1:2:40", "--at-once", "--points-a-part", "300"]
+    (tmp_path / "cluster").mkdir()
+    with dask_processes(tmp_path / "cluster") as (file, _):
+        with distributed.Client(scheduler_file=str(file)) as client:
+            client.wait_for_workers(2, timeout=60)
+            address = client.scheduler.address
+        assert main(["sweep", f"{study}:areas", *axes, "--to", "runs", "--cluster", address]) == 0
+    assert "2 threads; dashboard" in capsys.readouterr().out
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "one"]) == 0
+    for name in os.listdir("one"):
+        with open(f"one/{name}", "rb") as first, open(f"runs/{name}", "rb") as second:
+            assert first.read() == second.read()
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "other", "--cluster", address]) == 2
+    assert "start one by `dask scheduler`" in capsys.readouterr().err
+    assert main(["sweep", f"{study}:areas", *axes, "--to", "other", "--cluster", "nowhere"]) == 2
