@@ -170,7 +170,7 @@ def _cluster(address: str, file: Path) -> Iterator[tuple[Executor, int]]:
     """The executor of a Dask cluster whose workers have the file, and how many threads they have."""
     if importlib.util.find_spec("distributed") is None:
         raise PinpressError("Dask is not installed: pip install 'pinpress[cluster]'")
-    from distributed import Client
+    from distributed import Client  # optional, and slow to import
 
     try:
         client = Client(address, timeout=REACHED)

@@ -143,7 +143,7 @@ def footer(file: Path) -> FileMetaData:
     Raises:
         PinpressError: it cannot be read, or is no Parquet file.
     """
-    import pyarrow
+    import pyarrow  # optional, and slow to import
     import pyarrow.parquet
 
     try:

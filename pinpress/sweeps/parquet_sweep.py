@@ -136,7 +136,7 @@ class ParquetSweep(Tabular):
         Raises:
             PinpressError: a part is damaged or missing.
         """
-        import pyarrow
+        import pyarrow  # optional, and slow to import
         import pyarrow.parquet
 
         pieces = []

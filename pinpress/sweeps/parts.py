@@ -194,7 +194,7 @@ def encoded(number: int, points: Points, found: Found, sweep: str) -> Part:
 
 def content_of(table: pyarrow.Table) -> bytes:
     """A table as a Parquet file. Floats as they are: hardly two are equal, which dictionaries would look for."""
-    import pyarrow.parquet
+    import pyarrow.parquet  # optional, and slow to import
 
     words = [field.name for field in table.schema if pyarrow.types.is_string(field.type)]
     with io.BytesIO() as stream:
@@ -206,7 +206,7 @@ def completed(part: Part, kinds: Mapping[str, str]) -> bytes:
     """The file of a part with the columns of these results in their order; null where it has none, as all its points failed."""
     if list(part.kinds) == list(kinds):
         return part.content
-    import pyarrow.parquet
+    import pyarrow.parquet  # optional, and slow to import
 
     table = pyarrow.parquet.read_table(pyarrow.BufferReader(part.content))
     types = {"number": pyarrow.float64(), "bool": pyarrow.bool_(), "word": pyarrow.string()}

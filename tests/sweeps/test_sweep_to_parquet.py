@@ -386,8 +386,8 @@ def test_an_executor_that_is_gone(folder):
     with pytest.raises(pp.PinpressError, match=r"could not do its work .* after 0 of 6 points, which are in .*; call the same sweep again"):
         sweep_to_parquet(product, GRID, to=folder, executor=pool)
     same(sweep_to_parquet(product, GRID, to=folder), sweep(product, GRID))
-    with ProcessPoolExecutor(1) as pool, pytest.raises(pp.PinpressError, match="cannot be sent to other processes"):
-        sweep_to_parquet(lambda a, b: {}, GRID, to=folder.with_name("other"), executor=pool)
+    with ProcessPoolExecutor(1) as other, pytest.raises(pp.PinpressError, match="cannot be sent to other processes"):
+        sweep_to_parquet(lambda a, b: {}, GRID, to=folder.with_name("other"), executor=other)
 
 
 def test_other_programs_read_the_folder(folder):
