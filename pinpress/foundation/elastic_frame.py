@@ -24,8 +24,8 @@ from ..common import files, tables
 from ..common.arguments import number, numbers, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, read_only
-from ..common.matrix_files import read_model, symmetric_matrix
 from ..common.quantities import Array
+from ..common.reading.matrices import read_model, symmetric_matrix
 from ..common.results import Tabular
 from ..common.tables import Column
 from .frame_parts import rows_at

@@ -27,10 +27,10 @@ import numpy as np
 
 from ..common import files
 from ..common.arguments import UNITS, read_quantity, typed
-from ..common.entries import Entry, FileKind, read_entries
 from ..common.errors import FileEntryError, PinpressError, UnknownNameError
 from ..common.parameters import declared, in_signature
 from ..common.quantities import Array
+from ..common.reading.entries import Entry, FileKind, read_entries
 from ..linkage.linkage import Linkage
 from ..loads.mounts import Vector
 from .beams import FrameBeam, beam_frame

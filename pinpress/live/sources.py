@@ -19,8 +19,8 @@ import numpy as np
 import pinocchio as pin
 
 from ..common import files
-from ..common.entries import LARGEST_FILE
 from ..common.errors import PinpressError
+from ..common.reading.entries import LARGEST_FILE
 from ..derivatives.reshape import reshaped
 from ..linkage.linkage import Linkage
 from ..linkage.loading import presses

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from ..common.arguments import in_unit, is_quantity
-from ..common.entries import DEEPEST
 from ..common.errors import AssemblyError, PinpressError, PinTableError, SingularityError, UnknownNameError, shown, suggestion
 from ..common.quantities import Array
+from ..common.reading.entries import DEEPEST
 from ..common.results import Records, Tabular
 from ..common.tables import Columns
 from ..kinematics.check import CheckResult, check_document

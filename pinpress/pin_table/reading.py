@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ..common.entries import Entry as Entry
-from ..common.entries import FileKind, given_entries, read_entries
 from ..common.errors import PinTableError
 from ..common.files import path_of
+from ..common.reading.entries import Entry as Entry
+from ..common.reading.entries import FileKind, given_entries, read_entries
 
 CALL = "build(...)"  # in place of a file's name, of a table or values that a call gives
 MOST_BASES = 20

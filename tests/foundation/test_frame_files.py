@@ -91,7 +91,7 @@ def as_plain(entry):
 
 
 def test_rigid_parts_are_those_of_python_from_yaml_and_json(tmp_path):
-    from pinpress.common.entries import read_entries
+    from pinpress.common.reading.entries import read_entries
     from pinpress.foundation.frame_file import FRAME_FILE
 
     wanted = rigid()

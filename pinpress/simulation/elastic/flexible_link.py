@@ -31,8 +31,8 @@ from ...common import files
 from ...common.arguments import number, numbers, whole_number
 from ...common.errors import PinpressError, shown
 from ...common.frozen import Frozen
-from ...common.matrix_files import read_model, symmetric_matrix
 from ...common.quantities import Array, ComplexArray
+from ...common.reading.matrices import read_model, symmetric_matrix
 
 MOST_ROWS = 2000  # of matrices: larger ones are reduced in seconds by programs that keep them sparse
 MOST_MODES = 50

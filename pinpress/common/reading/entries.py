@@ -14,9 +14,9 @@ from typing import Any, NoReturn
 import numpy as np
 import yaml
 
-from .arguments import is_number, number
-from .errors import FileEntryError, caution, shown, suggestion
-from .files import read, reason
+from ..arguments import is_number, number
+from ..errors import FileEntryError, caution, shown, suggestion
+from ..files import read, reason
 
 LARGEST_FILE = 1 << 20  # [bytes]
 MOST_ENTRIES = 20_000  # aliases of YAML may multiply them

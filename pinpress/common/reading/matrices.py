@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from . import files
-from .arguments import numbers
-from .errors import PinpressError
-from .quantities import Array
+from .. import files
+from ..arguments import numbers
+from ..errors import PinpressError
+from ..quantities import Array
 
 MOST_BYTES = 200_000_000  # of a file of matrices
 ASYMMETRY = 1e-6  # share of the largest entry by which the halves of a matrix may differ

@@ -1,0 +1,1 @@
+"""What is read from files of others: entries that know where they stand, and matrices."""
