@@ -3,7 +3,7 @@
     python docs/manual.py             # builds the site, and writes out/manual.pdf
     python docs/manual.py PDF SITE    # of a site that is built
 
-Chromium prints it, with `pip install -e '.[docs,video]'`, in a minute or two. The changelog is looked things up in, on the site.
+Chromium prints it, with `pip install -e '.[docs,video]'`, in some minutes. The changelog is looked things up in, on the site.
 """
 
 import os
@@ -53,6 +53,12 @@ ASSEMBLE = """([chapters, title, pages]) => {
     document.body.innerHTML = front + bodies.join("");
     document.body.removeAttribute("class");
 }"""
+# Links that lead to no place of the manual, and pictures that do not load
+LOST = """async () => [
+    ...[...document.querySelectorAll("a[href^='#']")].map(link => link.getAttribute("href"))
+        .filter(target => !document.getElementById(decodeURIComponent(target.slice(1)))),
+    ...await Promise.all([...document.images].map(image => image.decode().then(() => null, () => image.src))),
+].filter(Boolean)"""
 STYLE = """
 html, body { font-size: 62.5%; background: white; }
 body { display: block; }
@@ -127,7 +133,8 @@ def write(path: Path, site: Path, menu: list[Any], browser: Any) -> dict[str, in
         tab.goto((site / "index.html").as_uri())
         tab.evaluate(ASSEMBLE, [given, title, numbers])
         tab.add_style_tag(content=STYLE)
-        tab.evaluate("Promise.all([...document.images].map(image => image.decode().catch(() => image.src)))")
+        lost = tab.evaluate(LOST)
+        assert lost == [], lost
         margin = {"top": "16mm", "bottom": "18mm", "left": "15mm", "right": "15mm"}
         header = {"display_header_footer": True, "header_template": "<span></span>", "footer_template": FOOT.format(title=title)}
         print_out = tab.pdf(format="A4", margin=margin, outline=True, tagged=True, **header)
