@@ -36,6 +36,7 @@ MOST_STROKES = 10_000
 MOST_SWITCHES = 200  # of feet in one interval between states: more are chatter
 LOOKS = np.linspace(0.0, 1.0, 9)  # parts of a step at which the cubic is looked at
 REACH = 4.0  # product of the fastest rate of the system and a part of an interval with one Taylor polynomial
+PAYS = 1.0  # Taylor polynomials of a motion that cost as much as the matrices of its steps, by the number of its states
 TERMS = 34  # of it: the next is 4^34 / 34!, 1e-18
 EXACT = 1e-13  # of a step, to which the instant of a switch is found
 JUST_AFTER = 1e-6  # share of the first look after which a foot that has just switched is looked at
@@ -221,12 +222,19 @@ class _Feet:
         self.free = self.load[:, FREE_FALL] / self.stiffness[:, FREE_FALL]
         self.rows, self.later, self.speed = system.mount_rows, quadrature(system), speed
         self.inverse = np.linalg.inv(system.mass)
+        factor = np.linalg.inv(np.linalg.cholesky(system.mass))
+        self.fastest = float(np.sqrt(max(np.linalg.eigvalsh(factor @ system.stiffness @ factor.T)[-1], 0.0)))
+        self._factor, self._walked = factor, dict[bytes, float]()
         self._matrices: dict[bytes, tuple[Array, Array, float]] = {}
         self._steps: dict[tuple[bytes, float], tuple[Array, Array, Array]] = {}
         self._held: dict[bytes, tuple[Array, Array]] = {}
 
     def matrices(self, standing: NDArray[np.bool_]) -> tuple[Array, Array, float]:
-        """a and b of x' = a x + b f with these feet standing, and the largest absolute eigenvalue of a [1/s]."""
+        """a and b of x' = a x + b f with these feet standing, and a bound of the absolute eigenvalues of a [1/s].
+
+        In the measure of energy a is skew-symmetric but for what resists: its norm is at most the fastest frequency, which no foot that is
+        missing makes faster, and the norm of that.
+        """
         key = standing.tobytes()
         if key not in self._matrices:
             system, n = self.system, len(self.system.mass)
@@ -235,15 +243,20 @@ class _Feet:
             resisting = system.damping - without[1] + self.speed * system.gyroscopic + (system.loss - without[2]) @ self.later
             rate = -self.inverse @ np.hstack([system.stiffness - without[0], resisting])
             a = np.vstack([np.eye(n, 2 * n, n), rate])
-            self._matrices[key] = a, np.vstack([np.zeros((n, n)), self.inverse]), float(np.abs(np.linalg.eigvals(a)).max())
+            bound = self.fastest + float(np.linalg.norm(self._factor @ resisting @ self._factor.T, 2))
+            self._matrices[key] = a, np.vstack([np.zeros((n, n)), self.inverse]), bound
         return self._matrices[key]
 
-    def step(self, standing: NDArray[np.bool_], interval: float) -> tuple[Array, Array, Array]:
-        """`step_matrices` of a whole step."""
-        key = standing.tobytes(), interval
-        if key not in self._steps:
-            self._steps[key] = step_matrices(*self.matrices(standing)[:2], interval)
-        return self._steps[key]
+    def step(self, standing: NDArray[np.bool_], interval: float) -> tuple[Array, Array, Array] | None:
+        """`step_matrices` of a whole step; None while it is better to follow the motion itself, as these feet have not stood for long."""
+        key = standing.tobytes()
+        if (key, interval) not in self._steps:
+            a, b, bound = self.matrices(standing)
+            self._walked[key] = self._walked.get(key, 0.0) + max(1.0, bound * interval / REACH)
+            if self._walked[key] < PAYS * len(a):
+                return None
+            self._steps[key, interval] = step_matrices(a, b, interval)
+        return self._steps[key, interval]
 
     def constant(self, standing: NDArray[np.bool_], anchor: Array) -> Array:
         """Force (n,) on the coordinates beside the linear one: loads that hovering feet lack, and pads that gripped elsewhere."""
@@ -307,11 +320,8 @@ class _March:
             beside = self.feet.constant(self.standing, self.anchor)
             force = early + done * (late - early) + beside, late + beside
             flow = partial(_Flow, a, b, radius, state, force, rest)
-            if done == 0.0:
-                free, of_early, of_late = self.feet.step(self.standing, interval)
-                after = free @ state + of_early @ force[0] + of_late @ force[1]
-            else:
-                after = flow().state(1.0)
+            matrices = self.feet.step(self.standing, interval) if done == 0.0 else None
+            after = flow().state(1.0) if matrices is None else matrices[0] @ state + matrices[1] @ force[0] + matrices[2] @ force[1]
             if not np.isfinite(after).all():
                 raise PinpressError("the vibration is not finite: the forces are too large for floating point")
             rates = a @ state + b @ force[0], a @ after + b @ force[1]
@@ -380,10 +390,14 @@ def _first_switch(
     matrix, constant = feet.holds(standing)
     first, last = (matrix @ each + constant for each in ends)
     first_rate, last_rate = (matrix @ each for each in rates)
+    small = ROUNDING * np.abs(feet.load).max()
+    if standing.all():  # a cubic lies within the hull of these
+        hull = first[0], last[0], first[0] + length / 3 * first_rate[0], last[0] - length / 3 * last_rate[0]
+        if min(float(each.min()) for each in hull) > small:
+            return None
     s = LOOKS[:, None, None]
     looks = (1 - s) ** 2 * ((1 + 2 * s) * first + s * length * first_rate) + s**2 * ((3 - 2 * s) * last - (1 - s) * length * last_rate)
     held = looks.max(axis=1)  # (looks, mounts)
-    small = ROUNDING * np.abs(feet.load).max()
     held[0] = np.where(fresh | (np.abs(held[0]) < small), np.maximum(held[0], small), held[0])
     gone = np.flatnonzero((held < 0).any(axis=0))
     if not len(gone):

@@ -5,12 +5,15 @@ import functools
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 from support.generators.frames import on_four, turns, uneven, weightless
+from support.oracles import feet_by_solver
 from support.sampling import rest_exhaustive
 from support.texts import shipped
 
 import pinpress as pp
 from pinpress import PinpressError, foundation
+from pinpress.foundation.response import frame_wrench
 
 MASS, KZ, GRAVITY = 1000.0, 1e5, 9.81
 CENTRED = foundation.Frame(MASS, (0, 0, -1.0), (500, 500, 500))
@@ -173,6 +176,30 @@ def test_one_side_lifts_and_the_press_may_walk():
     left = found.motion.shaking_force - MASS * found.motion.acceleration["centre"]
     np.testing.assert_allclose(found.motion.floor_force, left, atol=1e-8 * np.abs(left).max())
     assert found.motion.mount_force[:, :, 2].min() >= -system.mount_load[:, 2].max() - 1e-6
+
+
+@pytest.mark.parametrize("method", ["explicit", pytest.param("implicit", marks=pytest.mark.exhaustive)])
+def test_by_a_solver_with_events(method):
+    """An uneven frame that rocks on its feet and walks, by the solvers of simulations: states, lifts, and where the pads grip."""
+    press, (frame, mounts) = weightless(), uneven()
+    system = foundation.mounted(press, frame, mounts)
+
+    def force(motion):
+        return np.outer(8e4 * np.sin(motion.crank_angle), [0.4, 0.2, 1.0])
+
+    motion = turns(press, 30.0, 1, 360)
+    reactions = pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce(press.root, force)])
+    lifted = foundation.lifting_response(system, reactions, points={})
+    wrench, time = frame_wrench(system, reactions, None), motion.time
+    begin = np.concatenate([lifted.motion.coordinates[0], np.gradient(lifted.motion.coordinates, time, axis=0, edge_order=2)[0]])
+    found, feet = feet_by_solver.motion(
+        system, CubicSpline(time, wrench), begin, time, method=method, tolerance=1e-8, longest=2 * float(time[1])
+    )
+    assert len(lifted.mount) >= 3
+    size = np.abs(found[:, :6]).max(axis=0)
+    assert (np.abs(found[:, :6] - lifted.motion.coordinates).max(axis=0) / size).max() < 1e-3  # the force is linear between the states
+    assert len(feet.switches) == 2 * len(lifted.mount) - int((lifted.end == time[-1]).sum())
+    assert np.abs(feet.anchor[:, :2] - lifted.walked).max() < 1e-3 * np.abs(lifted.walked).max()
 
 
 def test_a_press_that_is_thrown_about_is_doubted():
