@@ -280,7 +280,7 @@ def _fill(
             for row, joint in zip(values, asked.turned, strict=True):
                 put_normal(plane, row, found.moment[asked.bearings.index(joint)])
             _add_out_of_plane(fixed, closed, second, open_tree, loads, asked.bearings, found)
-            total += np.add.reduce(found.moment, axis=None)
+            total += np.add.reduce(found.force, axis=None) + np.add.reduce(found.moment, axis=None)
         else:
             put_normal(plane, values, found.moment)
     if plane.driver not in asked.turned:

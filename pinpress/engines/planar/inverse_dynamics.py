@@ -46,14 +46,13 @@ def inverse_dynamics(
         wanted: rising indices of the bearings whose wrenches are wanted.
         on_chain: inertial constants of a chain of dyads, where the states are of one.
     """
-    if isinstance(states, ChainStates):
-        if (
-            on_chain is not None
-            and conditions.law is None
-            and (conditions.compliance is None or (not bodies.plane.redundant and not out_of_plane.is_loaded(bodies, conditions.loads)))
-        ):
-            return _on_chain(on_chain(states.closure.chain), states, conditions, wanted)
-        states = ClosedStates(states.position, states.v, states.a, states.basis)
+    if (
+        isinstance(states, ChainStates)
+        and on_chain is not None
+        and conditions.law is None
+        and (conditions.compliance is None or (not bodies.plane.redundant and not out_of_plane.is_loaded(bodies, conditions.loads)))
+    ):
+        return _on_chain(on_chain(states.closure.chain), states, conditions, wanted)
     return _at_constant_speed(bodies, states, conditions, wanted) or _computed(bodies, states, conditions, wanted)
 
 
@@ -78,10 +77,11 @@ def _computed(bodies: Bodies, states: ClosedStates, conditions: AppliedCondition
     some = len(wanted) < len(result.friction)
     only_some = some and law is None and _some_suffice(plane, wanted, conditions.with_gear_torques)
     speeds = None if law is None else law.moving(_bearing_speeds(plane, states.v))
+    angle = states.closure.angle if isinstance(states, ChainStates) else states.position[plane.driver]
     for start in range(0, n, plane.piece):
         s = slice(start, start + plane.piece)
         piece, acting, filled = (states, conditions, result) if n <= plane.piece else (states.part(s), conditions.part(s), result.part(s))
-        friction = None if law is None or speeds is None else FrictionState(law, speeds[:, s], states.position[plane.driver, s])
+        friction = None if law is None or speeds is None else FrictionState(law, speeds[:, s], angle[s])
         if only_some and not (wanted and out_of_plane.is_loaded(bodies, acting.loads)):
             _fill_with_some_bearings(bodies, piece, acting.loads, wanted, filled)
         else:
