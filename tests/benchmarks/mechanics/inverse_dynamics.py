@@ -39,6 +39,7 @@ from support.oracles import cassie  # noqa: E402
 from support.oracles.pinocchio_loop import PinocchioLoop, inverse_dynamics  # noqa: E402
 
 from pinpress.accuracy.peers.six_bar_script import Array, six_bar, world_forces  # noqa: E402
+from pinpress.engines.planar.chain import ChainStates  # noqa: E402
 
 SPEED = 70 * 2 * np.pi / 60  # [rad/s]
 TURN = 0.02  # seconds
@@ -225,7 +226,7 @@ def print_presses(n: int, repeats: int) -> None:
         f"\nEvery shipped press, {n} crank angles, {repeats} repeats, best times; errors against engine 'pinocchio', relative to the peak"
     )
     print(f"{'':36}{'bearings':>10}{'us/point':>10}{'us/point':>12}{'ratio to':>12}{'torque':>10}{'force':>10}")
-    print(f"{'':36}{'':>10}{'':>10}{'and bearing':>12}{'zxn2_3000b':>12}{'error':>10}{'error':>10}")
+    print(f"{'':36}{'':>10}{'':>10}{'and bearing':>12}{'zxn2_3000b':>12}{'error':>10}{'error':>10}  closed by")
     for name, took in best.items():
         press = presses[name.split(",")[0]]
         each = took / len(press.bearings)
@@ -235,7 +236,7 @@ def print_presses(n: int, repeats: int) -> None:
             torque = np.abs(plane.driving_torque - judge.driving_torque).max() / np.abs(judge.driving_torque).max()
             peak = max(np.abs(force).max() for force in judge.bearing_force.values())
             force = max(np.abs(plane.bearing_force[b] - judge.bearing_force[b]).max() for b in press.bearings) / peak
-            line += f"{torque:10.1e}{force:10.1e}"
+            line += f"{torque:10.1e}{force:10.1e}  {'roots' if isinstance(plane.motion.states(press), ChainStates) else 'iteration'}"
         print(line)
 
 
