@@ -34,6 +34,7 @@ class PartFolder:
         path: the folder.
         known: number of a part that is finished -> how many of its points failed.
         kinds: name of a result -> "number", "bool" or "word", for all parts; empty until a point has succeeded.
+        points: number of points of these parts.
         checksum: of the description.
     """
 
@@ -42,6 +43,7 @@ class PartFolder:
         self.path, self._division = path, division
         self.checksum = _checksum(json.dumps(description))
         self.known: dict[int, int] = {}
+        self.points = 0
         self.kinds: dict[str, str] = {}
         self._held: list[Part] = []  # parts without a point that succeeded, until it is known what the results are
         for number, file in parts_in(path):
@@ -71,6 +73,7 @@ class PartFolder:
                 " in others: return the same names with values of the same kind at every point"
             )
         self.known[part.number] = part.failed
+        self.points += self._division.size(part.number)
         if file is None:
             self._held.append(part)
         elif not part.kinds:
@@ -81,11 +84,6 @@ class PartFolder:
         while self._held:
             part = self._held.pop()
             files.write(file_of(self.path, part.number), completed(part, self.kinds))
-
-    @property
-    def points(self) -> int:
-        """The number of points that are finished."""
-        return sum(map(self._division.size, self.known))
 
     def _check(self, number: int, file: Path, metadata: FileMetaData) -> None:
         """Raise PinpressError where a file is no part of this sweep."""
@@ -132,8 +130,9 @@ def file_of(folder: Path, number: int) -> Path:
 
 
 def parts_in(folder: Path) -> Iterator[tuple[int, Path]]:
-    """Numbers and files of the parts in a folder, in order."""
-    named = ((re.fullmatch(r"part-(\d{6,})\.parquet", file.name), file) for file in folder.iterdir())
+    """Numbers and files of the parts in a folder, in order; none where there is no folder."""
+    there = folder.iterdir() if folder.is_dir() else ()
+    named = ((re.fullmatch(r"part-(\d{6,})\.parquet", file.name), file) for file in there)
     yield from sorted((int(name[1]), file) for name, file in named if name)
 
 

@@ -294,6 +294,9 @@ def test_files_that_are_not_as_they_were_are_refused(folder):
     (folder / "_sweep.json").write_text("[]")
     with pytest.raises(pp.PinpressError, match="no description of a sweep"):
         sweep_to_parquet(product, GRID, to=folder, points_a_part=2)
+    folder.rename(folder.with_name("elsewhere"))
+    with pytest.raises(pp.PinpressError, match="has 0 parts, not 3"):
+        found.columns()
 
 
 @pytest.mark.parametrize(
