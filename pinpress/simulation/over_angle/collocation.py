@@ -441,7 +441,7 @@ def _panel_by_panel(gained: Array, factors: Array, short: Array | None, start: A
 def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
     """Integrals (p, S) of a rate (q, p, S) by the angle travelled, over each panel."""
     rule, mesh = gauss_rule(), solution.mesh
-    return np.einsum("qp,qps->ps", rule.weights[:, None] * mesh.measure, rate)
+    return np.asarray(np.einsum("qp,qps->ps", rule.weights[:, None] * mesh.measure, rate))
 
 
 def _summed(rate: Array) -> Array:
