@@ -7,6 +7,7 @@
     found.values["torque"]
 
 `sweep` runs in several processes where it is given an executor. With a file for its results it goes on where it was stopped.
+`sweep_to_parquet` does the same for millions of points, in parts, into a folder that others read.
 """
 
 import lazy_loader

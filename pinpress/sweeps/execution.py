@@ -232,8 +232,12 @@ def described(error: BaseException) -> str:
         said = str(error)
     except Exception as other:
         said = f"its text cannot be had ({type(other).__name__})"
-    text = f"{type(error).__name__}: {said}".encode("utf-8", "backslashreplace").decode().replace("\0", "\\0")
-    return text[:LONGEST]
+    return as_told(f"{type(error).__name__}: {said}")
+
+
+def as_told(text: str) -> str:
+    """A text as a table takes it: of UTF-8, without null characters, and not too long."""
+    return text.encode("utf-8", "backslashreplace").decode().replace("\0", "\\0")[:LONGEST]
 
 
 def _checked(returned: object) -> dict[str, Scalar]:

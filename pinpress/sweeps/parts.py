@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import PinpressError, shown
-from .execution import Function, described, outcome, short
+from .execution import Function, as_told, described, outcome, short
 from .grid import LARGEST, RESERVED, Grid, Scalar, kind, listed, scalar
 
 if TYPE_CHECKING:
@@ -65,8 +65,8 @@ class Points:
 
     @property
     def arguments(self) -> dict[str, Labels]:
-        """The arguments of a function that takes all points at once."""
-        return {**self.labels, **self.objects}
+        """The arguments of a function that takes all points at once: copies, which it may change."""
+        return {name: each.copy() for name, each in {**self.labels, **self.objects}.items()}
 
     def point(self, k: int) -> dict[str, object]:
         """The arguments of a function of one point, the k-th of these."""
@@ -286,7 +286,7 @@ def _checked(returned: object, points: Points) -> Found:
     for name, column in returned.items():
         if name == LAST:
             continue
-        if not isinstance(name, str) or not name or name in RESERVED:
+        if not isinstance(name, str) or not name or name in RESERVED or as_told(name) != name:
             raise ClashError(f"the function returned values under {shown(name)}; name them by a word other than {', '.join(RESERVED)}")
         values[name], wrong = _column(name, column, len(points))
         for k, why in wrong.items():
@@ -305,7 +305,7 @@ def _errors(column: object, count: int) -> list[str]:
         return [""] * count
     if isinstance(column, str) or not isinstance(column, Iterable) or len(given := list(column)) != count:
         raise ClashError(f"the function returned {short(column)} under 'error'; return for each of the {count} points None or an error")
-    return [described(error) if isinstance(error, BaseException) else "" if error is None else str(error) for error in given]
+    return [described(error) if isinstance(error, BaseException) else "" if error is None else as_told(str(error)) for error in given]
 
 
 def _column(name: str, column: object, count: int) -> tuple[NDArray[Any], dict[int, str]]:
@@ -361,6 +361,8 @@ def _filled(values: Sequence[Scalar | None], kind: str) -> NDArray[Any]:
 
 def _labels(name: str, labels: Sequence[Scalar]) -> Labels:
     """Labels as an array of whole numbers, floats, bools or words."""
+    if as_told(name) != name:
+        raise PinpressError(f"grid: a file cannot have the name {shown(name)} of an axis: give it another one")
     if len({kind(label) for label in labels}) > 1:
         raise PinpressError(f"grid: the labels of axis {shown(name)} are of several kinds: give numbers alone, bools alone or words alone")
     return np.array(labels)

@@ -212,6 +212,7 @@ def test_points_that_fail_at_once_are_found_by_halving(folder):
         ({"x": [1.0, "a"]}, "numbers and words under 'x'; return values of one kind"),
         ({"k": np.ones(2)}, "the name of an axis"),
         ({"point": np.ones(2)}, "name them by a word other than"),
+        ({"\ud800": np.ones(2)}, "name them by a word other than"),
         ({"x": np.ones(2), "error": "bad"}, "under 'error'; return for each of the 2 points"),
         ({"error": [None, "bad"]}, "errors alone, though some points have none"),
     ],
@@ -238,6 +239,19 @@ def test_values_that_a_table_cannot_hold_have_failed(folder, column, words):
     assert columns["error"][0] == ""
     assert words in columns["error"][1]
     assert columns["x"][0] == column[0]
+
+
+def test_a_function_may_change_what_it_is_given(folder):
+    def halved(x):
+        x /= 2
+        if len(x) > 2:
+            raise ValueError
+        return {"half": x, "error": ["\ud800\0" if each == 1.0 else None for each in x]}
+
+    columns = sweep_to_parquet(halved, {"x": [1.0, 2.0, 3.0, 4.0]}, to=folder, at_once=True).columns()
+    assert columns["x"].tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert columns["half"].tolist() == [0.5, None, 1.5, 2.0]
+    assert columns["error"][1] == "\\ud800\\0"
 
 
 def test_other_names_end_the_sweep_and_what_was_done_stays(folder):
@@ -332,6 +346,7 @@ def test_long_axes_are_described_by_a_checksum(folder):
         ({"grid": {"a": [1, "x"], "b": [1]}}, "labels of axis 'a' are of several kinds"),
         ({"grid": {"a": [1]}}, "missing a required argument: 'b'"),
         ({"points_a_part": 0}, "points_a_part is 0"),
+        ({"function": lambda **x: {"y": 1}, "grid": {"\ud800": [1]}}, "cannot have the name"),
         ({"at_once": 1}, "at_once is 1"),
         ({"to": 5}, "to is 5"),
         ({"to": "/proc/none/here"}, "cannot write /proc/none/here: No such file"),
