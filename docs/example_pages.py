@@ -39,7 +39,11 @@ GROUPS = {
     "For roboticists": ("my_own_robot", "pinocchio_beside"),
 }
 NAMES = tuple(name for names in GROUPS.values() for name in names)
-EXERCISES = ("four_bar", "half_balance", "stroke_under_load")
+EXERCISES = {  # and what is found in each
+    "four_bar": "position, velocity, acceleration and pin forces from the closed loop of vectors",
+    "half_balance": "the shaking force and its orders, a counterweight, why half, and a proof",
+    "stroke_under_load": "work, torque, flywheel, drop of speed, permissible force, motor",
+}
 GAP = re.compile(r"^# Gap: (.*?)\n(.*?)^# End of the gap\n?", re.MULTILINE | re.DOTALL)
 BELOW_THE_GUIDE = ("---", "search:", "  boost: 0.5", "---", "")  # where one searches
 TO_TEACHERS = """
@@ -49,8 +53,8 @@ wrong. A gap that is still open says what belongs there.
 
 {list}
 
-Students start from the notebooks; `pip install 'pinpress[plots]' notebook` brings all that they need. The solutions are the scripts in
-`docs/exercises`, and stand folded on the pages. `python docs/example_pages.py` runs them and writes pages, pictures and notebooks.
+Students start from the notebooks; `pip install '.[plots]' notebook` in a checkout brings all that they need. The solutions are the scripts
+in `docs/exercises`, and stand folded on the pages. `python docs/example_pages.py` runs them and writes pages, pictures and notebooks.
 """
 BESIDE = {"my_own_robot": "five_bar.urdf"}  # a file of the folder that the example reads
 
@@ -167,7 +171,7 @@ def exercise_notebook(name: str) -> str:
 
 def exercise_index() -> str:
     """The page that lists the exercises."""
-    listed = "\n".join(f"- [{parts(name)[0]}](exercises/{name}.md)" for name in EXERCISES)
+    listed = "\n".join(f"- [{parts(name)[0]}](exercises/{name}.md): {found}" for name, found in EXERCISES.items())
     return f"# Exercises\n{TO_TEACHERS.replace('{list}', listed)}"
 
 

@@ -12,7 +12,7 @@ from support.sampling import rest_exhaustive
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 PAGES = runpy.run_path(str(DOCS / "example_pages.py"))
-NAMES = PAGES["EXERCISES"]
+NAMES = tuple(PAGES["EXERCISES"])
 MISTAKES = [  # what students may write, and what they are told
     ("four_bar", "(np.angle(D - B) + angle)", "(np.angle(D - B) - angle)", "other assembly"),
     ("four_bar", "(2 * b * diagonal)", "(2 * c * diagonal)", "not closed"),
