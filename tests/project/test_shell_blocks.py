@@ -23,7 +23,7 @@ NOT_RUN = {  # commands that begin so, and why
     ".venv/bin/": "tests/project/test_installed_wheel.py",
     "pip install": "tests/project/test_installed_wheel.py",
     "dask scheduler": "serves until it is stopped; tests/sweeps/test_sweep_cluster.py",
-    "MALLOC_TRIM_THRESHOLD_=134217728 MALLOC_MMAP_THRESHOLD_=33554432": "a dask worker: as the scheduler",
+    "dask worker": "as the scheduler",
     "pinpress sweep": "needs these two; tests/cli/test_sweep_command.py",
     "rattler-build": "needs conda-forge; `nox -s review` renders its recipe",
 }
@@ -32,9 +32,10 @@ TOGETHER = "\n".join(path.read_text("utf-8") for path in (*sorted(DOCS.glob("*.m
 
 
 def commands(page: str) -> list[str]:
-    """Those of a page's shell blocks, lines that go on put together."""
+    """Those of a page's shell blocks, lines that go on put together, without variables of the environment."""
     shell = [block.body for block in page_blocks.blocks((DOCS / f"{page}.md").read_text("utf-8")) if block.language in ("", "sh", "bash")]
-    return [line for body in shell for line in body.replace("\\\n", " ").splitlines() if line.strip()]
+    lines = [line for body in shell for line in body.replace("\\\n", " ").splitlines() if line.strip()]
+    return [re.sub(r"^(\w+=\S+ +)+", "", line) for line in lines]
 
 
 PAGES = [path.stem for path in sorted(DOCS.glob("*.md")) if commands(path.stem)]
