@@ -377,7 +377,7 @@ def test_gear_torques_that_share_with_rods_are_computed_when_they_are_asked_for(
 
 def test_what_is_not_redundant_shares_nothing(monkeypatch, six_bar, turn):
     stacked, across = case("two_point"), pp.loads.PointForce("slide", (0.0, 10.0, 0.0))
-    pp.inverse_dynamics(*stacked, [across])  # what the press keeps is made
+    pp.inverse_dynamics(*stacked, loads=[across])  # what the press keeps is made
     for bearings, shared in ((None, True), (("O",), True), ((), False)):
         assert calls(monkeypatch, spatial_dynamics, LEAST, *stacked, engine="pinocchio", bearings=bearings) == shared
         stiff = {"stiffness": dict.fromkeys(stacked[0].bearings, 1e9)}
