@@ -32,9 +32,8 @@ def main() -> None:
             by_pip = by_pip_seconds(folder / f"pip-{extra}", what)
             by_uv = by_uv_seconds(folder / f"uv-{extra}", what)
             packages, megabytes = installed(folder / f"uv-{extra}")
-            print(
-                f"| {f'`{extra}`' if extra else 'pinpress'} | {packages} | {megabytes:.0f} | {by_pip:.0f} s | {by_uv:.0f} s |", flush=True
-            )
+            name = f"`{extra}`" if extra else "none"
+            print(f"| {name} | {packages} | {megabytes:.0f} | {by_pip} | {by_uv} |", flush=True)
 
 
 def by_pip_seconds(environment: Path, what: object) -> str:
