@@ -198,6 +198,18 @@ def pause() -> Figure:
     return figure
 
 
+def eight_way_guide() -> Figure:
+    """docs/press_parts.md: the eight surfaces of a slide guide under a force beside the axis."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        page: dict[str, Any] = {"pp": pp, "np": np, "fast": pp.load("jf75g_125_plain")}
+        for block in re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "press_parts.md").read_text(encoding="utf-8"), re.DOTALL):
+            if "eight_way_guide" in block:
+                exec(block, page)
+    figure = pp.plots.guide_contact(page["gibs"])
+    figure.axes[1].set(xlim=(310, 335), xticks=range(310, 336, 5))
+    return figure
+
+
 def elastic_stroke() -> Figure:
     """docs/elastic_motion.md: the stroke that JF75G-125 repeats on its springs while it blanks, near bottom dead centre."""
     press, speed = pp.load("jf75g_125_plain"), 300 * pp.RPM
@@ -409,7 +421,7 @@ def _figure(size: tuple[float, float]) -> Figure:
 
 PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
     slide, polar, run, slip_clutch, tolerances, identifiability,
-    die_trade_off, play, accuracy_budget, pause, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
+    die_trade_off, play, accuracy_budget, pause, eight_way_guide, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
     programs, sketch,
     lengths_too_short, notebook, report_page, frame_report, live, process_force, measured_modes, orders,
 )  # fmt: skip

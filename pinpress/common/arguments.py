@@ -32,6 +32,7 @@ MAKERS = {
     "Stiffness": "Stiffness",
     "Capacities": "Capacities",
     "Gibs": "Gibs(length, width)",
+    "LoadedGuide": "elasticity.guide_contact",
     "SlideCompliance": "compliance",
     "ElasticRun": "simulate or steady_state with elastic=",
     "CampbellDiagram": "elasticity.campbell",

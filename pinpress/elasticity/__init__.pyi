@@ -1,6 +1,11 @@
 from .breakthrough import SnapThroughResponse as SnapThroughResponse
 from .breakthrough import permissible_breakthrough as permissible_breakthrough
 from .breakthrough import snap_through as snap_through
+from .guide_surfaces import GuideSurface as GuideSurface
+from .guide_surfaces import LoadedGuide as LoadedGuide
+from .guide_surfaces import OpenSurface as OpenSurface
+from .guide_surfaces import eight_way_guide as eight_way_guide
+from .guide_surfaces import guide_contact as guide_contact
 from .impacts import ImpactsByTurn as ImpactsByTurn
 from .impacts import impact_statistics as impact_statistics
 from .impacts import journal_impacts as journal_impacts

@@ -3,6 +3,7 @@ from .elasticity import campbell as campbell
 from .elasticity import compliance as compliance
 from .elasticity import dead_centre_shift as dead_centre_shift
 from .elasticity import elastic_slide as elastic_slide
+from .elasticity import guide_contact as guide_contact
 from .elasticity import snap_through as snap_through
 from .force_stroke import ratings as ratings
 from .foundation import speed_response as speed_response

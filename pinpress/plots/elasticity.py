@@ -11,11 +11,12 @@ from ..common.arguments import typed
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array
 from ..elasticity.breakthrough import SnapThroughResponse
+from ..elasticity.guide_surfaces import LoadedGuide
 from ..elasticity.slide_under_load import ElasticDeadCentre
 from ..elasticity.speed_range import CampbellDiagram
 from ..elasticity.unit_load import SlideCompliance
 from ..simulation.elastic.elastic_run import ElasticRun
-from .style import COLOURS, GREY, LINES, grid, legend, panels, plain
+from .style import COLOURS, GREY, LINES, Over, grid, legend, panels, plain
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -114,6 +115,36 @@ def snap_through(responses: Mapping[str, SnapThroughResponse], *, ax: Axes | Non
         plain(axes.set_xlabel("time [ms]"))
         axes.set_ylim(-1.1, 1.1 + ROOM * len(responses))
         legend(axes, lines, list(responses), loc="upper right", borderaxespad=0.1)
+    return drawn.figure
+
+
+@typed
+def guide_contact(found: LoadedGuide, *, ax: Iterable[Axes] | None = None) -> Figure:
+    """Draw the force on each surface of a slide's guide over the motion, and below it how the slide tilts and turns.
+
+    Args:
+        found: result of `pinpress.elasticity.guide_contact`.
+        ax: the caller's axes, two; by default those of a new figure.
+
+    Raises:
+        PinpressError: Matplotlib is not installed, or ``ax`` are not two axes.
+    """
+    over = Over(found.motion)
+    with panels(ax, 2, 2 * HIGH, lambda figure: figure.subplots(2, 1, sharex=True)) as drawn:
+        top, bottom = drawn.axes
+        grid(top, "force on a surface [kN]")
+        grid(bottom, "rotation of the slide [µrad]")
+        lines: list[Artist] = []
+        for i, force in enumerate(found.force.values()):  # of two that carry the same, the second is seen on the first
+            colour = COLOURS[i % len(COLOURS)]
+            lines += top.plot(over.x, over.along(1e-3 * force), color=colour, linestyle=LINES[i % 2])
+        low, high = top.get_ylim()
+        top.set_ylim(low, high + 0.4 * (high - low))  # room for the names
+        legend(top, lines, list(found.force), loc="upper center", ncols=4, columnspacing=0.8)
+        turns = [bottom.plot(over.x, over.along(1e6 * turn), color=COLOURS[i])[0] for i, turn in enumerate(found.rotation.T)]
+        legend(bottom, turns, [f"about {axis}" for axis in "xyz"], loc="best", ncols=3)
+        over.label(bottom)
+        drawn.align_labels()
     return drawn.figure
 
 

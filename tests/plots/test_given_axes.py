@@ -24,6 +24,7 @@ PLOTS = {
     "compliance": (1, lambda ax: plots.compliance(made("SlideCompliance"), ax=ax)),
     "dead_centre_shift": (1, lambda ax: plots.dead_centre_shift({"press": made("ElasticDeadCentre")}, ax=ax)),
     "snap_through": (1, lambda ax: plots.snap_through({"press": made("SnapThroughResponse")}, ax=ax)),
+    "guide_contact": (2, lambda ax: plots.guide_contact(made("LoadedGuide"), ax=ax)),
     "elastic_slide": (2, lambda ax: plots.elastic_slide(made("ElasticRun"), ax=ax)),
     "campbell": (1, lambda ax: plots.campbell(made("CampbellDiagram"), ax=ax)),
     "vibration": (1, lambda ax: plots.vibration({"press": made("FrameMotion")}, ax=ax)),

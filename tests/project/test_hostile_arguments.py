@@ -44,7 +44,9 @@ MADE = {
     "MotorDuty",
     "EnergyFlow",
     "MotorPower",
+    "LoadedGuide",
     "GuideReaction",
+    "OpenSurface",
     "SlideCompliance",
     "ExtremeValues",
 }

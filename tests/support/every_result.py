@@ -100,6 +100,12 @@ def motion():
 
 
 @cache
+def guided():
+    guide = pp.elasticity.eight_way_guide(facing_x=(0.3, 0.2), facing_y=(0.2, 0.3), length=0.5, width=0.1, stiffness=1e9, clearance=1e-5)
+    return pp.elasticity.guide_contact(press(), reactions(), guide, offset=(0.05, 0.02, 0.0))
+
+
+@cache
 def reactions():
     return pp.inverse_dynamics(
         press(), motion(), [DEEP, pp.loads.PointForce("slide", push)], {"W": pp.loads.Friction(coefficient=0.1, radius=0.05)}
@@ -368,6 +374,9 @@ def made():
         *(
             pp.elasticity.natural_frequencies(press(), on_springs(), angle=[0.1, 0.5], flywheel=pp.drives.Flywheel(2.0)),
             pp.elasticity.over_speeds(press(), on_springs(), speeds=[6.0, SPEED]),
+            guided(),
+            guided().surfaces[0],
+            guided().opened[0],
             campbell(),
             campbell().resonances[0],
         ),

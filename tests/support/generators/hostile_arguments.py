@@ -286,6 +286,16 @@ def flexible_link() -> dict[str, Any]:
     return named | {"mass": np.eye(4), "stiffness": stiffness, "nodes": [[0.0, 0.0], [0.5, 0.0]], "degrees": degrees}
 
 
+EIGHT_WAY: dict[str, Any] = {
+    "facing_x": (0.3, 0.2),
+    "facing_y": (0.25, 0.28),
+    "length": 0.5,
+    "width": 0.1,
+    "stiffness": 1e9,
+    "preload": 2e4,
+}
+
+
 def springs() -> pp.elasticity.Stiffness:
     bearings = dict.fromkeys(press().bearings, 2e7)
     return pp.elasticity.Stiffness(bearings, moments={"slide_guide": 2e6})
@@ -448,6 +458,36 @@ def calls() -> dict[str, Call]:
         ("Flywheel", pp.drives.Flywheel, lambda: {"inertia": 1.0, "speed": 7.0}),
         ("Friction", pp.loads.Friction, lambda: {"coefficient": 0.1, "radius": 0.02, "viscous": 0.1}),
         ("Gibs", pp.ratings.Gibs, lambda: {"length": 0.5, "width": 0.1, "normal": (1.0, 0.0, 0.0), "middle": 0.1, "one_sided": False}),
+        (
+            "GuideSurface",
+            pp.elasticity.GuideSurface,
+            lambda: {
+                "name": "right",
+                "point": (0.2, 0.0, 0.0),
+                "normal": (1.0, 0.0, 0.0),
+                "length": 0.5,
+                "width": 0.1,
+                "stiffness": 1e9,
+                "preload": 2e4,
+                "clearance": 0.0,
+            },
+        ),
+        ("eight_way_guide", pp.elasticity.eight_way_guide, lambda: EIGHT_WAY | {"clearance": 0.0, "middle": 0.1}),
+        (
+            "guide_contact",
+            pp.elasticity.guide_contact,
+            lambda: {
+                "press": press(),
+                "reactions": reactions(),
+                "surfaces": pp.elasticity.eight_way_guide(**EIGHT_WAY),
+                "offset": (0.01, 0.01, 0.0),
+            },
+        ),
+        (
+            "plots.guide_contact",
+            pp.plots.guide_contact,
+            lambda: {"found": pp.elasticity.guide_contact(press(), reactions(), pp.elasticity.eight_way_guide(**EIGHT_WAY))},
+        ),
         ("Peak", pp.balancing.Peak, lambda: measured),
         ("Range", pp.balancing.Range, lambda: measured),
         ("Rms", pp.balancing.Rms, lambda: measured),
