@@ -103,10 +103,11 @@ def by_points(guide, force, moment, parts):
             rows.append(np.concatenate([normal[:2], np.cross(point, normal)]))
             k.append(surface.stiffness / parts)
             begin.append(surface.preload / surface.stiffness - surface.clearance)
-    rows, k, begin = np.array(rows).T, np.array(k), np.array(begin)
+    matrix, springs, starts = np.array(rows).T, np.array(k), np.array(begin)
     load = -np.concatenate([force[:2], moment])
-    heavy = 1e4 / np.sqrt(k.min())
-    found, _ = nnls(np.vstack([np.diag(1 / np.sqrt(k)), heavy * rows]), np.concatenate([np.sqrt(k) * begin, heavy * load]), maxiter=100000)
+    heavy = 1e4 / np.sqrt(springs.min())
+    left = np.vstack([np.diag(1 / np.sqrt(springs)), heavy * matrix])
+    found, _ = nnls(left, np.concatenate([np.sqrt(springs) * starts, heavy * load]), maxiter=100000)
     return found.reshape(len(guide), parts).sum(axis=1)
 
 
@@ -156,10 +157,10 @@ def test_process_forces_beside_the_axis_and_turns_of_the_load():
         np.testing.assert_allclose(mirrored.force[other], beside.force[name], rtol=1e-9, atol=1e-4)
     names = {each.surface for each in beside.opened}
     assert names  # with little preload some lift off while it draws
-    for each in beside.opened:
-        inside = (motion.crank_angle >= each.begins) & (motion.crank_angle <= each.ends)
-        assert beside.contact[each.surface][inside].max() < 1
-        assert beside.contact[each.surface][inside].min() == each.least_contact
+    for stretch in beside.opened:
+        inside = (motion.crank_angle >= stretch.begins) & (motion.crank_angle <= stretch.ends)
+        assert beside.contact[stretch.surface][inside].max() < 1
+        assert beside.contact[stretch.surface][inside].min() == stretch.least_contact
 
 
 def test_a_slide_that_nothing_presses_stands_in_the_middle():
