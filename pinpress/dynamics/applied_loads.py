@@ -111,10 +111,12 @@ def _warn_if_stepped_over(
     name: str, intervals: Sequence[tuple[bool, ForceInterval]], motion: "Motion", height: Array, velocity: Array, size: float
 ) -> None:
     """Warn of a process load that acts in no state of a motion, although the slide moves through its heights between two of them."""
-    way, *_ = _through_turning_points(motion, _closed(motion, height), _closed(motion, velocity))
+    way, _, before = _through_turning_points(motion, _closed(motion, height), _closed(motion, velocity))
+    states = np.append(np.diff(before, prepend=-1) > 0, True)  # the others are turning points between them
     for downwards, each in intervals:
         travelled = np.abs(np.diff(way.clip(each.lower, each.upper)))
-        through = (travelled > ROUNDING * size) & ((way[1:] < way[:-1]) == downwards)
+        there = states & (each.lower < way) & (way <= each.upper)  # at rest, or on the way back, without the load
+        through = (travelled > ROUNDING * size) & ((way[1:] < way[:-1]) == downwards) & ~there[1:] & ~there[:-1]
         if through.any():
             highest, lowest = (way[np.flatnonzero(through)[0] + after] for after in ((0, 1) if downwards else (1, 0)))
             plausibility.stepped_over(name, (each.lower, each.upper), (float(lowest), float(highest)), len(height))

@@ -153,6 +153,12 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "peak_torque": TORQUE,
         "inertia": INERTIA,
         "rated_torque": TORQUE,
+        "copper": (-2, -1, 1),
+        "iron": (2, 1, -1),
+        "constant_loss": POWER,
+        "regeneration": PLAIN,
+        "rated_rise": PLAIN,
+        "thermal_time": TIME,
     },
     pp.drives.SlipClutchMotor: {
         **LOSSES,
