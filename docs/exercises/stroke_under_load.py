@@ -134,7 +134,7 @@ left.plot(np.degrees(run.crank_angle), run.crank_speed / pp.RPM, label="flywheel
 two_turns = np.concatenate([steady.crank_angle - 2 * np.pi, steady.crank_angle])
 left.plot(np.degrees(two_turns), np.tile(steady.crank_speed, 2) / pp.RPM, label="with motor, repeated")
 left.set(xlabel="crank angle [degrees]", ylabel="speed [r/min]", xlim=(-180, 180))
-left.legend(fontsize="small")
+left.legend(fontsize="small", loc="lower left")
 right.plot(1e3 * found.height, found.force / 1e3, label="permissible")
 right.plot(1e3 * height(q), force / 1e3, label="sheet")
 right.set(xlabel="height above bottom dead centre [mm]", ylabel="force [kN]", xlim=(0, 30))
