@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
 from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -41,7 +42,8 @@ KILLS = (
 )
 
 
-class Work(NamedTuple, Generic[Result]):
+@dataclass(frozen=True)
+class Work(Generic[Result]):
     """Pieces of work with numbers, such as the points of a sweep.
 
     Attributes:
