@@ -4,10 +4,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import scipy.optimize
-from support import sliding_presses, texts
+from support import texts
 from support.generators.random_linkages import four_bar
 from support.generators.small_linkages import two_cranks
 from support.oracles import balance_by_hand as by_hand
+from support.presses import sliding_presses
 
 import pinpress as pp
 

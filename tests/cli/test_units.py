@@ -5,7 +5,7 @@ import math
 import re
 
 import pytest
-from support import sliding_presses
+from support.presses import sliding_presses
 
 import pinpress as pp
 from pinpress.cli.main import main

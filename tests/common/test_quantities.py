@@ -6,7 +6,8 @@ import numpy as np
 import pint
 import pytest
 from numpy.testing import assert_allclose
-from support import sliding_presses, texts
+from support import texts
+from support.presses import sliding_presses
 
 import pinpress as pp
 from pinpress.balancing import CounterweightRegion

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support import texts
 from support.generators.spatial_linkages import bennett
-from support.sliding_presses import ARM, BELL, RETRACTED, G
+from support.presses.sliding_presses import ARM, BELL, RETRACTED, G
 
 import pinpress as pp
 

@@ -1,11 +1,12 @@
-"""Motions and forces of presses whose driver slides: `support.sliding_presses`."""
+"""Motions and forces of presses whose driver slides: `support.presses.sliding_presses`."""
 
 import dataclasses
 
 import numpy as np
 import pytest
-from support import sliding_presses, texts
-from support.sliding_presses import ARM, BELL, LOWER, NUT, RETRACTED, TOGGLE, UPPER, G, lever_angle, potential
+from support import texts
+from support.presses import sliding_presses
+from support.presses.sliding_presses import ARM, BELL, LOWER, NUT, RETRACTED, TOGGLE, UPPER, G, lever_angle, potential
 
 import pinpress as pp
 from pinpress.common.quantities import RAM

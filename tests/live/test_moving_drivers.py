@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support.two_servos import TWO_SERVOS
+from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress.live.drivers import CLEAR, swing, with_moving

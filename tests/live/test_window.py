@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 from support import texts
 from support.generators.hostile import load_hostile
 from support.in_browser import wait
-from support.two_servos import TWO_SERVOS
+from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.measured_presses import columns, drawn, drive, press_of, run
+from support.presses.measured_presses import columns, drawn, drive, press_of, run
 
 import pinpress as pp
 from pinpress.measured import MeasuredRun, identifiability, identify

@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from support import texts
 from support.generators.random_linkages import Group, Spec, drawn, linkages, loaded, servo
 from support.generators.spatial_linkages import bennett
-from support.two_servos import TWO_SERVOS
+from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress.measured.regressor import inertial_equations, loss_columns

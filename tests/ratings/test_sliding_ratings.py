@@ -5,8 +5,9 @@ import csv
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from support import sliding_presses, texts
-from support.sliding_presses import NUT, TOGGLE, UPPER
+from support import texts
+from support.presses import sliding_presses
+from support.presses.sliding_presses import NUT, TOGGLE, UPPER
 
 import pinpress as pp
 from pinpress.cli.main import main

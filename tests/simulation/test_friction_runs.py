@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from support import sliding_presses, texts
+from support import texts
 from support.generators.spatial_crank_slide import SPATIAL
 from support.oracles import friction_script
+from support.presses import sliding_presses
 from support.texts import shipped
 
 import pinpress as pp

@@ -4,8 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from support import sliding_presses, texts
+from support import texts
 from support.in_browser import data_in
+from support.presses import sliding_presses
 
 import pinpress as pp
 from pinpress.drives import Brake, Clutch, ConstantTorque, Flywheel, Geared, InductionMotor, PrescribedSpeed, ServoMotor, SwitchPoint

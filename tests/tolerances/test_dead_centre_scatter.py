@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from support import texts
 from support.generators.spatial_crank_slide import SPATIAL
-from support.sliding_presses import TOGGLE
-from support.two_servos import TWO_SERVOS
+from support.presses.sliding_presses import TOGGLE
+from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress.derivatives import pivot_positions, reshaped

@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 from support import texts
 from support.generators.spatial_crank_slide import CRANK_AXIS, SPATIAL
-from support.two_servos import TWO_SERVOS
+from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress import tolerances

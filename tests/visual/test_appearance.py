@@ -21,7 +21,7 @@ from support.generators.random_linkages import drawn, linkages
 from support.generators.spatial_linkages import bennett, bricard, four_bar
 from support.in_browser import data_in
 from support.oracles import cassie
-from support.two_servos import TWO_SERVOS
+from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
 from pinpress.balancing import Counterweight, with_counterweights

@@ -12,7 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
-from support.measured_presses import columns, drawn, drive, press_of, run
+from support.presses.measured_presses import columns, drawn, drive, press_of, run
 
 from pinpress import measured
 from pinpress.measured.regressor import inertial_equations

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.presses_on_springs import BLANK, SPEED, induction, jf75g, pendulum, springs
+from support.presses.presses_on_springs import BLANK, SPEED, induction, jf75g, pendulum, springs
 
 import pinpress as pp
 

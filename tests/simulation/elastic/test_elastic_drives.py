@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support import texts
-from support.presses_on_springs import BLANK, RPM, SPEED, WHEEL, induction, jf75g, pendulum, springs
+from support.presses.presses_on_springs import BLANK, RPM, SPEED, WHEEL, induction, jf75g, pendulum, springs
 
 import pinpress as pp
 from pinpress.simulation.elastic import period, simulate_elastic

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.presses_on_springs import SPEED, induction, jf75g, springs
+from support.presses.presses_on_springs import SPEED, induction, jf75g, springs
 
 import pinpress as pp
 

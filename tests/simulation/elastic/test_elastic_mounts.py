@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.presses_on_springs import BLANK, SPEED, WHEEL, induction, jf75g, springs
+from support.presses.presses_on_springs import BLANK, SPEED, WHEEL, induction, jf75g, springs
 from support.texts import shipped
 
 import pinpress as pp

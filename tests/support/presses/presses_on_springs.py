@@ -2,7 +2,7 @@
 
 import pinpress as pp
 
-from . import texts
+from .. import texts
 
 RPM, SPEED = pp.RPM, 300 * pp.RPM
 WHEEL = pp.drives.Flywheel(40.0)
