@@ -311,8 +311,8 @@ class ServoMotor(SpeedTorqueDrive):
         constant_loss: losses of motor and controller that do not depend on torque and speed [W].
         regeneration: share of the power of braking that is used again, by other axes, the mains or a capacitor that is large enough (see
             `pinpress.servo.capacitor`); the rest is burnt in a resistor.
-        rated_rise: temperature rise of the motor at its permanent torque for good [K]; it takes ``copper`` and ``rated_torque``. None: not
-            known, as its temperature then is.
+        rated_rise: temperature rise of the motor that holds its permanent torque for good [K], by ``copper`` and ``constant_loss``; it
+            takes ``rated_torque``. None: not known, as its temperature then is.
         thermal_time: time constant of its temperature [s]; None: not known.
     """
 
@@ -396,4 +396,4 @@ class ServoMotor(SpeedTorqueDrive):
         """Rise for good by heat [K/W]; None where the rise at the permanent torque is not known."""
         if self.rated_rise is None or self.rated_torque is None:
             return None
-        return self.rated_rise / (self.copper * self.rated_torque**2)
+        return self.rated_rise / (self.copper * self.rated_torque**2 + self.constant_loss)

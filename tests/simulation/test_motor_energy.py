@@ -303,3 +303,13 @@ def test_what_is_not_known_is_said():
             pp.measures.motor_energy(pp.simulate(press(), 0.1, speed=10.0, drive=drive, flywheel=Flywheel(136.0)))
     with pytest.raises(pp.PinpressError, match="initial_rise is nan"):
         pp.measures.motor_energy(plain, initial_rise=np.nan)
+
+
+def test_a_servo_motor_that_holds_its_permanent_torque_has_its_rated_rise():
+    """At standstill, half a radian behind a program that stands too; losses of the controller are part of what the rise was measured by."""
+    motor = pp.drives.ServoMotor(
+        [0.0, 1.0], [0.5, 0.5], 400.0, 1.0, 1e3, rated_torque=200.0, copper=0.05, iron=0.3, constant_loss=150.0, rated_rise=80.0
+    )
+    power = motor.power(0.0, 0.0, 0.5)
+    assert power.shaft == 0
+    assert power.heat * motor.thermal_resistance == pytest.approx(80.0, rel=1e-12)
