@@ -104,8 +104,9 @@ def done(work: Work[Result], numbers: Sequence[int], executor: Executor | None, 
 
     A task of an executor has as many pieces as take about `TASK`: at first one, then at most twice as many from task to task. A task that
     takes longer returns early, and its remaining pieces are submitted again. When a worker dies, the pieces of all tasks that may have
-    killed it are done one by one; a piece that kills its worker then has ``work.killed`` as its result. A process pool breaks by such a
-    death; its work goes on in pools of one process. The pieces of a task that otherwise fails are submitted once more, one by one.
+    killed it are done one by one; a piece that kills its worker with no other task beside it has ``work.killed`` as its result. A process
+    pool breaks by such a death; its work goes on in pools of one process. The pieces of a task that otherwise fails are submitted once
+    more, one by one.
 
     Args:
         work: the work.
@@ -133,23 +134,24 @@ class _Tasks(Generic[Result]):
 
     def __init__(self, executor: Executor, work: Work[Result], numbers: Sequence[int], in_flight: int) -> None:
         self._executor, self._work, self._in_flight = executor, work, in_flight
-        self._waiting, self._alone = deque(numbers), deque[int]()  # pieces to be submitted: several a task, and each by itself
+        # Pieces to be submitted: several a task, each as a task of its own, and each of those with no other task beside it.
+        self._waiting, self._alone, self._suspected = deque(numbers), deque[int](), deque[int]()
         self._pending: dict[Future[tuple[list[Result], float]], list[int]] = {}
         self._finished: SimpleQueue[Future[tuple[list[Result], float]]] = SimpleQueue()
         self._repeated: set[int] = set()  # pieces of tasks that have failed once
+        self._judged: int | None = None  # the suspected piece that runs
         self._size = 1  # pieces of the next task
 
     @property
     def unfinished(self) -> bool:
-        return bool(self._pending or self._waiting or self._alone)
+        return bool(self._pending or self._waiting or self._alone or self._suspected)
 
     def next(self) -> Iterator[list[Result]]:
         """Results of the next task that ends, and of others where it has broken the pool."""
         numbers: list[int] = []
         carried_out = False
         try:
-            while (self._waiting or self._alone) and len(self._pending) < self._in_flight:
-                numbers = self._taken()
+            while len(self._pending) < self._in_flight and (numbers := self._taken()):
                 self._submit(numbers)
             future = self._finished.get()
             numbers, carried_out = self._pending.pop(future), True
@@ -157,6 +159,7 @@ class _Tasks(Generic[Result]):
         except Exception as error:  # a pool that is broken or shut down, a cluster that is gone, a function that cannot be sent
             yield from self._after(error, numbers, carried_out)
             return
+        self._judged = None
         self._waiting.extendleft(reversed(numbers[len(found) :]))
         self._size = max(1, min(2 * self._size, int(TASK * len(found) / max(seconds, 1e-9))))
         yield found
@@ -169,9 +172,17 @@ class _Tasks(Generic[Result]):
             self._executor.close()
 
     def _taken(self) -> list[int]:
+        """Pieces of the next task; none while a suspected piece runs, or waits until no other does."""
+        if self._judged is not None:
+            return []
         if self._alone:
             return [self._alone.popleft()]
-        return [self._waiting.popleft() for _ in range(min(self._size, len(self._waiting)))]
+        if self._waiting:
+            return [self._waiting.popleft() for _ in range(min(self._size, len(self._waiting)))]
+        if self._suspected and not self._pending:
+            self._judged = self._suspected.popleft()
+            return [self._judged]
+        return []
 
     def _submit(self, numbers: list[int]) -> None:
         future = self._executor.submit(results, self._work.call, [(number, self._work.argument(number)) for number in numbers])
@@ -180,12 +191,17 @@ class _Tasks(Generic[Result]):
 
     def _after(self, error: Exception, numbers: list[int], carried_out: bool) -> Iterator[list[Result]]:
         """Handle the exception of a task with these pieces, or of its submission."""
+        apart = isinstance(self._executor, Apart) or numbers == [self._judged]
+        self._judged = None
         if type(self._executor) is ProcessPoolExecutor and isinstance(error, BrokenProcessPool):
             yield from self._leave_broken_pool(self._executor, numbers)
-        elif carried_out and _killed(error) and len(numbers) == 1:
-            yield [self._work.killed(numbers[0])]
-        elif carried_out and _killed(error):
+        elif carried_out and _killed(error) and len(numbers) > 1:
             self._alone.extend(numbers)
+        elif carried_out and _killed(error) and not apart:
+            # Dask accuses every task that it had given to a worker when it died, not only the one that ran.
+            self._suspected.extend(numbers)
+        elif carried_out and _killed(error):
+            yield [self._work.killed(numbers[0])]
         elif carried_out and not self._repeated.issuperset(numbers):
             # Dask loses the result of a task whose worker dies while it is fetched: "not enough values to unpack".
             self._repeated.update(numbers)

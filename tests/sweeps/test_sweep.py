@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 from collections import Counter
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import closing, nullcontext
 from functools import partial
 from pathlib import Path
@@ -515,6 +515,40 @@ def test_a_cluster_gives_up_a_point_that_kills_its_workers():
     with Cluster(2) as pool:
         found = sweep(doubled, {"a": range(50)}, executor=pool, in_flight=2)
     assert [bad.number for bad in found.failed] == [7]
+
+
+def test_points_beside_one_that_kills_its_workers_do_not_fail():
+    """Dask accuses every task that the dying worker held, whichever ran: only one with no other beside it is judged."""
+
+    class KilledWorker(Exception):  # noqa: N818  its name there
+        pass
+
+    class Cluster(Executor):
+        def __init__(self):
+            self.held, self.accused = [], Counter()
+
+        def submit(self, function, /, *arguments, **_):
+            future, numbers = Future(), [number for number, _ in arguments[1]]
+            if self.held or 7 in numbers:
+                self.held.append(future)
+                self.accused.update(numbers)
+                if 7 in numbers:
+                    threading.Timer(0.2, self.kill).start()
+            else:
+                future.set_result(function(*arguments))
+            return future
+
+        def kill(self):
+            held, self.held = self.held, []
+            for future in held:
+                future.set_exception(KilledWorker())
+
+    cluster = Cluster()
+    found = sweep(doubled, {"a": range(50)}, executor=cluster, in_flight=4)
+    assert [bad.number for bad in found.failed] == [7]
+    assert cluster.accused[7] == 3, "in a task of several, alone beside others, with nothing beside it"
+    assert max(count for number, count in cluster.accused.items() if number != 7) == 2, "others were accused as it was, twice"
+    assert found.values["twice"].tolist() == [2 * a if a != 7 else None for a in range(50)]
 
 
 def test_a_result_is_lost_on_its_way():
