@@ -18,6 +18,7 @@ from pinpress import measured
 from pinpress.measured.regressor import inertial_equations
 
 TIMES, PRESSES = 3, 40
+DRAWN = ("zxn2_3000b", "jf75g_125")  # whose intervals are tried
 STROKES = {"zxn2_3000b": (30, 50, 70), "jf75g_125": (100, 200, 300), "rssp": (40, 80, 120)}
 KINDS = {"crank and gibs, cylinder": (("crank", "gibs"), True), "crank, pins and guide, cylinder": (("crank", "pins", "slide_guide"), True)}
 
@@ -67,7 +68,7 @@ def main() -> None:
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        for name in ("zxn2_3000b", "jf75g_125"):
+        for name in DRAWN:
             print(f"{name:12} {coverage(name)}")
 
 

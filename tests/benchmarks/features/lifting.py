@@ -24,6 +24,7 @@ from pinpress import foundation
 from pinpress.foundation.response import frame_wrench
 
 STATES, REPEATS, ENOUGH, SPEED, STROKE, COMMON, STROKES = 11520, 3, 2.0, 350 * pp.RPM, 60 / 350, 360, 5
+EXACT = 1e-13  # tolerance of what errors are against
 METHODS = (("explicit", 1e-6, "DOP853, 1e-6"), ("explicit", 1e-9, "DOP853, 1e-9"), ("implicit", 1e-4, "Radau IIA, 1e-4"))
 MOUNTS = [foundation.Mount((x, y, -1.3), (2e7, 2e7, 1.2e9), (2e4, 2e4, 6e5)) for x in (-0.55, 0.55) for y in (-0.5, 0.6)]
 LOADS = [pp.loads.DeepDrawing(1.2e6, 0.003)]
@@ -80,7 +81,7 @@ def main() -> None:
     print("| frame | states of the stroke | method | error | one stroke | five strokes |\n|---|---|---|---|---|---|")
     for name, system in (("two rigid parts", of_two_parts(press)), ("beams", of_beams(press))):
         heights = system.mount_rows[:, 2].T
-        known = by_solver(system, *given(press, system, STATES), 1, method="explicit", tolerance=1e-13, longest=STROKE / 720) @ heights
+        known = by_solver(system, *given(press, system, STATES), 1, method="explicit", tolerance=EXACT, longest=STROKE / 720) @ heights
         for states in (720, 2880):
             reactions, spline = given(press, system, states)
             rows = {"exact steps": partial(by_steps, system, reactions)}

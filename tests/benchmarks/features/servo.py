@@ -31,6 +31,8 @@ from pinpress import servo
 
 REPEATED = 7
 FULL = 2 * np.pi
+PRESSES = pp.presses()
+SEGMENTS = (180, 360, 720, 1440)  # of the turn whose time is least
 
 
 def seconds(work: Callable[[int], object]) -> float:
@@ -56,7 +58,7 @@ def task(name: str) -> tuple[pp.Linkage, servo.ServoDrive, list[pp.loads.DeepDra
 
 def all_presses() -> None:
     print("least heat, 720 segments, coefficients and check included")
-    for name in pp.presses():
+    for name in PRESSES:
         press, drive, loads, speed = task(name)
         heights = (0.2 * pp.dead_centres(press).stroke, 0.0)
 
@@ -110,7 +112,7 @@ def beside_toppra() -> None:
     exact = in_phase_plane(press, inertia, torque, fastest)
     drive = servo.ServoDrive(inertia=inertia, peak_torque=torque, top_speed=fastest)
     print(f"least time of zxn2_3000b from rest to rest, torque and speed limited; {exact:.6f} s in the phase plane with 16 000 segments")
-    for count in (180, 360, 720, 1440):
+    for count in SEGMENTS:
         nodes = top + np.linspace(0.0, FULL, count + 1)
         mass, slope, fixed = hand.at(nodes)
 

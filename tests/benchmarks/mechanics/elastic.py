@@ -105,8 +105,13 @@ def _timed(work: Callable[[], Array], repeats: int) -> tuple[Array, float]:
     return found, best
 
 
-if __name__ == "__main__":
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one repeat")
+    repeats = 1 if parser.parse_args().quick else 5
     for case in CASES:
-        contest(*case, repeats=1 if parser.parse_args().quick else 5)
+        contest(*case, repeats=repeats)
+
+
+if __name__ == "__main__":
+    main()

@@ -39,6 +39,9 @@ FLYWHEEL = pp.drives.Flywheel(inertia=500.0)
 WANTED = 1e-6  # [rad]
 TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4)
+ASKED = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)  # tolerances of the table of looser ones
+SCENARIOS = 1000
+LONG, FREE, BY_JOINTS, SIX_BAR = 60.0, 2000.0, 20.0, 8571.0  # runs under a motor, and free ones [s]
 
 Contestant = tuple[str, Callable[[], float]]
 
@@ -111,8 +114,9 @@ def scenarios(repeats: int) -> None:
     press = pp.load("jf75g_125", gravity=(0, 0, -9.80665))
     _ = reduced_model_of(press)
     random = np.random.default_rng(0)
-    speed, inertia, force = 300 * pp.RPM * random.uniform(0.9, 1.1, 1000), random.uniform(100, 200, 1000), random.uniform(0, 1250e3, 1000)
-    power = random.uniform(30e3, 60e3, 1000)
+    speed, inertia, force, power = (
+        random.uniform(*ends, SCENARIOS) for ends in ((270 * pp.RPM, 330 * pp.RPM), (100, 200), (0, 1250e3), (30e3, 60e3))
+    )
 
     def blanking(size: Any) -> list[Any]:
         return [pp.loads.Blanking(size, 0.010, 0.005)]
@@ -128,7 +132,7 @@ def scenarios(repeats: int) -> None:
         ),
         ("motor and blanking: speeds, flywheels, powers, forces", lambda s: {"drive": motor(power[s]), "loads": blanking(0.2 * force[s])}),
     ]
-    print("\nJF75G-125, 2 s (10 strokes), 121 states: 1000 scenarios together against one")
+    print(f"\nJF75G-125, 2 s (10 strokes), 121 states: {SCENARIOS} scenarios together against one")
     for name, more in cases:
 
         def run(which: Any, more: Callable[[Any], dict[str, Any]] = more) -> Any:
@@ -151,7 +155,7 @@ def long_runs(repeats: int) -> None:
     runs: dict[str, Any] = {}
 
     def minute() -> float:
-        runs["minute"] = pp.simulate(press, 60.0, speed=300 * pp.RPM, drive=drive, flywheel=flywheel, loads=loads)
+        runs["minute"] = pp.simulate(press, LONG, speed=300 * pp.RPM, drive=drive, flywheel=flywheel, loads=loads)
         return 0.0
 
     def steady() -> float:
@@ -162,19 +166,19 @@ def long_runs(repeats: int) -> None:
     last, period = pp.measures.stroke_duties(runs["minute"])[-1], pp.measures.duty_cycle(runs["steady"])
     apart, slower = abs(last.duration - period.duration), abs(last.lowest_speed - period.lowest_speed)
     print("\nJF75G-125, slip-clutch motor, 1250 kN blanking, 300 strokes/min")
-    print(f"  60 s, {len(runs['minute'].time)} states: {long:.2f} s, energy error {runs['minute'].stats.energy_error:.1e}")
+    print(f"  {LONG:g} s, {len(runs['minute'].time)} states: {long:.2f} s, energy error {runs['minute'].stats.energy_error:.1e}")
     print(f"  steady state directly: {1e3 * direct:.1f} ms; its period differs from the minute's last stroke by {apart:.0e} s,")
     print(f"  its lowest speed by {slower:.0e} rad/s; work of drive and load there {last.drive_work:.6f} and {last.load_work:.6f} J")
     start = time.perf_counter()
-    free = pp.simulate(press, 2000.0, speed=300 * pp.RPM, flywheel=flywheel, points=1000)
+    free = pp.simulate(press, FREE, speed=300 * pp.RPM, flywheel=flywheel, points=1000)
     middle = time.perf_counter()
-    closed = pp.simulate(press, 20.0, speed=300 * pp.RPM, flywheel=flywheel, method="constraint", points=1000)
+    closed = pp.simulate(press, BY_JOINTS, speed=300 * pp.RPM, flywheel=flywheel, method="constraint", points=1000)
     end = time.perf_counter()
     print(f"  {_turns(free)} turns free, reduced: energy error {free.stats.energy_error:.1e}, {middle - start:.1f} s")
     left = closed.stats
     print(f"  {_turns(closed)} turns free, constraint: energy error {left.energy_error:.1e}, gap {left.closure_error:.0e} m,")
     print(f"  {end - middle:.1f} s")
-    six = pp.simulate(pp.load("zxn2_3000b"), 8571.0, speed=70 * pp.RPM, flywheel=pp.drives.Flywheel(2000.0), points=1000)
+    six = pp.simulate(pp.load("zxn2_3000b"), SIX_BAR, speed=70 * pp.RPM, flywheel=pp.drives.Flywheel(2000.0), points=1000)
     print(f"  ZXN2-3000(B) from 70 strokes/min, {_turns(six)} turns free, reduced: energy error {six.stats.energy_error:.1e}")
 
 
@@ -208,7 +212,7 @@ def tolerances(repeats: int) -> None:
     motor = pp.drives.Geared(pp.drives.InductionMotor(45e3, 1465 * pp.RPM), 4.9)
     blanking: dict[str, Any] = {"drive": motor, "flywheel": pp.drives.Flywheel(136.0), "loads": [pp.loads.Blanking(2e5, 0.010, 0.005)]}
     rubbing = {name: pp.loads.Friction(0.05, None if name == "slide_guide" else 0.06) for name in six.bearings}
-    speeds = 300 * pp.RPM * np.random.default_rng(0).uniform(0.9, 1.1, 1000)
+    speeds = 300 * pp.RPM * np.random.default_rng(0).uniform(0.9, 1.1, SCENARIOS)
     speeds[0] = 300 * pp.RPM
     scenes: dict[str, tuple[Callable[..., Any], str]] = {
         "free": (partial(pp.simulate, six, DURATION, speed=SPEED, angle=ANGLE, flywheel=FLYWHEEL), "constraint"),
@@ -223,7 +227,7 @@ def tolerances(repeats: int) -> None:
     truth: dict[str, float] = {}
     for name, (work, judge) in scenes.items():
         truth[name] = truth["motor"] if judge == "of motor" else last(work(tolerance=1e-13 if judge == "reduced" else 1e-12, method=judge))
-    for tolerance in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12):
+    for tolerance in ASKED:
         works = [(name, lambda work=work, t=tolerance: last(work(tolerance=t, points=121))) for name, (work, _) in scenes.items()]
         found = [(seconds, abs(angle - truth[name])) for name, angle, seconds in least(works, max(2, repeats // 3))]
         print(f"  {tolerance:<10.0e}" + "".join(f"{1e3 * seconds:10.1f} {error:9.1e}" for seconds, error in found))

@@ -37,6 +37,7 @@ from support.oracles import n_four_bar
 import pinpress as pp
 
 REPEATS = 3
+THREADED = (20, 50)  # sizes at which threads are compared
 LONGEST = 1.0  # what takes longer is not repeated [s]
 
 
@@ -117,7 +118,7 @@ def costs(text: str, engine: str, count: int) -> dict[str, float]:
 
 def of_threads(quick: bool) -> None:
     """Print processor times of motion and forces where BLAS may use all cores, over those where it may use one, in alternated processes."""
-    sizes = (5, 20) if quick else (20, 50)
+    sizes = [size // 4 for size in THREADED] if quick else THREADED
     print(f"\nProcessor time with as many BLAS threads as cores ({os.cpu_count()}), over that with one")
     for number, kind in enumerate(KINDS):
         for size in sizes:
