@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Any, Generic, NamedTuple, TypeVar
+from uuid import uuid4
 
 from ..common.errors import shown
 from .grid import LONGEST, RESERVED, Grid, Scalar, scalar
@@ -185,7 +186,9 @@ class _Tasks(Generic[Result]):
         return []
 
     def _submit(self, numbers: list[int]) -> None:
-        future = self._executor.submit(results, self._work.call, [(number, self._work.argument(number)) for number in numbers])
+        # Dask names a call by its arguments, and answers the same call with the error that it had before; so no two calls are the same.
+        pieces = [(number, self._work.argument(number)) for number in numbers]
+        future = self._executor.submit(results, self._work.call, pieces, uuid4().hex)
         self._pending[future] = numbers
         future.add_done_callback(self._finished.put)
 
@@ -224,7 +227,7 @@ class _Tasks(Generic[Result]):
         self._in_flight = min(self._in_flight, apart.workers)
 
 
-def results(call: Callable[[int, Any], Result], pieces: Sequence[tuple[int, Any]]) -> tuple[list[Result], float]:
+def results(call: Callable[[int, Any], Result], pieces: Sequence[tuple[int, Any]], _submission: str) -> tuple[list[Result], float]:
     """One task: the results of pieces with their numbers (of the first few where they take long), and the time that they took [s]."""
     found, start = [], time.perf_counter()
     for number, argument in pieces:

@@ -2,6 +2,7 @@
 
 import csv
 import os
+import pickle
 import signal
 import sqlite3
 import subprocess
@@ -518,18 +519,22 @@ def test_a_cluster_gives_up_a_point_that_kills_its_workers():
 
 
 def test_points_beside_one_that_kills_its_workers_do_not_fail():
-    """Dask accuses every task that the dying worker held, whichever ran: only one with no other beside it is judged."""
+    """Dask accuses every task that the dying worker held, whichever ran: only one with no other beside it is judged. And it answers a call
+    that it has accused before with the same error, at once."""
 
     class KilledWorker(Exception):  # noqa: N818  its name there
         pass
 
     class Cluster(Executor):
         def __init__(self):
-            self.held, self.accused = [], Counter()
+            self.held, self.accused, self.condemned = [], Counter(), set()
 
         def submit(self, function, /, *arguments, **_):
-            future, numbers = Future(), [number for number, _ in arguments[1]]
-            if self.held or 7 in numbers:
+            future, numbers, call = Future(), [number for number, _ in arguments[1]], pickle.dumps((function, arguments))
+            if call in self.condemned:
+                future.set_exception(KilledWorker())
+            elif self.held or 7 in numbers:
+                self.condemned.add(call)
                 self.held.append(future)
                 self.accused.update(numbers)
                 if 7 in numbers:
