@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from support import texts
 from support.exploring import examples
 from support.oracles import crank_slide_equation as equation
-from support.time_limit import within
+from support.time_limit import LIMIT, within
 
 import pinpress as pp
 from pinpress.simulation.batch import RunBatch
@@ -486,7 +486,7 @@ BAD = {
 def test_bad_arguments(press, name):
     change, message = BAD[name]
     good = {"press": press, "duration": 0.1, "speed": [30.0, 31.0], "flywheel": WHEEL}
-    with within(5.0), pytest.raises(pp.PinpressError, match=message):
+    with within(LIMIT), pytest.raises(pp.PinpressError, match=message):
         pp.simulate_batch(**good | change)
 
 
