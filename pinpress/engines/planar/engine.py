@@ -121,10 +121,10 @@ class PlanarEngine:
 
     def _on_chain(self, chain: Chain) -> ChainBodies:
         """Inertial constants of a chain of dyads, kept for the chain that was asked for last."""
-        from .chain_forces import build_chain_bodies  # slow to import, and not needed to load
-
         known = self._chains.get("last")
         if known is None or known.chain is not chain:
+            from .chain_forces import build_chain_bodies  # slow to import, and not needed to load
+
             known = self._chains["last"] = read_only(build_chain_bodies(chain, self.bodies))
         return known
 
