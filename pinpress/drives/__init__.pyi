@@ -1,3 +1,4 @@
+from .direct_current_link import DirectCurrentLink as DirectCurrentLink
 from .electric import MotorPower as MotorPower
 from .motors import ConstantTorque as ConstantTorque
 from .motors import InductionMotor as InductionMotor

@@ -4,6 +4,7 @@ The powers of a motor that tells them, by a method ``power`` that returns a `Mot
 is solved already, so that they are integrated afterwards, by Gauss-Legendre quadrature between the borders within which the run is smooth.
 Heat and rise have one time constant, so that the rise between two instants is exact for the heat at the nodes:
 rise(t2) = rise(t1) exp(-(t2 - t1) / T) + R / T x integral of exp(-(t2 - t) / T) heat(t) dt.
+A direct-current link between mains and motor does not act back on the run either; its energy follows from the same powers.
 """
 
 from __future__ import annotations
@@ -11,18 +12,20 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..common import tables
 from ..common.arguments import finite_numbers, positive
-from ..common.errors import PinpressError, said, shown
+from ..common.errors import PinpressError, caution, said, shown
 from ..common.numerics import gauss_rule
 from ..common.quantities import Array
 from ..common.results import Tabular
+from ..drives.direct_current_link import AT_LIMIT, NOT, Course, DirectCurrentLink, LinkedPower
 from ..drives.electric import ElectricMotor, MotorPower
-from ..drives.motors import ServoMotor
+from ..drives.motors import InductionMotor, InverterMotor, ServoMotor
+from ..drives.slip_clutch import SlipClutchMotor
 from ..drives.transmission import innermost
 from ..loads.caller_laws import as_given
 from .driven_press import DrivenPress
@@ -35,25 +38,28 @@ TOLD = 1e-9  # share of the largest power on the motor's shaft up to which torqu
 ROUGH = 1e-11  # share of all work by which both halves of an interval may differ from it
 MOST_HALVINGS = 20
 ROUNDED = 1e-14  # share of the power on the crank below which a loss in gears is rounding
+EMPTY = 1e-9  # share of a link's swing of energy that may be missing at its lower voltage
 MOST_PIECES = 1_000_000  # into which a run is cut, no longer than a time constant each
 MAINS, DRIVE, SLIP, HEAT = FLOWS.index("mains"), FLOWS.index("drive"), FLOWS.index("slip"), FLOWS.index("heat")
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class EnergyFlow(Tabular):
-    """Where the power of a motor goes in a run, at its n states. mains = drive + all losses, at every instant.
+    """Where the power of a motor goes in a run, at its n states. mains = drive + all losses, at every instant; with a link, + capacitor.
 
     Attributes:
         linkage: name of the linkage.
         time: (n,) [s].
         power: (n,) [W] by name: from the "mains" (negative where braking feeds them), of the "drive" on the crank's shaft; lost by "slip",
             with the square of the "load", as a "constant", whatever the torque, in "gears", "inverter", and the brake "resistor"; and the
-            "heat" of slip, load and constant loss that warms the motor.
+            "heat" of slip, load and constant loss that warms the motor. With a direct-current link also that into its "capacitor",
+            negative where it gives power, and the "resistor" is also that of the link.
         work: (n,) the same since the start of the run [J].
         strokes: number of strokes in the run; None where the slide has none.
         temperature_rise: (n,) of the motor above its surroundings [K]; None where its rise at the rated point or its time constant is not
             known.
         settled_rise: to which it would settle, if the run were repeated for good [K].
+        voltage: (n,) of the direct-current link [V]; None without one.
     """
 
     linkage: str
@@ -63,6 +69,7 @@ class EnergyFlow(Tabular):
     strokes: float | None
     temperature_rise: Array | None
     settled_rise: float | None
+    voltage: Array | None
 
     @property
     def mean_power(self) -> float:
@@ -94,11 +101,12 @@ class EnergyFlow(Tabular):
         return "time [s]", "mains_power [W]", "drive_power [W]"
 
     def columns(self) -> dict[str, Array]:
-        """Time, all powers and losses, the work from the mains, and the temperature rise."""
+        """Time, all powers and losses, the work from the mains, the temperature rise, and the voltage of a link."""
         found = {"time [s]": self.time}
         found |= {f"{name}_{'loss' if name in LOSSES else 'power'} [W]": power for name, power in self.power.items()}
         found["mains_work [J]"] = self.work["mains"]
-        return found | ({} if self.temperature_rise is None else {"temperature_rise [K]": self.temperature_rise})
+        found |= {} if self.temperature_rise is None else {"temperature_rise [K]": self.temperature_rise}
+        return found | ({} if self.voltage is None else {"link_voltage [V]": self.voltage})
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,11 +114,15 @@ class Spent:
     """Powers of a motor, integrated between instants.
 
     Attributes:
+        edges: (m + 1,) instants between which the powers are smooth [s].
+        mains: (m, nodes) power that the motor takes, at the nodes of the quadrature between them [W].
         work: (flows, n) the `FLOWS` since the first instant [J].
         elapsed: (n,) time since the first instant, in time constants of the motor's temperature.
         rise: (n,) rise by the heat since the first instant [K]; None where it is not known.
     """
 
+    edges: Array
+    mains: Array
     work: Array
     elapsed: Array
     rise: Array | None
@@ -141,7 +153,7 @@ def needed_motor(driven: DrivenPress) -> Any:
 def flows(driven: DrivenPress, times: Array, sample: Sample) -> Array:
     """(flows, n) the `FLOWS` of a sample at times (n,) [W]; raises PinpressError where they are not finite."""
     motor, ratio = needed_motor(driven), innermost(as_given(driven.drive))[1]
-    angle = sample.position[driven.press.driver_indices[0] if len(sample.position) > 1 else 0]
+    angle = _crank_angle(driven, sample)
     with np.errstate(all="ignore"):  # what is not finite is refused below
         power = _power(motor, ratio * sample.drive_speed, ratio * angle, times, tuple(sample.drive_states))
     given = sample.drive_torque * sample.drive_speed
@@ -151,6 +163,10 @@ def flows(driven: DrivenPress, times: Array, sample: Sample) -> Array:
     if not np.isfinite(found).all():
         raise PinpressError(f"the losses of the {type(motor).__name__} are too large for floating point: give smaller ones [W]")
     return found
+
+
+def _crank_angle(driven: DrivenPress, sample: Sample) -> Array:
+    return np.asarray(sample.position[driven.press.driver_indices[0] if len(sample.position) > 1 else 0])
 
 
 def _power(motor: Any, speed: Array, angle: Array, times: Array, states: tuple[Array, ...]) -> MotorPower:
@@ -201,7 +217,7 @@ def spent(motor: Any, driven: DrivenPress, trajectory: Trajectory, instants: Arr
     work = np.concatenate([np.zeros((len(FLOWS), 1)), gains.cumsum(axis=1)], axis=1)
     at, elapsed = edges.searchsorted(instants), (instants - instants[0]) / constant
     if resistance is None or constant == math.inf:
-        return Spent(work[:, at], elapsed, None)
+        return Spent(edges, power[MAINS], work[:, at], elapsed, None)
     with np.errstate(all="ignore"):  # what is not finite is refused below
         warmed = (
             float(np.ravel(resistance)[0])
@@ -214,7 +230,7 @@ def spent(motor: Any, driven: DrivenPress, trajectory: Trajectory, instants: Arr
     if not math.isfinite(sum(rise) + float(work[:, -1].sum())):
         given = getattr(motor, "rated_rise", None)
         raise PinpressError(f"rated_rise of the {type(motor).__name__} is {shown(given)}: give that of its data sheet [K]")
-    return Spent(work[:, at], elapsed, np.array(rise)[at])
+    return Spent(edges, power[MAINS], work[:, at], elapsed, np.array(rise)[at])
 
 
 def _at_nodes(driven: DrivenPress, trajectory: Trajectory, starts: Array, ends: Array) -> tuple[Array, Array]:
@@ -260,26 +276,97 @@ def _cut(edges: Array, longest: float) -> Array:
     return np.append(inner, edges[-1])
 
 
+class Link(NamedTuple):
+    """A direct-current link of a run, as `pinpress.measures.motor_energy` is given it.
+
+    Attributes:
+        link: the link.
+        voltage: at the start [V]; None: that of a stroke that has been repeated for good.
+    """
+
+    link: DirectCurrentLink
+    voltage: float | None
+
+
 def motor_energy_of(
-    driven: DrivenPress, times: Array, trajectory: Trajectory, strokes: float | None, initial_rise: float | None
+    driven: DrivenPress, times: Array, trajectory: Trajectory, strokes: float | None, initial_rise: float | None, link: Link | None
 ) -> EnergyFlow:
-    """The `EnergyFlow` at times (n,); raises PinpressError where there is no electric motor, or no temperature that could begin."""
+    """The `EnergyFlow` at times (n,). Raises as `pinpress.measures.motor_energy`."""
     motor = needed_motor(driven)
+    if link is not None:
+        _refuse_without_link(motor)
     found = spent(motor, driven, trajectory, times)
     if initial_rise is not None and found.rise is None:
         raise PinpressError("initial_rise: the motor's temperature is not known: give the motor a rated_rise and a thermal_time")
     power = flows(driven, times, trajectory.at(times, complete=False))
     begin = found.settled_rise if initial_rise is None else initial_rise
     rise = None if found.rise is None or begin is None else found.rise + begin * np.exp(-found.elapsed)
+    powers, works = dict(zip(FLOWS, power, strict=True)), dict(zip(FLOWS, found.work, strict=True))
+    voltage = None
+    if link is not None:
+        voltage = _feed(powers, works, _course(driven, trajectory, found, link), link.link, times)
     return EnergyFlow(
         linkage=driven.press.name,
         time=times,
-        power=dict(zip(FLOWS, power, strict=True)),
-        work=dict(zip(FLOWS, found.work, strict=True)),
+        power=powers,
+        work=works,
         strokes=strokes,
         temperature_rise=rise,
         settled_rise=found.settled_rise,
+        voltage=voltage,
     )
+
+
+# ------------------------------------------------------------------------------------------------------------------- direct-current link
+
+
+def _refuse_without_link(motor: Any) -> None:
+    """Raise PinpressError where a motor has no direct-current link, or gives nothing back to it."""
+    name = type(motor).__name__
+    if isinstance(motor, InductionMotor | SlipClutchMotor):
+        raise PinpressError(f"link: the {name} is on the mains, without a direct-current link: leave link out, or drive by a ServoMotor")
+    if isinstance(motor, InverterMotor) and not motor.feeds_back:
+        raise PinpressError("link: the InverterMotor burns what braking gives back itself: give it feeds_back=True, the link takes that")
+    if isinstance(motor, ServoMotor) and not motor.regeneration:
+        raise PinpressError(
+            "link: the ServoMotor has regeneration=0, which burns what braking gives back before the link gets it: give the share that"
+            " its converter lets through, 1 where that loses nothing"
+        )
+
+
+def _course(driven: DrivenPress, trajectory: Trajectory, found: Spent, link: Link) -> Course:
+    """The course of a link's energy; raises PinpressError where its voltage falls below the lower one."""
+    linked, given = LinkedPower(link.link, found.edges, found.mains), link.link
+    begin = linked.settled() if link.voltage is None else given.energy_at(link.voltage)
+    if begin is None:
+        mean = float(found.work[MAINS, -1]) / float(found.edges[-1] - found.edges[0])
+        raise PinpressError(
+            f"link: a stroke takes {mean:.6g} W on average, more than its mains_power of {given.mains_power:.6g} W: the voltage falls"
+            " from stroke to stroke; give more mains_power, or a slower motion"
+        )
+    course, lowest = linked.course(begin), given.energy_at(given.lower_voltage)
+    short = lowest - float(course.energy.min())
+    if short > EMPTY * float(np.ptp(course.energy)):
+        at = float(course.times[int(np.argmin(course.energy))])
+        angle = float(_crank_angle(driven, trajectory.at(np.array([at]), complete=False))[0])
+        raise PinpressError(
+            f"link: at {at:.6g} s, at {driven.press.driver_coordinates[0].at(angle)}, {short:.6g} J are missing to hold its lower_voltage"
+            f" of {given.lower_voltage:g} V: give it more capacitance than {given.capacitance:g} F, more mains_power or a higher"
+            " charged_voltage"
+        )
+    if not np.isin(course.feeding, (NOT, AT_LIMIT)).any():
+        caution("link: braking gives nothing back and the mains have no limit that is reached: the capacitor does nothing")
+    return course
+
+
+def _feed(powers: dict[str, Array], works: dict[str, Array], course: Course, link: DirectCurrentLink, times: Array) -> Array:
+    """Put a link between mains and motor into powers and works (n,) by name at times (n,), and return its voltage (n,) [V]."""
+    taken = powers["mains"]
+    mains, burnt = course.powers(link, times, taken)
+    powers |= {"mains": mains, "resistor": powers["resistor"] + burnt, "capacitor": mains - taken - burnt}
+    mains_work, burnt_work, energy = course.works(times)
+    works |= {"mains": mains_work, "resistor": works["resistor"] + burnt_work, "capacitor": energy - energy[0]}
+    return link.voltage_at(energy)
 
 
 def duty_of_motor(driven: DrivenPress, trajectory: Trajectory, start: float, end: float) -> dict[str, float | None]:

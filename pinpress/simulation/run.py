@@ -15,6 +15,7 @@ from ..common.arguments import is_number, number, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
 from ..common.results import Record, Records
+from ..drives.direct_current_link import DirectCurrentLink
 from ..drives.protocol import Drive
 from ..drives.transmission import Geared
 from ..dynamics import inputs
@@ -27,7 +28,7 @@ from . import reduced_model as reduced
 from .driven_press import DrivenPress, JointPosition
 from .failures import failure
 from .law_trials import confirm_torques
-from .motor_energy import EnergyFlow, duty_of_motor, motor_energy_of
+from .motor_energy import EnergyFlow, Link, duty_of_motor, motor_energy_of
 from .trajectory import DRIVE_WORK, INTEGRALS, LOAD_WORK, LOST, MOTOR_SQUARED, Sample, Trajectory
 
 if TYPE_CHECKING:  # reports know runs, and need no solvers
@@ -417,7 +418,9 @@ def stroke_duties(run: Run) -> Records[MotorDuty]:
 
 
 @typed
-def motor_energy(run: Run, *, initial_rise: float | None = None) -> EnergyFlow:
+def motor_energy(
+    run: Run, *, initial_rise: float | None = None, link: DirectCurrentLink | None = None, initial_voltage: float | None = None
+) -> EnergyFlow:
     """What the motor of a run takes from the mains, where it goes, and how warm the motor becomes.
 
     The motor is an `InductionMotor`, `InverterMotor`, `SlipClutchMotor` or `ServoMotor`, behind gears or not; its losses are those of its
@@ -427,16 +430,37 @@ def motor_energy(run: Run, *, initial_rise: float | None = None) -> EnergyFlow:
         run: of a press with one driver.
         initial_rise: temperature rise of the motor at the start [K]; None: that to which it comes back at the end, as in a stroke that
             has been repeated for good.
+        link: direct-current link of finite size between mains and motor, which feeds nothing back to the mains; None: what braking gives
+            back, the motor's own `regeneration`, is used somewhere.
+        initial_voltage: of the link at the start [V], at most its upper one; None: that to which it comes back at the end.
 
     Raises:
-        PinpressError: the drive is no such motor, the linkage has several drivers, or the temperature is not known.
+        PinpressError: the drive is no such motor, the linkage has several drivers, or the temperature is not known; the motor has no link
+            or gives nothing back to it, the link falls below its lower voltage, or it cannot start at a voltage.
+
+    Warns:
+        PinpressWarning: the capacitor of the link does nothing.
     """
     _check(run)
+    store = None if link is None and initial_voltage is None else _link(link, initial_voltage)
     driven, first = run.problem.driven, run.driver_coordinates[0]
     turns = stroke_turns(driven.press) if first.turns else None
     strokes = None if turns is None else abs(float(run.crank_angle[-1] - run.crank_angle[0])) / (2 * np.pi * turns)
     rise = None if initial_rise is None else number("initial_rise", initial_rise, "K")
-    return motor_energy_of(driven, np.array(run.time), run.trajectory, strokes, rise)
+    return motor_energy_of(driven, np.array(run.time), run.trajectory, strokes, rise, store)
+
+
+def _link(link: DirectCurrentLink | None, initial_voltage: float | None) -> Link:
+    """A link with the voltage at which it starts; raises PinpressError where it cannot."""
+    if link is None:
+        raise PinpressError("initial_voltage is of a direct-current link: give link=pp.drives.DirectCurrentLink(...) too, or leave it out")
+    if initial_voltage is None:
+        return Link(link, None)
+    voltage = number("initial_voltage", initial_voltage, "V")
+    least = link.charged_voltage if link.mains_power is None else link.lower_voltage
+    if not least <= voltage <= link.upper_voltage:
+        raise PinpressError(f"initial_voltage is {voltage:g} V: give one from {least:g} to {link.upper_voltage:g} V, those of the link")
+    return Link(link, voltage)
 
 
 def _stroke_ends(run: Run, period: float) -> Array:

@@ -1,6 +1,7 @@
 """What the motor of a run takes from the mains: energy to rounding, temperature against closed forms and SciPy, batch against single."""
 
 import dataclasses
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -256,6 +257,87 @@ def test_a_servo_motor_takes_what_the_planned_motion_takes(regeneration):
     assert energy.work["constant"][-1] == pytest.approx(planned.weight @ (motor.iron * planned.motor_speed**2), rel=1e-5)
     rest = energy.power["mains"] - np.where(planned.mains_power > 0, 1.0, regeneration) * planned.mains_power
     assert np.median(np.abs(rest)) < 1e-6 * np.abs(planned.mains_power).max()
+
+
+# -------------------------------------------------------------------------------------------------------------- direct-current link
+
+
+LINK = pp.drives.DirectCurrentLink(capacitance=0.1, lower_voltage=450.0, charged_voltage=560.0, upper_voltage=750.0)
+
+
+@cache
+def servo_run():
+    """From rest to rest, with hard braking."""
+    motor = Geared(dataclasses.replace(SERVO, regeneration=0.9), RATIO, efficiency=0.97)
+    return pp.simulate(press(), 0.6, speed=0.0, drive=motor, flywheel=Flywheel(136.0), loads=BLANKING)
+
+
+@pytest.mark.parametrize("voltage", [None, 700.0])
+@pytest.mark.parametrize("mains_power", [None, 1.55e6])
+def test_with_a_link_mains_are_work_losses_and_what_bodies_and_capacitor_store(voltage, mains_power):
+    run, link = servo_run(), dataclasses.replace(LINK, mains_power=mains_power)
+    energy = pp.measures.motor_energy(run, link=link, initial_voltage=voltage)
+    work, gained = energy.work, stored(run) - stored(run)[0]
+    in_capacitor = 0.5 * link.capacitance * (energy.voltage**2 - energy.voltage[0] ** 2)
+    missing = work["mains"] - (run.load_work + run.lost + gained + in_capacitor + sum(work[each] for each in LOSSES))
+    assert np.abs(missing).max() < 1e-9 * stored(run).max()
+    powers = sum(energy.power[each] for each in ("drive", "capacitor", *LOSSES))
+    assert energy.power["mains"] == pytest.approx(powers, rel=1e-9, abs=1e-6)
+    assert energy.power["mains"].min() >= 0
+    assert energy.voltage.max() <= 750.0 * (1 + 1e-12)
+    assert work["resistor"][-1] > 1.05 * pp.measures.motor_energy(run).work["resistor"][-1]  # more than the converter loses
+    assert energy.voltage[0] == pytest.approx(energy.voltage[-1] if voltage is None else 700.0, rel=1e-10)
+
+
+def test_links_without_bounds_are_the_shares_that_are_used_again():
+    """A huge capacitor uses all again, a tiny one nothing."""
+    run, link = servo_run(), dataclasses.replace(LINK, capacitance=1e3)
+    plain = pp.measures.motor_energy(run)
+    huge = pp.measures.motor_energy(run, link=link)
+    assert huge.work["mains"][-1] == pytest.approx(plain.work["mains"][-1], rel=1e-9)
+    tiny = pp.measures.motor_energy(run, link=dataclasses.replace(LINK, capacitance=1e-9))
+    braking = plain.work["mains"][-1] - tiny.work["mains"][-1]
+    points = np.linspace(0.0, 0.6, 20_001)
+    power = np.interp(points, plain.time, plain.power["mains"])
+    assert braking == pytest.approx(np.trapezoid(np.minimum(power, 0.0), points), rel=1e-2)
+    assert tiny.work["resistor"][-1] - plain.work["resistor"][-1] == pytest.approx(-braking, rel=1e-6)
+
+
+def test_the_capacitor_of_a_planned_motion_just_suffices():
+    """The mains give the mean alone, and the voltage goes from one end to the other: `pinpress.servo.capacitor`, by trapezoids."""
+    run = servo_run()
+    plain = pp.measures.motor_energy(run)
+    taken = plain.work["mains"]
+    mean = float(taken[-1] / run.time[-1])
+    deviation = taken - mean * run.time
+    capacitance = 2 * float(np.ptp(deviation)) / (750.0**2 - 450.0**2)
+    link = pp.drives.DirectCurrentLink(1.002 * capacitance, 450.0, 750.0, 750.0, mains_power=1.001 * mean)
+    energy = pp.measures.motor_energy(run, link=link)
+    assert 450.0 <= energy.voltage.min() < 456.0
+    assert energy.voltage.max() == pytest.approx(750.0)
+    assert energy.power["mains"].max() == pytest.approx(1.001 * mean)
+
+
+def test_links_that_cannot_be_are_named():
+    run = servo_run()
+    energy = pp.measures.motor_energy
+    with pytest.raises(pp.PinpressError, match=r"at crank angle .* J are missing to hold its lower_voltage of 450 V"):
+        energy(run, link=dataclasses.replace(LINK, mains_power=5e5))
+    with pytest.raises(pp.PinpressError, match="more than its mains_power of 100 W: the voltage falls from stroke to stroke"):
+        energy(run, link=dataclasses.replace(LINK, mains_power=100.0))
+    with pytest.raises(pp.PinpressError, match="initial_voltage is 500 V: give one from 560 to 750 V"):
+        energy(run, link=LINK, initial_voltage=500.0)
+    with pytest.raises(pp.PinpressError, match="initial_voltage is of a direct-current link"):
+        energy(run, initial_voltage=600.0)
+    others = {"the InductionMotor is on the mains": "mains", "give it feeds_back=True": "inverter", "SlipClutchMotor": "slip clutch"}
+    for said, name in others.items():
+        with pytest.raises(pp.PinpressError, match=said):
+            energy(pp.simulate(press(), 0.01, speed=28.0, drive=MOTORS[name], flywheel=Flywheel(136.0)), link=LINK)
+    burning = Geared(dataclasses.replace(SERVO, regeneration=0.0), RATIO)
+    with pytest.raises(pp.PinpressError, match="has regeneration=0"):
+        energy(pp.simulate(press(), 0.01, speed=0.0, drive=burning), link=LINK)
+    with pytest.warns(pp.PinpressWarning, match="the capacitor does nothing"):
+        energy(pp.simulate(press(), 0.05, speed=0.0, drive=Geared(SERVO, RATIO), flywheel=Flywheel(136.0)), link=LINK)
 
 
 def test_a_drive_of_ones_own_that_tells_its_power_wrongly_is_named():

@@ -409,6 +409,7 @@ def made():
             pp.drives.Corner(10.0, jump=True),
             pp.drives.Brake(10.0, pp.drives.SwitchPoint(time=0.1)),
             pp.drives.Clutch(10.0),
+            pp.drives.DirectCurrentLink(0.05, 450.0, 560.0, 750.0),
         ),
         *(pp.drives.InductionMotor(11e3, 150.0), pp.drives.InverterMotor(70.0, 150.0, 30.0, curve=[(10.0, 70.0), (50.0, 60.0)])),
         *(pp.drives.ServoMotor([0.0, 1.0], [0.0, 7.0], 1e3, 1e2, 500.0), pp.drives.SlipClutchMotor(70.0, 160.0, 150.0, 100.0)),

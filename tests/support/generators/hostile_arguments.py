@@ -263,10 +263,14 @@ def run() -> pp.Run:
     return pp.simulate(press(), 1.0, speed=7.0, drive=pp.drives.ConstantTorque(1.0))
 
 
+LINK = pp.drives.DirectCurrentLink(0.05, 450.0, 560.0, 750.0, mains_power=1e6)
+
+
 @cache
-def motor_run() -> pp.Run:
-    motor = pp.drives.InductionMotor(1e4, 150.0, load_loss=1e3, rated_rise=80.0, thermal_time=1800.0)
-    return pp.simulate(press(), 0.3, speed=7.0, drive=pp.drives.Geared(motor, 21.0))
+def servo_run() -> pp.Run:
+    losses = {"copper": 0.01, "rated_rise": 80.0, "thermal_time": 1800.0}
+    motor = pp.drives.ServoMotor([0.0, 0.3], [0.0, 6.0], 1e3, 1e2, 500.0, inertia=1.0, rated_torque=100.0, **losses)
+    return pp.simulate(press(), 0.3, speed=0.0, drive=pp.drives.Geared(motor, 2.0))
 
 
 @cache
@@ -437,6 +441,11 @@ def calls() -> dict[str, Call]:
             "Clutch",
             pp.drives.Clutch,
             lambda: {"torque": 100.0, "closes": pp.drives.SwitchPoint(time=1.0), "opens": pp.drives.SwitchPoint(time=2.0), "rise": 0.1},
+        ),
+        (
+            "DirectCurrentLink",
+            pp.drives.DirectCurrentLink,
+            lambda: {"capacitance": 0.05, "lower_voltage": 450.0, "charged_voltage": 560.0, "upper_voltage": 750.0, "mains_power": 3e4},
         ),
         (
             "Capacities",
@@ -1121,7 +1130,11 @@ def calls() -> dict[str, Call]:
         ("duty_cycle", pp.measures.duty_cycle, lambda: {"run": run(), "start": 0.0, "end": 0.5}),
         ("duty_cycle", pp.measures.duty_cycle, lambda: {"run": run(), "end": 0.5}),
         ("stroke_duties", pp.measures.stroke_duties, lambda: {"run": run()}),
-        ("motor_energy", pp.measures.motor_energy, lambda: {"run": motor_run(), "initial_rise": 20.0}),
+        (
+            "motor_energy",
+            pp.measures.motor_energy,
+            lambda: {"run": servo_run(), "initial_rise": 20.0, "link": LINK, "initial_voltage": 600.0},
+        ),
         ("extremes", pp.measures.extremes, lambda: {"reactions": reactions()}),
         ("driving_energy", pp.measures.driving_energy, lambda: {"reactions": reactions()}),
         ("harmonics", pp.measures.harmonics, lambda: {"motion": motion(), "force": reactions().shaking_force, "orders": 3}),
