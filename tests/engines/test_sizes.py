@@ -147,9 +147,42 @@ def test_sparse_matrices_give_what_plain_ones_do(monkeypatch, name):
     monkeypatch.setattr("pinpress.engines.joints.LARGE", 0)
     press, sparse = results()
     assert not isinstance(press.engine("plane").plane.closure, np.ndarray)
+    assert not press.engine("plane").plane.deep
+    monkeypatch.setattr("pinpress.engines.planar.model.DEEP", 0)
+    press, summed = results()
+    assert press.engine("plane").plane.deep
     scale = max(np.abs(each).max() for each in plain)
-    for one, other in zip(plain, sparse, strict=True):
+    for one, other, third in zip(plain, sparse, summed, strict=True):
         np.testing.assert_allclose(other, one, rtol=0, atol=1e-13 * scale)
+        np.testing.assert_allclose(third, one, rtol=0, atol=1e-13 * scale)
+
+
+@pytest.mark.parametrize("count", [20, 40, pytest.param(180, marks=pytest.mark.exhaustive)])
+def test_row_of_open_links_in_closed_form(count):
+    """Links that hang on each other, each geared to the one before: torque and bearing forces by Newton and Euler; long rows are deep."""
+    w, alpha, ratio = 3.0, -2.0, -0.9
+    press = large_linkages.load(large_linkages.open_row(count, ratio))
+    result = pp.inverse_dynamics(press, pp.servo_cycle(press, angle=ANGLES, speed=w, acceleration=alpha))
+    shares = np.cumsum(ratio ** np.arange(count))[:, None]  # of the crank angle in every link's
+    rotor = np.exp(1j * shares * ANGLES)
+    second = (1j * shares * alpha - (shares * w) ** 2) * rotor
+    tips = np.cumsum(large_linkages.ROW_STEP * second, axis=0)
+    pivots = np.concatenate([np.zeros_like(tips[:1]), tips[:-1]])
+    force = np.cumsum((pivots + 0.1 * second + 9.81j)[::-1], axis=0)[::-1]  # of 1 kg each, that every joint carries
+    own = (rotor * 0.1).conj() * (pivots + 0.1 * second + 9.81j)
+    hanging = np.concatenate([(large_linkages.ROW_STEP * rotor[:-1]).conj() * force[1:], np.zeros_like(force[:1])])
+    moment = np.cumsum((own.imag + hanging.imag + 0.1 * shares * alpha)[::-1], axis=0)[::-1]
+    torque = (ratio ** np.arange(count)[:, None] * moment).sum(axis=0)
+    np.testing.assert_allclose(result.driving_torque, torque, rtol=0, atol=1e-13 * np.abs(torque).max())
+    scale = np.abs(force).max()
+    for k in (0, 1, count // 2, count - 1):
+        found = result.bearing_force[f"joint_{k}"]
+        np.testing.assert_allclose(found[:, 0] + 1j * found[:, 2], force[k], rtol=0, atol=1e-13 * scale)
+    some = pp.inverse_dynamics(press, result.motion, bearings=[f"joint_{count // 2}"])
+    np.testing.assert_allclose(
+        some.bearing_force[f"joint_{count // 2}"], result.bearing_force[f"joint_{count // 2}"], rtol=0, atol=1e-13 * scale
+    )
+    assert press.engine("plane").plane.deep == (count > 20)
 
 
 # ------------------------------------------------------------------------------------------------------------------- order of solution

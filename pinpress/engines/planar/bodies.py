@@ -19,6 +19,7 @@ from ..forces import AppliedForce, Objective, lexicographic_least_squares
 from ..joints import Matrix, compressed, matrix, plain, product, stacked, weighted, with_column
 from .kinematics import basis_acceleration, basis_velocity, known_basis
 from .model import Plane, to_complex
+from .tree import sum_inwards, sum_outwards
 
 ROUNDING = 1e-13  # relative size below which an offset from the plane is rounding
 
@@ -35,12 +36,10 @@ class Bodies:
         inertia: (nv, nv) joint accelerations to the rate of every body's angular momentum about its centre of mass [kg m2].
         products: (nv,) products of inertia with the normal, I_1n + i I_2n, in the drawn pose [kg m2].
         minus_incidence: (nv, nl) minus `Plane.incidence`: what loop forces add to the joint forces of the open tree.
+        centers: (nv, nb) centres of mass.
         forces: (nv, nb) second derivative of the basis to the inertia force less weight, m (a - g), of every body. The first column is the
             weight: callers put 1 in the first row of the second derivative, which is zero.
-        subtree_forces: (nv, nb) likewise to the sum of these forces of all bodies that a joint carries.
-        reduced: (nb - 1, nb) likewise to the work of these forces on every function of the basis but the first, conj(function) times force;
-            the moments of inertia of the links stand with their rotors, as masses at the radius 1 round them would.
-        open_tree: the rows of ``reduced``, of ``subtree_forces``, and of ``forces`` of the bodies that are ``on_guides``.
+        rotor_inertia: (nb - 1, nb) moments of inertia of the links with the rotors that turn them [kg m2].
         on_guides: joints that prismatic joints carry, with these, tips first.
         arms: rows over the basis, one group after the other: of the joints ``on_guides`` the centres of mass from the joint, then its
             origin from that of its parent; ``guided`` loops from their joints.
@@ -57,16 +56,46 @@ class Bodies:
     inertia: Matrix
     products: ComplexArray
     minus_incidence: Matrix
+    centers: Matrix
     forces: Matrix
-    subtree_forces: Matrix
-    reduced: Matrix
-    open_tree: Matrix
+    rotor_inertia: Matrix
     on_guides: tuple[int, ...]
     arms: Matrix
     arms_turn: bool
     guided: tuple[tuple[int, int], ...]
     geared: frozenset[int]
     in_one_plane: bool
+
+    @cached_property
+    def subtree_forces(self) -> Matrix:
+        """(nv, nb) second derivative of the basis, as for ``forces``, to the sum of the forces of all bodies that a joint carries."""
+        return compressed(self.plane.subtree @ self.forces)
+
+    @cached_property
+    def reduced(self) -> Matrix:
+        """(nb - 1, nb) likewise to the work of these forces on every function of the basis but the first, conj(function) times force; the
+        moments of inertia of the links stand with their rotors, as masses at the radius 1 round them would."""
+        return compressed(self.centers.conj().T)[1:] @ self.forces + self.rotor_inertia
+
+    @cached_property
+    def open_tree(self) -> Matrix:
+        """The rows of ``reduced``, of ``subtree_forces``, and of ``forces`` of the bodies that are ``on_guides``."""
+        return stacked([self.reduced, self.subtree_forces, self.forces[list(self.on_guides)]])
+
+    @cached_property
+    def steps(self) -> Matrix:
+        """(2 nv, nb) second derivative of the basis to the acceleration of every joint's origin relative to that of its parent, then of
+        every centre of mass relative to its joint; as in ``forces`` the first column is for weights, here accelerations of the centres."""
+        plane, count = self.plane, len(self.mass)
+        parents = matrix([{parent: 1.0} if parent >= 0 else {} for parent in plane.parents], count, count, float)
+        between = with_column(compressed(plane.origins - parents @ plane.origins), 0, np.zeros(count, complex))
+        weights = np.full(count, -complex(*(plane.axes @ self.gravity)))
+        return stacked([between, with_column(plane.centers, 0, weights)])
+
+    @cached_property
+    def work_of_steps(self) -> Matrix:
+        """(nb - 1, 2 nv) forces of the joints and of the bodies to their work on every function of the basis but the first."""
+        return compressed(self.steps.conj().T)[1:]
 
     @cached_property
     def force_sharing(self) -> LoadSharing:
@@ -115,8 +144,6 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
     axial_weight = mass * float(gravity @ plane.normal)
     centers = plane.origins + plane.centers
     body_forces = with_column(weighted(centers, mass), 0, -mass * complex(*(plane.axes @ gravity)))
-    subtree_forces = compressed(plane.subtree @ body_forces)
-    reduced = compressed(centers.conj().T)[1:] @ body_forces + _inertia_of_rotors(plane, tensors[:, 2, 2])
     guides = set(plane.prismatic)
     on_guides = [j for j in reversed(range(count)) if not guides.isdisjoint(plane.carriers(j))]
     parents = [plane.parents[j] if plane.parents[j] >= 0 else j for j in on_guides]  # of a joint on the frame the arm is not needed
@@ -139,10 +166,9 @@ def build_bodies(plane: Plane, model: pin.Model) -> Bodies:
         inertia=inertia,
         products=products,
         minus_incidence=-plane.incidence,
+        centers=centers,
         forces=body_forces,
-        subtree_forces=subtree_forces,
-        reduced=reduced,
-        open_tree=stacked([reduced, subtree_forces, body_forces[on_guides]]),
+        rotor_inertia=_inertia_of_rotors(plane, tensors[:, 2, 2]),
         on_guides=tuple(on_guides),
         arms=arms,
         arms_turn=bool(abs(arms[:, 1:]).sum()),
@@ -181,6 +207,44 @@ class OpenTree(NamedTuple):
     joint_efforts: Array
     turning: dict[int, Array]
     guided: ComplexArray
+
+
+def forces_of_tree(bodies: Bodies, second: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Inertia forces less weights with all loops open.
+
+    Args:
+        bodies: inertial constants of the linkage.
+        second: (nb, n) second derivative of the basis, its first row 1.
+
+    Returns:
+        Their work (nb - 1, n) on every function of the basis but the first, see `Bodies.reduced`; (nv, n) the sums of those of all bodies
+        that a joint carries [N]; those (k, n) of the bodies that are ``on_guides`` [N].
+    """
+    count = len(bodies.mass)
+    if not bodies.plane.deep:
+        found = product(bodies.open_tree, second)
+        return found[:count], found[count : 2 * count], found[2 * count :]
+    moved = product(bodies.steps, second)
+    accelerations, own = moved[:count], moved[count:]
+    sum_outwards(bodies.plane, accelerations)
+    own += accelerations
+    own *= bodies.mass[:, None]
+    on_guides = own[list(bodies.on_guides)]
+    carried = accelerations
+    carried[:] = own
+    sum_inwards(bodies.plane, carried)
+    return product(bodies.work_of_steps, moved) + product(bodies.rotor_inertia, second), carried, on_guides
+
+
+def work_of_tree(bodies: Bodies, second: ComplexArray) -> ComplexArray:
+    """The work of `forces_of_tree` alone."""
+    return product(bodies.reduced, second) if not bodies.plane.deep else forces_of_tree(bodies, second)[0]
+
+
+def forces_of_joints(bodies: Bodies, second: ComplexArray, joints: Sequence[int]) -> ComplexArray:
+    """The sums of `forces_of_tree` of these joints alone, (joints, n) [N]."""
+    joints = list(joints)
+    return product(bodies.subtree_forces[joints], second) if not bodies.plane.deep else forces_of_tree(bodies, second)[1][joints]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -23,11 +23,12 @@ from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, SomeVectors, Wrenches
 from ..joints import product
 from . import out_of_plane, statics
-from .bodies import Bodies, OpenTree
+from .bodies import Bodies, OpenTree, forces_of_joints, forces_of_tree, work_of_tree
 from .chain import Chain, ChainStates
 from .chain_forces import ChainBodies, chain_forces
 from .kinematics import basis_acceleration, basis_at, gaps, known_basis, known_jacobian
 from .model import Plane, put_in_plane, put_normal, to_complex
+from .tree import turning_efforts
 
 FEW = 2  # speeds up to which working out `ForcesBySpeed.parts` would take longer
 OnChain = Callable[[Chain], ChainBodies]
@@ -254,9 +255,9 @@ def _solve_open_tree(bodies: Bodies, states: ClosedStates, loads: Sequence[Appli
     plane, basis = bodies.plane, known_basis(states)
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
-    functions, count, on_guides = len(basis) - 1, len(plane.parents), 2 * len(bodies.on_guides)
-    found, arms = product(bodies.open_tree, second), product(bodies.arms, basis if bodies.arms_turn else basis[:, :1])
-    work, subtree_force, own = found[:functions], found[functions : functions + count], found[functions + count :]
+    on_guides = 2 * len(bodies.on_guides)
+    work, subtree_force, own = forces_of_tree(bodies, second)
+    arms = product(bodies.arms, basis if bodies.arms_turn else basis[:, :1])
     for load in loads:
         if load.joint:
             subtree_force[plane.carriers(load.joint - 1)] -= to_complex(plane, load.force)
@@ -388,7 +389,7 @@ def _fill_with_some_bearings(
     plane, basis = bodies.plane, known_basis(states)
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
-    joint_efforts = _efforts(bodies, basis, product(bodies.reduced, second), loads)
+    joint_efforts = _efforts(bodies, basis, work_of_tree(bodies, second), loads)
     rows, factors, _ = known_jacobian(plane, states)
     pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
     statics.transmit(plane, rows, factors, joint_efforts, pins, result.coupling)
@@ -422,7 +423,7 @@ def _efforts(bodies: Bodies, basis: ComplexArray, work: ComplexArray, loads: Seq
     for row, rotor in enumerate(plane.guide_rotors, revolute):
         if rotor:
             rotor_moments[rotor - 1] += rotor_moments[row]
-    efforts: Array = plane.turn.T.dot(rotor_moments[:revolute])
+    efforts = turning_efforts(plane, rotor_moments[:revolute])
     for row, joint, rotor in plane.guides:
         efforts[joint] = (basis[rotor].conj() * work[row - 1]).real if rotor else work[row - 1].real
     return efforts
@@ -438,7 +439,7 @@ def _wanted_forces(
     forces = np.empty((len(wanted), pins.shape[1]), complex)
     forces[len(joints) :] = pins[[k - count for k in wanted if k >= count]]
     if joints:
-        subtree_force = product(bodies.subtree_forces[joints], second)
+        subtree_force = forces_of_joints(bodies, second, joints)
         for load in loads:
             if load.joint:
                 carrying = [place for place, j in enumerate(joints) if j in plane.carriers(load.joint - 1)]

@@ -25,6 +25,7 @@ from ..engine import ACCEPTED, MOST_NEWTON_STEPS, PIECE, ClosedStates, Closure, 
 from ..forces import RANK
 from ..joints import product
 from .model import Block, Plane, to_world
+from .tree import turned
 
 NO_SLIPS = np.empty((0, 1))
 
@@ -89,7 +90,7 @@ def _opened_by_turning(plane: Plane, basis: ComplexArray, v: Array) -> ComplexAr
     """Second derivatives (nl, n) of the gaps by time at joint rates (nv, n) without accelerations."""
     if any(plane.guide_rotors):
         return np.asarray(product(plane.gap_rows, basis_acceleration(plane, basis, v, None)))
-    spin = plane.turn.dot(v)
+    spin = turned(plane, v)
     spin *= spin
     return np.asarray(product(plane.centripetal, basis[1 : 1 + len(plane.revolute)] * spin))
 
@@ -108,7 +109,7 @@ def basis_at(plane: Plane, x: Array) -> ComplexArray:
     turning = len(plane.revolute)
     basis = np.empty((1 + len(x), x.shape[1]), complex)
     basis[0] = 1.0
-    absolute, rotors = plane.turn.dot(x), basis[1 : 1 + turning]
+    absolute, rotors = turned(plane, x), basis[1 : 1 + turning]
     np.cos(absolute, out=rotors.real)
     np.sin(absolute, out=rotors.imag)
     for row, joint, rotor in plane.guides:
@@ -143,7 +144,7 @@ def basis_velocity(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
     turning = len(plane.revolute)
     rate = np.empty_like(basis)
     rate[0] = 0.0
-    spin = plane.turn @ v
+    spin = turned(plane, v)
     np.multiply(basis[1 : 1 + turning], 1j * spin, out=rate[1 : 1 + turning])
     for row, joint, rotor in plane.guides:
         rate[row] = v[joint] * basis[rotor] + 1j * spin[rotor - 1] * basis[row] if rotor else v[joint]
@@ -156,9 +157,9 @@ def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | N
     turning = slice(1, 1 + len(plane.revolute))
     result = np.empty(basis.shape, complex)
     result[0] = 0.0
-    spin, factor = plane.turn.dot(v), result[turning]
+    spin, factor = turned(plane, v), result[turning]
     np.multiply(spin, -spin, out=factor.real)
-    factor.imag = 0.0 if a is None else plane.turn.dot(a)
+    factor.imag = 0.0 if a is None else turned(plane, a)
     for row, joint, rotor in plane.guides:
         along = 0.0 if a is None else a[joint]
         if rotor:

@@ -33,6 +33,7 @@ from ..joints import axes as joint_axes
 
 EPSILON = float(np.finfo(float).eps)
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
+DEEP = 12  # mean number of joints between a link and the frame from which on sums joint by joint are faster than sparse matrices
 PARALLEL = 1e-12  # a linkage is spatial where a joint axis is further from the plane's normal than this [rad]
 
 
@@ -167,6 +168,16 @@ class Plane:
         """For every prismatic joint its row of the basis, its index, and the row of the rotor that turns its direction (0: none)."""
         rows = range(1 + len(self.revolute), 1 + len(self.parents))
         return tuple(zip(rows, self.prismatic, self.guide_rotors, strict=True))
+
+    @cached_property
+    def deep(self) -> bool:
+        """Whether so many joints hang on each other that sums along the tree are taken joint by joint, see `tree`."""
+        return not isinstance(self.subtree, np.ndarray) and self.subtree.nnz > DEEP * len(self.parents)
+
+    @cached_property
+    def hanging(self) -> tuple[tuple[int, int], ...]:
+        """The joints that hang on other joints, rising, each with the joint that carries it."""
+        return tuple((joint, parent) for joint, parent in enumerate(self.parents) if parent >= 0)
 
     @cached_property
     def world_components(self) -> tuple[tuple[int, float, float, float], ...]:

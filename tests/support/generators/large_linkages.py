@@ -10,6 +10,7 @@ import pinpress as pp
 from ..oracles import n_four_bar
 
 TILT = 0.1  # of the pivots of `spatial_chain`, this way and that [rad]
+ROW_STEP = 0.2  # distance of the joints on a link of `open_row` [m]
 
 
 def load(text: str, **more: object) -> pp.Linkage:
@@ -22,16 +23,30 @@ def load(text: str, **more: object) -> pp.Linkage:
             return pp.load(file, **more)
 
 
+BODY = '<inertial><origin xyz="0.1 0 0"/><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>'
+
+
 def gear_train(count: int) -> str:
     """``count`` shafts in a row behind the driven one, each turned backwards by the one before; all with 1 kg, 0.1 m from the shaft, and
     0.1 kg m2 about its centre."""
-    body = '<inertial><origin xyz="0.1 0 0"/><mass value="1"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>'
     parts = ['<robot name="gear_train">', '<link name="frame"/>']
     for k in range(count + 1):
         mimic = f'<mimic joint="shaft_{k - 1}" multiplier="-1"/>' if k else ""
         ends = f'<parent link="frame"/><child link="wheel_{k}"/><origin xyz="{k} 0 0"/><axis xyz="0 -1 0"/>{mimic}'
-        parts.append(f'<link name="wheel_{k}">{body}</link><joint name="shaft_{k}" type="continuous">{ends}</joint>')
+        parts.append(f'<link name="wheel_{k}">{BODY}</link><joint name="shaft_{k}" type="continuous">{ends}</joint>')
     return "\n".join([*parts, '<transmission name="drive"><joint name="shaft_0"/></transmission>', "</robot>"])
+
+
+def open_row(count: int, ratio: float = -1.0) -> str:
+    """``count`` links that hang on each other in a row without loops, each turned by a gear pair, ``ratio`` times as far as the joint before
+    turns; bodies as in `gear_train`."""
+    parts = ['<robot name="open_row">', '<link name="frame"/>']
+    for k in range(count):
+        parent, mimic = (f"link_{k - 1}", f'<mimic joint="joint_{k - 1}" multiplier="{ratio}"/>') if k else ("frame", "")
+        place = f'<origin xyz="{ROW_STEP if k else 0.0} 0 0"/><axis xyz="0 -1 0"/>{mimic}'
+        parts.append(f'<link name="link_{k}">{BODY}</link>')
+        parts.append(f'<joint name="joint_{k}" type="continuous"><parent link="{parent}"/><child link="link_{k}"/>{place}</joint>')
+    return "\n".join([*parts, '<transmission name="drive"><joint name="joint_0"/></transmission>', "</robot>"])
 
 
 def spatial_chain(count: int) -> str:
