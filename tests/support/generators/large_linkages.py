@@ -38,8 +38,8 @@ def gear_train(count: int) -> str:
 
 
 def open_row(count: int, ratio: float = -1.0) -> str:
-    """``count`` links that hang on each other in a row without loops, each turned by a gear pair, ``ratio`` times as far as the joint before
-    turns; bodies as in `gear_train`."""
+    """``count`` links that hang on each other in a row without loops, the joint of each geared to the one before by this ``ratio``; bodies
+    as in `gear_train`."""
     parts = ['<robot name="open_row">', '<link name="frame"/>']
     for k in range(count):
         parent, mimic = (f"link_{k - 1}", f'<mimic joint="joint_{k - 1}" multiplier="{ratio}"/>') if k else ("frame", "")
