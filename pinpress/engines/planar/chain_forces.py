@@ -262,7 +262,7 @@ def _fill(
         _through_gears(chain, closed, work, torque, found.coupling)
     if shared:
         open_tree = _share(fixed, closed, open_tree, found.coupling)
-    total = 0.0
+    total: Any = 0.0
     if asked.bearings:
         bearings = open_tree.bearings if asked is fixed.all_bearings else open_tree.bearings.take(asked.bearings, axis=0)
         _put_forces(plane, bearings, found.force)

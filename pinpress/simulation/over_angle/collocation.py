@@ -26,6 +26,7 @@ ROUNDS = 30  # most rounds of Newton's method
 SETTLED, FORESEEN = 1e-10, 1e-15
 NEARLY_SETTLED, NEARLY_FORESEEN = 1e-2, 1e-4
 MANY = 64  # scenarios from which on a pass over their numbers takes longer than its call
+FEW = 6  # scenarios up to which panel by panel Python numbers take less time than arrays
 ROUGHLY = 1e-4  # relative change that ends it where a solution only has to tell where to look for another
 FLOOR = 1e-6  # share of the first kinetic energy: no speed is computed from less
 STIFF = 2.0  # where the energy changes the force by more over half a panel, the panel's own linear equations are solved
@@ -425,14 +426,22 @@ def _solved(mesh: Mesh, constant: Array, exponents: Array, energy: Array, period
 def _panel_by_panel(gained: Array, factors: Array, short: Array | None, start: Array | float = 0.0) -> Array:
     """Values (p + 1, S) at the borders of what panels (p, S) add to, and multiply by factors (p, S), from a ``start`` (S,), or if
     ``short`` is given from one that is larger by that (S,) than the value at the end."""
-    ends = np.empty((len(gained) + 1, gained.shape[1]))
     if short is not None:
-        ends[0] = 0.0
-        for k in range(len(gained)):
-            ends[k + 1] = factors[k] * ends[k] + gained[k]
-        start = (ends[-1] + short) / (1 - factors.prod(axis=0))
+        start = (_from_start(gained, factors, 0.0)[-1] + short) / (1 - factors.prod(axis=0))
+    return _from_start(gained, factors, start)
+
+
+def _from_start(gained: Array, factors: Array, start: Array | float) -> Array:
+    """`_panel_by_panel` from a ``start`` (S,) or one number."""
+    panels, count = gained.shape
+    ends = np.empty((panels + 1, count))
     ends[0] = start
-    for k in range(len(gained)):
+    if count <= FEW:
+        for column, value in enumerate(ends[0].tolist()):
+            steps = zip(factors[:, column].tolist(), gained[:, column].tolist(), strict=True)
+            ends[1:, column] = [value := factor * value + gain for factor, gain in steps]
+        return ends
+    for k in range(panels):
         np.multiply(factors[k], ends[k], out=ends[k + 1])
         ends[k + 1] += gained[k]
     return ends
