@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from ..foundation.mounted_press import MountedPress
 
 POINTS = 720  # of a turn
+MOST_STATES = 100_000  # of a period, for the vibration of the frame
 SPEEDS = 61  # at which the press on its mounts is shown
 EPILOG = f"""\
 Each of these adds its part to the page: --load (the process), --nominal-force and other capacities (ratings), --motor with --flywheel (the
@@ -189,7 +190,17 @@ def _results(
     if options.region:
         yield balance.balanced_by(press, [OperatingCondition(reactions.motion, loads)], options)
     if system is not None:
-        yield from _on_mounts(system, reactions, options)
+        yield from _on_mounts(system, _resolved(system, reactions, acting), options)
+
+
+def _resolved(system: MountedPress, reactions: Reactions, acting: Forces) -> Reactions:
+    """The reactions over a period of as many states as the vibration needs: more than the page has where a blank breaks through."""
+    from ..foundation.response import states_that_resolve
+
+    while len(reactions.motion.crank_angle) < (states := states_that_resolve(system, reactions)) <= MOST_STATES:
+        motion = cycle(system.press, speed=float(reactions.motion.crank_speed[0]), points=states)
+        reactions = inverse_dynamics(system.press, motion, **acting)
+    return reactions
 
 
 def _on_mounts(system: MountedPress, reactions: Reactions, options: argparse.Namespace) -> Iterator[Tabular]:

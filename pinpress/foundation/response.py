@@ -33,6 +33,8 @@ from .mounted_press import MountedPress, quadrature, state_matrix
 
 UNRESOLVED = 1e-3  # states do not resolve a force whose last third of harmonics exceeds this share of the largest one
 ROUNDING = 1e-9  # harmonics below this share of weight and forces are rounding
+SPARE = 1.1  # share by which more states are asked for than the decay of the harmonics promises to be enough
+SOLVED_AT_ONCE = 2**22  # entries of the matrices of harmonics that are solved together: 64 MB
 NOTHING = 1e-9  # a shaking force below this share of the weight is rounding
 EVEN = 1e-9  # the crank's speed is constant up to this relative difference
 SAME_SPEED = 1e-6  # relative difference up to which speeds at both ends of a period, or of flywheel and crank, are equal
@@ -60,10 +62,9 @@ def steady_response(system: MountedPress, reactions: Reactions, *, points: Point
         PinpressError: the reactions are of another press, the motion is no period, its states are too few for the shaking force, a point or
             the flywheel is not as described, or a harmonic meets a natural frequency without damping.
     """
-    wrench = frame_wrench(system, reactions, flywheel)
     placed = named_points(system, points)
     length, states = period_of(reactions.motion)
-    harmonics = checked_harmonics(np.fft.rfft(wrench[:states], axis=0), states, max(np.abs(wrench).max(), np.abs(system.weight[:3]).max()))
+    harmonics = checked_harmonics(*_spectrum(system, reactions, flywheel))
     frequency = np.linspace(0.0, 2 * np.pi / length * (len(harmonics) - 1), len(harmonics))
     amplitude = displacement_amplitudes(system, frequency, harmonics, float(reactions.motion.crank_speed.mean()))
 
@@ -414,15 +415,44 @@ def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) 
     Raises:
         PinpressError: the last third of the harmonics is more than rounding: the force has jumps, or corners too sharp for the states.
     """
-    size = np.abs(harmonics[1:]).max(axis=1)
-    tail = size[2 * len(size) // 3 :].max(initial=0.0)
-    if tail > UNRESOLVED * size.max(initial=0.0) and tail > ROUNDING * states * size_of_all:
+    if (enough := states_enough(harmonics, states, size_of_all)) > states:
         raise PinpressError(
-            f"{states} states do not resolve the shaking force, which changes too sharply: give more points, or use time_response"
+            f"{states} states do not resolve the shaking force, which changes too sharply, as where a blank breaks through: give some"
+            f" {enough} points, or use time_response"
         )
     if states % 2 == 0:
         harmonics[-1] = 0.0
     return harmonics
+
+
+def states_that_resolve(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None = None) -> int:
+    """Number of states of the period that `steady_response` needs: that of these reactions, or more; see `states_enough`.
+
+    Raises:
+        PinpressError: the reactions are of another press, or the motion is no period.
+    """
+    return states_enough(*_spectrum(system, reactions, flywheel))
+
+
+def _spectrum(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> tuple[ComplexArray, int, float]:
+    """Harmonics of the wrench on the frame over a period, the number of its states, and the size of its forces [N], for `states_enough`."""
+    wrench, (_, states) = frame_wrench(system, reactions, flywheel), period_of(reactions.motion)
+    return np.fft.rfft(wrench[:states], axis=0), states, max(float(np.abs(wrench).max()), float(np.abs(system.weight[:3]).max()))
+
+
+def states_enough(harmonics: ComplexArray, states: int, size_of_all: float) -> int:
+    """Number of states of the period that resolve a wrench: these, or more, about as many as a force that jumps needs.
+
+    Args:
+        harmonics: (k, n) as `numpy.fft.rfft` gives them.
+        states: number of states of the period.
+        size_of_all: size of the forces that the wrench was worked out from, to which rounding is relative [N].
+    """
+    size = np.abs(harmonics[1:]).max(axis=1)
+    tail, largest = size[2 * len(size) // 3 :].max(initial=0.0), size.max(initial=0.0)
+    if tail <= UNRESOLVED * largest or tail <= ROUNDING * states * size_of_all:
+        return states
+    return 100 * int(np.ceil(SPARE * states * tail / (UNRESOLVED * largest) / 100))  # harmonics of a jump fall as one over their order
 
 
 def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: ComplexArray, speed: ArrayLike = 0.0) -> ComplexArray:
@@ -437,15 +467,21 @@ def displacement_amplitudes(system: MountedPress, frequency: Array, harmonics: C
     Raises:
         PinpressError: a frequency is a natural frequency without damping.
     """
-    w, spin = frequency[..., None, None], np.asarray(speed)[..., None, None]
-    matrix = system.stiffness + 1j * (np.sign(w) * system.loss + w * (system.damping + spin * system.gyroscopic)) - w**2 * system.mass
-    try:
-        amplitude = np.linalg.solve(matrix, harmonics[..., None])[..., 0]
-    except np.linalg.LinAlgError:
-        raise PinpressError(RESONANCE) from None
+    shape, n = harmonics.shape[:-1], harmonics.shape[-1]
+    forces = harmonics.reshape(-1, n, 1)
+    frequencies, spins = (np.broadcast_to(each, shape).reshape(-1, 1, 1) for each in (frequency, np.asarray(speed)))
+    amplitude = np.empty(forces.shape, dtype=complex)
+    for first in range(0, len(forces), some := max(1, SOLVED_AT_ONCE // n**2)):
+        these = slice(first, first + some)
+        w, spin = frequencies[these], spins[these]
+        matrix = system.stiffness + 1j * (np.sign(w) * system.loss + w * (system.damping + spin * system.gyroscopic)) - w**2 * system.mass
+        try:
+            amplitude[these] = np.linalg.solve(matrix, forces[these])
+        except np.linalg.LinAlgError:
+            raise PinpressError(RESONANCE) from None
     if not np.isfinite(amplitude).all():
         raise PinpressError(RESONANCE)
-    return np.asarray(amplitude)
+    return amplitude.reshape(harmonics.shape)
 
 
 def mount_forces(system: MountedPress, frequency: Array, amplitude: ComplexArray) -> ComplexArray:

@@ -278,3 +278,22 @@ def test_part_of_an_option_is_no_other_option(capsys: pytest.CaptureFixture[str]
     with pytest.raises(SystemExit, match="2"):
         main(["simulate", "crank_slide", "--duration", "1", "--drive", "O"])
     assert "unrecognized arguments: --drive" in capsys.readouterr().err
+
+
+@pytest.mark.exhaustive
+def test_the_frame_under_a_blank_that_breaks_through(tmp_path: Path) -> None:
+    """Its jump of the force needs more states than a page has: the report takes as many by itself, and tells what twice as many do."""
+    file = Path(__file__).resolve().parents[2] / "docs" / "jf75g_125_frame.yaml"
+    page = tmp_path / "report.html"
+    words = ["report", "jf75g_125", "--speed", "350", "--load", "blanking:force=700kN,start=3mm,end=1mm", "--frame", str(file)]
+    assert main([*words, "--out", str(page)]) == 0
+    (section,) = [section for section in data_in(page)["report"]["sections"] if section["title"] == "Vibration on the mounts"]
+    shown = [tuple(figure["value"].split()) for figure in section["blocks"][0]["figures"]]
+    press = pp.load("jf75g_125")
+    reactions = pp.inverse_dynamics(
+        press, pp.cycle(press, 350 * pp.RPM, points=40000), loads=[pp.loads.Blanking(7e5, start=0.003, end=0.001)]
+    )
+    found = pp.foundation.steady_response(pp.foundation.read_mounted(press, file), reactions, points={})
+    forces = [*(np.sqrt((force.var(axis=0)).sum()) for force in (found.shaking_force, found.floor_force)), found.least_load.min()]
+    factors = {"N": 1.0, "kN": 1e3}
+    assert [float(value) * factors[unit] for value, unit in shown] == pytest.approx(forces, rel=2e-3)

@@ -8,7 +8,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress import PinpressError, UnknownNameError, foundation
-from pinpress.foundation.response import checked_harmonics
+from pinpress.foundation.response import checked_harmonics, states_that_resolve
 
 POINTS = {"top": (0.3, 0.2, 1.5), "bed": (-0.2, 0.1, -1.0)}
 SPEED = 20.0
@@ -330,6 +330,31 @@ def test_motions_that_do_not_fit_are_refused():
         one_mass(np.sqrt(4 * KZ / MASS), damping=0.0)
     with pytest.raises(PinpressError, match="do not resolve"):
         foundation.steady_response(system, pp.inverse_dynamics(press, pp.cycle(press, 30.0, points=60), loads=[jumping]), points={})
+
+
+def test_the_states_that_a_jump_needs_are_told():
+    """As many as `steady_response` takes, and hardly more: a jump's harmonics fall as one over their order. From few, about as many."""
+    system, _ = shaken(states=60)
+    jumping = pp.loads.PointForce("frame", lambda m: np.outer(m.crank_angle > 3.0, [0, 0, 1e5]))
+
+    def of(states):
+        return pp.inverse_dynamics(system.press, pp.cycle(system.press, 3.0, points=states), loads=[jumping])
+
+    from_few, from_more = (states_that_resolve(system, of(states)) for states in (60, 500))
+    with pytest.raises(PinpressError, match=f"500 states do not resolve .*: give some {from_more} points"):
+        foundation.steady_response(system, of(500), points={})
+    assert states_that_resolve(system, of(from_more)) == from_more == foundation.steady_response(system, of(from_more), points={}).time.size
+    assert states_that_resolve(system, of(int(0.8 * from_more))) > 0.8 * from_more, "a fifth less are too few"
+    assert 0.8 < from_few / from_more < 1.25
+
+
+def test_harmonics_solved_some_at_a_time(monkeypatch):
+    """Those of a long period would take too much memory together."""
+    system, reactions = shaken(states=60)
+    together = foundation.steady_response(system, reactions, points=POINTS)
+    monkeypatch.setattr("pinpress.foundation.response.SOLVED_AT_ONCE", 7 * len(system.mass) ** 2)
+    for name, values in foundation.steady_response(system, reactions, points=POINTS).columns().items():
+        assert np.array_equal(values, together.columns()[name])
 
 
 def test_a_press_that_shakes_nothing_transmits_nothing():
