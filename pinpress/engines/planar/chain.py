@@ -42,6 +42,7 @@ class Equation(NamedTuple):
         constant: what does not move [m]; None where it is zero.
         known: rows and coefficients of the functions of the driver and of earlier dyads.
         own: coefficients of the dyad's functions, by rows.
+        turned: of every guide that a link known before turns the rows of its rotor and of its way, and the coefficient of the way.
         dyad: the dyad, or a lever.
     """
 
@@ -49,6 +50,7 @@ class Equation(NamedTuple):
     constant: ComplexArray | None
     known: Known
     own: Known
+    turned: tuple[tuple[int, int, ComplexArray], ...]
     dyad: Dyad
 
 
@@ -167,7 +169,7 @@ def close(chain: Chain, angle: Array) -> Closed:
     along = Along(list(functions), list(inward), dict.fromkeys(chain.needed, functions[0]), {}, blank, blank.copy())
     _drive(chain, angle, along)
     inverses = []
-    for _, constant, ((row, by), *others), _, dyad in chain.equations:
+    for _, constant, ((row, by), *others), _, _, dyad in chain.equations:
         known, opening, bending = along.functions[row] * by, along.rates[row] * by, along.inward[row] * by
         for row, by in others:
             known += along.functions[row] * by
@@ -420,7 +422,7 @@ def _built(plane: Plane, drawn: ComplexArray) -> Chain | None:
         if equation is None:
             return None
         equations.append(equation)
-        needed |= {row for row, _ in equation.known} | {guide.rotor for guide in equation.dyad.guides if guide.rotor is not None}
+        needed |= {row for row, _ in equation.known} | {rotor for rotor, *_ in equation.turned}
         known |= set(own)
     count = len(rows) + len(ones)
     order = tuple(build.order)
@@ -493,7 +495,9 @@ class _Builder(NamedTuple):
         if dyad is None:
             return None
         constant, known_part, own_part = entries.get(0), self._coefficients(entries, moving), self._coefficients(entries, own)
-        return Equation(loop, None if constant is None else np.array(constant), known_part, own_part, dyad)
+        coefficients = dict(own_part)
+        turned = tuple((guide.rotor, guide.way, coefficients[guide.way]) for guide in dyad.guides if guide.rotor is not None)
+        return Equation(loop, None if constant is None else np.array(constant), known_part, own_part, turned, dyad)
 
     def _coefficients(self, entries: dict[int, complex], places: Sequence[int]) -> Known:
         return tuple((self.order[place], np.array(entries[place])) for place in places if place in entries)

@@ -159,7 +159,7 @@ def _balancing(chain: Chain, lever: int) -> tuple[int, ...]:
 
 def _moved_by(equation: Equation) -> set[int]:
     """Rows of the functions that are known before an equation and move its loop."""
-    return {row for row, _ in equation.known} | {guide.rotor for guide in equation.dyad.guides if guide.rotor is not None}
+    return {row for row, _ in equation.known} | {rotor for rotor, *_ in equation.turned}
 
 
 def chain_forces(
@@ -293,7 +293,7 @@ def _fill(
 
 def _second_derivatives(chain: Chain, closed: Closed, speed: Array | float, acceleration: Array | float) -> ComplexArray:
     """Conjugate second derivatives (rows, n) of the functions, 1 in the rows of ones."""
-    second: ComplexArray = np.multiply(closed.inward, np.asarray(-speed * speed))
+    second: ComplexArray = np.multiply(closed.inward, np.asarray(-speed * speed, complex))  # NumPy takes longer for two types
     if isinstance(acceleration, np.ndarray):
         for row in chain.rows:
             second[row] += rate_of(chain, closed, row) * acceleration
@@ -381,10 +381,8 @@ def _relieve(
     """Subtract the force (n,) of a loop where it relieves functions that are known before it is closed, and joints."""
     for row, by in equation.known:
         work[row] -= by * force
-    for guide in equation.dyad.guides:
-        if guide.rotor is not None:
-            by = next(by for row, by in equation.own if row == guide.way)
-            work[guide.rotor] += closed.along.ways[guide.way] * (work[guide.way] - by * force)
+    for rotor, way, by in equation.turned:
+        work[rotor] += closed.along.ways[way] * (work[way] - by * force)
     for joint, sign in fixed.carriers[equation.loop]:
         if sign > 0.0:
             forces[joint] -= force

@@ -47,6 +47,7 @@ SUBSET = 720  # angles that the per-angle loop is timed on where the whole turn 
 REPEATS = {360: 60, 36000: 15}
 GRIDS = 8  # numbers of angles that take turns where no grid may be known, more than a press keeps
 FEWEST = range(2, 24)  # numbers of angles for the fixed cost of a call
+OPERATIONS = 95  # calls of NumPy's operations in one of the engine's first calls
 
 Forces = dict[str, Array]
 # Name, number of angles timed, the work, and what takes torque and forces out of the work's result.
@@ -172,8 +173,8 @@ def print_speed(n: int, repeats: int) -> None:
 
 
 def print_fixed_cost(repeats: int) -> None:
-    """Time calls with so few angles that hardly anything but the calls' own cost is left: the script is some 240 operations on arrays, the
-    engine some 110 on complex ones."""
+    """Time calls with so few angles that hardly anything but the calls' own cost is left: the script is 225 operations on arrays (calls of
+    NumPy's `ufunc_generic_fastcall`), the engine 95, most on complex ones, of which as many products alone are timed, too."""
     import pinpress as pp
 
     press, sizes = pp.load("zxn2_3000b"), itertools.cycle(FEWEST)
@@ -187,12 +188,19 @@ def print_fixed_cost(repeats: int) -> None:
         return pp.inverse_dynamics(press, pp.cycle(press, speed=next(speeds) * pp.RPM, points=12))
 
     theta1 = 2 * np.pi * np.arange(12) / 12
+    rotor = np.exp(1j * theta1)
+
+    def bare() -> None:
+        for _ in range(OPERATIONS):
+            _ = rotor * rotor
+
     entries: list[Contestant] = [
         ("(a) hand script, NumPy", 12, lambda: six_bar(theta1, SPEED, 0.0), lambda r: r),
         ("(c) pinpress, plane, new angles", 12, few, lambda r: r),
         ("(d) pinpress, plane, other speed", 12, known, lambda r: r),
+        (f"bare operations, {OPERATIONS} of them", 12, bare, lambda r: r),
     ]
-    print(f"\n{FEWEST[0]} to {FEWEST[-1]} crank angles, (a) and (d) 12, best times of a call")
+    print(f"\n{FEWEST[0]} to {FEWEST[-1]} crank angles, (c) on average, all others 12; best times of a call")
     for (name, *_), row in zip(entries, timed(entries, repeats), strict=True):
         print(f"{name:34}{min(row) * 1e6:10.0f} us")
 
