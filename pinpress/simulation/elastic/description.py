@@ -54,7 +54,7 @@ class Stiffness(Frozen):
 
     Attributes:
         bearings: name of a bearing -> radial stiffness, in space also along its axis; of a guide, stiffness across its axis [N/m],
-            or of both gibs with their preload.
+            or of both gibs with their preload; in space of each of the two directions across.
         moments: name of a guide, in space also of a pin or weld -> stiffness against turning [N m/rad]. The moment of a guide is about the
             origin of the sliding link's joint frame, as in `Reactions`.
         rods: links and arms that stretch.

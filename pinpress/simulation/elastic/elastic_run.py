@@ -26,6 +26,7 @@ from .contact import OpenPin
 from .description import Elastic
 from .load_paths import NEAREST
 from .panels import Indices
+from .press_on_springs import PressOnSprings
 from .sprung_press import SprungPress
 from .task import ElasticSolution
 
@@ -46,7 +47,8 @@ class ElasticRun(Run):
             the vector of its turn, along its axis and as long as its angle, in world axes [rad].
         bearing_force: (n, 3) by the names of joints and loops: action of parent on child, or of link1 on link2, in the plane [N].
         joint_load: (n,) by the names of the parts with preloaded joints, "frame" that of the columns: the load on both members, positive
-            where it pulls [N]; `PreloadedJoint.forces` shares it among them. Of a rod it is the mean of the pulls at its pins.
+            where it pulls [N]; `PreloadedJoint.forces` shares it among them. Of a rod it is the mean of the pulls at its pins. A guide in
+            space has two, "slide_guide x" and "slide_guide y": each across it, named by the nearest axis of the link that carries it.
         shaking_force: (n, 3) sum of the forces of linkage, crown and process loads on the frame [N].
         floor_force: (n, 3) force of the mounts on the floor [N]; None where the frame does not stand on mounts.
         frame_motion: (n, 3) displacement of the frame's centre of mass on its mounts along the axes of the plane, from its place under the
@@ -294,9 +296,8 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     powers = [force * rate for force, rate in equations.load_forces(at.times, at.segments, coordinates, all_rates)]
     loads = len(driven.forces)
     found[LOAD_WORK], found[LOST] = -sum(powers[:loads], nothing), found[LOST] - sum(powers[loads:], nothing)
-    if isinstance(sprung, SprungPress) and sprung.open_joints:  # what the springs of their members take is not lost
-        for joint, (extension, rate) in sprung.joint_motion(sprung.geometry(coordinates, all_rates)):
-            found[LOST] += joint.spring_force(extension) * rate
+    for each in sprung.joint_motions(coordinates, all_rates):  # what the springs of their members take is not lost
+        found[LOST] += each.joint.spring_force(each.extension) * each.rate
     return found
 
 
@@ -361,17 +362,14 @@ def bearing_forces(solution: ElasticSolution, times: Array, segments: Indices, c
             found[number] += to_world(sprung.plane, along)
     if not sprung.open_pins and not sprung.open_joints:
         return found
-    assert isinstance(sprung, SprungPress)
     contacts = _contact_forces(solution, times, segments, coordinates, rates)
     for pin, force in zip(sprung.open_pins, contacts, strict=False):
+        assert isinstance(sprung, SprungPress)
         gap = journal_places(sprung, pin, coordinates)
         found[pin.bearing] = to_world(sprung.plane, -force * gap / np.maximum(np.abs(gap), NEAREST))
-    if sprung.open_joints:
-        lines, against = sprung.lines, sprung.geometry(coordinates, rates).against
-        for joint, force in zip(sprung.open_joints, _joint_forces(sprung, contacts), strict=True):
-            if lines.bearing[joint.spring] >= 0:
-                along = lines.sign[joint.spring] * against[:, joint.spring].conj()
-                found[lines.bearing[joint.spring]] += to_world(sprung.plane, force * along)
+    for each, force in zip(sprung.joint_motions(coordinates, rates), _joint_forces(sprung, contacts), strict=True):
+        if each.joint.bearing >= 0:
+            found[each.joint.bearing] += force[:, None] * each.along
     return found
 
 
@@ -381,7 +379,7 @@ def _contact_forces(solution: ElasticSolution, times: Array, segments: Indices, 
     return [force for force, _ in found[len(solution.equations.driven.forces) :]]
 
 
-def _joint_forces(sprung: SprungPress, contacts: Sequence[Array]) -> list[Array]:
+def _joint_forces(sprung: PressOnSprings, contacts: Sequence[Array]) -> list[Array]:
     """Of each preloaded joint the force (n,) of both members along its extension, of the forces (n,) of all contacts [N]."""
     members = contacts[len(sprung.open_pins) :]
     return [loaded + relieved for loaded, relieved in zip(members[::2], members[1::2], strict=True)]
@@ -390,14 +388,11 @@ def _joint_forces(sprung: SprungPress, contacts: Sequence[Array]) -> list[Array]
 def _joint_loads(solution: ElasticSolution, times: Array, segments: Indices, coordinates: Array, rates: Array) -> dict[str, Array]:
     """Load (n,) of each part with a preloaded joint, the mean where it yields at two bearings [N]."""
     sprung, found = solution.equations.sprung, dict[str, list[Array]]()
-    if not isinstance(sprung, SprungPress) or not sprung.open_joints:
+    if not sprung.open_joints:
         return {}
-    lines, at = sprung.lines, sprung.geometry(coordinates, rates)
     contacts = _contact_forces(solution, times, segments, coordinates, rates)
-    for joint, force in zip(sprung.open_joints, _joint_forces(sprung, contacts), strict=True):
-        k = joint.spring
-        always = lines.stiffness[k] * at.extension[:, k] + lines.damping[k] * at.opening[:, k]
-        found.setdefault(joint.name, []).append(always - force)
+    for each, force in zip(sprung.joint_motions(coordinates, rates), _joint_forces(sprung, contacts), strict=True):
+        found.setdefault(each.joint.name, []).append(each.pull - force)
     return {name: np.mean(pulls, axis=0) for name, pulls in found.items()}
 
 

@@ -17,7 +17,7 @@ from ...engines.planar.model import Plane, to_complex
 from ..driven_press import Coordinate, JointPosition, Length, WorkOfForce
 from .assembly import DrawnBodies
 from .in_space.bodies import PressInSpace
-from .in_space.paths import path_in_space
+from .in_space.paths import SpringPathInSpace, path_in_space
 from .preloaded_joint import OpenJoint
 from .press_on_springs import LoadPath, PathMotion, PressOnSprings
 from .sprung_press import LineSprings, SprungPress
@@ -113,8 +113,11 @@ class FramePath:
         return PathMotion(at.extension[:, 0] + self.offset, at.opening[:, 0], self.line._gradient(at)[:, 0], bend)
 
 
-def joint_path(sprung: SprungPress, joint: OpenJoint) -> LoadPath:
+def joint_path(sprung: PressOnSprings, joint: OpenJoint) -> LoadPath:
     """The extension of the spring in whose place a preloaded joint stands, from the drawn pose."""
+    if isinstance(sprung, PressInSpace):
+        return SpringPathInSpace(sprung.alone(joint.spring))
+    assert isinstance(sprung, SprungPress)
     own = slice(joint.spring, joint.spring + 1)
     line = LineSprings._make(column[own] for column in sprung.lines)
     return FramePath(replace(sprung, lines=line._replace(rest=np.zeros(1)), shapes=sprung.shapes[:, own]), 0.0)

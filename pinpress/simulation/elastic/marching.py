@@ -466,11 +466,11 @@ def resting(task: Task, start: float) -> Array:
         equations = replace(equations, modes=(train.due(mode, 0.0, v[0]),))
     if sprung.closed is None:
         return np.concatenate([_balanced(equations, y, v, a, by_crank, task.tolerance)[0], v[0]])
-    assert isinstance(sprung, SprungPress)
     loads, contacts = segment[: len(task.phases.driven.forces)], task.phases.contacts
     closed = replace(equations, sprung=sprung.closed, segments=((*loads, *(None for _ in contacts)),))
     y = _balanced(closed, y, v, a, by_crank, task.tolerance)
     if sprung.open_pins:
+        assert isinstance(sprung, SprungPress)
         aside = replace(sprung.closed, lines=_pressed_aside(sprung, closed, y, v))
         y = _balanced(replace(closed, sprung=aside), y, v, a, by_crank, task.tolerance)
     touching: Segment = tuple(contact.rising[0] for contact in contacts)

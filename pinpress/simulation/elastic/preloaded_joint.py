@@ -127,7 +127,8 @@ class JointSpring:
         always = pulled + pressed - closed if math.isfinite(self.series) else 0.0
         rest = (members[0] * reach[0] - members[1] * reach[1]) / always if always > 0 else 0.0
         share = damping / closed
-        return OpenJoint(self.name, spring, always, share * always, rest, members, (share * members[0], share * members[1]), reach)
+        dampers = share * members[0], share * members[1]
+        return OpenJoint(self.name, self.bearing, spring, always, share * always, rest, members, dampers, reach)
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,8 @@ class OpenJoint:
 
     Attributes:
         name: of the part.
-        spring: number of the line spring in whose place it stands.
+        bearing: number of the bearing that it is part of; -1: the columns of a crown.
+        spring: number of the spring in whose place it stands.
         always: stiffness of the spring that always holds [N/m].
         damping: its damper [N s/m].
         rest: extension at which it is slack [m].
@@ -149,6 +151,7 @@ class OpenJoint:
     """
 
     name: str
+    bearing: int
     spring: int
     always: float
     damping: float

@@ -50,6 +50,24 @@ class PathMotion(NamedTuple):
     bend: Array
 
 
+class JointMotion(NamedTuple):
+    """A preloaded joint that may open, at n states.
+
+    Attributes:
+        joint: the joint.
+        extension: (n,) positive where the joint is pulled [m].
+        rate: (n,) of the extension [m/s].
+        pull: (n,) of the spring and damper that always hold [N].
+        along: (n, 3) direction of a force along the extension, parent on child or link1 on link2, in world axes.
+    """
+
+    joint: OpenJoint
+    extension: Array
+    rate: Array
+    pull: Array
+    along: Array
+
+
 class LoadPath(Protocol):
     """A length of a press on springs along which a load acts. It knows its own kind of press."""
 
@@ -87,6 +105,12 @@ class PressOnSprings(Protocol):
     @property
     def closed(self) -> Any:
         """The same press without clearance and with closed joints; None where it is the same."""
+
+    def opening(self) -> Any:
+        """The same press with preloaded joints that may open."""
+
+    def joint_motions(self, coordinates: Array, rates: Array) -> list[JointMotion]:
+        """The preloaded joints that may open."""
 
     def all_coordinates(self, free: Array) -> Array:
         """All coordinates (n, k) of free ones (n, f)."""

@@ -152,8 +152,7 @@ def _task(
     which the rigid press turns; ``sprung``: the press on its springs where it is known."""
     _refuse_unsuitable(driven, elastic)
     if sprung is None:
-        sprung = press_on_springs(driven.press, elastic)
-        sprung = sprung.opening() if isinstance(sprung, SprungPress) else sprung
+        sprung = press_on_springs(driven.press, elastic).opening()
     if steady and sprung.open_pins:
         raise PinpressError(
             "a press with clearance has no steady state: its journals strike differently in each turn; let it run with simulate, and look"
@@ -186,8 +185,7 @@ def _task_from(start: float, sprung: PressOnSprings, phases: LoadPhases, speed: 
     if isinstance(sprung, SprungPress) and sprung.base is not None:
         paths = from_frame(sprung, paths, isinstance(driven.coordinates[0], JointPosition))
     paths += tuple(LengthPath(pin.bodies, pin.arms, 0.0, -1.0) for pin in sprung.open_pins)
-    if isinstance(sprung, SprungPress):
-        paths += tuple(joint_path(sprung, joint) for joint in sprung.open_joints)
+    paths += tuple(joint_path(sprung, joint) for joint in sprung.open_joints)
 
     def rigid(times: Array) -> tuple[Array, Array, Array]:
         found = _rigid_states(sprung, motion_through_change_points(press, start + speed * times, speed))

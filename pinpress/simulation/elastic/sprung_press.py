@@ -34,7 +34,7 @@ from .contact import OpenPin
 from .flexible_link import FlexibleBody
 from .panels import VaryingInertia
 from .preloaded_joint import JointSpring, OpenJoint
-from .press_on_springs import SpringForces, frequencies, reference_angle
+from .press_on_springs import JointMotion, SpringForces, frequencies, reference_angle
 
 Indices = NDArray[np.intp]
 
@@ -304,6 +304,15 @@ class SprungPress:
         """The preloaded joints that may open, each with its extension and the rate of that, (n,) each, where the springs are so."""
         rest = self.lines.rest
         return [(each, (at.extension[:, each.spring] + rest[each.spring], at.opening[:, each.spring])) for each in self.open_joints]
+
+    def joint_motions(self, coordinates: Array, rates: Array) -> list[JointMotion]:
+        """The preloaded joints that may open, with the forces of the springs that always hold."""
+        lines, at, found = self.lines, self.geometry(coordinates, rates), []
+        for joint, (extension, rate) in self.joint_motion(at):
+            k = joint.spring
+            pull = lines.stiffness[k] * at.extension[:, k] + lines.damping[k] * at.opening[:, k]
+            found.append(JointMotion(joint, extension, rate, pull, to_world(self.plane, lines.sign[k] * at.against[:, k].conj())))
+        return found
 
     def bearing_forces(self, coordinates: Array, rates: Array) -> Array:
         """Forces (bearings, n, 3) of the springs, parent on child or link1 on link2, in world axes [N]."""

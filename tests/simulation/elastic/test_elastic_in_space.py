@@ -226,3 +226,69 @@ def test_refusals_in_space(change, words):
     given = {"bearings": dict.fromkeys(press.bearings, 1e9), "moments": dict.fromkeys(PINS, 1e8), **change}
     with pytest.raises(pp.PinpressError, match=words):
         stroke(press, SPEED, pp.elasticity.Elastic(pp.elasticity.Stiffness(**given)))
+
+
+# ------------------------------------------------------------------------------------------------------------------ joints that open
+
+GIBS = pp.elasticity.PreloadedJoint(5e7, 5e7, 1e3)  # N/m, N
+
+
+def with_gibs(press, gibs, pins, stiffness=1e8, **more):
+    bearings = dict.fromkeys(press.bearings, stiffness) | {"slide_guide": gibs}
+    return pp.elasticity.Elastic(pp.elasticity.Stiffness(bearings, moments=dict.fromkeys(pins, 0.1 * stiffness)), **more)
+
+
+@pytest.mark.parametrize("until", [0.021, pytest.param(0.06, marks=pytest.mark.exhaustive)])
+def test_gibs_of_a_planar_press_open_in_space_as_in_its_plane(monkeypatch, until):
+    """Blanking opens them: instants, loads and forces of the planar equations; across the plane nothing opens."""
+    press, held = shipped("crank_slide"), pp.drives.PrescribedSpeed(2.0)
+    given = {"speed": 2.0, "angle": 5.865, "drive": held, "loads": [pp.loads.Blanking(3e4, 0.02, 0.01)], "points": 41, "tolerance": 1e-6}
+    plane = simulated(press, until, elastic=with_gibs(press, GIBS, ["slide_guide"], damping_ratio=0.1), **given)
+    monkeypatch.setattr(simulate_elastic, "press_on_springs", press_in_space)
+    space = simulated(press, until, elastic=with_gibs(press, GIBS, press.joints, damping_ratio=0.1), **given)
+    assert len(plane.events) >= 3
+    np.testing.assert_allclose(space.events, plane.events, rtol=0, atol=1e-7)
+    in_plane, across = (space.joint_load[f"slide_guide {axis}"] for axis in "xy")
+    load = plane.joint_load["slide_guide"]
+    assert np.abs(load).max() > GIBS.opening_load
+    np.testing.assert_allclose(np.abs(in_plane), np.abs(load), rtol=0, atol=1e-5 * np.abs(load).max())
+    assert np.abs(across).max() < 1e-6
+    for name in press.bearings:
+        size = np.abs(plane.bearing_force[name]).max()
+        np.testing.assert_allclose(space.bearing_force[name], plane.bearing_force[name], rtol=0, atol=1e-5 * size)
+    assert space.stats.energy_error < 1e-9
+    assert space.lost[-1] == pytest.approx(plane.lost[-1], rel=1e-5)
+
+
+@cache
+def pushed_aside(gibs):
+    """A rod in space, whose slide a force pushes aside in both directions across its guide, beginning at once."""
+    loads = [pp.loads.PointForce("slide", (3e3, 4e3, 0.0), (0.0, 0.0, 0.0))]
+    elastic = with_gibs(rssp(), gibs, PINS, damping_ratio=0.05)
+    return simulated(rssp(), 0.01, speed=SPEED, drive=pp.drives.PrescribedSpeed(SPEED), elastic=elastic, loads=loads, points=21)
+
+
+def test_gibs_that_stay_closed_are_a_number():
+    tight, plain = pushed_aside(pp.elasticity.PreloadedJoint(5e7, 5e7, 1e6)), pushed_aside(1e8)
+    np.testing.assert_allclose(tight.slide_position, plain.slide_position, rtol=0, atol=1e-12)
+    for name in rssp().bearings:
+        np.testing.assert_allclose(tight.bearing_force[name], plain.bearing_force[name], rtol=0, atol=1e-3)
+    assert not tight.events
+
+
+def test_gibs_open_in_both_directions_and_leave_one_with_all():
+    run = pushed_aside(GIBS)
+    loads = np.array([run.joint_load[f"slide_guide {axis}"] for axis in "xy"])
+    force = run.bearing_force["slide_guide"]
+    np.testing.assert_allclose(np.abs(loads.T), np.abs(force[:, :2]), rtol=0, atol=1e-6 * np.abs(force).max())
+    assert (np.abs(loads).min(axis=1) > GIBS.opening_load).all()
+    assert run.stats.energy_error < 1e-9
+    sums = [GIBS.forces(load) for load in loads]
+    assert all((np.minimum(*each) == 0).all() for each in sums)
+
+
+def test_a_pin_in_space_has_no_joint_that_opens():
+    press = rssp()
+    stiffness = pp.elasticity.Stiffness(dict.fromkeys(press.bearings, 1e8) | {"O": GIBS}, moments=dict.fromkeys(PINS, 1e7))
+    with pytest.raises(pp.PinpressError, match="'O' is a PreloadedJoint, which a guide has across its axis alone"):
+        stroke(press, SPEED, pp.elasticity.Elastic(stiffness))

@@ -19,7 +19,7 @@ from ....common.errors import PinpressError, shown
 from ....common.quantities import Array
 from ....linkage.linkage import Linkage
 from ..description import Elastic, by_bearing, dampers_by_bearing
-from ..preloaded_joint import PreloadedJoint
+from ..preloaded_joint import JointSpring, PreloadedJoint
 from ..press_on_springs import frequencies, reference_angle
 from .bodies import PressInSpace, SpringsInSpace
 from .turning import nominal_turns
@@ -81,7 +81,6 @@ def _refuse_unsuitable(press: Linkage, elastic: Elastic) -> None:
         "frame": (elastic.stiffness.frame is not None, "leave it and crown_mass out"),
         "flexible_links": (bool(elastic.flexible_links), "leave them out"),
         "mounts": (elastic.mounted_frame is not None, "leave them out"),
-        "preloaded joints": (any(isinstance(each, PreloadedJoint) for each in elastic.stiffness.bearings.values()), "give numbers"),
         "clearances": (bool(elastic.clearances), "leave them out"),
     }
     for name, (there, instead) in given.items():
@@ -221,12 +220,17 @@ def _with_springs(bare: PressInSpace, joints: Sequence[_Joint], elastic: Elastic
     centres = np.concatenate([bare.lever, np.zeros((1, 3))])
     rows: list[tuple[int, int, Array, float, Array, Array, float, float, float, int]] = []
     joined, alike = [(frame, frame)] * len(press.bearings), list(range(len(press.bearings)))
+    preloaded = []
     for each in joints:
         first, second, name = body_of[each.first], body_of[each.second], each.members[-1]
         arm1, arm2 = axes[first].T @ (each.point1 - centres[first]), axes[second].T @ (each.point2 - centres[second])
         axes1, axes2 = axes[first].T @ each.axes1, axes[second].T @ each.axes2
         turning = float(first != frame)
         k = 1 / sum(1 / straight[member] for member in each.members)
+        joint = stiffness.bearings[press.bearings[name]]
+        if isinstance(joint, PreloadedJoint):  # of a guide; each of its two directions is nearest to another axis of what carries it
+            for number, direction in enumerate(each.axes1.T[1:], len(rows)):
+                preloaded.append((JointSpring(f"{press.bearings[name]} {'xyz'[np.abs(direction).argmax()]}", name, joint), number))
         for direction in axes1.T[1:] if each.kind == "guide" else np.eye(3):
             rows.append((first, second, direction, turning * (each.kind == "guide"), arm1, arm2, 1.0, k, 0.0, name))
         if each.kind != "ball":
@@ -237,7 +241,7 @@ def _with_springs(bare: PressInSpace, joints: Sequence[_Joint], elastic: Elastic
             joined[member], alike[member] = (first, second), name
     types = (np.intp, np.intp, float, float, float, float, float, float, float, np.intp)
     columns = (np.array(column, dtype=kind) for column, kind in zip(zip(*rows, strict=True), types, strict=True))
-    return replace(bare, springs=SpringsInSpace(*columns), joined=tuple(joined), alike=tuple(alike))
+    return replace(bare, springs=SpringsInSpace(*columns), joined=tuple(joined), alike=tuple(alike), preloaded=tuple(preloaded))
 
 
 def _refuse_loose(sprung: PressInSpace) -> None:

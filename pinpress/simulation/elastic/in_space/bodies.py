@@ -17,7 +17,7 @@ when they are rigid, as those of a planar press do in space, are determinate her
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -28,8 +28,8 @@ from ....kinematics.motion import Motion, poses
 from ....linkage.linkage import Linkage
 from ..contact import OpenPin
 from ..panels import Indices, VaryingInertia
-from ..preloaded_joint import OpenJoint
-from ..press_on_springs import SpringForces, frequencies, reference_angle
+from ..preloaded_joint import JointSpring, OpenJoint
+from ..press_on_springs import JointMotion, SpringForces, frequencies, reference_angle
 from .turning import NominalTurns, Turned, turned
 
 KEPT = 2  # sets of states whose matrices are kept
@@ -102,6 +102,9 @@ class PressInSpace:
         springs: of all bearings.
         joined: for each bearing the bodies that it joins, the acting one first.
         alike: for each bearing the one that has its springs: itself, but for joints of a cross without mass, which carries as much.
+        preloaded: preloaded joints, each with the number of its spring, which is that of the closed joint.
+        open_joints: preloaded joints that may open, whose members have no springs in ``springs``.
+        closed: the same press with closed joints; None where it is the same.
     """
 
     press: Linkage
@@ -117,11 +120,11 @@ class PressInSpace:
     joined: tuple[tuple[int, int], ...]
     alike: tuple[int, ...]
 
+    preloaded: tuple[tuple[JointSpring, int], ...] = ()
     open_pins: tuple[OpenPin, ...] = ()
     open_joints: tuple[OpenJoint, ...] = ()
+    closed: PressInSpace | None = None
     _last_turned: list[tuple[Turned, Array, Array]] = field(default_factory=list, init=False)
-
-    closed = None
 
     # ----------------------------------------------------------------------------------------------------------------- coordinates
 
@@ -150,7 +153,19 @@ class PressInSpace:
     @cached_property
     def lowest_frequency(self) -> float:
         """Lowest natural frequency at bottom dead centre, with the crank held and without dampers [rad/s]."""
-        return float(frequencies(self, reference_angle(self.press))[0])
+        return float(frequencies(self.closed or self, reference_angle(self.press))[0])
+
+    def opening(self) -> PressInSpace:
+        """The same press with preloaded joints that may open."""
+        if not self.preloaded:
+            return self
+        springs, found = self.springs, []
+        stiffness, damping = springs.stiffness.copy(), springs.damping.copy()
+        for joint, spring in self.preloaded:
+            found.append(joint.opened(spring, float(damping[spring])))
+            stiffness[spring], damping[spring] = found[-1].always, found[-1].damping
+        springs = springs._replace(stiffness=stiffness, damping=damping)
+        return replace(self, springs=springs, open_joints=tuple(found), closed=self.closed or self)
 
     def all_coordinates(self, free: Array) -> Array:
         return np.asarray(free @ self.carry.T)
@@ -290,7 +305,10 @@ class PressInSpace:
     # --------------------------------------------------------------------------------------------------------------------- springs
 
     def _springs(self, coordinates: Array, rates: Array, derivatives: bool) -> _Springs:
-        at, springs = self.turned(coordinates, rates, derivatives), self.springs
+        return self._strained(self.turned(coordinates, rates, derivatives), coordinates, rates)
+
+    def _strained(self, at: Turned, coordinates: Array, rates: Array) -> _Springs:
+        springs = self.springs
         place, speed = self.places(coordinates), self.places(rates)
 
         def of_bodies(matrices: Array, r: Array) -> tuple[Array, Array]:
@@ -327,6 +345,27 @@ class PressInSpace:
         """Gradients (n, S, k) of the extensions of all springs."""
         at = self._springs(coordinates, np.zeros_like(coordinates), derivatives=True)
         return self._placed(self._parts(at.turned.by, self._pushed(at.along, at.gap)), at.along)
+
+    def alone(self, spring: int) -> PressInSpace:
+        """The same press with one of its springs alone."""
+        return replace(self, springs=SpringsInSpace._make(column[spring : spring + 1] for column in self.springs))
+
+    def extensions(self, turned: Turned, coordinates: Array, rates: Array) -> tuple[Array, Array, Array, Array]:
+        """Extensions of all springs and their rates (n, S), gradients (n, S, k), and the sum of their second derivatives (n, k, k)."""
+        at = self._strained(turned, coordinates, rates)
+        gradient = self._placed(self._parts(turned.by, self._pushed(at.along, at.gap)), at.along)
+        return at.extension, at.opening, gradient, self._bend(at, np.ones_like(at.extension))
+
+    def joint_motions(self, coordinates: Array, rates: Array) -> list[JointMotion]:
+        """The preloaded joints that may open."""
+        if not self.open_joints:
+            return []
+        at, springs, found = self._springs(coordinates, rates, derivatives=False), self.springs, []
+        for joint in self.open_joints:
+            k = joint.spring
+            pull = springs.stiffness[k] * at.extension[:, k] + springs.damping[k] * at.opening[:, k]
+            found.append(JointMotion(joint, at.extension[:, k], at.opening[:, k], pull, at.along[:, k]))
+        return found
 
     @cached_property
     def free_weight(self) -> Array:
@@ -408,7 +447,8 @@ class PressInSpace:
     def stored_energy(self, coordinates: Array) -> Array:
         """Energy (n,) of springs and weights [J]."""
         at = self._springs(coordinates, np.zeros_like(coordinates), derivatives=False)
-        return np.asarray(0.5 * at.extension**2 @ self.springs.stiffness - coordinates[:, self._kept] @ self.free_weight)
+        joints = sum(joint.stored(at.extension[:, joint.spring]) for joint in self.open_joints)
+        return np.asarray(0.5 * at.extension**2 @ self.springs.stiffness + joints - coordinates[:, self._kept] @ self.free_weight)
 
 
 def _applied(matrices: Array, vectors: Array) -> Array:

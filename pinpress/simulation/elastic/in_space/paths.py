@@ -87,6 +87,22 @@ class LengthPathInSpace:
         return PathMotion(length, rate, sprung.to_free(gradient), sprung.to_free_twice(bend))
 
 
+@dataclass(frozen=True, eq=False)
+class SpringPathInSpace:
+    """The extension of a spring.
+
+    Attributes:
+        line: the press with that spring alone.
+    """
+
+    line: PressInSpace
+
+    def over(self, sprung: PressInSpace, coordinates: Array, rates: Array) -> PathMotion:
+        """The path at all coordinates and rates (n, k)."""
+        value, rate, gradient, bend = self.line.extensions(sprung.turned(coordinates, rates), coordinates, rates)
+        return PathMotion(value[:, 0], rate[:, 0], sprung.to_free(gradient[:, 0]), sprung.to_free_twice(bend))
+
+
 def path_in_space(sprung: PressInSpace, coordinate: Coordinate) -> PointPathInSpace | LengthPathInSpace:
     """The path of a coordinate along which forces act."""
     press = sprung.press
