@@ -317,6 +317,17 @@ def test_what_is_not_finite_is_named_with_its_angle(load, named):
         pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce(load.link, force, load.point)] * 2)
 
 
+def test_forces_whose_squares_are_too_large_for_floating_point():
+    """They are returned, and proportional to the load: nothing else counts beside it."""
+    press = pp.load("zxn2_3000b")
+    motion = pp.cycle(press, speed=SPEED, points=9)
+    small, large = (pp.inverse_dynamics(press, motion, loads=[pp.loads.PointForce("slide", (0.0, 0.0, size))]) for size in (1e20, 1e200))
+    np.testing.assert_allclose(large.driving_torque, small.driving_torque * 1e180, rtol=1e-12)
+    for name in press.bearings:
+        scale = np.abs(large.bearing_force[name]).max()
+        np.testing.assert_allclose(large.bearing_force[name], small.bearing_force[name] * 1e180, rtol=0, atol=1e-12 * scale)
+
+
 HORIZONTAL = """<robot name="disc"><link name="frame"/><link name="disc"><inertial><origin xyz="0.2 0 0.1"/><mass value="40"/>
 <inertia ixx="2" ixy="0" ixz="0" iyy="3" iyz="0" izz="2"/></inertial></link><joint name="O" type="continuous">
 <origin xyz="0.3 0 0.7" rpy="1.5707963267948966 0 0"/><parent link="frame"/><child link="disc"/><axis xyz="0 -1 0"/></joint>
