@@ -30,6 +30,7 @@ from .words.options import (
     Forces,
     add_flywheel_option,
     add_force_options,
+    add_joint_option,
     add_mount_options,
     add_press_options,
     add_trace_option,
@@ -49,13 +50,14 @@ MOST_STATES = 100_000  # of a period, for the vibration of the frame
 SPEEDS = 61  # at which the press on its mounts is shown
 EPILOG = f"""\
 Each of these adds its part to the page: --load (the process), --nominal-force and other capacities (ratings), --motor with --flywheel (the
-steady state under it), --stiffness (the elastic press), --region with --minimise (the best counterweights), --frame with --mount, of
+steady state under it), --stiffness (the elastic press, with
+--preloaded-joint too), --region with --minimise (the best counterweights), --frame with --mount, of
 springs or with --pad of rubber, or --frame with a frame file (loads of the mounts, modes, vibration and force on the floor; with
 --speed-range these over the speed, with --lift-off where the mounts only press).
 regions: {balance.REGION}
 criteria: {balance.CRITERION}; see pinpress balance --help
 
-{part_specs.explained("load", "spring", "friction", "motor", "mount")}\
+{part_specs.explained("load", "spring", "friction", "motor", "joint", "mount")}\
 --pad, the rubber pad at each --mount, which then is point= alone; hardness in Shore A, 20 to 80, or shear_modulus:
   {part_specs.keys(part_specs.PAD)}
   e.g. --pad {part_specs.PAD.example} --mount {part_specs.PLACE.example}
@@ -81,6 +83,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option("--out", type=Path, metavar="HTML", help="write this page")
     option("--pdf", type=Path, metavar="PDF", help="print it to this file (needs Chromium and pip install 'pinpress[video]')")
     add_force_options(parser)
+    add_joint_option(parser)
     ratings.add_capacity_options(parser, required=False)
     option("--motor", metavar="KIND:KEYS", help="motor, see below: the page shows the steady state under it, with loads and flywheel, too")
     add_flywheel_option(parser, "with --motor, and with --speed-drop as an energy of the ratings")
@@ -179,12 +182,14 @@ def _results(
             "points": POINTS * press.period_turns,
         }
         yield steady_state(press, options.speed.of(coordinate), **parts)  # type: ignore[arg-type]  # it refuses what has no motor
-    if options.stiffness:
+    if options.stiffness or options.preloaded_joint:
         from ..elasticity.slide_under_load import slide_deflection  # seldom needed
         from ..elasticity.springs import Stiffness
         from ..elasticity.unit_load import compliance
 
-        stiffness = Stiffness(bearings=acting["stiffness"])
+        joints = part_specs.joints(options.preloaded_joint, press)
+        frame = joints.pop(part_specs.COLUMNS, None)
+        stiffness = Stiffness(bearings={**acting["stiffness"], **joints}, frame=frame)
         yield compliance(press, stiffness)
         yield slide_deflection(press, reactions.motion, stiffness, loads=loads)
     if options.region:

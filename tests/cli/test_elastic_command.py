@@ -40,6 +40,30 @@ def test_every_word_reaches_the_simulation(capsys: pytest.CaptureFixture[str], m
     assert "force_P [N]" in header
 
 
+JOINTS = ["--preloaded-joint", "frame:loaded=20MN/m,relieved=80MN/m,preload=40kN"]
+JOINTS += ["--preloaded-joint", "slide_guide:loaded=3e7,relieved=3e7,preload=2kN"]
+
+
+def test_preloaded_joints_are_those_of_python(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tie rods and gibs stand for columns and guide; the inputs name both."""
+    runs: list[pp.ElasticRun] = []
+
+    def spy(*args: Any, **kwargs: Any) -> Any:
+        runs.append(pp.simulate(*args, **kwargs))
+        return runs[-1]
+
+    monkeypatch.setattr(simulate, "simulate", spy)
+    assert main([*RUN, *SPRINGS, *JOINTS, "--elastic", "crown_mass=0.5t", "--points", "12"]) == 0
+    (run,), out = runs, capsys.readouterr().out
+    rods = pp.elasticity.PreloadedJoint(loaded=2e7, relieved=8e7, preload=4e4)
+    gibs = pp.elasticity.PreloadedJoint(loaded=3e7, relieved=3e7, preload=2e3)
+    assert run.elastic.stiffness.frame == rods
+    assert dict(run.elastic.stiffness.bearings) == {"O": 5e7, "P": 6e7, "slide_guide": gibs, "W": 5e7}
+    assert set(run.joint_load) == {"frame", "slide_guide"}
+    assert "slide_guide: 3e+07 and 3e+07 N/m, preloaded by 2000 N" in out
+    assert "preloaded by 4e+04 N" in out
+
+
 FRAME = ["--frame", "mass=2t,centre=0/0/0.3,inertia=400/500/300"]
 MOUNT = ["--mount", "point=0.4/0/-0.8,stiffness=4MN/m/4MN/m/9MN/m,damping=4e4/4e4/8e4"]
 OTHER_MOUNT = ["--mount", MOUNT[1].replace("0.4", "-0.4")]
@@ -103,9 +127,16 @@ def test_a_frame_file_is_what_the_words_are(capsys: pytest.CaptureFixture[str], 
         ([*SPRINGS, "--elastic", "frame=1e9"], "--elastic frame=1e9: Elastic: a crown on its columns needs both"),
         ([*SPRINGS, "--clearance", "0.1mm"], "it names no pin; write e.g. --clearance W:radial=0.1mm"),
         ([*SPRINGS, "--clearance", "Q:radial=0.1mm"], "no bearing 'Q'"),
-        ([*SPRINGS, "--clearance", "P:radial=0.1mm", "--clearance", "P:radial=0.2mm"], "the clearance of P is given twice"),
+        ([*SPRINGS, "--clearance", "P:radial=0.1mm", "--clearance", "P:radial=0.2mm"], "--clearance P:radial=0.2mm: P is given twice"),
         ([*SPRINGS, "--clearance", "P:radial=100"], "give the radial clearance in m"),
         ([*SPRINGS, "--clearance", "P:radial=0.1mm,law=hertz"], "restitution belongs to the law 'hertz': give it"),
+        (["--preloaded-joint", JOINTS[1]], "--preloaded-joint is for a press on springs"),
+        ([*SPRINGS, "--preloaded-joint", "P:loaded=1e9,relieved=1e9,preload=1e4"], "which a guide has across its axis alone"),
+        ([*SPRINGS, "--preloaded-joint", "slide_guide:loaded=1e9,relieved=2e9,preload=1e4"], "both gibs of a guide are alike"),
+        ([*SPRINGS, "--preloaded-joint", "slide_guide:loaded=1e9,relieved=1e9"], "preload is missing"),
+        ([*SPRINGS, "--preloaded-joint", "loaded=1e9"], "it names neither a guide nor the frame; write e.g. --preloaded-joint frame:"),
+        ([*SPRINGS, *JOINTS, "--elastic", OTHER], "--preloaded-joint frame stands for the columns: leave out either"),
+        ([*SPRINGS, *JOINTS], "a crown on its columns needs both"),
         ([*FRAME, *MOUNT], "--frame is for a press on springs"),
         ([*SPRINGS, *FRAME], "--frame and --mount go together"),
         ([*SPRINGS, *MOUNT], "--frame and --mount go together"),

@@ -297,3 +297,22 @@ def test_the_frame_under_a_blank_that_breaks_through(tmp_path: Path) -> None:
     forces = [*(np.sqrt((force.var(axis=0)).sum()) for force in (found.shaking_force, found.floor_force)), found.least_load.min()]
     factors = {"N": 1.0, "kN": 1e3}
     assert [float(value) * factors[unit] for value, unit in shown] == pytest.approx(forces, rel=2e-3)
+
+
+@pytest.mark.exhaustive
+def test_a_preloaded_frame_yields_under_the_process(tmp_path: Path) -> None:
+    """More than one without preload whose members both hold, once its uprights have lifted off."""
+    page = tmp_path / "report.html"
+    words = ["report", "jf75g_125", "--speed", "350", "--load", "blanking:force=700kN,start=3mm,end=1mm", "--out", str(page)]
+    assert main([*words, "--stiffness", "P4=4e9", "--preloaded-joint", "frame:loaded=2GN/m,relieved=6GN/m,preload=300kN"]) == 0
+    sections = {section["title"]: section for section in data_in(page)["report"]["sections"]}
+    shown = {figure["name"]: figure["value"] for figure in sections["Deflection under load, weight and inertia"]["blocks"][0]["figures"]}
+    press = pp.load("jf75g_125")
+    rods = pp.elasticity.PreloadedJoint(loaded=2e9, relieved=6e9, preload=3e5)
+    motion, load = pp.cycle(press, 350 * pp.RPM, points=720), pp.loads.Blanking(7e5, start=0.003, end=0.001)
+    yielding, closed = (
+        pp.elasticity.slide_deflection(press, motion, pp.elasticity.Stiffness({"P4": 4e9}, frame=frame), loads=[load]).deflection.max()
+        for frame in (rods, rods.stiffness)
+    )
+    assert yielding > 1.2 * closed
+    assert shown["pushed up by at most"] == f"{1e3 * yielding:.4g} mm"

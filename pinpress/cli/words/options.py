@@ -23,7 +23,7 @@ from ...loads.link import Friction, Load
 from ...loads.mounts import Frame, Mount
 from ...simulation.elastic.description import Elastic, Stiffness
 from . import part_specs
-from .part_specs import ALL
+from .part_specs import ALL, COLUMNS
 
 if TYPE_CHECKING:
     from ...foundation.mounted_press import MountedPress
@@ -213,9 +213,16 @@ def add_spring_options(parser: argparse.ArgumentParser) -> None:
     option("--moment-stiffness", metavar="NAME=Nm/rad", action="append", default=[], help=help)
     option("--elastic", metavar="KEYS", help="damping, shaft and frame of a press on springs, see below")
     option("--clearance", metavar="NAME:KEYS", action="append", default=[], help="clearance of a pin of a press on springs, see below")
+    add_joint_option(parser)
     add_mount_options(parser, "a press on springs shakes it")
     why = "loss of rubber belongs to vibration of one frequency; give --mount with stiffness= and damping=, of the pad at that which counts"
     add_refused_option(parser, "--pad", why)
+
+
+def add_joint_option(parser: argparse.ArgumentParser) -> None:
+    """Option --preloaded-joint."""
+    help = "preloaded joint of a guide or the frame in place of its stiffness, see below; may be given several times"
+    parser.add_argument("--preloaded-joint", metavar="NAME:KEYS", action="append", default=[], help=help)
 
 
 def add_mount_options(parser: argparse.ArgumentParser, what: str) -> None:
@@ -307,7 +314,7 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
         PinpressError: as `part_specs`; also where a bearing or guide has no stiffness.
     """
     if not options.stiffness:
-        beside = ("moment_stiffness", "elastic", "clearance", "frame", "mount")
+        beside = ("moment_stiffness", "elastic", "clearance", "preloaded_joint", "frame", "mount")
         alone = next((name for name in beside if getattr(options, name)), None)
         if alone is None:
             return None
@@ -320,11 +327,14 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
     turning = part_specs.by_bearing("--moment-stiffness", options.moment_stiffness, "N m/rad", "stiffness against turning", "2e8")
     also = part_specs.Yielding() if options.elastic is None else part_specs.part("--elastic", part_specs.ELASTIC, options.elastic)
     clearances = part_specs.clearances(options.clearance, press)
+    joints = part_specs.joints(options.preloaded_joint, press)
+    if COLUMNS in joints and also.frame is not None:
+        raise PinpressError(f"--elastic frame={also.frame:g}: --preloaded-joint {COLUMNS} stands for the columns: leave out either")
     stiffness = Stiffness(
-        _of_all("--stiffness", across, press.bearings, "2e9"),
+        _of_all("--stiffness", across, press.bearings, "2e9") | {name: joint for name, joint in joints.items() if name != COLUMNS},
         moments=_of_all("--moment-stiffness", turning, turning_ones, "2e8"),
         shaft=also.shaft,
-        frame=also.frame,
+        frame=joints.get(COLUMNS, also.frame),
     )
     frame, mounts = _rigid_frame(options, press)
     try:

@@ -31,6 +31,7 @@ from ...loads.pneumatics import BalanceCylinder, PneumaticCushion
 from ...loads.process import Blanking, ConstantForce, DeepDrawing, ElasticDie, ForceStroke, Idle
 from ...loads.shearing import RateSensitiveBlanking
 from ...simulation.elastic.contact import Clearance
+from ...simulation.elastic.preloaded_joint import PreloadedJoint
 from .part_values import instant, numbers, pairs_of_file, speed, truth, vector, whole_number
 from .units import read_quantity
 
@@ -170,6 +171,8 @@ class Yielding:
 
 ELASTIC = Kind(Yielding, "damping_ratio=0.03,frame=3GN/m,crown_mass=4t")
 CLEARANCE = Kind(Clearance, "radial=0.1mm")
+JOINT = Kind(PreloadedJoint, "loaded=2GN/m,relieved=6GN/m,preload=2500kN")
+COLUMNS = "frame"  # name of the columns between crown and table, beside those of bearings and guides
 
 
 def motor(words: str | None, coordinate: DriverCoordinate) -> Drive | PrescribedSpeed | None:
@@ -258,16 +261,27 @@ def by_bearing(option: str, specs: Sequence[str], unit: str, quantity: str, exam
 
 def clearances(specs: Sequence[str], press: Linkage) -> dict[str, Clearance]:
     """Clearances by the names of pins from words such as ``A:radial=0.1mm``. Raises as `frictions`."""
-    found: dict[str, Clearance] = {}
+    return _by_part("--clearance", CLEARANCE, specs, press.bearings, "it names no pin")
+
+
+def joints(specs: Sequence[str], press: Linkage) -> dict[str, PreloadedJoint]:
+    """Preloaded joints by the names of guides, or that of `COLUMNS`, from words such as
+    ``frame:loaded=2GN/m,relieved=6GN/m,preload=2500kN``. Raises as `frictions`."""
+    return _by_part("--preloaded-joint", JOINT, specs, (*press.bearings, COLUMNS), "it names neither a guide nor the frame")
+
+
+def _by_part(option: str, kind: Kind[T], specs: Sequence[str], names: Sequence[str], nameless: str) -> dict[str, T]:
+    """What is given for some of these names, ``NAME:KEYS`` each; ``nameless``: what is wrong without a name, for messages."""
+    found: dict[str, T] = {}
     for words in specs:
         name, colon, rest = words.rpartition(":")
         if not colon:
-            raise PinpressError(f"--clearance {words}: it names no pin; write e.g. --clearance {press.bearings[-1]}:{CLEARANCE.example}")
+            raise PinpressError(f"{option} {words}: {nameless}; write e.g. {option} {names[-1]}:{kind.example}")
         if name in found:
-            raise PinpressError(f"--clearance {words}: the clearance of {name} is given twice")
-        if name not in press.bearings:
-            raise UnknownNameError("bearing", name, press.bearings)
-        found[name] = _made(f"--clearance {name}:", CLEARANCE, rest)
+            raise PinpressError(f"{option} {words}: {name} is given twice")
+        if name not in names:
+            raise UnknownNameError("bearing", name, names)
+        found[name] = _made(f"{option} {name}:", kind, rest)
     return found
 
 
@@ -316,7 +330,7 @@ def keys(kind: Kind[Any]) -> str:
 
 def explained(*parts: str) -> str:
     """What the options of these names take, for the help of all commands that have them: load, spring, friction, motor, clutch, elastic,
-    mount."""
+    joint (which is in elastic), mount."""
     intro = "KIND:KEYS are e.g. blanking:force=1000kN,start=6mm,end=2mm; keys in brackets are optional. Numbers are in SI units, speeds in"
     lines = [intro, "r/min, or have units of their own. Files are CSV of two columns."]
     for part in parts:
@@ -373,6 +387,15 @@ def _of_springs_of_bearings() -> list[str]:
         "--clearance of a pin, with law=hertz also restitution= and hertz_stiffness=:",
         f"  NAME:{keys(CLEARANCE)}",
         f"  e.g. --clearance A:{CLEARANCE.example}",
+        *_of_joints(),
+    ]
+
+
+def _of_joints() -> list[str]:
+    return [
+        f"--preloaded-joint of two members, a positive load adding to the loaded one, in place of a stiffness; {COLUMNS}: of the columns:",
+        f"  NAME:{keys(JOINT)}",
+        f"  e.g. --preloaded-joint {COLUMNS}:{JOINT.example}, tie rods and uprights",
     ]
 
 
@@ -397,6 +420,7 @@ _EXPLAINED: Mapping[str, Callable[[], list[str]]] = {
     "motor": _of_motors,
     "clutch": _of_clutches,
     "elastic": _of_springs_of_bearings,
+    "joint": _of_joints,
     "mount": _of_mounts,
 }
 

@@ -8,7 +8,7 @@ alone (any textbook of machine elements, preloaded bolts).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from ...common.arguments import numbers, positive
 from ...common.errors import caution
 from ...common.frozen import Frozen
+from ...common.parameters import parameter
 from ...common.quantities import Array
 from ...loads.process import ForceInterval
 
@@ -44,9 +45,9 @@ class PreloadedJoint(Frozen):
         PinpressWarning: the preload is below 1 kN: it may be in kN.
     """
 
-    loaded: float
-    relieved: float
-    preload: float
+    loaded: float = field(metadata=parameter("N/m", "positive"))
+    relieved: float = field(metadata=parameter("N/m", "positive"))
+    preload: float = field(metadata=parameter("N", "positive"))
 
     def __post_init__(self) -> None:
         super().__post_init__()
