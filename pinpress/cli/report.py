@@ -200,7 +200,7 @@ def _results(
 
 def _resolved(system: MountedPress, reactions: Reactions, acting: Forces) -> Reactions:
     """The reactions over a period of as many states as the vibration needs: more than the page has where a blank breaks through."""
-    from ..foundation.response import states_that_resolve
+    from ..foundation.response import states_that_resolve  # seldom needed
 
     while len(reactions.motion.crank_angle) < (states := states_that_resolve(system, reactions)) <= MOST_STATES:
         motion = cycle(system.press, speed=float(reactions.motion.crank_speed[0]), points=states)
