@@ -218,11 +218,11 @@ class LinkedPower:
             return fed, end, (piece.time(end), energy, mains, burnt)
         after = energy + given * piece.half * (end - x) - (piece.taken(end) - before)
         after = min(after, max(energy, self._full))  # on a piece of rounding's length the sign of the power is rounding too
-        if target is not None and (after >= target) is (energy < target):
+        if target is not None and (after >= target) == (energy < target):
             missing = [-coefficient for coefficient in piece.work]
             missing[0] += energy + before - target - given * piece.half * x
             missing[1] += given * piece.half
-            reached = (horner(missing[::-1], x) > 0) is not (energy > target)  # so near that it is rounding
+            reached = (horner(missing[::-1], x) > 0) != (energy > target)  # so near that it is rounding
             end, after = x if reached else polynomial_root(missing, x, end), target
         mains += given * piece.half * (end - x)
         return fed, end, (piece.time(end), after, mains, burnt)
