@@ -180,15 +180,10 @@ def caution(message: str) -> None:
         if message not in collected:
             collected.append(message)
         return
-    warn_caller(message, PinpressWarning)
-
-
-def warn_caller(message: str, category: type[Warning]) -> None:
-    """Issue a warning that points at the caller of the library; an import statement calls by way of importlib."""
     frame, level = sys._getframe(), 1
-    while frame.f_back is not None and (package := frame.f_globals.get("__name__", "").partition(".")[0]) in ("pinpress", "importlib"):
-        frame, level = frame.f_back, level + (package == "pinpress")  # `warnings` does not count frames of importlib
-    warnings.warn(message, category, stacklevel=level)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "pinpress":
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, PinpressWarning, stacklevel=level)
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
