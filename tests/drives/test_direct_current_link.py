@@ -67,6 +67,11 @@ def test_a_sine_in_closed_form():
     assert course.mains[-1] == pytest.approx(half_wave - FULL, rel=1e-12)
     assert course.energy.max() == FULL
     assert course.energy[-1] == 0
+    times = np.array([0.5 * filled, 0.5 * (filled + 0.5), 0.5 * (0.5 + emptied), 0.5 * (emptied + 1.0)])
+    taken = -size * np.sin(2 * np.pi * times)
+    mains, burnt = course.powers(LINK, times, taken)
+    assert mains.tolist() == [0.0, 0.0, 0.0, taken[3]]
+    assert burnt.tolist() == [0.0, -taken[1], 0.0, 0.0]
 
 
 def test_limited_mains_charge_in_the_pause():

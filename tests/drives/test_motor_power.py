@@ -91,6 +91,13 @@ def test_limited_torque_slips_no_more():
     assert motor.power(0.0).slip == pytest.approx(1.5**2 * motor.rated_slip_loss, rel=1e-12)
 
 
+def test_a_driving_motor_takes_its_terminals_power_by_the_inverters_efficiency():
+    for back in (True, False):
+        power = InverterMotor(**SIEMENS, frequency=50.0, inverter_efficiency=0.8, **LOSSES, feeds_back=back).power(1485 * RPM)
+        assert power.mains == pytest.approx((power.shaft + power.heat) / 0.8, rel=1e-12)
+        assert power.resistor == 0.0
+
+
 def test_braking_feeds_the_mains_or_the_resistor():
     speed = 1515 * RPM
     for motor in (InverterMotor(**SIEMENS, frequency=50.0, inverter_efficiency=0.96, **LOSSES, feeds_back=back) for back in (True, False)):

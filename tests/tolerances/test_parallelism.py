@@ -1,6 +1,7 @@
 """Slopes of slides on two and four points, against chains of their own, closed forms and least squares by hand."""
 
 import re
+from dataclasses import replace
 from math import erf
 
 import numpy as np
@@ -131,6 +132,17 @@ def test_guides_hold_the_slope_of_soft_points(two_points, found):
     assert found.misfit_sd.max() < 1e-12
 
 
+def test_rods_that_err_alike_tilt_the_slide_less(two_points):
+    """The slope is the difference of two heights: its variance falls by the coefficient of correlation of the rods."""
+    rods = {point: each[1:2] for point, each in chains(two_points).items()}
+    springs = {"point_stiffness": 1e9, "guide_stiffness": 1e8}
+    alone = tol.parallelism(two_points, rods, samples=100, **springs)
+    alike = tol.parallelism(two_points, rods, samples=100, correlation={("rod front", "rod back"): 0.75}, **springs)
+    assert alone.slopes[1].first_order_sd > 1e-6
+    assert alike.slope_sd == pytest.approx(0.5 * alone.slope_sd, rel=1e-9)
+    assert alike.point_force_sd == pytest.approx(0.5 * alone.point_force_sd, rel=1e-9, abs=1e-6)
+
+
 def test_presses_that_keep_a_table_of_permissible_slopes(two_points, found):
     """0.01 mm and 0.03 mm a metre, over 0.5 m along the line of the points; a force beside their middle tilts the slide on its springs."""
     row = tol.PermissibleSlope
@@ -149,6 +161,11 @@ def test_presses_that_keep_a_table_of_permissible_slopes(two_points, found):
     middle = held.places.mean(axis=0)
     loaded = held.kept({"under force": row(0.0, limit, 1e5, np.add(middle, (0.0, 0.02)))}, (1.0, 1.0))["under force"]
     assert loaded == pytest.approx(0.5 * (erf(1 / np.sqrt(2)) + erf((2 * tilt + left) / left / np.sqrt(2))), abs=0.01)
+    within = [np.abs(slope.deviation + by_force) <= limit for slope, by_force in zip(held.slopes, (0.0, tilt), strict=True)]
+    assert loaded == np.mean(np.logical_and(*within))  # a force upwards raises its own side
+    elsewhere = replace(held, places=np.add(held.places, (0.1, -0.2)))  # the origin of the places does not matter
+    moved = row(0.0, limit, 1e5, np.add(middle, (0.1, 0.02 - 0.2)))
+    assert elsewhere.kept({"under force": moved}, (1.0, 1.0))["under force"] == loaded
     assert held.kept({"across": row(0.0, 0.9e-3, 1e5, np.add(middle, (1.0, 0.0)))}, (1.0, 1.0))["across"] == 0.0  # 1e-3 by the guides alone
     for wrong, said in [
         (lambda: found.kept({"loaded": row(1e-5, force=1e5)}, (1.0, 1.0)), "'loaded' has a force.*give point_stiffness"),
