@@ -158,6 +158,15 @@ def test_control_is_lost_where_the_current_is_at_its_limits(torque, feedback, re
         assert motor.excitation(speed) == pytest.approx(current, rel=1e-9)
 
 
+def test_the_residual_current_ends_the_control_draws_its_torque_and_takes_its_power():
+    """A tenth of the current from the second of the control's speeds on: a hundredth of the torque and of the power."""
+    motor = SlipClutchMotor(**YCT, feedback=0.9, residual_current=0.1, excitation_power=120.0)
+    full, least = motor.control_speeds
+    assert [motor.excitation(speed) for speed in (full, 0.5 * (full + least), least)] == pytest.approx([1.0, 0.55, 0.1], rel=1e-9)
+    assert motor.controllable_torque(1320 * RPM) == pytest.approx((1.89, 189.0), rel=1e-12)
+    assert motor.power(1320 * RPM).load == pytest.approx(1.2, rel=1e-12)
+
+
 def test_too_little_feedback_is_told():
     with pytest.warns(pp.PinpressWarning, match=r"feedback 0\.5 it has its full current up to primary_speed.*give more than 0\.59"):
         motor = SlipClutchMotor(**YCT, feedback=0.5)

@@ -223,3 +223,11 @@ def test_bad_masses_to_pick_up():
             pp.loads.pick_up_force(*given)
     with pytest.raises(pp.PinpressError, match="preload is -1 N: give a force that is not negative"):
         pp.loads.pick_up_force(1.0, 0.3, 1e8, preload=-1.0)
+
+
+def test_a_contact_that_would_pull_is_lost_on_either_side():
+    stop = TwoSidedStop(lower=-0.1, upper=0.1, stiffness=1e6)
+    for interval in stop.intervals(True):
+        for law in (-2.0, 2.0):
+            assert interval.pushes(law) == (interval.acting(law) != 0.0) == (law * interval.sense > 0)
+    assert {interval.sense for interval in stop.intervals(True)} == {1, -1}
