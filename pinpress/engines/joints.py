@@ -25,6 +25,7 @@ MOST_JOINTS = 200  # `pin.Data` has 7 arrays whose size grows with the cube of t
 LARGE = 33  # joints from which on sparse matrices are faster
 SERIAL = 65_536  # scalar multiplications up to which OpenBLAS computes a complex product in one thread
 SERIAL_ROW = 4_095  # the same limit where the left factor has one row, which OpenBLAS takes for a vector
+SERIAL_VECTOR = 10_000  # numbers in each of two vectors up to which OpenBLAS computes their product in one thread
 
 _HELD_ROTATIONS = {"spherical": 0, "revolute": 2, "fixed": 3}
 
@@ -230,6 +231,17 @@ def product(rows: Matrix, columns: Any) -> Any:
     for start in range(0, columns.shape[1], step):
         np.matmul(rows, columns[:, start : start + step], out=result[:, start : start + step])
     return result
+
+
+def finite_if(values: Array | ComplexArray) -> float:
+    """A number that is finite only if all values are: the sum of their squares, or of more values their sum.
+
+    The squares take less time, but those of many values would wake the threads of BLAS, see `product`.
+    """
+    if values.size <= SERIAL_VECTOR:
+        return float(np.vdot(values, values).real)
+    total = np.add.reduce(values, axis=None)
+    return float(total.real + total.imag)
 
 
 def plain(rows: Matrix) -> Any:
