@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .products import product
 from .quantities import Array
 
 NODES = 14  # nodes of the quadrature; the polynomials through them have one degree less
@@ -43,11 +44,11 @@ class GaussRule(NamedTuple):
 
     def polynomial(self, values: Array) -> Array:
         """Coefficients (q, n) in rising powers of the polynomials through values (q, n) at the nodes."""
-        return np.asarray(self.powers @ (self.legendre @ values))
+        return product(self.powers, product(self.legendre, values))
 
     def integral(self, values: Array) -> Array:
         """Coefficients (q + 1, n) in rising powers of the integrals from -1 of these polynomials."""
-        return np.asarray(self.integrals @ (self.legendre @ values))
+        return product(self.integrals, product(self.legendre, values))
 
 
 @cache

@@ -24,9 +24,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...common.products import SERIAL_COMPLEX, finite_if
 from ...common.quantities import Array, ComplexArray
 from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
-from ..joints import LARGE, SERIAL, finite_if, plain
+from ..joints import LARGE, plain
 from . import out_of_plane
 from .bodies import Bodies
 from .chain import Chain, ChainStates, Closed, Equation, all_functions, rate_of
@@ -308,7 +309,7 @@ def _open_tree(fixed: ChainBodies, second: ComplexArray) -> OpenTree:
     found = np.empty((first + fixed.bearing_count, n), complex)
     rows = list(found)
     work, forces = rows[:first], rows[first:]
-    if fixed.together is not None and fixed.together.size * n <= SERIAL:
+    if fixed.together is not None and fixed.together.size * n <= SERIAL_COMPLEX:
         np.dot(fixed.together, second, found[: first + joints])
         return OpenTree(work, forces, found[first:])
     for tree in fixed.trees:
@@ -324,8 +325,8 @@ def _open_tree(fixed: ChainBodies, second: ComplexArray) -> OpenTree:
 
 
 def _multiply(rows: ComplexArray, columns: ComplexArray, out: ComplexArray) -> ComplexArray:
-    """`joints.product` of several rows into an array."""
-    step = max(1, SERIAL // rows.size)
+    """`products.product` of several rows into an array."""
+    step = max(1, SERIAL_COMPLEX // rows.size)
     for start in range(0, columns.shape[1], step):
         s = slice(start, start + step)
         np.matmul(rows, columns[:, s], out=out[:, s])
