@@ -1,6 +1,7 @@
 """How often threads other than the main one are switched to while pinpress works: a program, which prints a line for each work."""
 
 import re
+import sys
 import threading
 import time
 from pathlib import Path
@@ -48,4 +49,4 @@ for name, work in WORKS.items():
         threads, before = switches()
         work()
         found.append(switches()[1] - before)
-    print(name, min(found), threads, sep=",")
+    sys.stdout.write(f"{name},{min(found)},{threads}\n")
