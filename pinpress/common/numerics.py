@@ -30,6 +30,7 @@ class GaussRule(NamedTuple):
         nodes: (q,) nodes from -1 to 1.
         weights: (q,) weights of the quadrature.
         cumulative: (q, q) from values at the nodes to integrals from -1 to the nodes.
+        to_end: (q + 1, q) the same, and in the last row the weights, to the integral from -1 to 1.
         legendre: (q, q) from values at the nodes to coefficients of Legendre polynomials.
         powers: (q, q) from coefficients of Legendre polynomials to coefficients of rising powers.
         integrals: (q + 1, q) from coefficients of Legendre polynomials to coefficients of rising powers of their integrals from -1.
@@ -38,6 +39,7 @@ class GaussRule(NamedTuple):
     nodes: Array
     weights: Array
     cumulative: Array
+    to_end: Array
     legendre: Array
     powers: Array
     integrals: Array
@@ -65,7 +67,8 @@ def gauss_rule() -> GaussRule:
         integral = legendre.leg2poly(summed)
         integrals[: len(integral), k] = integral
         cumulative[:, k] = legendre.legval(nodes, summed)
-    return GaussRule(nodes, weights, cumulative @ to_legendre, to_legendre, powers, integrals)
+    within = cumulative @ to_legendre
+    return GaussRule(nodes, weights, within, np.vstack([within, weights]), to_legendre, powers, integrals)
 
 
 def polynomial_values(coefficients: Array, x: Array) -> Array:

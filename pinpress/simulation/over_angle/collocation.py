@@ -370,9 +370,9 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     rests = bool(mesh.kinds.any())
     inner = (force + weight if rests else force) * mesh.measure[:, :, None]
     flat = inner.reshape(q, p * count)
-    totals = product(rule.weights, flat).reshape(p, count)
+    integrals = product(rule.to_end, flat).reshape(q + 1, p, count)
+    work, totals = integrals[:-1], integrals[-1]
     ends = running_sums(energy, totals)
-    work = product(rule.cumulative, flat).reshape(q, p, count)
     work += ends[:-1]
     if not rests:
         work -= mesh.lifted[:, :, None]
@@ -396,9 +396,9 @@ def _factored(constant: Array, within: Array, through: Array, short: Array | Non
         short: (S,) by which F has to be larger at the start than at the end; None: it is zero at the start.
     """
     constant /= within
-    ends = _panel_by_panel(through * _summed(constant), through, short)
     q, p, count = constant.shape
-    found = product(gauss_rule().cumulative, constant.reshape(q, -1)).reshape(q, p, count)
+    integrals = product(gauss_rule().to_end, constant.reshape(q, -1)).reshape(q + 1, p, count)
+    found, ends = integrals[:-1], _panel_by_panel(through * integrals[-1], through, short)
     found += ends[:-1]
     found *= within
     return found, ends
