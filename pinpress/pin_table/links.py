@@ -15,7 +15,7 @@ import numpy as np
 from ..common.errors import suggestion
 from ..common.quantities import Array
 from .formulas import number
-from .placement import ALIKE, AXES, SIDES, Pin
+from .placement import ALIKE, AXES, SIDES, Pin, refuse_unless_a_word
 from .reading import Entry
 
 FRAME = "frame"
@@ -134,8 +134,9 @@ class _Reader:
         self.density = self.above_zero(table["density"], "a density") if "density" in table else STEEL
         self.carried: dict[str, list[str]] = {}
         for name, entry in self.items.items():
-            if name == FRAME or not name or any(c.isspace() or c in ",;:[]{}<>\"'&" for c in name):
+            if name == FRAME:
                 entry.refuse(f"{name!r} cannot name a link", "call it otherwise; `frame` at the top lists the pins of the frame")
+            refuse_unless_a_word(name, entry, "a link")
             self.carried[name] = self._pins(entry.known(KEYS, "a link"), entry)
 
     def link(self, name: str, entry: Entry) -> Link:

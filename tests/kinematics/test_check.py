@@ -132,6 +132,20 @@ def test_main_data_of_a_press():
     assert sense_of_rotation(press, -1.0) == "clockwise"
 
 
+def test_each_of_several_drivers_has_its_own_sense(check):
+    """The axis of the right motor is turned over: it points away from the reader, and the drawn pose stays what it is."""
+    five_bar = (URDF.parent / "docs" / "examples" / "five_bar.urdf").read_text(encoding="utf-8")
+    right, turned = (f'rpy="0 -0.9416 0"/><axis xyz="0 {y} 0"/>' for y in (-1, 1))
+    assert right in five_bar
+    report = check(five_bar.replace(right, turned))
+    assert report.facts.data.rotation == ("counter-clockwise", "clockwise")
+    assert [line.split()[:2] for line in str(report).splitlines() if "a positive speed" in line] == [
+        ["driver", "motor_left"],
+        ["driver", "motor_right"],
+    ]
+    assert [note.problem for note in report.notes if "engine" in note.problem] == ["engine 'space' computes it, not 'plane': there are 2 drivers"]
+
+
 def test_gear_pairs_stand_below_the_joint_that_follows(check):
     lines = str(check(SYMMETRIC)).splitlines()
     place = next(k for k, line in enumerate(lines) if line.startswith("  O_right "))
@@ -221,7 +235,7 @@ def test_a_weld_is_held_in_the_plane_too(check):
     report = check(four_bar("fixed"))
     assert redundancies(report) == ["3 equations are redundant across the plane of the linkage, as in any with parallel pins"]
     assert [finding.problem for finding in report.notes if "engine" in finding.problem] == [
-        "engine 'pinocchio' computes it, one configuration at a time: loop 'W' is a weld"
+        "engine 'space' computes it, not 'plane': loop 'W' is a weld"
     ]
     assert report.facts.engine == "space"
 
