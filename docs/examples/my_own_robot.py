@@ -1,4 +1,4 @@
-"""Closed-loop inverse dynamics for my own robot?
+"""How do I get the inverse dynamics of my own closed-loop robot?
 
 A five-bar arm with two motors is a URDF: the tree as ever, and beside it the pin that closes the loop. `pp.load`
 closes it, a path of both motors is a motion, and one call gives both torques and the force in every bearing.
