@@ -200,7 +200,8 @@ class DrawnPress(Tabular):
 def build(table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[float] = (0.0, 0.0, -9.81), **values: Any) -> Linkage:
     """Make a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
 
-    The picture's plane is x to the right and z up; the drawn pose is crank angle 0. The manual has the table's keys.
+    The picture's plane is x to the right and z up; the drawn pose is crank angle 0. The page "A press from a table of
+    pins" of the manual lists the keys of a table.
 
     Args:
         table: a YAML file; None where ``values`` are the table.

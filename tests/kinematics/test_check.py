@@ -143,7 +143,8 @@ def test_each_of_several_drivers_has_its_own_sense(check):
         ["driver", "motor_left"],
         ["driver", "motor_right"],
     ]
-    assert [note.problem for note in report.notes if "engine" in note.problem] == ["engine 'space' computes it, not 'plane': there are 2 drivers"]
+    (why,) = (note.problem for note in report.notes if "engine" in note.problem)
+    assert why == "engine 'space' computes it, not 'plane': there are 2 drivers"
 
 
 def test_gear_pairs_stand_below_the_joint_that_follows(check):

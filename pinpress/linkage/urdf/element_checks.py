@@ -344,7 +344,8 @@ def _inertia_problems(robot: Element) -> Iterator[Problem]:
         name = link.get("name")
         moving = bodies.get(name, frame) != frame
         if moving and bodies[name] == name and name not in heavy:
-            yield link, "it moves, but has no <inertial>, nor has any link welded to it", "write <inertial> with <mass> and <inertia>; zeros are a link without mass"
+            remedy = "write <inertial> with <mass> and <inertia>; zeros are a link without mass"
+            yield link, "it moves, but has no <inertial>, nor has any link welded to it", remedy
         for inertial in link.all("inertial"):
             for element in inertial.all("mass"):
                 for mass in element.numbers("value"):
