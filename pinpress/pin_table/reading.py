@@ -39,13 +39,19 @@ PIN_TABLE = FileKind(
 )
 
 
+MODELS = (".urdf", ".sdf", ".xml", ".mjcf")  # names of files that `load` reads
+
+
 def read_table(path: str | os.PathLike[str]) -> Entry:
     """The table of a YAML file, laid over the one that it names as its ``base``.
 
     Raises:
         PinTableError: the file cannot be read, is no YAML, or has a key twice; with the line.
     """
-    return _with_bases(Path(path_of("path", path)), ())
+    file = path_of("path", path)
+    if file.lower().endswith(MODELS):
+        raise PinTableError(file, None, "", "this is no table of pins", "pp.load(path) and pinpress check read URDF, SDF and MJCF files")
+    return _with_bases(Path(file), ())
 
 
 def given_table(values: Mapping[str, Any]) -> Entry:

@@ -116,6 +116,14 @@ def test_text_of_a_urdf_is_no_path():
         pp.load('<robot name="mine"><link name="frame"/></robot>')
 
 
+@pytest.mark.parametrize("call", [pp.load, lambda file: pp.check(file).errors[0].error])
+def test_a_table_of_pins_is_no_urdf(tmp_path, call):
+    file = tmp_path / "press.yaml"
+    file.write_text("units: mm", encoding="utf-8")
+    with pytest.raises(pp.UrdfError, match=r"press.yaml: this is a table of pins, not a URDF; make a press of it by pp.build\(path\)"):
+        raise call(file)
+
+
 def test_path_object_is_reported_as_text(tmp_path):
     with pytest.raises(pp.UrdfError) as caught:
         pp.load(tmp_path)

@@ -6,6 +6,7 @@ import pytest
 from support.mistakes import FOLDER, TABLE
 
 import pinpress as pp
+from pinpress.cli.main import main
 from pinpress.pin_table.building import draft
 from pinpress.pin_table.templates import template
 
@@ -17,6 +18,16 @@ def test_a_centre_of_mass_that_is_not_given_is_listed(tmp_path):
     found = dict(draft(path).estimates())
     assert found["crank"] == "centre of mass half-way from A to B"
     assert found["rocker"] == "centre of mass of a flat plate with its corners at the pins"
+
+
+def test_a_urdf_is_no_table(tmp_path, capsys):
+    """In a shell too, where it is not taken for a file that would be written over."""
+    file = tmp_path / "press.urdf"
+    file.write_text("<robot/>", encoding="utf-8")
+    with pytest.raises(pp.PinTableError, match=r"this is no table of pins; pp.load\(path\)"):
+        pp.build(file)
+    assert main(["build", str(file)]) == 2
+    assert "this is no table of pins; pp.load(path)" in capsys.readouterr().err
 
 
 @pytest.mark.filterwarnings("ignore:.*radius of gyration")
