@@ -36,7 +36,7 @@ GROUPS = {
     "What the press may do": ("permissible_force", "how_fast", "torque_over_speed_and_force"),
     "A quieter press": ("which_counterweight", "floor", "break_through", "worn_pin"),
     "A more exact press": ("bottom_dead_centre", "even_drawing_speed", "real_slide_mass"),
-    "For roboticists": ("my_own_robot", "pinocchio_beside"),
+    "For roboticists": ("my_own_robot", "path_of_the_hand", "pinocchio_beside"),
 }
 NAMES = tuple(name for names in GROUPS.values() for name in names)
 EXERCISES = {  # and what is found in each
@@ -56,7 +56,7 @@ wrong. A gap that is still open says what belongs there.
 Students start from the notebooks; `pip install '.[plots]' notebook` in a checkout brings all that they need. The solutions are the scripts
 in `docs/exercises`, and stand folded on the pages. `python docs/example_pages.py` runs them and writes pages, pictures and notebooks.
 """
-BESIDE = {"my_own_robot": "five_bar.urdf"}  # a file of the folder that the example reads
+BESIDE = dict.fromkeys(("my_own_robot", "path_of_the_hand"), "five_bar.urdf")  # a file of the folder that the example reads
 
 
 class Step(NamedTuple):

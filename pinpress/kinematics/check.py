@@ -253,9 +253,9 @@ def _places(press: Linkage, description: reader.Urdf) -> Iterator[Place]:
 def _turned_back(press: Linkage, data: MainData) -> Iterator[Finding]:
     """A note of a slide that turns back more often than twice a turn, as under a toggle that passes its straight position."""
     ends = data.dead_centres
-    if ends is None or not data.coordinate.turns:
+    if ends is None or not data.coordinate.turns or (period := press.branch_through_change_points.period) is None:
         return
-    found, turns = turning_points(press), round(press.branch_through_change_points.period / (2 * np.pi))
+    found, turns = turning_points(press), round(period / (2 * np.pi))
     if len(found.places) <= 2 * turns:
         return
     further = sorted(

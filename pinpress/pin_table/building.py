@@ -235,6 +235,8 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
     Warns:
         PinpressWarning: numbers that are hardly meant.
     """
+    if isinstance(table, Mapping):
+        raise PinpressError("build takes the path of a table, or the keys of one as arguments: write build(**table)")
     if table is None:
         return drawn_from(given_table(_without_units(values, _length_of(values.get("units")))))
     return _with_parameters(read_table(table), values) if values else drawn_from(read_table(table))

@@ -212,6 +212,7 @@ QUESTIONS = {
     "Jupyter notebook": "recording",
     "parallel computing cluster": "sweep",
     "process force without load cell": "process_force",
+    "inverse kinematics": "examples/path_of_the_hand",
     "inverse_dynamics": "motion_and_forces reference/pp",
 }
 ASK = """async ([program, questions]) => {

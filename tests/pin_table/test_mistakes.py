@@ -20,6 +20,11 @@ def test_a_centre_of_mass_that_is_not_given_is_listed(tmp_path):
     assert found["rocker"] == "centre of mass of a flat plate with its corners at the pins"
 
 
+def test_a_mapping_is_no_path():
+    with pytest.raises(pp.PinpressError, match=r"write build\(\*\*table\)"):
+        pp.build({"units": "mm"})
+
+
 def test_a_urdf_is_no_table(tmp_path, capsys):
     """In a shell too, where it is not taken for a file that would be written over."""
     file = tmp_path / "press.urdf"
