@@ -1,8 +1,8 @@
-"""How must the motors turn to move the hand along a line?
+"""How do I get the inverse kinematics of my own closed-loop robot?
 
-The five-bar arm moves its hand along a straight line, from rest to rest. Which angles of both motors do that (the
-inverse kinematics), and which torques? Newton's method finds the angles at all instants together; pinpress closes the
-loop at every guess, and says where the hand is then.
+The five-bar arm moves its hand along a straight line, from rest to rest. Which angles of both motors do that, and which
+torques? Newton's method finds the angles at all instants together; pinpress closes the loop at every guess, and says
+where the hand is then.
 """
 
 import matplotlib.pyplot as plt
