@@ -116,8 +116,7 @@ Least transmission angles (between the two links of a dyad; best at 90 deg, at 0
   F   E, slide_guide          43.29         155.50
 
 note: 2 equations are redundant across the plane of the linkage, as in any with parallel pins
-    redundant equations say again what others say; what bearings carry across the plane is shared by least squares:
-    reactions.indeterminate marks it"""
+    nothing is wrong; what bearings carry across the plane is shared by least squares: reactions.indeterminate marks it"""
     )
 
 
