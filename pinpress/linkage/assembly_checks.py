@@ -485,7 +485,7 @@ def _equations(count: int) -> str:
 def _engine(press: Linkage) -> Iterator[Finding]:
     if "plane" not in press.engines:
         problem = f"engine 'space' computes it, not 'plane': {_not_planar(press)}"
-        remedy, slower = rounded(press), "results are as exact, and take some twenty times longer"
+        remedy, slower = rounded(press), "results are as exact, and take ten to twenty times longer"
         yield Finding("warning" if remedy else "note", _robot(press), None, problem, remedy or slower)
 
 
