@@ -14,6 +14,7 @@ FASTEST_SLIDING = 10.0  # no cylinder or screw of a press slides faster [m/s]
 FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
 FAINT, WIDEST, ROOMIEST = 1e3, 3.0, 50.0  # no cylinder of a press has less pressure [Pa], more bore [m], or a larger tank [m3]
+LOOSE = 100.0  # no gibs of a press are preloaded by less [N]
 WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
@@ -110,12 +111,15 @@ def length(name: str, value: float, size: float) -> None:
         caution(f"{name} is {value:g} m, beside a linkage of {size:g} m: give it in m, {value:g}e-3 if mm are meant")
 
 
-def friction(name: str, coefficient: float, radius: float, size: float) -> None:
-    """Warn of friction of a bearing with a coefficient above 1, or a ``radius`` above the ``size`` of the linkage [m]."""
+def friction(name: str, coefficient: float, radius: float, size: float, preload: float = 0.0) -> None:
+    """Warn of friction of a bearing with a coefficient above 1, a ``radius`` above the ``size`` of the linkage [m], or a ``preload`` [N]
+    that may be in kN."""
     if coefficient > 1:
         caution(f"friction of {name}: its coefficient is {coefficient:g}: if per cent are meant, write {coefficient:g}e-2")
     if radius > size:
         caution(f"friction of {name}: its radius is {radius:g} m, beside a linkage of {size:g} m: if mm are meant, write {radius:g}e-3")
+    if 0.0 < preload < LOOSE:
+        caution(f"friction of {name}: its preload is {preload:g} N: if kN are meant, write {preload:g}e3")
 
 
 def cylinder(name: str, bore: float, pressure: Array, volume: Array | None = None) -> None:

@@ -211,7 +211,7 @@ def rate(
         loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, which act beside the process; with ``at_speed``,
             because they stand beside weights and inertia forces.
         friction: friction of bearings and guides, by their names. By default it is that of the process force alone; with ``at_speed``
-            weights, inertia forces and springs cause friction too, and it may be viscous.
+            weights, inertia forces and springs cause friction too, it may be viscous, and gibs preloaded.
         points: number of crank angles, or positions of a driver that slides, in equal steps from top to bottom dead centre, at least 3. The
             nominal height and the heights at which the governing limit changes are added.
         contact_height: height above bottom dead centre at which the tool meets the work [m]; by default the nominal height.

@@ -221,6 +221,8 @@ def frictions(specs: Sequence[str], press: Linkage) -> dict[str, Friction]:
         return found
     if every.viscous:
         raise PinpressError(f"--friction {ALL}: viscous is in N m s/rad of a bearing and in N s/m of a guide; give it of each by its name")
+    if every.preload:
+        raise PinpressError(f"--friction {ALL}: preload is that of the gibs of a guide; give it of each guide by its name")
     turning = [axis.turns for axis in press.axes] + [True] * len(press.loops)
     fixed = {loop.name for loop in press.loops if loop.type == "fixed"}
     of_all = {

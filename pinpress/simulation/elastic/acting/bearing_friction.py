@@ -1,10 +1,13 @@
 """Friction in the bearings and guides of a planar press on springs.
 
 Each bearing presses with the force F of its springs, and its friction opposes the speed w with which its sides turn, or slide, against each
-other: mu r F sgn(w), of a guide mu F sgn(w), and a viscous part. While the links ring about a reversal, w changes its sign in quick
-succession, or stays zero for an instant in which friction holds the joint. Both are followed by tanh(w / w0) in place of the sign: a joint
-that friction holds creeps with less than w0, a thousandth of the crank's speed, and beyond some multiples of w0 the law is exact. A press
-that stands as a whole creeps too: its standstill is that of the rigid press.
+other: mu r F sgn(w), of a guide mu F sgn(w), and a viscous part. The gibs of a guide that are a `PreloadedJoint` press with the forces of
+both; of others with a preload F is that, or the force of the springs where this is larger.
+
+While the links ring about a reversal, w changes its sign in quick succession, or stays zero for an instant in which friction holds the
+joint. Both are followed by tanh(w / w0) in place of the sign: a joint that friction holds creeps with less than w0, a thousandth of the
+crank's speed, and beyond some multiples of w0 the law is exact. A press that stands as a whole creeps too: its standstill is that of the
+rigid press.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ import numpy as np
 from ....common.errors import PinpressError, shown
 from ....common.quantities import Array, ComplexArray
 from ....engines.forces import FrictionLaw
+from ..preloaded_joint import PreloadedJoint
 from ..press_on_springs import PressOnSprings
 from ..sprung_press import LineGeometry, LineSprings, SprungPress
 
@@ -57,6 +61,8 @@ class BearingFriction:
         slow: (K,) speeds below which a bearing creeps.
         angles: (pins, 3 (bodies + 1)) all rates to the turning speeds of the pins.
         owners: (S, K) 1 where a spring is of this bearing.
+        preload: (K,) least forces with which bearings press [N].
+        gibs: places of guides with preloaded gibs among the K, each with these.
     """
 
     sprung: SprungPress
@@ -66,6 +72,8 @@ class BearingFriction:
     slow: Array
     angles: Array
     owners: Array
+    preload: Array
+    gibs: tuple[tuple[int, PreloadedJoint], ...]
 
     @cached_property
     def _turning(self) -> Array:
@@ -79,7 +87,9 @@ class BearingFriction:
         pulls = -(lines.stiffness * geometry.extension + lines.damping * geometry.opening)
         for joint, (extension, _) in self.sprung.joint_motion(geometry):
             pulls[:, joint.spring] += joint.spring_force(extension)
-        pressing = np.sqrt((pulls * pulls) @ self.owners)
+        pressing = np.maximum(np.sqrt((pulls * pulls) @ self.owners), self.preload)
+        for k, joint in self.gibs:
+            pressing[:, k] = np.add(*joint.forces(-pulls @ self.owners[:, k]))
         speed = np.concatenate([rates @ self.angles.T, sliding.opening], axis=1)
         efforts = -(self.arm * pressing * np.tanh(speed / self.slow) + self.viscous * speed)
         return FrictionStates(geometry, sliding, pulls, pressing, speed, efforts)
@@ -110,20 +120,30 @@ class BearingFriction:
         by_place = held[:, :, None] * opening + lines.damping[:, None] * sprung._gradient_rate(found.geometry, rates)
         share = np.tanh(found.speed / self.slow)
         steep = self.arm * found.pressing * (1 - share * share) / self.slow + self.viscous
-        along = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, LEAST)[:, None, :]  # (n, S, K)
-        pressed = (self.arm * share)[:, None, :] * along
+        pressed = (self.arm * share)[:, None, :] * self._relief(found)
         effort_by_place = np.matmul(pressed.transpose(0, 2, 1), by_place) + steep[:, :, None] * turned
         effort_by_rate = np.matmul(pressed.transpose(0, 2, 1), lines.damping[:, None] * opening) + steep[:, :, None] * gradient
         across = gradient.transpose(0, 2, 1)
         stiffness += np.matmul(across, effort_by_place) - slides._bend(found.sliding, found.efforts[:, pins:])
         damping += np.matmul(across, effort_by_rate)
 
+    def _relief(self, found: FrictionStates) -> Array:
+        """Minus the derivatives (n, S, K) of the forces with which the bearings press by the pulls of their springs."""
+        moves = found.pressing > self.preload
+        relief = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, LEAST)[:, None, :] * moves[:, None, :]
+        for k, joint in self.gibs:
+            load = -found.pulls @ self.owners[:, k]
+            both = (joint.loaded - joint.relieved) / joint.stiffness
+            by_load = np.where(load > joint.opening_load, 1.0, np.where(load < -joint.slack_load, -1.0, both))
+            relief[:, :, k] = by_load[:, None] * self.owners[:, k]
+        return np.asarray(relief)
+
 
 def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> BearingFriction:
     """Friction of the bearings of a press that runs at about a speed of its crank [rad/s].
 
     Raises:
-        PinpressError: the press moves in space, or a pin with friction has clearance.
+        PinpressError: the press moves in space, a pin with friction has clearance, or a guide has a preload beside a `PreloadedJoint`.
     """
     press, some = sprung.press, np.flatnonzero((law.arm > 0) | (law.viscous > 0))
     if not isinstance(sprung, SprungPress):
@@ -132,6 +152,12 @@ def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> 
         if pin.bearing in some:
             raise PinpressError(f"{shown(press.bearings[pin.bearing])} has clearance: give it no friction, or no clearance")
     lines, directions = sprung.lines, _guides(sprung)
+    joints = {joint.bearing: joint.joint for joint in sprung.joints if joint.bearing in some and joint.bearing in directions}
+    for number in joints:
+        if law.preload[number]:
+            raise PinpressError(
+                f"friction of {shown(press.bearings[number])}: its gibs are a PreloadedJoint, whose forces rub: leave preload out"
+            )
     pins = [int(number) for number in some if number not in directions]
     guides = [int(number) for number in some if number in directions]
     angles = np.zeros((len(pins), len(sprung.drawn)))
@@ -145,7 +171,9 @@ def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> 
     shapes, order = sprung.shapes[:, rows], pins + guides
     slow = CREEPS * abs(speed) * np.where(np.arange(len(order)) < len(pins), 1.0, press.size)
     owners = (lines.bearing[:, None] == np.array(order)).astype(float)
-    return BearingFriction(sprung, replace(sprung, lines=along, shapes=shapes), law.arm[order], law.viscous[order], slow, angles, owners)
+    gibs = tuple((order.index(number), joint) for number, joint in joints.items())
+    slides = replace(sprung, lines=along, shapes=shapes)
+    return BearingFriction(sprung, slides, law.arm[order], law.viscous[order], slow, angles, owners, law.preload[order], gibs)
 
 
 def _guides(sprung: SprungPress) -> dict[int, complex]:
