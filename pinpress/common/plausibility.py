@@ -53,7 +53,7 @@ def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, hig
         low: lower end of the stroke, as height above the load's datum [m]; infinite where it is not known.
         high: upper end of the stroke, likewise [m].
         size: length of the linkage [m].
-        contact: whether it is one, which may be met all the time.
+        contact: whether it is one without an end, which may be met all the time, or lie a little too low to be met.
     """
     if not stretches:
         return
@@ -61,8 +61,8 @@ def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, hig
     said = f"{load} acts from {lowest:g} to {highest:g} m above its datum"
     remedy = "give heights and datum in m"
     stroke = high - low
-    # that a die or stop lies a little too low for the slide to meet it may be meant
-    if math.isfinite(stroke) and all(lower >= high or upper < low - stroke for lower, upper in stretches):
+    lowered = low - stroke if contact else low
+    if math.isfinite(stroke) and all(lower >= high or upper <= lowered for lower, upper in stretches):
         caution(f"{said}, nowhere on the slide's stroke, which goes from {low:g} to {high:g} m: {remedy}")
     elif math.isfinite(highest - lowest) and max(abs(lowest), abs(highest)) > FAR * size:  # without ends it acts everywhere, as is meant
         caution(f"{said}, far off a linkage of {size:g} m: {remedy}")
@@ -122,13 +122,16 @@ def friction(name: str, coefficient: float, radius: float, size: float, preload:
         caution(f"friction of {name}: its preload is {preload:g} N: if kN are meant, write {preload:g}e3")
 
 
-def cylinder(name: str, bore: float, pressure: Array, volume: Array | None = None) -> None:
-    """Warn of cylinders whose ``bore`` [m], gauge ``pressure`` [Pa] or ``volume`` [m3] may be in other units; arrays are of scenarios."""
-    if bore > WIDEST:
-        caution(f"{name}: bore is {bore:g} m: if mm are meant, write {bore:g}e-3")
-    least = float(pressure.min())
+def cylinder(name: str, what: str, diameter: float) -> None:
+    """Warn of a cylinder whose ``diameter`` [m], of its piston or bore as ``what`` says, may be in mm."""
+    if diameter > WIDEST:
+        caution(f"{name}: {what} is {diameter:g} m: if mm are meant, write {diameter:g}e-3")
+
+
+def air(name: str, pressure: Array, volume: Array) -> None:
+    """Warn of air whose gauge ``pressure`` [Pa] or ``volume`` [m3] may be in other units; arrays are of scenarios."""
+    least, largest = float(pressure.min()), float(volume.max())
     if 0.0 < least < FAINT:
         caution(f"{name}: pressure is {least:g} Pa: if bar are meant, write {least:g}e5; if MPa, {least:g}e6")
-    largest = 0.0 if volume is None else float(volume.max())
     if largest > ROOMIEST:
         caution(f"{name}: volume is {largest:g} m3: if litres are meant, write {largest:g}e-3")
