@@ -204,7 +204,7 @@ def build(table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[f
     pins" of the manual lists the keys of a table.
 
     Args:
-        table: a YAML file; None where ``values`` are the table.
+        table: a YAML file, or the name of a shipped press, as in ``build("eccentric_blocks", r=10)``; None where ``values`` are the table.
         gravity: in world axes [m/s2].
         values: of a file: values of its ``parameters``, as in ``build("press.yaml", r=150)``. Without a file: the table itself, as in
             ``build(units="mm", frame="A D", pins={...}, links={...}, drive="A")``.
