@@ -265,7 +265,7 @@ class _Sampling:
 
         def radial(v: float = 0.0, a: Array | float = 0.0, loads: Sequence[AppliedForce] = (), efforts: Array = zero) -> Array:
             state = ClosedStates(states.position, v * states.v, a + 0.0 * states.a, states.basis)
-            return press.engine().bearing_loads(state, loads, efforts, states.v).radial[self.with_friction].transpose(0, 2, 1)
+            return press.engine().bearing_loads(state, loads, efforts, states.v).radial.transpose(0, 2, 1)
 
         weight = radial()
         parts = [
@@ -283,7 +283,10 @@ class _Sampling:
             efforts[bearing] = effort
             parts.append((radial(efforts=efforts) - weight) / effort)
         speed = press.engine().bearing_loads(states, (), zero, states.v).speed[self.with_friction]
-        return np.concatenate([speed, np.array(parts).reshape(-1, len(angles))])
+        every = np.array(parts)
+        # beside the forces of all bearings those of some are rounding, as in the guide of a symmetric press, which no polynomials resolve
+        rubbing = np.where(np.abs(every) > NOTHING * np.abs(every).max(axis=(1, 2), keepdims=True), every, 0.0)[:, self.with_friction]
+        return np.concatenate([speed, rubbing.reshape(-1, len(angles))])
 
     def missed(self, values: Array) -> Array:
         """(p,) what polynomials through values (rows, p, q) on p panels miss, as a share of the speeds and of each part."""

@@ -126,6 +126,20 @@ def test_preloaded_gibs_in_a_run(method):
     assert np.abs(missing(press, run, [], mixed, 60.0)).max() < 1e-9
 
 
+def test_a_guide_whose_force_is_rounding():
+    """In a symmetric press the guide carries nothing: without a preload it takes nothing, with one mu P of every metre."""
+    press, given = texts.shipped("jf75g_125_symmetric"), {"speed": 30.0, "flywheel": Flywheel(136.0), "points": 11}
+    bare = pp.simulate(press, 0.2, **given)
+    unloaded = pp.simulate(press, 0.2, friction={"slide_guide": Friction(0.05)}, **given)
+    np.testing.assert_allclose(unloaded.crank_speed, bare.crank_speed, rtol=1e-12)
+    run = pp.simulate(press, 0.2, friction={"slide_guide": Friction(0.05, preload=1e5)}, **given)
+    turns = run.crank_angle[-1] / (2 * np.pi)
+    path = 4 * 0.015 * np.floor(turns) + (0.03 if turns % 1 > 0.5 else 0.0)  # strokes that are over, then what is left of one
+    height = run.slide_position[-1] - pp.dead_centres(press).bottom_position
+    path += (0.03 - height) if turns % 1 > 0.5 else height
+    assert run.lost[-1] == pytest.approx(0.05 * 1e5 * path, rel=1e-9)
+
+
 def test_no_friction_is_no_friction():
     press = shipped("zxn2_3000b")
     more = {"speed": 70 * pp.RPM, "drive": GEARED, "flywheel": FLYWHEEL, "loads": [DRAWING]}
