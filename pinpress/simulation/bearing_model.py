@@ -6,9 +6,9 @@ angle the radial force of every bearing is the length of a vector that is affine
     N = A w' + B w^2 + G + sum F L + sum e S
 
 with the efforts e = -(c s + mu r |N| sign s) of friction, where s is the speed of the bearing (in a preloaded guide with the preload where
-|N| is smaller). The vectors A, B (inertia), G (weight), L
-(loads) and S (friction) are kept as polynomials too. By virtual work friction is the torque sum e ds/dw on the crank, so that w' and all e
-follow together: they are found in turn until they no longer change, as in `FrictionLaw.efforts`.
+|N| is smaller). The vectors A, B (inertia), G (weight), L (loads) and S (friction) are kept as polynomials too. By virtual work friction is
+the torque sum e ds/dw on the crank, so that w' and all e follow together: they are found in turn until they no longer change, as in
+`FrictionLaw.efforts`.
 """
 
 from __future__ import annotations

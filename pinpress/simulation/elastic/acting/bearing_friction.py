@@ -1,8 +1,8 @@
 """Friction in the bearings and guides of a planar press on springs.
 
 Each bearing presses with the force F of its springs, and its friction opposes the speed w with which its sides turn, or slide, against each
-other: mu r F sgn(w), of a guide mu F sgn(w), and a viscous part. The gibs of a guide that are a `PreloadedJoint` press with the forces of
-both; of others with a preload F is that, or the force of the springs where this is larger.
+other: mu r F sgn(w), of a guide mu F sgn(w), and a viscous part. Of a guide with a preload F is that, or the force of the springs where this
+is larger; two gibs that are a `PreloadedJoint` press with twice its preload.
 
 While the links ring about a reversal, w changes its sign in quick succession, or stays zero for an instant in which friction holds the
 joint. Both are followed by tanh(w / w0) in place of the sign: a joint that friction holds creeps with less than w0, a thousandth of the
@@ -21,7 +21,6 @@ import numpy as np
 from ....common.errors import PinpressError, shown
 from ....common.quantities import Array, ComplexArray
 from ....engines.forces import FrictionLaw
-from ..preloaded_joint import PreloadedJoint
 from ..press_on_springs import PressOnSprings
 from ..sprung_press import LineGeometry, LineSprings, SprungPress
 
@@ -62,7 +61,6 @@ class BearingFriction:
         angles: (pins, 3 (bodies + 1)) all rates to the turning speeds of the pins.
         owners: (S, K) 1 where a spring is of this bearing.
         preload: (K,) least forces with which bearings press [N].
-        gibs: places of guides with preloaded gibs among the K, each with these.
     """
 
     sprung: SprungPress
@@ -73,7 +71,6 @@ class BearingFriction:
     angles: Array
     owners: Array
     preload: Array
-    gibs: tuple[tuple[int, PreloadedJoint], ...]
 
     @cached_property
     def _turning(self) -> Array:
@@ -88,8 +85,6 @@ class BearingFriction:
         for joint, (extension, _) in self.sprung.joint_motion(geometry):
             pulls[:, joint.spring] += joint.spring_force(extension)
         pressing = np.maximum(np.sqrt((pulls * pulls) @ self.owners), self.preload)
-        for k, joint in self.gibs:
-            pressing[:, k] = np.add(*joint.forces(-pulls @ self.owners[:, k]))
         speed = np.concatenate([rates @ self.angles.T, sliding.opening], axis=1)
         efforts = -(self.arm * pressing * np.tanh(speed / self.slow) + self.viscous * speed)
         return FrictionStates(geometry, sliding, pulls, pressing, speed, efforts)
@@ -120,23 +115,14 @@ class BearingFriction:
         by_place = held[:, :, None] * opening + lines.damping[:, None] * sprung._gradient_rate(found.geometry, rates)
         share = np.tanh(found.speed / self.slow)
         steep = self.arm * found.pressing * (1 - share * share) / self.slow + self.viscous
-        pressed = (self.arm * share)[:, None, :] * self._relief(found)
+        moving = (found.pressing > self.preload)[:, None, :]  # not held by the preload
+        along = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, LEAST)[:, None, :] * moving  # (n, S, K)
+        pressed = (self.arm * share)[:, None, :] * along
         effort_by_place = np.matmul(pressed.transpose(0, 2, 1), by_place) + steep[:, :, None] * turned
         effort_by_rate = np.matmul(pressed.transpose(0, 2, 1), lines.damping[:, None] * opening) + steep[:, :, None] * gradient
         across = gradient.transpose(0, 2, 1)
         stiffness += np.matmul(across, effort_by_place) - slides._bend(found.sliding, found.efforts[:, pins:])
         damping += np.matmul(across, effort_by_rate)
-
-    def _relief(self, found: FrictionStates) -> Array:
-        """Minus the derivatives (n, S, K) of the forces with which the bearings press by the pulls of their springs."""
-        moves = found.pressing > self.preload
-        relief = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, LEAST)[:, None, :] * moves[:, None, :]
-        for k, joint in self.gibs:
-            load = -found.pulls @ self.owners[:, k]
-            both = (joint.loaded - joint.relieved) / joint.stiffness
-            by_load = np.where(load > joint.opening_load, 1.0, np.where(load < -joint.slack_load, -1.0, both))
-            relief[:, :, k] = by_load[:, None] * self.owners[:, k]
-        return np.asarray(relief)
 
 
 def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> BearingFriction:
@@ -152,8 +138,8 @@ def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> 
         if pin.bearing in some:
             raise PinpressError(f"{shown(press.bearings[pin.bearing])} has clearance: give it no friction, or no clearance")
     lines, directions = sprung.lines, _guides(sprung)
-    joints = {joint.bearing: joint.joint for joint in sprung.joints if joint.bearing in some and joint.bearing in directions}
-    for number in joints:
+    gibs = {joint.bearing: 2 * joint.joint.preload for joint in sprung.joints if joint.bearing in some and joint.bearing in directions}
+    for number in gibs:
         if law.preload[number]:
             raise PinpressError(
                 f"friction of {shown(press.bearings[number])}: its gibs are a PreloadedJoint, whose forces rub: leave preload out"
@@ -171,9 +157,9 @@ def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> 
     shapes, order = sprung.shapes[:, rows], pins + guides
     slow = CREEPS * abs(speed) * np.where(np.arange(len(order)) < len(pins), 1.0, press.size)
     owners = (lines.bearing[:, None] == np.array(order)).astype(float)
-    gibs = tuple((order.index(number), joint) for number, joint in joints.items())
+    preload = np.array([gibs.get(number, law.preload[number]) for number in order])
     slides = replace(sprung, lines=along, shapes=shapes)
-    return BearingFriction(sprung, slides, law.arm[order], law.viscous[order], slow, angles, owners, law.preload[order], gibs)
+    return BearingFriction(sprung, slides, law.arm[order], law.viscous[order], slow, angles, owners, preload)
 
 
 def _guides(sprung: SprungPress) -> dict[int, complex]:
