@@ -360,7 +360,8 @@ def _of_friction() -> list[str]:
     return [
         f"--friction of a bearing (moment coefficient x radius x force) or guide (coefficient x force), or of {ALL} not named otherwise:",
         f"  NAME:{keys(FRICTION)}",
-        f"  e.g. --friction {ALL}:{FRICTION.example} --friction A:viscous=50; viscous is in N m s/rad, of a guide in N s/m",
+        f"  e.g. --friction {ALL}:{FRICTION.example} --friction A:viscous=50; viscous is in N m s/rad, of a guide in N s/m;",
+        "  preload is the force of all gibs of a guide together, where they press without a load",
     ]
 
 

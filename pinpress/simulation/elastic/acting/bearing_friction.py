@@ -1,8 +1,8 @@
 """Friction in the bearings and guides of a planar press on springs.
 
 Each bearing presses with the force F of its springs, and its friction opposes the speed w with which its sides turn, or slide, against each
-other: mu r F sgn(w), of a guide mu F sgn(w), and a viscous part. Of a guide with a preload F is that, or the force of the springs where this
-is larger; two gibs that are a `PreloadedJoint` press with twice its preload.
+other: mu r F sgn(w), of a guide mu F sgn(w), and a viscous part. Of a guide with a preload F is that, or the force of the springs where
+this is larger; two gibs that are a `PreloadedJoint` press with twice its preload.
 
 While the links ring about a reversal, w changes its sign in quick succession, or stays zero for an instant in which friction holds the
 joint. Both are followed by tanh(w / w0) in place of the sign: a joint that friction holds creeps with less than w0, a thousandth of the
