@@ -542,6 +542,26 @@ def test_motion_of_another_lengths(tmp_path, motion, engine, edit):
     assert np.abs(motion.crank_angle - caught.value.crank_angle % (2 * np.pi)).min() < 1e-9
 
 
+@pytest.mark.parametrize(
+    "take",
+    [
+        pp.measures.bearing_positions,
+        pp.measures.transmission_angle_curves,
+        lambda press, motion: pp.derivatives.motion_derivatives(press, motion, [{("W", "rod"): (1.0, 0.0, 0.0)}]),
+        lambda press, motion: pp.record(press, motion, "never.html"),
+    ],
+    ids=["bearing_positions", "transmission_angle_curves", "motion_derivatives", "record"],
+)
+def test_motion_of_another_lengths_is_not_read(tmp_path, motion, take):
+    """What is read off a motion alone would be of no press."""
+    with pytest.warns(pp.PinpressWarning, match="W.*it is 10 mm apart as drawn"):
+        other = pp.load(written(tmp_path, edited((ROD_END, ROD_END.replace("0.400", "0.390")))))
+    with pytest.raises(pp.PinpressError, match=r"leaves the loops of crank_slide open by 0\.01 m at crank angle .* of other lengths"):
+        take(other, motion)
+    take_again = pp.measures.bearing_positions(pp.load("crank_slide"), motion)  # the same press, loaded once more, may take it
+    assert len(take_again) == 4
+
+
 # Files written
 
 

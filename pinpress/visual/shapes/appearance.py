@@ -98,7 +98,7 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
 
     Raises:
         PinpressError: a visual is not finite or has no size, or its mesh cannot be read; there are more visuals or triangles than a page
-            can show; or the motion has other joints.
+            can show; or the motion is of a linkage with other joints or lengths.
         SingularityError: no motion is given, and the linkage locks at its drawn pose.
     """
     found, model = pin.GeometryModel(), press.model
