@@ -46,6 +46,16 @@ def test_metres_taken_for_mm(tmp_path):
         pp.build(path)
 
 
+@pytest.mark.parametrize("density", ["7.85", "7.85e-6", "7850000"])
+def test_densities_in_other_units(tmp_path, density):
+    """g/cm3, kg/mm3 and g/m3 taken for kg/m3, of a link and of the whole table."""
+    text, path = TABLE.read_text(encoding="utf-8"), tmp_path / "press.yaml"
+    for changed in (text.replace("overhang: 90", f"overhang: 90, density: {density}"), f"{text}density: {density}\n"):
+        path.write_text(changed, encoding="utf-8")
+        with pytest.warns(pp.PinpressWarning, match=re.escape(f"density: {float(density):g} kg/m3 is no density of a solid part")):
+            draft(path)
+
+
 @pytest.mark.parametrize("mistake", ["lengths-too-short-to-meet", "length-that-does-not-reach-the-line"])
 def test_lengths_that_do_not_meet_are_drawn(mistake):
     with pytest.raises(pp.PinTableError) as caught:
