@@ -32,7 +32,7 @@ from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..dynamics.applied_loads import point_on_body
 from ..dynamics.inverse_dynamics import Reactions
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.preloaded_joint import FAINT, STIFFEST
 
@@ -243,14 +243,15 @@ def guide_contact(
         offset: (3,) where the process loads act, from the slide link's origin, in world axes [m]; by default on a line through that.
 
     Raises:
-        PinpressError: the press has no slide, a surface does not face across its guide, the surfaces do not hold the slide, or
-            parallel rods share moments with the guide that rigid mechanics leaves open.
+        PinpressError: the press has no slide, a surface does not face across its guide, the reactions are of a press with other joints or
+            lengths, the surfaces do not hold the slide, or parallel rods share moments with the guide that rigid mechanics leaves open.
 
     Warns:
         PinpressWarning: a surface or the offset is so far off that it may be in mm.
     """
     surfaces = tuple(surfaces)
     across, beside = _checked(press, surfaces), suitable_numbers("offset", offset, "three finite numbers, x, y, z [m]", (3,))
+    refuse_motion_of_another(press, reactions.motion)
     plausibility.point("guide_contact: offset", beside, press.size)
     force, moment = _on_guide(press, reactions, beside)
     bed = _Bed.of(surfaces, across, press.slide_direction)

@@ -542,6 +542,9 @@ def test_motion_of_another_lengths(tmp_path, motion, engine, edit):
     assert np.abs(motion.crank_angle - caught.value.crank_angle % (2 * np.pi)).min() < 1e-9
 
 
+GUIDE = pp.elasticity.eight_way_guide(facing_x=(0.1, 0.1), facing_y=(0.1, 0.1), length=0.3, width=0.05, stiffness=1e9)
+
+
 @pytest.mark.parametrize(
     "take",
     [
@@ -549,8 +552,11 @@ def test_motion_of_another_lengths(tmp_path, motion, engine, edit):
         pp.measures.transmission_angle_curves,
         lambda press, motion: pp.derivatives.motion_derivatives(press, motion, [{("W", "rod"): (1.0, 0.0, 0.0)}]),
         lambda press, motion: pp.record(press, motion, "never.html"),
+        lambda press, motion: pp.visual_model(press, motion),
+        lambda press, motion: pp.measured.plan(press, {"turning": motion}, noise=1.0),
+        lambda press, motion: pp.elasticity.guide_contact(press, pp.inverse_dynamics(pp.load("crank_slide"), motion), GUIDE),
     ],
-    ids=["bearing_positions", "transmission_angle_curves", "motion_derivatives", "record"],
+    ids=["bearing_positions", "transmission_angle_curves", "motion_derivatives", "record", "visual_model", "plan", "guide_contact"],
 )
 def test_motion_of_another_lengths_is_not_read(tmp_path, motion, take):
     """What is read off a motion alone would be of no press."""

@@ -15,7 +15,7 @@ from ...common.arguments import typed
 from ...common.errors import PinpressError
 from ...common.quantities import Array
 from ...engines.branch import predict
-from ...kinematics.motion import Motion
+from ...kinematics.motion import Motion, refuse_motion_of_another
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.document import Element
 from ...linkage.writing import is_ballast
@@ -101,6 +101,8 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
             can show; or the motion is of a linkage with other joints or lengths.
         SingularityError: no motion is given, and the linkage locks at its drawn pose.
     """
+    if motion is not None:
+        refuse_motion_of_another(press, motion)
     found, model = pin.GeometryModel(), press.model
     for body in bodies(press, _positions(press) if motion is None else motion.joint_position):
         frame = model.frames[body.frame]
