@@ -5,6 +5,7 @@ import dataclasses
 import math
 import re
 import warnings
+from typing import Any
 
 import numpy as np
 import pytest
@@ -423,7 +424,7 @@ def test_a_load_whose_intervals_are_none(press, motion, answer, said):
 
 def test_a_load_whose_datum_is_none(press, motion):
     class Broken(Push):
-        datum = "bottom"
+        datum: Any = "bottom"
 
     for asked in (lambda: pp.inverse_dynamics(press, motion, [Broken(lambda x: 0.0)]), lambda: pp.loads.datum(Broken(None), press)):
         with pytest.raises(pp.PinpressError, match=r"Broken: datum is .*'bottom'"):
