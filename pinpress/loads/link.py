@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..common import plausibility
 from ..common.arguments import suitable_numbers
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.parameters import in_declared_units, parameter
 from ..engines.forces import FrictionLaw
 from .pneumatics import BalanceCylinder
@@ -67,6 +67,9 @@ class SpringDamper:
         free_length: length at which the spring is slack [m].
         point1: in the frame of link1 [m].
         point2: in the frame of link2 [m].
+
+    Warns:
+        PinpressWarning: both ends are on the same link, so that it does nothing.
     """
 
     link1: str
@@ -79,6 +82,8 @@ class SpringDamper:
 
     def __post_init__(self) -> None:
         in_declared_units(self)
+        if isinstance(self.link1, str) and self.link1 == self.link2:
+            caution(f"SpringDamper: link1 and link2 are both {shown(self.link1)}, which does not stretch it: name two links")
 
 
 StandingLoad = PointForce | SpringDamper | BalanceCylinder
