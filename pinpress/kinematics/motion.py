@@ -747,7 +747,7 @@ def refuse_motion_of_another(press: Linkage, motion: Motion) -> None:
         worst = int(open_by.argmax())
         raise PinpressError(
             f"the motion leaves the loops of {press.name} open by {open_by[worst]:.3g} m at {motion.place(worst)}, so that it is one of"
-            " other lengths: make it with cycle(press, ...) or servo_cycle(press, ...)"
+            " other lengths, or with another zero: make it with cycle(press, ...) or servo_cycle(press, ...)"
         )
 
 
