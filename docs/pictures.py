@@ -42,6 +42,10 @@ AT_SECTION = """() => {
     [...document.querySelectorAll("#charts h2")].find(title => title.textContent.startsWith("TITLE")).scrollIntoView();
     viewer.render();
 }"""
+AT_MODE = """() => {
+    setPlaying(false);
+    seek(data.modes[MODE].start + 0.25);
+}"""
 BLUE, RED = "#0072B2", "#D55E00"
 SIZE = (6.3, 2.9)  # [inch]
 
@@ -380,6 +384,17 @@ def frame_report() -> bytes:
     return _report_in("foundation.md", "pinpress report jf75g_125", "On its mounts")
 
 
+def frame_modes() -> bytes:
+    """docs/foundation.md: the page of the modes of the frame in its frame file, at the first in which the frame bends."""
+    press = pp.load("jf75g_125")
+    system = pp.foundation.read_mounted(press, ROOT / "docs" / "jf75g_125_frame.yaml")
+    modes = pp.foundation.modes(system)
+    first = modes.motion.index("bending")
+    with tempfile.TemporaryDirectory() as folder:
+        file = pp.record_modes(press, modes, Path(folder, "modes.html"), lowest=first + 1)
+        return _in_window(file.as_uri(), "select", AT_MODE.replace("MODE", str(first)))
+
+
 def _report_in(page: str, command: str, title: str) -> bytes:
     """The page that a command of the manual makes, at a section."""
     manual = (ROOT / "docs" / page).read_text(encoding="utf-8").replace("\\\n", "")
@@ -423,7 +438,7 @@ PICTURES: tuple[Callable[[], Figure | str | bytes], ...] = (
     slide, polar, run, slip_clutch, tolerances, identifiability,
     die_trade_off, play, accuracy_budget, pause, eight_way_guide, elastic_stroke, operating_map, synthesis, two_assemblies, change_point,
     programs, sketch,
-    lengths_too_short, notebook, report_page, frame_report, live, process_force, measured_modes, orders,
+    lengths_too_short, notebook, report_page, frame_report, frame_modes, live, process_force, measured_modes, orders,
 )  # fmt: skip
 
 

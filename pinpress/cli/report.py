@@ -17,7 +17,7 @@ from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import StandingLoad
-from ..loads.mounts import Frame
+from ..loads.mounts import Frame, Vector
 from ..ratings.permissible_force import Capacities
 from ..ratings.rating import PressRatings, rate
 from ..simulation.steady_state import steady_state
@@ -54,6 +54,8 @@ steady state under it), --stiffness (the elastic press, with
 --preloaded-joint too), --region with --minimise (the best counterweights), --frame with --mount, of
 springs or with --pad of rubber, or --frame with a frame file (loads of the mounts, modes, vibration and force on the floor; with
 --speed-range these over the speed, with --lift-off where the mounts only press).
+--frame-point NAME:X,Y,Z is a point of the frame in m in world axes, NAME:PART:X,Y,Z one of a part of it (crown, motor, an interface); of a
+frame that bends PART or NAME:PART is an interface.
 regions: {balance.REGION}
 criteria: {balance.CRITERION}; see pinpress balance --help
 
@@ -90,9 +92,10 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     balance.add_balance_options(parser, required=False)
     add_mount_options(parser, "the page shows its modes, and its vibration at this speed")
     option("--pad", metavar="KEYS", help="the rubber pad at each mount, see below")
-    point = named_point("the frame", "crown:0,0,0.9")
-    help = "show the vibration of this point of the frame, in m in world axes, too; may be given several times"
-    option("--frame-point", type=point, metavar="NAME:X,Y,Z", action="append", default=[], help=help)
+    help = "show the vibration of this point of the frame too, see below; may be given several times"
+    option("--frame-point", type=frame_point, metavar="NAME:X,Y,Z", action="append", default=[], help=help)
+    help = "write a page in which the frame swings in its lowest modes, magnified; with rotors at the highest speed shown"
+    option("--modes", type=Path, metavar="HTML", help=help)
     help = "show the vibration of the idle press from one crank speed to another too, in r/min"
     option("--speed-range", type=speed_range, metavar="LOW,HIGH", help=help)
     help = "the mounts press and do not pull: show the vibration over so many strokes, with feet that lift off, too"
@@ -110,12 +113,13 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PinpressError: Options do not go together, or computing or writing fails.
     """
-    if options.out is options.pdf is None:
+    if options.out is options.pdf is options.modes is None:
         raise PinpressError("nothing to write: give --out page.html or --pdf report.pdf")
     if options.out is not None and options.out.suffix.lower() == ".pdf":
         raise PinpressError(f"--out writes a web page: give --pdf {options.out}, or --out {options.out.with_suffix('.html')}")
     from ..visual.film import pdf  # slow to import
     from ..visual.reports.report import report  # slow to import
+    from ..visual.swinging import MOST, record_modes  # slow to import
 
     _refuse_what_is_incomplete(options)
     press = load_press(options)
@@ -127,22 +131,29 @@ def run(options: argparse.Namespace) -> int:
     reactions = inverse_dynamics(press, motion, **acting)
     results = [*_results(press, reactions, acting, system, options)]
     before = None if options.before is None else press_before(options)
+    if options.modes is not None:
+        from ..foundation.mounted_press import VibrationModes
+        from ..foundation.whirl_modes import WhirlDiagram
+
+        swinging = [each for each in results if isinstance(each, VibrationModes | WhirlDiagram)][-1]
+        record_modes(press, swinging, options.modes, lowest=MOST)
     with tempfile.TemporaryDirectory() as folder:
         page = options.out or Path(folder, "report.html")
         flywheel = part_specs.flywheel(options.flywheel)
-        report(
-            press,
-            motion,
-            page,
-            reactions=reactions,
-            traces=options.trace,
-            before=before,
-            results=results,
-            flywheel=flywheel,
-        )
+        if options.out is not None or options.pdf is not None:
+            report(
+                press,
+                motion,
+                page,
+                reactions=reactions,
+                traces=options.trace,
+                before=before,
+                results=results,
+                flywheel=flywheel,
+            )
         if options.pdf is not None:
             pdf(page, options.pdf)
-    print(f"wrote {' and '.join(str(path) for path in (options.out, options.pdf) if path is not None)}")
+    print(f"wrote {' and '.join(str(path) for path in (options.out, options.pdf, options.modes) if path is not None)}")
     return 0
 
 
@@ -157,7 +168,7 @@ def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
         raise PinpressError("--flywheel shows at a motor or in the ratings: give --motor, or --nominal-force and --speed-drop")
     if bool(options.region) != bool(options.minimise) or (options.limit and not options.region):
         raise PinpressError("--region, --minimise and --limit go together, to balance the press: give --region and --minimise, or none")
-    beside = [name for name in ("pad", "frame_point", "speed_range", "lift_off") if getattr(options, name) not in (None, [])]
+    beside = [name for name in ("pad", "frame_point", "speed_range", "lift_off", "modes") if getattr(options, name) not in (None, [])]
     if options.frame is None and not options.mount and beside:
         raise PinpressError(f"--{beside[0].replace('_', '-')} is for the press on its mounts: give --frame and every --mount too")
     if options.region and options.friction:
@@ -217,10 +228,7 @@ def _on_mounts(system: MountedPress, reactions: Reactions, options: argparse.Nam
     from ..foundation.whirl_modes import whirl
 
     coordinate, top = system.press.driver_coordinates[0], abs(float(reactions.motion.crank_speed[0]))
-    names = [name for name, _ in options.frame_point]
-    if twice := {name for name in names if names.count(name) > 1}:
-        raise PinpressError(f"--frame-point: {min(twice)} is given twice")
-    points = shown_points(system) | dict(options.frame_point)
+    points = shown_points(system) | _frame_points(system, options.frame_point)
     speeds = None
     if options.speed_range is not None:
         low, high = (speed.of(coordinate) for speed in options.speed_range)
@@ -239,10 +247,37 @@ def _on_mounts(system: MountedPress, reactions: Reactions, options: argparse.Nam
 
 
 def shown_points(system: MountedPress) -> dict[str, Any]:
-    """Points whose vibration is shown: the centre of a rigid frame, or bed and carrier of one that bends; and what stands on the frame."""
-    frame = system.frame
-    own = {"centre of the frame": frame.centre} if isinstance(frame, Frame) else {name: name for name in (frame.carrier, frame.bed)}
+    """Points whose vibration is shown: the centres of rigid parts, or bed and carrier of a frame that bends; and what stands on it."""
+    frame, crown = system.frame, system.crown
+    if not isinstance(frame, Frame):
+        own: dict[str, Any] = {name: name for name in (frame.carrier, frame.bed)}
+    elif crown is None:
+        own = {"centre of the frame": frame.centre}
+    else:
+        own = {"centre of the bed": frame.centre, "centre of the crown": ("crown", crown.centre)}
     return own | {name: (name, each.body.centre) for name, each in system.attached.items()}
+
+
+def frame_point(words: str) -> tuple[str, Vector | None]:
+    """Reads an option of `argparse`: a name and x, y, z [m], or words alone, which `_frame_points` reads as the name of an interface."""
+    return (words, None) if "," not in words and words else named_point("the frame", "crown:0,0,0.9")(words)
+
+
+def _frame_points(system: MountedPress, given: list[tuple[str, Vector | None]]) -> dict[str, Any]:
+    """Points of the frame as options of the command name them, the part before x, y, z and the interface without these included."""
+    found: dict[str, Any] = {}
+    for words, place in given:
+        head, colon, part = words.rpartition(":")
+        name, on = (head, part) if colon and part in system.parts else (words, words if place is None else None)
+        if name in found:
+            raise PinpressError(f"--frame-point: {name} is given twice")
+        if place is None and (isinstance(system.frame, Frame) or on not in system.frame.nodes):
+            wanted = (
+                "x, y, z in m" if isinstance(system.frame, Frame) else f"x, y, z in m, or an interface of {', '.join(system.frame.nodes)}"
+            )
+            raise PinpressError(f"--frame-point {words}: give a name and {wanted}, e.g. crown:0,0,0.9")
+        found[name] = on if place is None else place if on is None else (on, place)
+    return found
 
 
 def speed_range(words: str) -> tuple[OfDriver, OfDriver]:

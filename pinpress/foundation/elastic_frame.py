@@ -12,7 +12,7 @@ that of the first six alone. So a frame as stiff as can be is, to rounding, the 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,18 +22,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common import files, tables
 from ..common.arguments import number, numbers, typed, whole_number
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array
-from ..common.reading.matrices import read_model, symmetric_matrix
+from ..common.reading.matrices import lowest_vibrations, mass_matrix, read_model, symmetric_matrix
 from ..common.results import Tabular
 from ..common.tables import Column
-from .frame_parts import rows_at
+from .frame_parts import COORDINATES, rows_at
 
 MOST_ROWS = 6000  # of matrices: the reduction takes seconds; larger models are condensed where they were made
 MOST_MODES = 200
 RIGID = 1e-6  # share of the stiffness that a motion of the whole frame may cost by rounding
 LOOSE = 1e-12  # share of the square of the fastest frequency up to which that of a free vibration is zero
+LARGEST = 50.0  # extent of a frame beyond which it is hardly in m
 AT = 1e-3  # share of the size of a frame by which a place may lie beside a node
 WHOLE = "frame"  # name of the mean motion of the frame among its parts
 
@@ -130,8 +131,8 @@ class ElasticFrame(Tabular):
         nearest = int(away.argmin())
         if away[nearest] > AT * size_of(self.places):
             raise PinpressError(
-                f"no interface of the frame is at {shown(point)}: the nearest, {names[nearest]}, is {1e3 * away[nearest]:.4g} mm away; make"
-                " an interface there"
+                f"no interface of the frame is at {_listed(point)} m: the nearest, {names[nearest]}, is {1e3 * away[nearest]:.4g} mm away;"
+                " make an interface there"
             )
         return names[nearest]
 
@@ -144,10 +145,9 @@ class ElasticFrame(Tabular):
         away = np.linalg.norm(self.places - np.asarray(point, dtype=float), axis=1)
         nearest = int(away.argmin())
         if away[nearest] > AT * size_of(self.places):
-            place = ", ".join(f"{value:.4g}" for value in self.places[nearest])
             raise PinpressError(
-                f"no node of the frame is at {shown(point)}: the nearest is at ({place}) m; give that, or (interface, place) for a place"
-                " that moves with an interface"
+                f"no node of the frame is at {_listed(point)} m: the nearest is at {_listed(self.places[nearest])} m; give that, or"
+                " (interface, place) for a place that moves with an interface"
             )
         return np.asarray(self.shapes[nearest])
 
@@ -173,7 +173,7 @@ def reduced_frame(
     of freedom, which spreads its displacement over the bore of a bearing or the face of a foot.
 
     Args:
-        mass: (n, n) mass matrix, dense or sparse [kg, kg m, kg m2].
+        mass: (n, n) mass matrix, dense or sparse, consistent or lumped: rows may have no mass [kg, kg m, kg m2].
         stiffness: (n, n) stiffness matrix [N/m, N, N m].
         nodes: (k, 3) places of the nodes in world axes [m].
         degrees: (n, 2) of each row of the matrices: the number of its node, and 0, 1, 2 for its displacement along x, y, z, or 3, 4, 5 for
@@ -191,9 +191,12 @@ def reduced_frame(
         UnknownNameError: ``bed``, ``carrier`` or a bearing's interface is none of the interfaces.
         PinpressError: the matrices are not those of a free frame, or do not go with nodes and degrees; an interface lacks a degree of
             freedom.
+
+    Warns:
+        PinpressWarning: the frame is so large that its nodes may be in mm.
     """
     what = "the frame"
-    m, k = (symmetric_matrix(f"{what}: {name}", given, MOST_ROWS) for name, given in (("mass", mass), ("stiffness", stiffness)))
+    m, k = mass_matrix(f"{what}: mass", mass, MOST_ROWS), symmetric_matrix(f"{what}: stiffness", stiffness, MOST_ROWS)
     if m.shape != k.shape:
         raise PinpressError(f"{what}: stiffness has shape {k.shape}, mass {m.shape}: give both for the same rows")
     places = numbers(f"{what}: nodes", nodes, (None, 3), unit="m")
@@ -205,9 +208,11 @@ def reduced_frame(
     loss = number("loss_factor", loss_factor)
     if loss < 0:
         raise PinpressError(f"loss_factor is {loss:g}: give a number that is not negative; welded steel has 0.002 to 0.02")
-    joined = np.zeros((0, 2), dtype=np.intp) if lines is None else numbers(f"{what}: lines", lines, (None, 2)).astype(np.intp)
-    if joined.size and not (joined.min() >= 0 and joined.max() < len(places)):
-        raise PinpressError(f"{what}: lines name nodes from 0 to {len(places) - 1}")
+    joined = np.zeros((0, 2)) if lines is None else numbers(f"{what}: lines", lines, (None, 2))
+    if not np.isin(joined, np.arange(len(places))).all():
+        raise PinpressError(f"{what}: lines join nodes by their numbers, from 0 to {len(places) - 1}: give two of these each")
+    if size_of(places) > LARGEST:
+        caution(f"{what}: its nodes are up to {size_of(places):.4g} m apart: if mm are meant, give all in m, kg and N")
     inertia, frequency, motions = _free_vibrations(m, k, places, rows, numbered, whole_number("modes", modes, 0, MOST_MODES))
     shapes = np.zeros((len(places), 3, motions.shape[1]))
     for (node, direction), row in rows.items():
@@ -224,7 +229,7 @@ def reduced_frame(
         motions=FrozenMapping({name: _at_origin(each, places[numbered[name]]) for name, each in at_nodes.items()}),
         places=read_only(np.array(places)),
         shapes=read_only(shapes),
-        lines=read_only(joined),
+        lines=read_only(joined.astype(np.intp)),
         loss_factor=loss,
     )
 
@@ -279,6 +284,11 @@ def read_frame(
     )
 
 
+def _listed(place: ArrayLike) -> str:
+    """A place (3,) in words."""
+    return f"({', '.join(f'{value:.4g}' for value in np.asarray(place, dtype=float))})"
+
+
 def size_of(places: Array) -> float:
     """Largest extent of places (k, 3) along an axis [m]."""
     return float(np.ptp(places, axis=0).max()) or 1.0
@@ -287,14 +297,18 @@ def size_of(places: Array) -> float:
 def _rows_of_degrees(degrees: ArrayLike, count: int, nodes: int) -> dict[tuple[int, int], int]:
     """Row of each degree of freedom, (node, direction); raises PinpressError where they are not as in `reduced_frame`."""
     given = numbers("the frame: degrees", degrees, (count, 2))
-    node, direction = given.T
-    known = (node >= 0) & (node < nodes) & (direction >= 0) & (direction < 6) | ((node == -1) & (direction == -1))
-    rows = {(int(a), int(b)): row for row, (a, b) in enumerate(given) if a >= 0}
-    if (given != np.round(given)).any() or not known.all() or len(rows) < np.count_nonzero(node >= 0):
-        raise PinpressError(
-            f"the frame: degrees must say for each row of the matrices the number of its node, from 0 to {nodes - 1}, and 0, 1, 2 for its"
-            " displacement along x, y, z or 3, 4, 5 for its turn about them, each once"
-        )
+    rows: dict[tuple[int, int], int] = {}
+    for row, (node, direction) in enumerate(given.tolist()):
+        if (node, direction) == (-1, -1):
+            continue
+        if (node, direction) in rows or node not in range(nodes) or direction not in range(6):
+            again = ", as another row is" if (node, direction) in rows else ""
+            raise PinpressError(
+                f"the frame: row {row} of degrees is {node:g}, {direction:g}{again}: give for each row of the matrices the number of its"
+                f" node, from 0 to {nodes - 1}, and 0, 1, 2 for its displacement along x, y, z or 3, 4, 5 for its turn about them, each"
+                " once"
+            )
+        rows[int(node), int(direction)] = row
     return rows
 
 
@@ -344,11 +358,22 @@ def _free_vibrations(
         np.linalg.cholesky(inertia)
         factor = np.linalg.inv(np.linalg.cholesky(beside.T @ small @ beside))
     except np.linalg.LinAlgError as error:
-        raise PinpressError("the frame: its mass matrix is not positive definite: give the consistent mass matrix of all rows") from error
+        free = _massless(small[: len(outer), : len(outer)], list(interfaces))
+        raise PinpressError(
+            f"the frame: {free} moves no mass: give rotary inertia to its node, or the consistent mass matrix of the frame"
+        ) from error
     squared, vectors = np.linalg.eigh(factor @ (beside.T @ stiff @ beside) @ factor.T)
     if not len(squared) or squared[0] <= LOOSE * squared[-1]:
         raise PinpressError("the frame: more than six of its motions cost no energy: its parts are not joined, or it has a hinge")
     return inertia, np.sqrt(squared), np.hstack([whole, basis @ (beside @ (factor.T @ vectors))])
+
+
+def _massless(mass: Array, interfaces: Sequence[str]) -> str:
+    """The motion of an interface that moves least mass, in words, of the mass matrix (6 interfaces, 6 interfaces)."""
+    own = np.diag(mass)
+    scale = np.where(own > 0, own, 1.0) ** -0.5
+    name, along = divmod(int(np.abs(np.linalg.eigh(scale[:, None] * mass * scale)[1][:, 0]).argmax()), 6)
+    return f"interface {shown(interfaces[name])} along its coordinate {COORDINATES[along]}"
 
 
 def _whole_motions(count: int, places: Array, rows: Mapping[tuple[int, int], int]) -> Array:
@@ -366,24 +391,20 @@ def _craig_bampton(
     mass: Array, stiffness: Array, rows: Mapping[tuple[int, int], int], interfaces: Mapping[str, int], modes: int
 ) -> tuple[Array, NDArray[np.intp]]:
     """(n, c) motions of all rows: each degree of freedom of the interfaces moved by itself, then vibrations with all of them held."""
-    from scipy.linalg import cho_factor, cho_solve, eigh  # SciPy takes its time to load
+    from scipy.linalg import cho_factor, cho_solve  # SciPy takes its time to load
 
     outer = np.array([rows[node, along] for node in interfaces.values() for along in range(6)])
     inner = np.setdiff1d(np.arange(len(mass)), outer)
-    kept = min(modes, len(inner))
-    basis = np.zeros((len(mass), len(outer) + kept))
+    across = stiffness[np.ix_(inner, outer)]
+    held = stiffness[np.ix_(inner, inner)]
+    try:
+        follow = -cho_solve(cho_factor(held), across) if len(inner) else across
+        vibrations = lowest_vibrations(mass[np.ix_(inner, inner)], held, modes)
+    except np.linalg.LinAlgError as error:
+        raise PinpressError("the frame: it moves though all its interfaces are held: some rows lack stiffness") from error
+    basis = np.zeros((len(mass), len(outer) + vibrations.shape[1]))
     basis[outer, np.arange(len(outer))] = 1.0
-    if len(inner):
-        held = stiffness[np.ix_(inner, inner)]
-        try:
-            basis[inner, : len(outer)] = -cho_solve(cho_factor(held), stiffness[np.ix_(inner, outer)])
-            if kept:
-                basis[inner, len(outer) :] = eigh(held, mass[np.ix_(inner, inner)], subset_by_index=[0, kept - 1])[1]
-        except np.linalg.LinAlgError as error:
-            raise PinpressError(
-                "the frame: it moves though all its interfaces are held, or its mass matrix is not positive definite: some rows lack"
-                " stiffness or mass"
-            ) from error
+    basis[inner] = np.hstack([follow, vibrations])
     return basis, outer
 
 

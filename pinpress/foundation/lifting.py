@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,18 @@ from ..drives.transmission import Flywheel
 from ..dynamics.harmonics import is_cycle
 from ..dynamics.inverse_dynamics import Reactions
 from .mounted_press import MountedPress, quadrature
-from .response import FrameMotion, Points, frame_wrench, mount_constants, named_points, period_of, steady_response, step_matrices, time_step
+from .response import (
+    RESONANCE,
+    FrameMotion,
+    Points,
+    checked_spectrum,
+    frame_wrench,
+    mount_constants,
+    named_points,
+    period_of,
+    step_matrices,
+    time_step,
+)
 
 MOST_STROKES = 10_000
 MOST_SWITCHES = 200  # of feet in one interval between states: more are chatter
@@ -103,9 +115,10 @@ def lifting_response(
     """The vibration over time where the mounts press and do not pull: feet that are not bolted down.
 
     Over one period, of `cycle` or `steady_state`, it begins in the linear steady state, without the feet at which that pulls; over a run
-    of `simulate` at rest. Where no foot lifts off it is the linear response. Whether a motion with lifts settles, and after how many
-    strokes it repeats itself, is seen by ``strokes``: there may be several such motions, or none. Rotors spin at the mean speed. Loss
-    factors act as in `time_response`.
+    of `simulate` at rest. Where no foot lifts off it is the linear response, and repeats itself every stroke. Whether a motion with lifts
+    settles, and after how many strokes it repeats itself, is seen by ``strokes``: there may be several such motions, or none. Rotors spin
+    at the mean speed. Loss factors act as in `time_response`, at each mode's own frequency, those of `steady_response` at the frequency of
+    the force: where they are large, the two differ by a few per cent though no foot lifts off.
 
     Args:
         system: the press on its mounts; each stands on its mounts by its weight.
@@ -123,17 +136,15 @@ def lifting_response(
     """
     count = whole_number("strokes", strokes, 1, MOST_STROKES)
     wrench, placed, n = frame_wrench(system, reactions, flywheel), named_points(system, points), len(system.mass)
-    interval = time_step(reactions.motion)
+    feet, interval = _Feet(system, float(reactions.motion.crank_speed.mean())), time_step(reactions.motion)
     begin = np.zeros(2 * n)
     if _is_period(reactions):
         length, states = period_of(reactions.motion)
-        linear = steady_response(system, reactions, points=points, flywheel=flywheel)
+        checked_spectrum(system, reactions, flywheel)
         interval, wrench = length / states, np.vstack([np.tile(wrench[:states], (count, 1)), wrench[:1]])
-        spectrum = np.fft.rfft(linear.coordinates, axis=0) * (2j * np.pi / length * np.arange(states // 2 + 1))[:, None]
-        begin = np.concatenate([linear.coordinates[0], np.fft.irfft(spectrum, states, axis=0)[0]])
+        begin = _repeating(feet, np.vstack([wrench[:states], wrench[:1]]), interval)
     elif count > 1:
         raise PinpressError("strokes go with one period, of cycle or steady_state: leave strokes= out for another motion")
-    feet = _Feet(system, float(reactions.motion.crank_speed.mean()))
     found = _marched(feet, wrench, interval, begin)
     turned = max(float(np.abs(found.states[:, :n] @ part[3:].T).max()) for part in system.parts.values())
     if turned > SMALL_TURN:
@@ -349,6 +360,29 @@ class _March:
         there = (self.feet.rows[number] @ state[: len(state) // 2])[:FREE_FALL]
         slack = np.divide(self.feet.load[number, :FREE_FALL], stiff, out=np.zeros(2), where=stiff > 0)
         self.anchor[number, :FREE_FALL] = np.where(stiff > 0, there - slack, 0.0)
+
+
+def _repeating(feet: _Feet, wrench: Array, interval: float) -> Array:
+    """The state (2 n,) in which the linear motion, all feet standing, ends one period under forces (states, n) as it begins it.
+
+    A motion that began in that of `steady_response`, in which loss factors act otherwise, would have to settle first: its strokes would
+    differ though no foot lifts off.
+
+    Raises:
+        PinpressError: a harmonic of the force meets a natural frequency without damping.
+    """
+    a, b, _ = feet.matrices(np.ones(len(feet.load), dtype=bool))
+    free, early, late = step_matrices(a, b, interval)
+    forced, whole = np.zeros(len(a)), np.linalg.matrix_power(free, len(wrench) - 1)
+    for first, second in pairwise(wrench):
+        forced = free @ forced + early @ first + late @ second
+    try:
+        begin = np.linalg.solve(np.eye(len(a)) - whole, forced)
+    except np.linalg.LinAlgError:
+        raise PinpressError(RESONANCE) from None
+    if not np.isfinite(begin).all():
+        raise PinpressError(RESONANCE)
+    return np.asarray(begin)
 
 
 def _marched(feet: _Feet, wrench: Array, interval: float, begin: Array) -> _Marched:

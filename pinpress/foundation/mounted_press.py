@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.arguments import expect, typed, whole_number
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array, ComplexArray
 from ..common.results import Tabular
@@ -62,6 +62,7 @@ from .frame_parts import (
 from .mounts import Frame, Mount, listed_mounts
 
 POSES = 180  # poses of a turn over which the moving mass is averaged; harmonics below this order leave the mean exact
+LIGHT = 0.05  # no frame weighs this small a share of the links that it carries
 MOST_ROWS = 24  # of modes in words
 MOST_ORDERS = 10_000  # most orders of `resonance_speeds`, against lists without end
 MOTIONS = ("along x", "along y", "along z", "rocking about x", "rocking about y", "twisting about z")
@@ -213,6 +214,9 @@ def mounted(
         UnknownNameError: an attachment or a rotor is on a part that there is not, or an elastic frame carries a bearing that is none on it.
         PinpressError: an argument is of another kind, the crank does not turn fully, the mounts leave the frame free to move, the weight
             pulls at a mount, or the press tips over.
+
+    Warns:
+        PinpressWarning: the frame is so light beside the links that its mass may be in t.
     """
     mounts = listed_mounts(mounts, "mounts")
     if (crown is None) != (len(uprights) == 0):
@@ -233,7 +237,13 @@ def mounted(
             raise PinpressError(f"attached has {shown(name)}: {shown(each)}: give an Attachment under a name other than {', '.join(own)}")
     if not isinstance(rotors, Sequence) or not all(isinstance(each, Rotor) for each in rotors):
         raise PinpressError(f"rotors is {shown(rotors)}: give a list of Rotor")
-    return _assembled(press, frame, mounts, crown, tuple(uprights), attached or {}, tuple(rotors), press_inertia(press))
+    system = _assembled(press, frame, mounts, crown, tuple(uprights), attached or {}, tuple(rotors), press_inertia(press))
+    links = float(system.press_inertia[0, 0])
+    if (rest := system.total_mass - links) < LIGHT * links:
+        caution(
+            f"the frame weighs {rest:.4g} kg, the links of {press.name} {links:.4g} kg: give its mass in kg, {rest:.4g}e3 if t are meant"
+        )
+    return system
 
 
 def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:

@@ -64,7 +64,7 @@ def steady_response(system: MountedPress, reactions: Reactions, *, points: Point
     """
     placed = named_points(system, points)
     length, states = period_of(reactions.motion)
-    harmonics = checked_harmonics(*_spectrum(system, reactions, flywheel))
+    harmonics = checked_spectrum(system, reactions, flywheel)
     frequency = np.linspace(0.0, 2 * np.pi / length * (len(harmonics) - 1), len(harmonics))
     amplitude = displacement_amplitudes(system, frequency, harmonics, float(reactions.motion.crank_speed.mean()))
 
@@ -154,7 +154,7 @@ class FrameMotion(Tabular):
 
     def __str__(self) -> str:
         """Accelerations of the points, forces, and the least load on a mount."""
-        over = f"one period of {self.period:.6g} s" if self.period is not None else f"{self.time[-1]:.6g} s from rest"
+        over = f"one period of {self.period:.6g} s" if self.period is not None else f"{self.time[-1]:.6g} s{' from rest' * self.from_rest}"
         rows = [["acceleration [m/s2]", *(f"{what} {axis}" for what in ("rms", "peak") for axis in "xyz")]]
         for point in self.acceleration:
             rows.append([point, *(f"{value:.4g}" for value in (*self.rms(point), *self.peak(point)))])
@@ -212,6 +212,11 @@ class FrameMotion(Tabular):
             floor_moment=np.array(-np.cross(places, mount_force).sum(axis=1)),
             shaking_force=shaking,
         )
+
+    @property
+    def from_rest(self) -> bool:
+        """Whether the frame is at rest in its static position at first."""
+        return self.period is None and not self.coordinates[0].any()
 
     @property
     def transmitted(self) -> float:
@@ -423,6 +428,11 @@ def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) 
     if states % 2 == 0:
         harmonics[-1] = 0.0
     return harmonics
+
+
+def checked_spectrum(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> ComplexArray:
+    """Harmonics (k, n) of the forces on the coordinates over a period, as `checked_harmonics` gives them and raises."""
+    return checked_harmonics(*_spectrum(system, reactions, flywheel))
 
 
 def states_that_resolve(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None = None) -> int:

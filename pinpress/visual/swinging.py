@@ -36,7 +36,7 @@ SWING = 24  # key frames of a vibration
 SWINGS = 20  # in a turn
 STANDING = 4  # where the crank stands
 PAUSE = 1.0  # between modes in the time of the page, which does not show it [s]
-MOST = 12  # modes of a page
+MOST = 24  # modes of a page
 TURNED = 0.25  # a turn counts as the displacement this far from the centre of mass, as a share of the linkage's size
 BESIDE = 0.02  # share of the distance of two bearings by which nodes lie beside the line that is drawn
 
@@ -56,7 +56,7 @@ def record_modes(
         modes: its vibrations, of `natural_frequencies`; or those on its mounts, of `foundation.modes`, or of `foundation.whirl` at the
             highest speed.
         path: path of the file, usually ending in `.html`.
-        lowest: number of modes that are shown, from 1 to 12, the lowest first.
+        lowest: number of modes that are shown, from 1 to 24, the lowest first.
 
     Raises:
         PinpressError: the modes are of another press, Meshcat is not installed, or the file cannot be written.

@@ -54,7 +54,7 @@ def test_free_beam():
 
 def test_vibrations_that_are_kept():
     """Frequencies come down to those of all elements as more vibrations are kept."""
-    full, found = main_rod(modes=50).natural_frequency[0], [main_rod(modes=count).natural_frequency[0] for count in (1, 6, 10)]
+    full, found = main_rod(modes=50).natural_frequency[0], [main_rod(modes=count).natural_frequency[0] for count in (1, 6, 20)]
     assert found[0] > found[1] > found[2] > full * (1 - 1e-12)
     assert found[2] == pytest.approx(full, rel=1e-3)
 
@@ -282,7 +282,8 @@ def changed(**more):
         (lambda: changed(bearings={"P2": 0, "P4": 9}), "node of bearing 'P4'"),
         (lambda: changed(modes=-1), "modes"),
         (lambda: changed(damping_ratio=3), "damping_ratio is 3"),
-        (lambda: changed(mass=-main_rod().mass), "no mass"),
+        (lambda: changed(mass=-main_rod().mass), "negative mass"),
+        (lambda: changed(mass=0.0 * main_rod().mass), "no mass"),
         (lambda: changed(bearings={"P2": 0, "P9": 8}), "name all of them"),
         (lambda: changed(bearings={"P2": 0, "P4": 7}), "places of the bearings from each other"),
         (lambda: changed(mass=1.1 * main_rod().mass), r"mass \[kg\] by its matrices: 85.239; in the linkage: 77.49"),

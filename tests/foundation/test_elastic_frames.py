@@ -162,6 +162,50 @@ def test_statics_of_forces_at_the_interfaces_are_exact(monkeypatch):
         assert frame(modes=modes).stiffness_between("crown", "bed") == pytest.approx(expected, rel=1e-7)
 
 
+def lumped(mass, more):
+    """The mass matrix with masses at the nodes alone, and rotary inertia at the interfaces alone."""
+    degrees, along = np.asarray(more["degrees"]), np.zeros(len(mass))
+    for axis in range(3):
+        rows = np.flatnonzero(degrees[:, 1] == axis)
+        along[rows] = mass[np.ix_(rows, rows)].sum(axis=1)
+    turning = np.isin(degrees[:, 0], list(more["interfaces"].values())) & (degrees[:, 1] > 2)
+    return np.diag(np.where(turning, np.diag(mass), along))
+
+
+def test_lumped_masses(monkeypatch):
+    """Rows without mass: frequencies on the mounts against those of the full model, statics against the consistent one's."""
+    mass, stiffness, more = full_model(monkeypatch)
+    at_nodes, held = lumped(mass, more), stiffness.copy()
+    assert (np.diag(at_nodes) == 0).sum() > 50
+    for foot, mount in zip(FEET, MOUNTS, strict=True):
+        rows = 6 * more["interfaces"][foot] + np.arange(3)
+        held[rows, rows] += mount.stiffness
+    full = np.sort(eigh(at_nodes, held, eigvals_only=True)[-12:] ** -0.5)
+    press = pp.load("crank_slide", gravity=(0, 0, 0)).with_inertias(list(weightless().model.inertias))
+    system = foundation.mounted(press, foundation.reduced_frame(at_nodes, stiffness, **more | {"modes": 200}), MOUNTS)
+    np.testing.assert_allclose(foundation.modes(system).natural_frequency[:12], full, rtol=1e-9)
+    for kept in (0, 20):
+        found = foundation.reduced_frame(at_nodes, stiffness, **more | {"modes": kept})
+        assert found.stiffness_between("crown", "bed") == pytest.approx(frame().stiffness_between("crown", "bed"), rel=1e-7)
+    bare = np.where(np.asarray(more["degrees"])[:, 1] > 2, 0.0, np.diag(at_nodes))
+    with pytest.raises(PinpressError, match=r"interface .foot .' along its coordinate turn about z moves no mass: give rotary inertia"):
+        foundation.reduced_frame(np.diag(bare), stiffness, **more)
+
+
+def test_units_that_are_hardly_meant(monkeypatch):
+    """A model in N, mm and t is consistent in itself: its size tells, and so does its mass beside the links."""
+    mass, stiffness, more = full_model(monkeypatch, elements=1)
+    factor = np.where(np.asarray(more["degrees"])[:, 1] > 2, 1e3, 1.0)
+    in_mm = [np.outer(factor, factor) * matrix / 1e3 for matrix in (mass, stiffness)]  # N/mm, and t as kg
+    with pytest.warns(pp.PinpressWarning, match="1800 m apart: if mm are meant"):
+        foundation.reduced_frame(*in_mm, **more | {"nodes": 1e3 * np.asarray(more["nodes"])})
+    press = shipped("jf75g_125")
+    with pytest.warns(pp.PinpressWarning, match=r"the frame weighs .* kg, the links .* kg: give its mass in kg, .*e3 if t are meant"):
+        foundation.mounted(press, foundation.reduced_frame(mass / 1e3, stiffness, **more), MOUNTS)
+    with pytest.warns(pp.PinpressWarning, match="the frame weighs 15 kg"):
+        foundation.mounted(press, foundation.Frame(15.0, (0, 0, 0), (9, 8, 4)), MOUNTS)
+
+
 def test_a_frame_is_read_as_it_is_given(monkeypatch, tmp_path):
     mass, stiffness, more = full_model(monkeypatch, elements=1)
     given = {key: more[key] for key in ("interfaces", "bed", "carrier")}
@@ -177,6 +221,10 @@ def test_a_frame_is_read_as_it_is_given(monkeypatch, tmp_path):
         np.testing.assert_allclose(read.natural_frequency, expected.natural_frequency, rtol=1e-7)
         np.testing.assert_allclose(read.inertia, expected.inertia, rtol=1e-9, atol=1e-6)
     assert "crank and guides" in str(expected)
+    with pytest.raises(PinpressError, match=r"stiffness.mtx holds one matrix: give the file of the stiffness matrix too"):
+        foundation.read_frame(tmp_path / "stiffness.mtx", **given)
+    with pytest.raises(PinpressError, match=r"none.mtx cannot be read: No such file"):
+        foundation.read_frame(tmp_path / "none.mtx", **given, **matrices)
 
 
 # -------------------------------------------------------------------------------------------------------------------------- the rigid limit
@@ -312,12 +360,15 @@ def matrices(**more):
         (lambda: matrices(mass=np.eye(6)), PinpressError, "give both for the same rows"),
         (lambda: matrices(stiffness=np.eye(12)), PinpressError, "resists when the frame moves as a whole"),
         (lambda: matrices(stiffness=np.zeros((12, 12))), PinpressError, "more than six of its motions cost no energy"),
-        (lambda: matrices(mass=-np.eye(12)), PinpressError, "not positive definite"),
-        (lambda: matrices(degrees=[(0, 0)] * 12), PinpressError, "each once"),
+        (lambda: matrices(mass=-np.eye(12)), PinpressError, "not positive semidefinite"),
+        (lambda: matrices(mass=np.diag([1.0] * 9 + [0.0] * 3)), PinpressError, "interface 'b' along .* moves no mass"),
+        (lambda: matrices(degrees=[(0, 0)] * 12), PinpressError, "row 1 of degrees is 0, 0, as another row is"),
+        (lambda: matrices(degrees=[(k, i) for k in (1, 2) for i in range(6)]), PinpressError, "row 6 of degrees is 2, 0: .* from 0 to 1"),
         (lambda: matrices(interfaces={}), PinpressError, "give a mapping"),
         (lambda: matrices(interfaces={"a": 0, "b": 0}), PinpressError, "name it once"),
         (lambda: matrices(interfaces={"a": 0, "frame": 1}), PinpressError, "another name"),
-        (lambda: matrices(lines=[(0, 5)]), PinpressError, "lines name nodes"),
+        (lambda: matrices(lines=[(0, 5)]), PinpressError, "lines join nodes"),
+        (lambda: matrices(lines=[(0, 0.5)]), PinpressError, "from 0 to 1"),
         (
             lambda: matrices(degrees=[(0, i) for i in range(6)] + [(1, 0)] + [(-1, -1)] * 5),
             PinpressError,

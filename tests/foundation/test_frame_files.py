@@ -221,7 +221,7 @@ def test_mistakes_are_named(old, new, line, element, said, tmp_path):
         ("lines.csv", "from,to\n0,2\nx,3\n", "line 3 of .*lines.csv is 'x,3'"),
         ("lines.csv", "0,2,3\n", "has 3 numbers"),
         ("lines.csv", None, "cannot be read: No such file"),
-        ("lines.csv", "0,9\n", "lines name nodes from 0 to 6"),
+        ("lines.csv", "0,9\n", "join nodes by their numbers, from 0 to 6"),
         ("frame.npz", "", "is no file of arrays"),
     ],
 )

@@ -402,6 +402,39 @@ def test_the_drawing_of_a_frame_of_beams(tmp_path: Path) -> None:
         assert np.linalg.norm(np.diff(drawn["frame"], axis=0), axis=1).max() < 0.2
 
 
+BENDING = Path(__file__).parents[2] / "docs" / "jf75g_125_frame.yaml"
+
+
+def test_points_and_modes_of_a_frame_that_bends(tmp_path: Path) -> None:
+    """Interfaces, points that move with them and with the motor are named on the command line; the page of modes is that of Python."""
+    page, swinging = tmp_path / "page.html", tmp_path / "modes.html"
+    words = ["report", "jf75g_125", "--speed", "350", "--points", "180", "--frame", str(BENDING)]
+    words += [word for point in ("upper left", "top:crown", "fan:motor:0,0.9,1.3") for word in ("--frame-point", point)]
+    assert main([*words, "--modes", str(swinging), "--out", str(page)]) == 0
+    press = texts.shipped("jf75g_125")
+    system = pp.foundation.read_mounted(press, BENDING)
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, 350 * pp.RPM, points=180))
+    points = {"upper left": "upper left", "top": "crown", "fan": ("motor", (0, 0.9, 1.3))}
+    wanted = pp.foundation.steady_response(system, reactions, points=points)
+    acceleration = curves(chart(sections(page)["Vibration on the mounts"], "Acceleration along x"))
+    for name in points:
+        values = wanted.acceleration[name][:, 0]
+        assert_allclose(acceleration[name][1], np.append(values, values[0]), rtol=1e-4, atol=1e-6)
+    diagram = pp.foundation.whirl(system, np.linspace(0, 350 * pp.RPM, 61))
+    assert swinging.read_text() == pp.record_modes(press, diagram, tmp_path / "python.html", lowest=24).read_text()
+
+
+def test_the_crown_of_a_frame_in_two_parts_is_shown(tmp_path: Path) -> None:
+    file, page = tmp_path / "frame.yaml", tmp_path / "page.html"
+    file.write_text(
+        FRAME_FILE + "crown: {mass: 7 t, centre: [0, 0, 0.6], inertia: [4000, 3000, 4000]}\n"
+        "uprights: [{points: [[-0.4, -0.5, 0], [-0.4, 0.5, 0], [0.4, -0.5, 0], [0.4, 0.5, 0]], stiffness: [3e8, 3e8, 2.4e9]}]\n"
+    )
+    assert main(["report", "jf75g_125", "--speed", "300", "--points", "90", "--frame", str(file), "--out", str(page)]) == 0
+    shown = curves(chart(sections(page)["Vibration on the mounts"], "Acceleration along x"))
+    assert list(shown) == ["centre of the bed", "centre of the crown", "motor"]
+
+
 ON_SPRINGS = ["--frame", "mass=1t,centre=0/0/0,inertia=100/100/100"]
 ON_SPRINGS += [word for x in (-1, 1) for y in (-1, 1) for word in ("--mount", f"point={x}/{y}/0,stiffness=1e6/1e6/1e6")]
 
@@ -417,6 +450,9 @@ ON_SPRINGS += [word for x in (-1, 1) for y in (-1, 1) for word in ("--mount", f"
         (["--frame", "mass=1t,centre=0/0/0,inertia=1/1/1"], "--frame and --mount go together"),
         (["--mount", "point=0/0/0,stiffness=1e6/1e6/1e6"], "--frame and --mount go together"),
         (["--speed-range", "30,90"], "--speed-range is for the press on its mounts"),
+        (["--modes", "modes.html"], "--modes is for the press on its mounts"),
+        ([*ON_SPRINGS, "--frame-point", "crown"], "--frame-point crown: give a name and x, y, z in m, e.g."),
+        (["--frame", str(BENDING), "--frame-point", "top"], "x, y, z in m, or an interface of bed, crown, right"),
         (["--lift-off", "0"], "--lift-off is for the press on its mounts"),
         ([*ON_SPRINGS, "--lift-off", "0"], "strokes is 0: give a whole number from 1"),
         (["--frame", "frame.yaml"], "frame.yaml: it cannot be read: No such file"),

@@ -15,6 +15,8 @@ from ..quantities import Array
 
 MOST_BYTES = 200_000_000  # of a file of matrices
 ASYMMETRY = 1e-6  # share of the largest entry by which the halves of a matrix may differ
+NEGATIVE = 1e-6  # share of a mass by which rounding in a file may make that of a motion negative
+MASSLESS = 1e-12  # share of the square of the longest period below which a vibration has no mass
 
 
 def symmetric_matrix(what: str, given: Any, most: int) -> Array:
@@ -35,6 +37,41 @@ def symmetric_matrix(what: str, given: Any, most: int) -> Array:
     return np.asarray(0.5 * (found + found.T))
 
 
+def mass_matrix(what: str, given: Any, most: int) -> Array:
+    """A caller's mass matrix, as `symmetric_matrix`. Rows may have no mass, as turns and master nodes have none where masses are lumped.
+
+    Raises:
+        PinpressError: as `symmetric_matrix`, or a motion has a negative mass.
+    """
+    found = symmetric_matrix(what, given, most)
+    own = np.diag(found)
+    scale = 1 / np.sqrt(np.where(own > 0, own, 1.0))
+    try:
+        if own.min() < 0 or found[own == 0].any():
+            raise np.linalg.LinAlgError
+        np.linalg.cholesky(scale[:, None] * found * scale + NEGATIVE * np.eye(len(found)))
+    except np.linalg.LinAlgError:
+        raise PinpressError(f"{what} is not positive semidefinite: some motion would have a negative mass; give it as assembled") from None
+    return found
+
+
+def lowest_vibrations(mass: Array, stiffness: Array, count: int) -> Array:
+    """Shapes (n, k) of the lowest vibrations of a model that cannot move freely, at most ``count``, those of the lowest first.
+
+    Rows without mass follow the others as in statics, and have no vibrations of their own: k may be less than ``count``.
+
+    Raises:
+        numpy.linalg.LinAlgError: the stiffness matrix is not positive definite.
+    """
+    from scipy.linalg import eigh  # SciPy takes its time to load
+
+    n = len(mass)
+    if not n or not count:
+        return np.zeros((n, 0))
+    squared, shapes = eigh(mass, stiffness, subset_by_index=[max(0, n - count), n - 1])  # squares of 1 / frequency, rising
+    return np.asarray(shapes[:, squared > MASSLESS * squared[-1]][:, ::-1])
+
+
 def read_archive(path: str, wanted: tuple[str, ...]) -> dict[str, Any]:
     """Arrays of a file of `numpy.savez`.
 
@@ -47,7 +84,9 @@ def read_archive(path: str, wanted: tuple[str, ...]) -> dict[str, Any]:
             if not hasattr(archive, "files"):
                 raise ValueError
             arrays = {name: archive[name] for name in archive.files}
-    except (ValueError, OSError, EOFError, KeyError, AttributeError, TypeError) as error:
+    except OSError as error:
+        raise PinpressError(f"{path} cannot be read: {files.reason(error)}") from error
+    except (ValueError, EOFError, KeyError, AttributeError, TypeError) as error:
         raise PinpressError(f"{path} is no file of arrays: write it with {how}") from error
     if missing := [name for name in wanted if name not in arrays]:
         raise PinpressError(f"{path} lacks {', '.join(missing)}: write {how}")
@@ -66,7 +105,9 @@ def read_market(path: str) -> Any:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of the kind of sparse matrix, which does not matter here
             return mmread(io.BytesIO(files.read(path, MOST_BYTES)))
-    except (ValueError, TypeError, OSError, IndexError, OverflowError) as error:
+    except OSError as error:
+        raise PinpressError(f"{path} cannot be read: {files.reason(error)}") from error
+    except (ValueError, TypeError, IndexError, OverflowError) as error:
         raise PinpressError(f"{path} is no Matrix Market file: {error}; give the matrix as .mtx, or all arrays in one .npz") from error
 
 
@@ -78,6 +119,8 @@ def read_model(path: str, stiffness: str | None, nodes: Any, degrees: Any) -> tu
     """
     wanted = ("mass", "stiffness", "nodes", "degrees")
     if stiffness is None:
+        if path.lower().endswith(".mtx"):
+            raise PinpressError(f"{path} holds one matrix: give the file of the stiffness matrix too, stiffness=, and nodes= and degrees=")
         arrays = read_archive(path, wanted)
         if nodes is not None or degrees is not None:
             raise PinpressError(f"{path} brings its own nodes and degrees: leave out nodes= and degrees=, or give stiffness= too")

@@ -32,7 +32,7 @@ from ...common.arguments import number, numbers, whole_number
 from ...common.errors import PinpressError, shown
 from ...common.frozen import Frozen
 from ...common.quantities import Array, ComplexArray
-from ...common.reading.matrices import read_model, symmetric_matrix
+from ...common.reading.matrices import lowest_vibrations, mass_matrix, read_model, symmetric_matrix
 
 MOST_ROWS = 2000  # of matrices: larger ones are reduced in seconds by programs that keep them sparse
 MOST_MODES = 50
@@ -71,8 +71,8 @@ class FlexibleLink(Frozen):
 
     def __post_init__(self) -> None:
         what, own = f"FlexibleLink of {shown(self.link)}", vars(self)
-        for name in ("mass", "stiffness"):
-            own[name] = symmetric_matrix(f"{what}: {name}", own[name], MOST_ROWS)
+        own["mass"] = mass_matrix(f"{what}: mass", self.mass, MOST_ROWS)
+        own["stiffness"] = symmetric_matrix(f"{what}: stiffness", self.stiffness, MOST_ROWS)
         count = len(self.mass)
         if self.stiffness.shape != self.mass.shape:
             raise PinpressError(f"{what}: stiffness has shape {self.stiffness.shape}, mass {self.mass.shape}: give both for the same rows")
@@ -186,7 +186,7 @@ def _reduced(link: FlexibleLink) -> _Reduced:
     try:
         small = np.linalg.inv(np.linalg.cholesky(basis.T @ mass @ basis))
     except np.linalg.LinAlgError as error:
-        raise PinpressError(f"{what}: its mass matrix is not positive definite: give the consistent mass matrix of all rows") from error
+        raise PinpressError(f"{what}: its bearings can move without moving any mass: give the consistent mass matrix") from error
     squared, vectors = np.linalg.eigh(small @ (basis.T @ stiffness @ basis) @ small.T)
     if not squared[3] > 0 or np.abs(squared[:3]).max() > 1e-3 * squared[3]:
         raise PinpressError(f"{what}: more than three of its motions cost no energy: its parts are not joined, or it has a hinge")
@@ -216,26 +216,18 @@ def _quarter_turned(link: FlexibleLink, shapes: Array) -> Array:
 
 def _craig_bampton(link: FlexibleLink, what: str) -> Array:
     """(n, c) motions of all rows: one bearing moved after another along an axis, then the vibrations with all bearings held."""
-    from scipy.linalg import eigh  # SciPy takes its time to load
-
     node, direction = link.degrees.T
     at_bearing = np.isin(node, list(link.bearings.values())) & np.isin(direction, (0, 1))
     outer, inner = np.flatnonzero(at_bearing), np.flatnonzero(~at_bearing)
-    kept = min(link.modes, len(inner))
-    basis = np.zeros((len(node), len(outer) + kept))
-    basis[outer, np.arange(len(outer))] = 1.0
-    if not len(inner):
-        return basis
-    held, mass = link.stiffness[np.ix_(inner, inner)], link.mass[np.ix_(inner, inner)]
+    held = link.stiffness[np.ix_(inner, inner)]
     try:
-        basis[inner, : len(outer)] = -np.linalg.solve(held, link.stiffness[np.ix_(inner, outer)])
-        if kept:
-            basis[inner, len(outer) :] = eigh(held, mass, subset_by_index=[0, kept - 1])[1]
+        follow = -np.linalg.solve(held, link.stiffness[np.ix_(inner, outer)])
+        vibrations = lowest_vibrations(link.mass[np.ix_(inner, inner)], held, link.modes)
     except np.linalg.LinAlgError as error:
-        raise PinpressError(
-            f"{what}: it moves though all its bearings are held, or its mass matrix is not positive definite: some rows lack stiffness or"
-            " mass"
-        ) from error
+        raise PinpressError(f"{what}: it moves though all its bearings are held: some rows lack stiffness") from error
+    basis = np.zeros((len(node), len(outer) + vibrations.shape[1]))
+    basis[outer, np.arange(len(outer))] = 1.0
+    basis[inner] = np.hstack([follow, vibrations])
     return basis
 
 

@@ -159,7 +159,7 @@ def vibration(found: FrameMotion, shown: Shown) -> Section:
     ]
     rows = [[point, *(f"{value:.4g}" for value in (*found.rms(point), *found.peak(point)))] for point in found.acceleration]
     table = Table("", ["acceleration [m/s²]", *(f"{what} {axis}" for what in ("rms", "peak") for axis in AXES)], rows)
-    over = "over one period" if found.period is not None else f"over {found.time[-1]:.6g} s from rest"
+    over = "over one period" if found.period is not None else f"over {found.time[-1]:.6g} s{' from rest' * found.from_rest}"
     blocks: list[Block] = [Figures(figures), *_over_time(found, shown), table]
     return Section("Vibration on the mounts", blocks, _inputs(found.system), f"About the static position, {over}.")
 
