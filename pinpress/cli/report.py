@@ -132,8 +132,8 @@ def run(options: argparse.Namespace) -> int:
     results = [*_results(press, reactions, acting, system, options)]
     before = None if options.before is None else press_before(options)
     if options.modes is not None:
-        from ..foundation.mounted_press import VibrationModes
-        from ..foundation.whirl_modes import WhirlDiagram
+        from ..foundation.mounted_press import VibrationModes  # seldom needed
+        from ..foundation.whirl_modes import WhirlDiagram  # seldom needed
 
         swinging = [each for each in results if isinstance(each, VibrationModes | WhirlDiagram)][-1]
         record_modes(press, swinging, options.modes, lowest=MOST)

@@ -8,7 +8,7 @@ import importlib.util
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
@@ -29,7 +29,10 @@ STUDY.py:FUNCTION is a function in a file of yours: def strokes(inertia, force):
 and returns names with numbers, words or bools; with --at-once it takes and returns arrays, a value for each of many points.
 
 --axis force=0:250e3:100 makes 100 values at equal steps from 0 to 250e3, --axis power=30e3,45e3,60e3 these three. Numbers are passed on as
-they are, without units. The points are all combinations, the last axis fastest.
+they are, without units. The points are all combinations, the last axis fastest: a full factorial.
+
+--latin-hypercube 200 makes 200 points instead, spread over the ranges --axis force=0:250e3 --axis power=30e3:60e3: each 200th part of each
+range has one value, whatever the number of axes.
 
 A cluster is started by `dask scheduler` on one machine, and on each that works by
     MALLOC_TRIM_THRESHOLD_=134217728 MALLOC_MMAP_THRESHOLD_=33554432 dask worker tcp://SCHEDULER:8786 --nworkers -1 --nthreads 1
@@ -53,6 +56,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option = parser.add_argument
     option("function", metavar="STUDY.py:FUNCTION", help="file and function")
     option("--axis", action="append", required=True, metavar="NAME=VALUES", help="FIRST:LAST:COUNT, or values with commas; see below")
+    help = "a Latin hypercube of so many points in place of all combinations; each --axis is NAME=LOW:HIGH then"
+    option("--latin-hypercube", type=int, metavar="N", help=help)
+    option("--seed", type=int, metavar="S", help="of its random numbers (default: 0); the same one gives the same points")
     option("--to", type=Path, required=True, metavar="DIR", help="folder for the results, one of its own; made if it is not there")
     option("--points-a-part", type=int, default=1000, metavar="N", help="points of a part, each a file (default: %(default)s)")
     option("--at-once", action="store_true", help="the function takes all points of a part at once, as arrays")
@@ -70,12 +76,7 @@ def run(options: argparse.Namespace) -> int:
     """
     from ..sweeps.parquet_sweep import sweep_to_parquet  # to save start-up time, that of all other commands
 
-    grid: dict[str, list[Any]] = {}
-    for words in options.axis:
-        name, values = _axis(words)
-        if name in grid:
-            raise PinpressError(f"--axis {words}: {name} is given twice")
-        grid[name] = values
+    grid = _grid(options)
     function, file = _function(options.function)
     done = 0.0
     with _executor(options, file) as (executor, threads), progress(1.0, "{percentage:3.0f} % |{bar}| {remaining} to go") as told:
@@ -93,6 +94,7 @@ def run(options: argparse.Namespace) -> int:
                 to=options.to,
                 points_a_part=options.points_a_part,
                 at_once=options.at_once,
+                paired=options.latin_hypercube is not None,
                 executor=executor,
                 in_flight=max(IN_FLIGHT, 2 * threads),
                 progress=tell,
@@ -104,11 +106,38 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _grid(options: argparse.Namespace) -> dict[str, Sequence[Any]]:
+    """Values of the axes, of all combinations, or point by point of a Latin hypercube."""
+    from ..sweeps.experiments import latin_hypercube  # as above
+
+    if options.latin_hypercube is None and options.seed is not None:
+        raise PinpressError("--seed is that of a --latin-hypercube: give this too, or leave the seed out")
+    read = _axis if options.latin_hypercube is None else _range
+    grid: dict[str, Sequence[Any]] = {}
+    for words in options.axis:
+        name, values = read(words)
+        if name in grid:
+            raise PinpressError(f"--axis {words}: {name} is given twice")
+        grid[name] = values
+    return grid if options.latin_hypercube is None else {**latin_hypercube(grid, options.latin_hypercube, seed=options.seed or 0)}
+
+
+def _range(words: str) -> tuple[str, list[Any]]:
+    """Name and ends of a range, from ``name=0:1``."""
+    name, _, text = words.partition("=")
+    ends = [_value(words, each) for each in text.split(":")] if text.count(":") == 1 else []
+    if not name or not ends or any(isinstance(each, str) for each in ends):
+        raise PinpressError(f"--axis {words}: a Latin hypercube fills ranges: write NAME=LOW:HIGH, such as force=0:250e3")
+    return name, ends
+
+
 def _axis(words: str) -> tuple[str, list[Any]]:
     """Name and values of an axis, from ``name=0:1:11`` or ``name=1,2,5``."""
     name, equals, text = words.partition("=")
     if not (name and equals and text):
         raise PinpressError(f"--axis {words}: write NAME=FIRST:LAST:COUNT or NAME=VALUE,VALUE,..., such as force=0:250e3:100")
+    if text.count(":") == 1:
+        raise PinpressError(f"--axis {words}: say how many values there are, FIRST:LAST:COUNT, or give --latin-hypercube")
     if text.count(":") != 2:
         return name, [_value(words, each) for each in text.split(",")]
     first, last, count = (_value(words, each) for each in text.split(":"))

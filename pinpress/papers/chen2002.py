@@ -31,7 +31,7 @@ POINTS = 720
 FORMULA, SOLVER = "formula", "independent solver"
 
 ERRATA = (
-    Erratum("(22), (23)", "l1 and l4 as variables of an objective", "l1 has no influence, and l4 no optimum: see below"),
+    Erratum("(22), (23)", "l1 and l4 as variables of an objective", "l1 has no influence, and l4 no optimum: see above"),
     Erratum("constraints (3)", "bounds of the variables left out", "the optimum of l4 is its upper bound, so that it is the result"),
     Erratum("example", "h = 630 mm, l3 = 648 mm", "(19) and (21) give 631.4 mm and 647.2 mm"),
     Erratum("Fig. 3", "nearly uniform from 60 to 120 deg", "over these 157 mm the speed differs by 7.1 %; over the best 120 mm by 3.7 %"),

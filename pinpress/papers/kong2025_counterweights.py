@@ -111,8 +111,8 @@ def conclusion(press: Linkage) -> PageEntry:
         " be had is that none rises, and then a counterweight on the crank alone is best: the crank turns evenly, so that only A and the"
         " torque feel it. A third of the paper's mass there lowers the horizontal shaking force by 88 %, where the paper's"
         f" counterweights reach 47 %, and no bearing pays. A fall that one would notice, {FALL:g} %, ten times the printed one of the"
-        " torque, takes one to eight tonnes in all bearings but D, and the horizontal shaking force pays. All this is the empty press: the"
-        " force of a process adds to the bearings whatever the counterweights are."
+        " torque, takes one to eight tonnes, but for the vertical force in D, and the horizontal shaking force pays. All this is the empty"
+        " press: the force of a process adds to the bearings whatever the counterweights are."
     )
     return PageEntry(("Conclusion (4)",), "which bearing forces can fall, and at what price", BEYOND, (), reason, grids=(compared, priced))
 

@@ -323,7 +323,7 @@ def draw(across: str, panels: Sequence[Panel], high: float = 4.2, columns: int =
                 axes.plot(*np.transpose(panel.points), color=GREY, marker="x", markersize=5.0, linestyle="none", clip_on=False)
             if panel.logarithmic:
                 axes.set_yscale("log")
-            if len(lines) > 1:
+            if len(lines) > 1 and (k < columns or list(panel.curves) != list(panels[k - columns].curves)):
                 above(axes, lines, list(panel.curves))
             if k // columns == rows - 1:
                 plain(axes.set_xlabel(across))

@@ -25,6 +25,7 @@ FIRST_STEP, LAST_STEP = 16.0, 1e-4  # of the search along the coordinates [kg]
 MOST_PASSES = 10_000
 DISC, AT, TURNED = 0.10, 0.15, np.radians(150.0)  # counterweight of the example: radius, distance from the pin, angle from the rod; ours
 FORMULA = "formula"
+SPREAD = ("Monte Carlo", "Latin hypercube", "full factorial")  # searches whose points do not depend on what was found
 
 
 class Search(NamedTuple):
@@ -33,12 +34,17 @@ class Search(NamedTuple):
     Attributes:
         masses: (2,) of auxiliary rod and counterweight [kg].
         least: range of the vertical force with them [N].
-        evaluations: number of masses tried.
+        ranges: (k,) ranges of all masses tried, in their order [N].
     """
 
     masses: Array
     least: float
-    evaluations: int
+    ranges: Array
+
+    @property
+    def evaluations(self) -> int:
+        """Number k of masses tried."""
+        return len(self.ranges)
 
 
 def entries(press: Linkage) -> tuple[PageEntry, ...]:
@@ -99,15 +105,16 @@ def _searches(press: Linkage) -> PageEntry:
     ]
 
     def shown() -> "Figure":
-        points = {name: np.minimum.accumulate(objective(tried(name))) for name in ("at random", "Latin hypercube", "full factorial")}
-        curves = {name: (np.arange(1.0, len(least) + 1), least) for name, least in points.items()}
+        curves = {name: (np.arange(1.0, each.evaluations + 1), np.minimum.accumulate(each.ranges)) for name, each in found.items()}
         return draw("evaluations", [Panel("best range so far [N]", curves, (best.least,), logarithmic=True)], 6.5)
 
     reason = (
-        "5.4 names methods without using them. Ours, between m5 = 0 and 150 kg and m6 = 900 and 1200 kg: points at random, evenly spread"
-        " or on a grid find the valley and no more. A search along one mass after the other, from the start of table 5-1, goes down to"
-        " the valley and stalls there as ADAMS did, because the valley runs along m5 + m6. The simplex follows it to its end, and knows no"
-        " proof. The convex program is at the optimum in one solution. Times: `python tests/benchmarks/features/searches.py`."
+        "5.4 names methods without using them. Ours, between m5 = 0 and 150 kg and m6 = 900 and 1200 kg: points at random, evenly"
+        " spread or on a grid find the valley and no more. A search step by step along one mass after the other, from the start of table"
+        " 5-1, goes down to the valley and stalls there as ADAMS did, because the valley runs along m5 + m6. The simplex of Nelder and"
+        " Mead follows it to its end, and knows no proof. The convex program is at the optimum in one solution. Where every evaluation"
+        " is the forces of a turn, the searches by steps take tens of times as long as the proof, and a thousand points hundreds of"
+        " times (`python tests/benchmarks/features/searches.py`)."
     )
     title = "searches at random, on a grid, step by step, and the proved optimum"
     return PageEntry(("5.4",), title, BEYOND, tuple(rows), reason, "zhang2007_searches", shown, "Dashes: the proved optimum.")
@@ -117,17 +124,18 @@ def proved(press: Linkage) -> Search:
     """The optimum of table 5-1's problem by `pinpress.balancing.balance`, one convex program."""
     regions = [CounterweightRegion("auxiliary_rod", replaces=True), CounterweightRegion("counterweight", replaces=True)]
     best = balance(press, cycle(press, SPEED, points=POINTS), regions=regions, minimise=Range("shaking_force", "z"))
-    return Search(np.array([weight.mass for weight in best.counterweights]), float(best.changes[0].after), 1)
+    least = float(best.changes[0].after)
+    return Search(np.array([weight.mass for weight in best.counterweights]), least, np.array([least]))
 
 
 def searches(objective: Callable[[Array], Array]) -> Mapping[str, Search]:
     """Searches of an objective, (k,) of masses (k, 2), by the names of their methods."""
     found = {}
-    for name in ("at random", "Latin hypercube", "full factorial"):
+    for name in SPREAD:
         masses = tried(name)
         values = objective(masses)
-        found[name] = Search(masses[values.argmin()], float(values.min()), len(masses))
-    return found | {"along the coordinates": along_coordinates(objective), "simplex of Nelder and Mead": by_simplex(objective)}
+        found[name] = Search(masses[values.argmin()], float(values.min()), values)
+    return found | {"step by step": along_coordinates(objective), "simplex": by_simplex(objective)}
 
 
 def tried(name: str) -> Array:
@@ -143,25 +151,32 @@ def tried(name: str) -> Array:
 
 def along_coordinates(objective: Callable[[Array], Array]) -> Search:
     """Steps along one mass after the other from the start of table 5-1, halved where neither way leads down."""
-    at, step, count = np.array(SEARCH[0][:2], dtype=float), FIRST_STEP, 1
+    at, step = np.array(SEARCH[0][:2], dtype=float), FIRST_STEP
     value = float(objective(at[None])[0])
+    ranges = [value]
     for _ in range(MOST_PASSES):
         before = value
         for way in step * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]):
-            found, count = float(objective((at + way)[None])[0]), count + 1
-            if found < value:
-                at, value = at + way, found
+            ranges.append(float(objective((at + way)[None])[0]))
+            if ranges[-1] < value:
+                at, value = at + way, ranges[-1]
         if value == before:
             step /= 2
         if step < LAST_STEP:
             break
-    return Search(at, value, count)
+    return Search(at, value, np.array(ranges))
 
 
 def by_simplex(objective: Callable[[Array], Array]) -> Search:
     """The simplex method of SciPy from the start of table 5-1."""
     from scipy.optimize import minimize  # slow to import
 
+    ranges: list[float] = []
+
+    def called(at: Array) -> float:
+        ranges.append(float(objective(at[None])[0]))
+        return ranges[-1]
+
     options = {"xatol": LAST_STEP, "fatol": 1e-8, "maxfev": 100_000}
-    found = minimize(lambda at: float(objective(at[None])[0]), np.array(SEARCH[0][:2], dtype=float), method="Nelder-Mead", options=options)
-    return Search(found.x, float(found.fun), int(found.nfev))
+    found = minimize(called, np.array(SEARCH[0][:2], dtype=float), method="Nelder-Mead", options=options)
+    return Search(found.x, float(found.fun), np.array(ranges))

@@ -9,6 +9,7 @@ import time
 import pytest
 from support.dask_processes import dask_processes
 
+import pinpress as pp
 from pinpress.cli.main import main
 
 pandas = pytest.importorskip("pandas")
@@ -67,9 +68,31 @@ def test_processes_and_one_process_write_the_same(study, capsys):
             assert first.read() == second.read()
 
 
+def test_a_latin_hypercube(study, capsys):
+    """The points are those of Python, as many as are asked for; one in each part of each range; the same command finds them done."""
+    words = ["sweep", f"{study}:areas", "--axis", "a=0:3", "--axis", "b=1e3:2e3", "--latin-hypercube", "40", "--at-once", "--to", "spread"]
+    assert main([*words, "--seed", "7"]) == 0
+    assert "40 points" in capsys.readouterr().out
+    frame, points = pandas.read_parquet("spread"), pp.sweeps.latin_hypercube({"a": (0.0, 3.0), "b": (1e3, 2e3)}, 40, seed=7)
+    for name, (low, high) in {"a": (0, 3), "b": (1e3, 2e3)}.items():
+        assert frame[name].tolist() == list(points[name])
+        assert sorted(((frame[name] - low) / (high - low) * 40).astype(int)) == list(range(40))
+    assert (frame["area"] == frame["a"] * frame["b"]).all()
+    assert main([*words, "--seed", "7"]) == 0
+    assert main(words) == 2
+    assert "spread" in capsys.readouterr().err  # other points: another sweep
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
+        (["{}:area", "--axis", "a=0:3"], "say how many values there are, FIRST:LAST:COUNT, or give --latin-hypercube"),
+        (["{}:area", "--axis", "a=0:3:4", "--latin-hypercube", "9"], "a Latin hypercube fills ranges: write NAME=LOW:HIGH"),
+        (["{}:area", "--axis", "a=1,2", "--latin-hypercube", "9"], "a Latin hypercube fills ranges: write NAME=LOW:HIGH"),
+        (["{}:area", "--axis", "a=low:high", "--latin-hypercube", "9"], "a Latin hypercube fills ranges: write NAME=LOW:HIGH"),
+        (["{}:area", "--axis", "a=3:0", "--latin-hypercube", "9"], "that of 'a' goes from 3 to 0; give the lower end first"),
+        (["{}:area", "--axis", "a=0:3", "--latin-hypercube", "0"], "count is 0"),
+        (["{}:area", "--axis", "a=1,2", "--seed", "3"], "--seed is that of a --latin-hypercube"),
         (["{}:area", "--axis", "a=1"], "does not take the axes a: missing a required argument: 'b'"),
         (["{}:are", "--axis", "a=1"], "did you mean 'area'"),
         (["{}:number", "--axis", "a=1"], "no function of"),

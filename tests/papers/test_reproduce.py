@@ -563,21 +563,38 @@ def test_zhang_lateral_forces_of_two_shafts_cancel():
     np.testing.assert_allclose(np.abs(found.shaft - idle), 0.5 * force * np.abs(slope) / np.sqrt(1 - slope**2), atol=1e-8 * 1250e3)
 
 
+@pytest.mark.parametrize("name", zhang2007_runs.PEAKS)
+def test_zhang_five_strokes(name):
+    """Five forces in five turns, whether the press makes them in a second or not; 1250 N hardly show beside what moves."""
+    press, load = zhang2007_balancing.presses()["jf75g_125_symmetric"], zhang2007_runs.laws(1250e3)[name]
+    found = zhang2007_runs.five_strokes(press, load)
+    acting = np.abs(found.vertical) > 0.5 * 1250e3
+    begins, ends = (int((np.diff(acting.astype(int)) == way).sum()) for way in (1, -1))
+    assert {begins, ends} == {5}  # piling, which begins at bottom dead centre, is cut in two: its last half is the first
+    assert found.run.crank_angle[: len(found.time)][-1] == pytest.approx(10 * np.pi, abs=0.01)
+    plain, shown = (zhang2007_runs.frame_forces(press, each, 1.0, 1001) for each in (zhang2007_runs.NO_LOAD, zhang2007_runs.printed(name)))
+    slope = 0.05 * np.sin(plain.run.crank_angle)
+    most = 0.5 * 1250 * np.abs(slope) / np.sqrt(1 - slope**2)
+    assert np.abs(shown.shaft - plain.shaft).max() < most.max() + 0.02 * np.ptp(plain.shaft)  # the rods' share, and another speed
+
+
 @pytest.mark.exhaustive
 def test_zhang_searches_end_where_their_methods_do(made):
     """The simplex ends at the optimum of an independent solver; a search along the coordinates stalls in the valley: at its end every step
     along one mass leads up, and one along the valley down."""
     opposed = zhang2007_balancing.presses()["jf75g_125"]
     objective = zhang2007_balancing.ranges(opposed)
-    found = zhang2007_search.searches(objective)
-    assert found["simplex of Nelder and Mead"].least == pytest.approx(0.04138, rel=2e-3)
-    stalled = found["along the coordinates"]
+    found, random = zhang2007_search.searches(objective), zhang2007_search.SPREAD[0]
+    for each in found.values():
+        assert each.least == each.ranges.min() == pytest.approx(float(objective(each.masses[None])[0]), rel=1e-9, abs=1e-9)
+    assert found["simplex"].least == pytest.approx(0.04138, rel=2e-3)
+    stalled = found["step by step"]
     steps = 1e-3 * np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])
     assert (objective(stalled.masses + steps) > stalled.least).all()
     rod, counterweight = stalled.masses
     assert objective(np.array([[rod - 1.0, counterweight + 1.0]]))[0] < stalled.least - 1.0
     assert min(each.least for each in found.values()) >= zhang2007_search.proved(opposed).least * (1 - 1e-9)
-    assert found["at random"].evaluations == len(zhang2007_search.tried("at random")) == 1000
+    assert found[random].evaluations == len(zhang2007_search.tried(random)) == 1000
     assert row(made("zhang2007"), "proved optimum, range [N]").ours == pytest.approx(0.04138, rel=2e-3)
 
 
