@@ -36,8 +36,8 @@ class Counterweight(Record, units={"mass": "kg", "position": "m", "inertia": "kg
         mass: mass [kg].
         position: (3,) centre of mass in the link's own frame [m].
         inertia: moment of inertia about the axis through the centre of mass along the normal of a planar press, where the material counts
-            as lying in the plane; in a press that is not planar, about every axis [kg m2]. 0 is a point mass. It is negative only where the
-            mass is negative.
+            as lying in the plane; in a press that is not planar, about every axis [kg m2]. 0 is a point mass, m_b r_b^2 / 2 a disc as in
+            Zhang 2007, (5-6). It is negative only where the mass is negative.
 
     Raises:
         PinpressError: a number is not finite, or no body has this inertia at this mass.
@@ -60,6 +60,9 @@ class Counterweight(Record, units={"mass": "kg", "position": "m", "inertia": "kg
 @typed
 def with_counterweights(press: Linkage, counterweights: Iterable[Counterweight]) -> Linkage:
     """Fix counterweights to the links of a press.
+
+    Mass, centre of mass and inertia of a link with its counterweight are those of Zhang 2007, (5-3) to (5-6), without their cases: (5-4)
+    finds the centre on one side alone, and (5-5) is 0 / 0 for a counterweight on the line of a rod.
 
     Args:
         press: the press without them.

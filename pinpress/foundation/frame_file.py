@@ -73,6 +73,7 @@ ELASTIC = ("bed", "carrier", "bearings", "modes", "loss_factor")
 OF_BEAMS = ("places", "beams", *ELASTIC, "elements")
 OF_MATRICES = ("matrices", "interfaces", *ELASTIC, "lines")
 MARKET = ("mass", "stiffness", "nodes", "degrees")  # keys of ``matrices`` where it is no one file
+MARKETS = "{mass: m.mtx, stiffness: k.mtx, nodes: nodes.csv, degrees: degrees.csv}"
 THREE = "a list such as [0, 0.1, -0.35]"
 REMEDY = re.compile(r"[:;] (?=(?:give|leave|move|name|join|make|write|there are)\b)")  # before what to do, in messages of others
 
@@ -213,9 +214,11 @@ def _elastic(items: Mapping[str, Entry]) -> dict[str, Any]:
 def _matrices(entry: Entry, folder: Path) -> dict[str, Any]:
     """Arguments of `read_frame` that say where the matrices are."""
     if isinstance(entry.value, str):
+        if entry.value.lower().endswith(".mtx"):
+            entry.refuse(f"{entry.value} holds one matrix", f"write {MARKETS}")
         return {"file": folder / entry.value}
     items = entry.known(MARKET, "matrices")
-    _refuse_missing(entry, items, MARKET, "all four: {mass: m.mtx, stiffness: k.mtx, nodes: nodes.csv, degrees: degrees.csv}, or one .npz")
+    _refuse_missing(entry, items, MARKET, f"all four: {MARKETS}, or one .npz")
     mass, stiffness = (folder / _text(items[name]) for name in ("mass", "stiffness"))
     nodes, degrees = _rows(items["nodes"], folder, ("x", "y", "z")), _rows(items["degrees"], folder, ("node", "direction"))
     return {"file": mass, "stiffness": stiffness, "nodes": nodes, "degrees": degrees}

@@ -375,7 +375,7 @@ def modes(system: MountedPress) -> VibrationModes:
         damped_frequency=damped[order],
         damping_ratio=(loss / size)[order],
         eigenvalues=eigenvalues,
-        motion=tuple(_motion(system, shape) for shape in shapes.T),
+        motion=tuple(motion_in_words(system, shape) for shape in shapes.T),
     )
 
 
@@ -518,7 +518,7 @@ def _condensed(stiffness: Array, elastic: NDArray[np.intp]) -> Array:
     return np.asarray(stiffness[np.ix_(rest, rest)] - across.T @ np.linalg.solve(stiffness[np.ix_(elastic, elastic)], across))
 
 
-def _motion(system: MountedPress, shape: Array) -> str:
+def motion_in_words(system: MountedPress, shape: Array) -> str:
     """The motion with most of the kinetic energy of a mode shape (n,), as in `VibrationModes.motion`."""
     own = [WHOLE] if isinstance(system.frame, ElasticFrame) else [part for part in system.parts if part not in system.attached]
     sprung = [name for name, each in system.attached.items() if each.springs]

@@ -24,7 +24,7 @@ from ..common.frozen import read_only
 from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
 from .frame_parts import part_named
-from .mounted_press import MOST_ORDERS, MountedPress
+from .mounted_press import MOST_ORDERS, MountedPress, motion_in_words
 
 AT_REST = 1e-6  # share of the highest speed at which modes of equal frequency at standstill are told from each other
 SAME_MODE = 0.7  # least product of a mode at two speeds that follow each other
@@ -72,6 +72,12 @@ class WhirlDiagram(Tabular):
         """How a mode turns at the highest speed: "forward", "backward", or "" where it hardly does."""
         turns = float(self.whirl[-1, mode])
         return "" if abs(turns) < TURNS else "forward" if turns > 0 else "backward"
+
+    def motion(self, mode: int) -> str:
+        """The motion with most of a mode's kinetic energy at the highest speed when that is largest, as in `VibrationModes.motion`."""
+        shape = self.shapes[-1, mode]
+        phase = np.exp(-0.5j * np.angle(shape @ self.system.mass @ shape))
+        return motion_in_words(self.system, (shape * phase).real)
 
     def critical_speeds(self, order: int = 1) -> Array:
         """(c,) speeds of the crank at which a harmonic of it meets a natural frequency, rising [rad/s].

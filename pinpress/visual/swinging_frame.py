@@ -92,7 +92,8 @@ def _modes(modes: VibrationModes | WhirlDiagram) -> list[_Mode]:
         at = f"at {modes.speed[-1] / RPM:.4g} r/min"
         for k in np.argsort(modes.frequency[-1]):
             whirls = f", whirls {modes.words(int(k))}" if modes.words(int(k)) else ""
-            words = f"{modes.frequency[-1, k] / (2 * np.pi):.4g} Hz {at}, damping ratio {modes.damping_ratio[-1, k]:.3g}{whirls}"
+            hertz, ratio = modes.frequency[-1, k] / (2 * np.pi), modes.damping_ratio[-1, k]
+            words = f"{hertz:.4g} Hz {at}, damping ratio {ratio:.3g}: {modes.motion(int(k))}{whirls}"
             found.append(_Mode(modes.shapes[-1, k], float(modes.frequency[-1, k]), words))
         return found
     for k, w in enumerate(modes.natural_frequency):

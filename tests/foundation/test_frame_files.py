@@ -236,6 +236,12 @@ def test_files_beside_it_are_named(name, content, said, monkeypatch, tmp_path):
         read(tmp_path, FREE.format(matrices="frame.npz"))
 
 
+def test_one_matrix_alone_is_refused(tmp_path):
+    with pytest.raises(FileEntryError, match=r"mass.mtx holds one matrix") as caught:
+        read(tmp_path, FREE.format(matrices="mass.mtx"))
+    assert caught.value.remedy.startswith("write {mass: m.mtx, stiffness: k.mtx")
+
+
 def test_what_is_wrong_with_the_press_is_said_of_the_press(tmp_path):
     press = pp.derivatives.reshaped(shipped("crank_slide"), {("P", "crank"): (0.5, 0, 0)})
     path = tmp_path / "frame.yaml"

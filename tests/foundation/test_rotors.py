@@ -147,6 +147,13 @@ def no_loss(mount):
     return foundation.Mount(mount.point, mount.stiffness, mount.damping)
 
 
+def test_modes_of_a_rotor_that_hardly_spins_are_named_as_those_at_standstill():
+    frame, mounts = uneven()
+    spinning = foundation.mounted(shipped("crank_slide"), frame, mounts, rotors=[foundation.Rotor(1e-3, (0.0, 1.0, 0.2))])
+    diagram = foundation.whirl(spinning, [0.0, 30.0])
+    assert tuple(diagram.motion(int(k)) for k in np.argsort(diagram.frequency[-1])) == foundation.modes(spinning).motion
+
+
 def test_modes_are_followed_where_curves_cross():
     """In coarse and in fine steps the same curves; each mode keeps the product with itself."""
     frame, mounts = uneven()

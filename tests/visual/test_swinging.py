@@ -148,6 +148,7 @@ def test_a_frame_whirls(tmp_path: Path) -> None:
     data = data_in(pp.record_modes(system.press, diagram, tmp_path / "whirl.html", lowest=3))
     lines = bent_lines(data, len(data["time"]) // 3)
     assert "damping ratio" in data["modes"][0]["words"]
+    assert diagram.motion(int(diagram.frequency[-1].argmin())) in data["modes"][0]["words"]
     np.testing.assert_allclose(lines["motor"][0][:, 24], lines["motor"][0][:, 0], atol=1e-6)
     assert len(data["frequency"]) == len(data["time"])
     with pytest.raises(pp.PinpressError, match="the modes are of jf75g_125_plain"):
