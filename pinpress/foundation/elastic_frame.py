@@ -25,12 +25,12 @@ from ..common.arguments import number, numbers, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
 from ..common.quantities import Array
-from ..common.reading.matrices import lowest_vibrations, mass_matrix, read_model, symmetric_matrix
+from ..common.reading.matrices import held_motions, large_matrix, read_model, refuse_negative_mass
 from ..common.results import Tabular
 from ..common.tables import Column
 from .frame_parts import COORDINATES, rows_at
 
-MOST_ROWS = 6000  # of matrices: the reduction takes seconds; larger models are condensed where they were made
+MOST_ROWS = 40_000  # of sparse matrices: the reduction takes up to a minute; larger models are condensed where they were made
 MOST_MODES = 200
 RIGID = 1e-6  # share of the stiffness that a motion of the whole frame may cost by rounding
 LOOSE = 1e-12  # share of the square of the fastest frequency up to which that of a free vibration is zero
@@ -173,7 +173,8 @@ def reduced_frame(
     of freedom, which spreads its displacement over the bore of a bearing or the face of a foot.
 
     Args:
-        mass: (n, n) mass matrix, dense or sparse, consistent or lumped: rows may have no mass [kg, kg m, kg m2].
+        mass: (n, n) mass matrix, consistent or lumped: rows may have no mass; up to 6000 rows, of a sparse matrix of SciPy 40 000
+            [kg, kg m, kg m2].
         stiffness: (n, n) stiffness matrix [N/m, N, N m].
         nodes: (k, 3) places of the nodes in world axes [m].
         degrees: (n, 2) of each row of the matrices: the number of its node, and 0, 1, 2 for its displacement along x, y, z, or 3, 4, 5 for
@@ -196,11 +197,12 @@ def reduced_frame(
         PinpressWarning: the frame is so large that its nodes may be in mm.
     """
     what = "the frame"
-    m, k = mass_matrix(f"{what}: mass", mass, MOST_ROWS), symmetric_matrix(f"{what}: stiffness", stiffness, MOST_ROWS)
+    m, k = (large_matrix(f"{what}: {name}", given, MOST_ROWS) for name, given in (("mass", mass), ("stiffness", stiffness)))
+    refuse_negative_mass(f"{what}: mass", m)
     if m.shape != k.shape:
         raise PinpressError(f"{what}: stiffness has shape {k.shape}, mass {m.shape}: give both for the same rows")
     places = numbers(f"{what}: nodes", nodes, (None, 3), unit="m")
-    rows = _rows_of_degrees(degrees, len(m), len(places))
+    rows = _rows_of_degrees(degrees, m.shape[0], len(places))
     numbered = _checked_interfaces(interfaces, rows, len(places))
     for name, each in (("bed", bed), ("carrier", carrier), *(bearings or {}).items()):
         if not isinstance(each, str) or each not in numbered:
@@ -333,14 +335,14 @@ def _checked_interfaces(interfaces: Mapping[str, int], rows: Mapping[tuple[int, 
 
 
 def _free_vibrations(
-    mass: Array, stiffness: Array, places: Array, rows: Mapping[tuple[int, int], int], interfaces: Mapping[str, int], modes: int
+    mass: Any, stiffness: Any, places: Array, rows: Mapping[tuple[int, int], int], interfaces: Mapping[str, int], modes: int
 ) -> tuple[Array, Array, Array]:
     """Spatial inertia (6, 6), frequencies (m,) and motions (n, 6 + m) of all rows, of the reduced frame; raises PinpressError."""
     from scipy.linalg import null_space  # SciPy takes its time to load
 
-    whole = _whole_motions(len(mass), places, rows)
+    whole = _whole_motions(mass.shape[0], places, rows)
     reach = max(1.0, float(np.abs(places).max()))
-    if np.abs(stiffness @ whole).max() > RIGID * np.abs(stiffness).max() * reach:
+    if np.abs(stiffness @ whole).max() > RIGID * abs(stiffness).max() * reach:
         raise PinpressError(
             "the frame: its stiffness matrix resists when the frame moves as a whole: give that of a frame that nothing holds, with nodes"
             " in m"
@@ -388,21 +390,17 @@ def _whole_motions(count: int, places: Array, rows: Mapping[tuple[int, int], int
 
 
 def _craig_bampton(
-    mass: Array, stiffness: Array, rows: Mapping[tuple[int, int], int], interfaces: Mapping[str, int], modes: int
+    mass: Any, stiffness: Any, rows: Mapping[tuple[int, int], int], interfaces: Mapping[str, int], modes: int
 ) -> tuple[Array, NDArray[np.intp]]:
     """(n, c) motions of all rows: each degree of freedom of the interfaces moved by itself, then vibrations with all of them held."""
-    from scipy.linalg import cho_factor, cho_solve  # SciPy takes its time to load
-
     outer = np.array([rows[node, along] for node in interfaces.values() for along in range(6)])
-    inner = np.setdiff1d(np.arange(len(mass)), outer)
-    across = stiffness[np.ix_(inner, outer)]
-    held = stiffness[np.ix_(inner, inner)]
+    inner = np.setdiff1d(np.arange(mass.shape[0]), outer)
+    held, across = stiffness[np.ix_(inner, inner)], stiffness[np.ix_(inner, outer)]
     try:
-        follow = -cho_solve(cho_factor(held), across) if len(inner) else across
-        vibrations = lowest_vibrations(mass[np.ix_(inner, inner)], held, modes)
+        follow, vibrations = held_motions(mass[np.ix_(inner, inner)], held, across, modes)
     except np.linalg.LinAlgError as error:
         raise PinpressError("the frame: it moves though all its interfaces are held: some rows lack stiffness") from error
-    basis = np.zeros((len(mass), len(outer) + vibrations.shape[1]))
+    basis = np.zeros((mass.shape[0], len(outer) + vibrations.shape[1]))
     basis[outer, np.arange(len(outer))] = 1.0
     basis[inner] = np.hstack([follow, vibrations])
     return basis, outer

@@ -13,7 +13,8 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress import PinpressError, UnknownNameError, foundation
-from pinpress.foundation import beams
+from pinpress.common.reading import matrices as matrices_of_models
+from pinpress.foundation import beams, elastic_frame
 from pinpress.foundation.frame_parts import rows_at
 from pinpress.foundation.response import displacement_amplitudes
 
@@ -190,6 +191,37 @@ def test_lumped_masses(monkeypatch):
     bare = np.where(np.asarray(more["degrees"])[:, 1] > 2, 0.0, np.diag(at_nodes))
     with pytest.raises(PinpressError, match=r"interface .foot .' along its coordinate turn about z moves no mass: give rotary inertia"):
         foundation.reduced_frame(np.diag(bare), stiffness, **more)
+
+
+@pytest.mark.parametrize("kind", ["consistent", "lumped"])
+def test_sparse_matrices_give_what_dense_ones_do(kind, monkeypatch):
+    """With ten vibrations, which cut no group of equal legs' equal frequencies: of such a group any share would be right."""
+    mass, stiffness, more = full_model(monkeypatch)
+    mass = mass if kind == "consistent" else lumped(mass, more)
+    dense = foundation.reduced_frame(mass, stiffness, **more | {"modes": 10})
+    monkeypatch.setattr(matrices_of_models, "DENSE", 10)
+    found = foundation.reduced_frame(csr_matrix(mass), csr_matrix(stiffness), **more | {"modes": 10})
+    np.testing.assert_allclose(found.natural_frequency, dense.natural_frequency, rtol=1e-9)
+    np.testing.assert_allclose(found.inertia, dense.inertia, rtol=1e-12, atol=1e-9)
+    assert found.stiffness_between("crown", "bed") == pytest.approx(dense.stiffness_between("crown", "bed"), rel=1e-9)
+    bare = foundation.reduced_frame(csr_matrix(mass), csr_matrix(stiffness), **more | {"modes": 0})
+    assert bare.stiffness_between("crown", "bed") == pytest.approx(dense.stiffness_between("crown", "bed"), rel=1e-9)
+
+    def refused(says, mass=mass, stiffness=stiffness, **other):
+        with pytest.raises(PinpressError, match=says):
+            foundation.reduced_frame(csr_matrix(mass), csr_matrix(stiffness), **more | other)
+
+    odd = stiffness.copy()
+    odd[40, 41] += 1e9
+    refused("stiffness is not symmetric", stiffness=odd)
+    refused("stiffness has entries that are no finite numbers", stiffness=np.where(np.eye(len(mass)) > 0, np.nan, stiffness))
+    refused("stiffness has entries that are no finite numbers", stiffness=stiffness * (1 + 0.01j))
+    refused("mass is not positive semidefinite", mass=mass - 3 * np.diag(np.diag(mass)))
+    refused("resists when the frame moves as a whole", stiffness=stiffness + 1e6 * np.eye(len(mass)))
+    refused("moves though all its interfaces are held", stiffness=-stiffness)
+    refused("moves though all its interfaces are held", stiffness=0.0 * stiffness)
+    monkeypatch.setattr(elastic_frame, "MOST_ROWS", 100)
+    refused("give a square matrix of at most 100 rows; condense a larger model")
 
 
 def test_units_that_are_hardly_meant(monkeypatch):

@@ -16,6 +16,7 @@ from ..quantities import Array
 MOST_BYTES = 200_000_000  # of a file of matrices
 ASYMMETRY = 1e-6  # share of the largest entry by which the halves of a matrix may differ
 NEGATIVE = 1e-6  # share of a mass by which rounding in a file may make that of a motion negative
+DENSE = 6000  # rows from which on matrices stay sparse
 MASSLESS = 1e-12  # share of the square of the longest period below which a vibration has no mass
 
 
@@ -37,39 +38,101 @@ def symmetric_matrix(what: str, given: Any, most: int) -> Array:
     return np.asarray(0.5 * (found + found.T))
 
 
-def mass_matrix(what: str, given: Any, most: int) -> Array:
-    """A caller's mass matrix, as `symmetric_matrix`. Rows may have no mass, as turns and master nodes have none where masses are lumped.
+def large_matrix(what: str, given: Any, most: int) -> Any:
+    """A caller's sparse matrix as a symmetric one of SciPy in columns (n, n), or as an array where it is small or dense.
 
     Raises:
-        PinpressError: as `symmetric_matrix`, or a motion has a negative mass.
+        PinpressError: as `symmetric_matrix`.
     """
-    found = symmetric_matrix(what, given, most)
-    own = np.diag(found)
+    if not hasattr(given, "toarray") or max(given.shape) <= DENSE:
+        return symmetric_matrix(what, given, DENSE)
+    from scipy.sparse import csc_array  # SciPy takes its time to load
+
+    rows, columns = given.shape
+    if rows != columns or rows > most:
+        raise PinpressError(f"{what} has shape {given.shape}: give a square matrix of at most {most} rows; condense a larger model")
+    found = csc_array(given)
+    if found.dtype.kind not in "iuf" or not np.isfinite(found.data).all():
+        raise PinpressError(f"{what} has entries that are no finite numbers")
+    found = found.astype(float)
+    if np.abs((found - found.T).data).max(initial=0.0) > ASYMMETRY * np.abs(found.data).max(initial=0.0):
+        raise PinpressError(f"{what} is not symmetric: give the whole matrix, both of its halves")
+    return csc_array(0.5 * (found + found.T))
+
+
+def refuse_negative_mass(what: str, mass: Any) -> None:
+    """Raise PinpressError where a motion has a negative mass, of a symmetric matrix (n, n), dense or sparse.
+
+    Rows may have no mass, as turns and master nodes have none where masses are lumped. Of a sparse matrix the motions of one row, and of
+    two against each other, are looked at: to factor it would take as long as to reduce it.
+    """
+    own = mass.diagonal()
     scale = 1 / np.sqrt(np.where(own > 0, own, 1.0))
     try:
-        if own.min() < 0 or found[own == 0].any():
+        if own.min() < 0:
             raise np.linalg.LinAlgError
-        np.linalg.cholesky(scale[:, None] * found * scale + NEGATIVE * np.eye(len(found)))
+        if isinstance(mass, np.ndarray):
+            if mass[own == 0].any():
+                raise np.linalg.LinAlgError
+            np.linalg.cholesky(scale[:, None] * mass * scale + NEGATIVE * np.eye(len(mass)))
+        else:
+            entries = mass.tocoo()
+            if (np.abs(entries.data) > (1 + NEGATIVE) * np.sqrt(own[entries.row] * own[entries.col])).any():
+                raise np.linalg.LinAlgError
     except np.linalg.LinAlgError:
         raise PinpressError(f"{what} is not positive semidefinite: some motion would have a negative mass; give it as assembled") from None
-    return found
 
 
-def lowest_vibrations(mass: Array, stiffness: Array, count: int) -> Array:
-    """Shapes (n, k) of the lowest vibrations of a model that cannot move freely, at most ``count``, those of the lowest first.
+def held_motions(mass: Any, stiffness: Any, across: Any, count: int) -> tuple[Array, Array]:
+    """How the rows of a model follow those that are held, and how they vibrate where these stand still (Craig and Bampton).
 
-    Rows without mass follow the others as in statics, and have no vibrations of their own: k may be less than ``count``.
+    Rows without mass follow the others as in statics, and have no vibrations of their own.
+
+    Args:
+        mass: (n, n) mass matrix of the rows, dense or sparse.
+        stiffness: (n, n) their stiffness matrix, likewise.
+        across: (n, c) stiffness between them and the rows that are held, likewise.
+        count: number of vibrations.
+
+    Returns:
+        (n, c) motions as one after another of the held rows is moved by 1; (n, k) shapes of the lowest vibrations, the lowest first, where
+        k is ``count`` or the number of those that there are.
 
     Raises:
         numpy.linalg.LinAlgError: the stiffness matrix is not positive definite.
+        PinpressError: the vibrations of a sparse model do not converge.
     """
-    from scipy.linalg import eigh  # SciPy takes its time to load
+    n = stiffness.shape[0]
+    if not n:
+        return np.zeros(across.shape), np.zeros((0, 0))
+    if isinstance(stiffness, np.ndarray):
+        from scipy.linalg import cho_factor, cho_solve, eigh  # SciPy takes its time to load
 
-    n = len(mass)
-    if not n or not count:
-        return np.zeros((n, 0))
-    squared, shapes = eigh(mass, stiffness, subset_by_index=[max(0, n - count), n - 1])  # squares of 1 / frequency, rising
-    return np.asarray(shapes[:, squared > MASSLESS * squared[-1]][:, ::-1])
+        follow = -cho_solve(cho_factor(stiffness), across)
+        if not count:
+            return follow, np.zeros((n, 0))
+        squared, shapes = eigh(mass, stiffness, subset_by_index=[max(0, n - count), n - 1])  # squares of 1 / frequency, rising
+        return follow, np.asarray(shapes[:, squared > MASSLESS * squared[-1]][:, ::-1])
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, splu  # as above
+
+    try:  # without pivoting the factors are those of Cholesky, and their pivots positive
+        factors = splu(stiffness, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError as error:  # exactly singular
+        raise np.linalg.LinAlgError from error
+    if not (factors.U.diagonal() > 0).all():
+        raise np.linalg.LinAlgError
+    follow = -factors.solve(across.toarray())
+    if not count:
+        return follow, np.zeros((n, 0))
+    inverse = LinearOperator((n, n), matvec=factors.solve, dtype=float)
+    # any vector that has a share of all shapes and none of the motions without mass
+    start = factors.solve(mass @ np.random.default_rng(0).standard_normal(n))
+    try:
+        squared, shapes = eigsh(stiffness, count, mass, sigma=0.0, which="LM", OPinv=inverse, v0=start)
+    except ArpackError as error:
+        raise PinpressError(f"the {count} lowest vibrations of the held model do not converge: give fewer modes") from error
+    order = np.argsort(squared)
+    return follow, np.asarray(factors.solve(mass @ shapes[:, order]) * squared[order])  # again, for the rows without mass
 
 
 def read_archive(path: str, wanted: tuple[str, ...]) -> dict[str, Any]:

@@ -32,7 +32,7 @@ from ...common.arguments import number, numbers, whole_number
 from ...common.errors import PinpressError, shown
 from ...common.frozen import Frozen
 from ...common.quantities import Array, ComplexArray
-from ...common.reading.matrices import lowest_vibrations, mass_matrix, read_model, symmetric_matrix
+from ...common.reading.matrices import held_motions, read_model, refuse_negative_mass, symmetric_matrix
 
 MOST_ROWS = 2000  # of matrices: larger ones are reduced in seconds by programs that keep them sparse
 MOST_MODES = 50
@@ -71,8 +71,9 @@ class FlexibleLink(Frozen):
 
     def __post_init__(self) -> None:
         what, own = f"FlexibleLink of {shown(self.link)}", vars(self)
-        own["mass"] = mass_matrix(f"{what}: mass", self.mass, MOST_ROWS)
-        own["stiffness"] = symmetric_matrix(f"{what}: stiffness", self.stiffness, MOST_ROWS)
+        for name in ("mass", "stiffness"):
+            own[name] = symmetric_matrix(f"{what}: {name}", own[name], MOST_ROWS)
+        refuse_negative_mass(f"{what}: mass", self.mass)
         count = len(self.mass)
         if self.stiffness.shape != self.mass.shape:
             raise PinpressError(f"{what}: stiffness has shape {self.stiffness.shape}, mass {self.mass.shape}: give both for the same rows")
@@ -221,8 +222,7 @@ def _craig_bampton(link: FlexibleLink, what: str) -> Array:
     outer, inner = np.flatnonzero(at_bearing), np.flatnonzero(~at_bearing)
     held = link.stiffness[np.ix_(inner, inner)]
     try:
-        follow = -np.linalg.solve(held, link.stiffness[np.ix_(inner, outer)])
-        vibrations = lowest_vibrations(link.mass[np.ix_(inner, inner)], held, link.modes)
+        follow, vibrations = held_motions(link.mass[np.ix_(inner, inner)], held, link.stiffness[np.ix_(inner, outer)], link.modes)
     except np.linalg.LinAlgError as error:
         raise PinpressError(f"{what}: it moves though all its bearings are held: some rows lack stiffness") from error
     basis = np.zeros((len(node), len(outer) + vibrations.shape[1]))
