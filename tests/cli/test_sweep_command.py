@@ -156,6 +156,5 @@ def test_a_scheduler_that_dies_is_told_without_tracebacks(study, tmp_path):
         _, said = process.communicate(timeout=60)
     assert process.returncode == 2
     assert f"pinpress: the scheduler at {address} is gone, and its workers with it: start them again" in said
-    assert "400 points, which are in runs" in said
     assert "Traceback" not in said
-    assert 8 <= len(pandas.read_parquet("runs")) < 400
+    assert f"after {len(pandas.read_parquet('runs'))} of 400 points, which are in runs; call the same sweep again" in said
