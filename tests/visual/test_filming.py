@@ -41,8 +41,9 @@ GREY = 240
 SAME = 2.5  # mean difference of two pictures' values, of 255, up to which they differ by compression and rounding of colours alone
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(scope="session", autouse=True)
 def _needs_a_browser() -> None:
+    """Before the one that starts Chromium, which is of the session too."""
     if MISSING:
         pytest.skip("needs Chromium, playwright, imageio-ffmpeg and pillow")
 
