@@ -79,14 +79,14 @@ def run(options: argparse.Namespace) -> int:
         grid[name] = values
     function, file = _function(options.function)
     done = 0.0
-    with _executor(options, file) as (executor, threads), progress(1.0) as told:
+    try:
+        with _executor(options, file) as (executor, threads), progress(1.0) as told:
 
-        def tell(share: float) -> None:
-            nonlocal done
-            done = share
-            told(share)
+            def tell(share: float) -> None:
+                nonlocal done
+                done = share
+                told(share)
 
-        try:
             found = sweep_to_parquet(
                 function,
                 grid,
@@ -97,9 +97,10 @@ def run(options: argparse.Namespace) -> int:
                 in_flight=max(IN_FLIGHT, 2 * threads),
                 progress=tell,
             )
-        except KeyboardInterrupt:
-            print(f"{100 * done:.1f} % of the points are in {options.to}; the same command goes on", file=sys.stderr)
-            raise
+    except KeyboardInterrupt:  # here the bar is wiped
+        said = f"{100 * done:.1f} % of the points are in {options.to}; " if done else ""  # before the first part that is unknown
+        print(f"{said}the same command goes on", file=sys.stderr)
+        raise
     print(found)
     return 0
 
