@@ -36,7 +36,7 @@ GROUPS = {
     "What the press may do": ("permissible_force", "how_fast", "torque_over_speed_and_force"),
     "A quieter press": ("which_counterweight", "floor", "break_through", "worn_pin"),
     "A more exact press": ("bottom_dead_centre", "even_drawing_speed", "real_slide_mass"),
-    "For roboticists": ("my_own_robot", "pinocchio_beside"),
+    "For roboticists": ("my_own_robot", "path_of_the_hand", "pinocchio_beside"),
 }
 NAMES = tuple(name for names in GROUPS.values() for name in names)
 EXERCISES = {  # and what is found in each
@@ -47,16 +47,17 @@ EXERCISES = {  # and what is found in each
 GAP = re.compile(r"^# Gap: (.*?)\n(.*?)^# End of the gap\n?", re.MULTILINE | re.DOTALL)
 BELOW_THE_GUIDE = ("---", "search:", "  boost: 0.5", "---", "")  # where one searches
 TO_TEACHERS = """
-Three classes of about two hours each: what is to be found by hand, with hints, and what pinpress says to it. Each step of a notebook has a
-gap to fill; below it stands a check, which compares with a conservation law or with pinpress, to nine digits and more, and says what is
-wrong. A gap that is still open says what belongs there.
+These are three classes of about two hours each. Students find results by hand, with hints, and then compare them with pinpress. Each step
+of a notebook has a gap to fill. Below the gap stands a check, which compares with a conservation law or with pinpress, to nine digits and
+more, and says what is wrong. A gap that is still open says what belongs there.
 
 {list}
 
-Students start from the notebooks; `pip install '.[plots]' notebook` in a checkout brings all that they need. The solutions are the scripts
-in `docs/exercises`, and stand folded on the pages. `python docs/example_pages.py` runs them and writes pages, pictures and notebooks.
+Students start from the notebooks; in the folder of the repository, `pip install '.[plots]' notebook` brings all that they need. The
+solutions are the scripts in `docs/exercises`; the pages show them folded. `python docs/example_pages.py` runs them and writes pages,
+pictures and notebooks.
 """
-BESIDE = {"my_own_robot": "five_bar.urdf"}  # a file of the folder that the example reads
+BESIDE = dict.fromkeys(("my_own_robot", "path_of_the_hand"), "five_bar.urdf")  # a file of the folder that the example reads
 
 
 class Step(NamedTuple):
@@ -200,7 +201,7 @@ def _notebook_of(pieces: list[tuple[str, str]]) -> str:
 
 def index() -> str:
     """The page that lists the examples."""
-    lines = ["# Examples", "", "One question each, answered in at most 60 lines; every page has its notebook.", ""]
+    lines = ["# Examples", "", "Each page answers one question in at most 60 lines, and has its notebook.", ""]
     for group, names in GROUPS.items():
         lines += [f"## {group}", "", *(f"- [{parts(name)[0]}](examples/{name}.md)" for name in names), ""]
     return "\n".join([*lines, "`python docs/example_pages.py` runs them and writes their pages, pictures and notebooks.", ""])

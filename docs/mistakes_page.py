@@ -17,13 +17,13 @@ from support import mistakes  # noqa: E402
 PAGE = """\
 # Everyday mistakes
 
-What `pp.build` and `pp.load`, and so every command, say to {count} mistakes that people make when they describe a press, and what other
-functions say to some more. An error ends the call. A warning is a line on stderr in a command and a `PinpressWarning` in Python; a note is
-what `pinpress check` adds.
+This page shows how `pp.build` and `pp.load`, and so every command, answer {count} mistakes that people make when they describe a press, and
+how other functions answer some more. An error ends the call. A warning is a line on stderr in a command, and a `PinpressWarning` in Python.
+A note is what `pinpress check` adds.
 
-Each mistake in a description is a file of the folder `tests/mistakes`, to be tried: `pinpress check tests/mistakes/no-units.yaml`. Beside
-its name stands what it has in place of the right file above, and what is said, with `press` for the file's name. `python
-docs/mistakes_page.py` writes this page. Where lengths do not meet, `pinpress build` also draws how far they reach:
+Each mistake in a description is a file of the folder `tests/mistakes`. You can try it: `pinpress check tests/mistakes/no-units.yaml`. The
+tables show the file, the line in which it differs from the right one, and the answer, with `press` for the file's name.
+`python docs/mistakes_page.py` writes this page. Where lengths do not meet, `pinpress build` also draws how far they reach:
 
 ![lengths-too-short-to-meet.yaml: pin C is sought 700 mm from B and 375 mm from D; the circles do not meet](pictures/lengths_too_short.svg)
 
@@ -50,13 +50,13 @@ docs/mistakes_page.py` writes this page. Where lengths do not meet, `pinpress bu
 ```python
 {calls}```
 
-What is said to calls after these lines:
+These are the answers to calls after these lines:
 
 {in_calls}
 """
 TAB = "\t"
-HEAD = "| file | written | what is said |\n| --- | --- | --- |"
-HEAD_OF_CALLS = "| call | what is said |\n| --- | --- |"
+HEAD = "| file | written | answer |\n| --- | --- | --- |"
+HEAD_OF_CALLS = "| call | answer |\n| --- | --- |"
 
 RIGHT_CALLS = """\
 from dataclasses import replace

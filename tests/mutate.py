@@ -279,7 +279,7 @@ def judge(tree: Path, tests: list[str], verdict: Any) -> None:
     os.setsid()
     os.chdir(tree)
     sys.path[:0] = [str(tree), str(tree / "tests")]
-    os.environ |= {"PYTHONPATH": str(tree), "OMP_NUM_THREADS": "1"}
+    os.environ |= {"PYTHONPATH": str(tree)}
     quiet = os.open(os.devnull, os.O_WRONLY)
     os.dup2(quiet, 1)
     os.dup2(quiet, 2)
@@ -314,7 +314,8 @@ def write(tree: Path, mutant: Mutant | None, module: str, number: int) -> None:
 
 
 def judged(work: list[tuple[Mutant, list[str], float]], until: float, processes: int) -> Iterator[tuple[Mutant, str]]:
-    """Each mutant with the test that saw it, "" if none did."""
+    """Each mutant with the test that saw it, "" if none did. The first mutant's tests are run in a copy without a mutant before."""
+    os.environ |= dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")  # NumPy reads them once
     import numpy  # noqa: F401 (loaded once, for all)
     import pinocchio  # noqa: F401
     import scipy.integrate
@@ -323,6 +324,15 @@ def judged(work: list[tuple[Mutant, list[str], float]], until: float, processes:
     context = multiprocessing.get_context("fork")
     waiting, free = list(enumerate(work)), [copy_of_tree(number) for number in range(processes if work else 0)]
     running: list[tuple[Any, Any, Path, Mutant, float]] = []
+    if work:
+        receives, sends = context.Pipe(duplex=False)
+        process = context.Process(target=judge, args=(free[0], work[0][1], sends))
+        process.start()
+        sends.close()
+        failed = receives.recv()
+        process.join()
+        if failed:  # all mutants would count as seen
+            raise SystemExit(f"the tests fail without a mutant: {failed}")
     while waiting or running:
         while waiting and free and time.monotonic() < until:
             number, (mutant, tests, seconds) = waiting.pop(0)

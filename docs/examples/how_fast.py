@@ -1,7 +1,7 @@
 """How much higher may I go in speed?
 
 At a given crank angle every force of the idle press is A w² + c, so the speed at which a bearing reaches its capacity
-is a root, not a search. Each limit is asked for by itself.
+is a root, not a search. Each limit is computed by itself.
 """
 
 import matplotlib.pyplot as plt

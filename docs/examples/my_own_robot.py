@@ -1,7 +1,7 @@
-"""Closed-loop inverse dynamics for my own robot?
+"""Which torques do the motors of my own closed-loop robot need?
 
-A five-bar arm with two motors is a URDF: the tree as ever, and beside it the pin that closes the loop. `pp.load`
-closes it, a path of both motors is a motion, and one call gives both torques and the force in every bearing.
+The URDF of a five-bar arm with two motors has the tree as usual, and beside it the pin that closes the loop. `pp.load`
+closes it. A path of both motors is a motion, and inverse dynamics gives both torques and the force in every bearing.
 """
 
 import matplotlib.pyplot as plt

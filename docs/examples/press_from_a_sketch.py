@@ -1,7 +1,7 @@
 """What does the press on my sketch do?
 
-Pins by coordinates or lengths, links by their pins, as on a drawing: a knuckle press in a table, then its stroke, its
-speed where it meets the sheet, and how many newtons of process force each newton metre of the crank can hold there.
+A table says where the pins are, by coordinates or lengths, and which pins each link has, as on a drawing. Here it is a
+knuckle press. What is its stroke, how fast does it meet the sheet, and what force does a newton metre on the crank hold there?
 """
 
 import pinpress as pp
@@ -29,5 +29,6 @@ motion = pp.cycle(press, speed=40 * pp.RPM, points=720)
 ends = pp.dead_centres(press)
 print(f"stroke {1e3 * ends.stroke:.1f} mm, quick return {pp.measures.quick_return_ratio(motion):.2f}")
 print(f"10 mm above the bottom: {1e3 * pp.measures.speed_at(motion, 0.010):.0f} mm/s")
+print(f"there each N m on the crank holds {pp.measures.mechanical_advantage(motion, 0.010):.1f} N on the slide")
 
 figure = pp.plots.slide(motion)

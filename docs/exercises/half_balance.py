@@ -68,7 +68,7 @@ print(f"vertical: order 1 {orders[0]:.1f} N, order 2 {orders[1]:.1f} N, of which
 
 # %% A counterweight
 # A counterweight 0.2 m from O, opposite to the pin P, balances all that turns and the share k of what goes to and fro. Find its mass, then
-# the rms of the shaking force over a turn, of its length, for all shares from 0 to 1.
+# the rms of the magnitude of the shaking force over a turn, for all shares from 0 to 1.
 # Hint: 0.2 m times its mass is the product to be balanced. In `with_counterweights` its place is in the crank's own axes, whose x points
 # from O to P. Forces are linear in masses: the shares 0 and 1 are enough, and those between follow.
 
@@ -98,16 +98,16 @@ np.testing.assert_allclose(none[:, 0], 0.0, rtol=0, atol=1e-9, err_msg="with k =
 
 # %% Why half
 # Order 1 of what goes to and fro is F cos q along the guide. Write it as two forces that turn, one with the crank and one against it. What
-# does a counterweight do to each? Give the length of order 1 of the shaking force over the crank angle, for k = 1/2.
+# does a counterweight do to each? Give the magnitude of order 1 of the shaking force over the crank angle, for k = 1/2.
 # Hint: Cos q = (exp(iq) + exp(-iq)) / 2. A counterweight turns with the crank and can only meet the first of the two.
 
-# Gap: `length` [N], of what remains of order 1 with k = 1/2
-length = reciprocating * r * w**2 / 2
+# Gap: `magnitude` [N], of what remains of order 1 with k = 1/2
+magnitude = reciprocating * r * w**2 / 2
 # End of the gap
 half = shaken(0.5)
 first = np.column_stack([2 * np.mean(half * f(q)[:, None], axis=0) for f in (np.cos, np.sin)])  # (2, 2) of cos q and sin q
 order_1 = np.outer(np.cos(q), first[:, 0]) + np.outer(np.sin(q), first[:, 1])
-np.testing.assert_allclose(np.hypot(*order_1.T), length, rtol=1e-10, err_msg="not the length of what remains")
+np.testing.assert_allclose(np.hypot(*order_1.T), magnitude, rtol=1e-10, err_msg="not the magnitude of what remains")
 backwards = np.unwrap(np.arctan2(order_1[:, 0], -order_1[:, 1]))  # counted as q is, from below towards +x
 np.testing.assert_allclose(np.diff(backwards), -np.diff(q), rtol=1e-9, err_msg="what remains turns against the crank")
 print(

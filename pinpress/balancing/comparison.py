@@ -96,9 +96,7 @@ def compare_conditions(
     ]
     designs.append(balance(press, conditions, regions=fixed, minimise=minimise, limits=limits))
     if any(each.reset for each in regions):
-        # Where all masses are set anew, every condition has an optimum of its own, and the mean's is all of them.
-        each_for_itself = [1.0] * len(conditions) if all(each.reset == "mass" for each in regions) else None
-        designs.append(balance(press, conditions, regions=regions, minimise=minimise, limits=limits, shares=each_for_itself))
+        designs.append(balance(press, conditions, regions=regions, minimise=minimise, limits=limits))
     names = tuple(condition_name(designs[0], k) for k in many)
     if len(set(names)) < len(names):
         raise PinpressError(f"two operating conditions have one name among {', '.join(map(repr, names))}: give each its own, name=...")

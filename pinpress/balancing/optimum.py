@@ -59,7 +59,10 @@ def balance(
     """Find the best counterweights of a press, for one motion or for all its dies, strokes and speeds at once.
 
     Among equally good counterweights the lightest win: saving the whole moving mass of the press counts as 1e-6 of the objective before
-    balancing. Ranges and peaks are those of the motion's states; between two states a harmonic of order k may exceed them by up to about
+    balancing. What is set anew in each operating condition is the best for that one, also where another is the worst: the mean over all
+    conditions counts as 1e-5 beside the worst.
+
+    Ranges and peaks are those of the motion's states; between two states a harmonic of order k may exceed them by up to about
     (pi k / states)^2 / 2 of its amplitude.
 
     Args:

@@ -23,6 +23,7 @@ FIRST_STATES = 24  # states of a motion with which a program begins, besides the
 VIOLATED = 1e-10  # a state violates the program's extreme by more than this share of the criterion before balancing
 MOST_ROUNDS = 60  # most rounds of taking in states; ten are many
 LARGEST = 10.0  # times the moving mass: counterweights without limits that would weigh more grow without end
+OTHERS = 1e-5  # worth of the mean over all conditions, beside the worst, where counterweights are set anew in each
 LIGHTER = 1e-6  # worth of saving the whole moving mass, as a share of the objective before balancing; the lightest of equals wins
 ZERO = 1e-10  # values below this share of a criterion before balancing, or of the largest effect on it, are rounding
 INVOLVED = 1e-6  # a limit with a smaller part in a contradiction, whose parts sum to one, is not named
@@ -50,6 +51,8 @@ class ProvenOptimum:
 def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: Mapping[Target, float]) -> ProvenOptimum:
     """Find the variables with the least objective within limits, and the lightest of equal ones (`LIGHTER`).
 
+    Where something is set anew in every operating condition and the worst one counts, all others get what is best for them too (`OTHERS`).
+
     Args:
         problem: the problem, with the signals of all criteria.
         objective: targets with their weights; each counts relative to its value before balancing in the worst operating condition.
@@ -63,7 +66,10 @@ def solve(problem: BalancingProblem, objective: Mapping[Target, float], limits: 
     states = {signal: _first_states(signal) for signal in problem.signals}
     total = sum(objective.values())
     shares = {target: weight / total for target, weight in objective.items()}  # so that the cost is about one
-    light, _ = _over_all_states(problem, states, lambda: _preferring_light(problem, *_program(problem, shares, limits, states)))
+    anew = problem.shares is None and any(each.region.reset for each in problem.regions[0])
+    light, _ = _over_all_states(
+        problem, states, lambda: _preferring_light(problem, *_program(problem, shares, limits, states, others=anew))
+    )
     best, rows = _over_all_states(problem, states, lambda: _program(problem, shares, limits, states))
     u, prices = light.x[: problem.size], tuple(total * price for price in best.prices)
     return ProvenOptimum(u, total * best.bound, light.residual, rows, prices)
@@ -165,6 +171,7 @@ class _Columns:
     Attributes:
         regions: number of the regions' variables, which come first.
         bounds: column of the upper bound of each target of the objective in each condition that counts; one for all where the worst does.
+        worst: column of a bound in one condition -> column of the bound of the worst, where both count.
         costs: cost of each of these columns.
         extremes: column of the largest value of each signal of a range; the smallest value is in the next column.
         width: number of all variables.
@@ -172,6 +179,7 @@ class _Columns:
 
     regions: int
     bounds: Mapping[tuple[Target, int], int]
+    worst: Mapping[int, int]
     costs: Mapping[int, float]
     extremes: Mapping[Signal, int]
     width: int
@@ -209,25 +217,43 @@ def _program(
     limits: Mapping[Target, float],
     states: Mapping[Signal, Array],
     zero_as_equations: bool = True,
+    others: bool = False,
 ) -> Program:
-    """Cost and constraints over the states taken in. ``zero_as_equations``: whether limits of zero become equations."""
-    columns = _columns(problem, objective)
+    """Cost and constraints over the states taken in.
+
+    Args:
+        problem: the problem.
+        objective: targets with their weights.
+        limits: the most of each target.
+        states: indices of the states of each signal.
+        zero_as_equations: whether limits of zero become equations.
+        others: whether the mean over all conditions counts a little, beside the worst.
+    """
+    columns = _columns(problem, objective, others)
     rows = [replace(part, coefficients=columns.wide(part.coefficients)) for part in problem.rows]
     rows += (Rows(AT_MOST, columns.wide(mass[None] / (LARGEST * problem.moving_mass)), np.ones(1)) for mass in problem.unlimited)
     for signal in problem.signals:
         rows += _signal_rows(signal, columns, states[signal], limits, zero_as_equations)
     rows += _added_mass_rows(problem, columns, limits)
+    nothing = np.zeros((1, problem.size))
+    rows += (Rows(AT_MOST, columns.wide(nothing, {own: 1.0, worst: -1.0}), np.zeros(1)) for own, worst in columns.worst.items())
     cost = np.zeros(columns.width)
     for column, share in columns.costs.items():
         cost[column] = share
     return cost, tuple(rows)
 
 
-def _columns(problem: BalancingProblem, objective: Mapping[Target, float]) -> _Columns:
+def _columns(problem: BalancingProblem, objective: Mapping[Target, float], others: bool) -> _Columns:
     bounds, costs, width = dict[tuple[Target, int], int](), dict[int, float](), problem.size
+    worst = dict[int, int]()
     for target, weight in objective.items():
         conditions = len(problem.mass) if isinstance(target, AddedMass) else len(problem.conditions)
-        if problem.shares is None or conditions == 1:
+        if others and conditions > 1:
+            own_bounds = {(target, condition): width + 1 + condition for condition in range(conditions)}
+            bounds |= own_bounds
+            worst |= dict.fromkeys(own_bounds.values(), width)
+            own = [weight, *[weight * OTHERS / conditions] * conditions]
+        elif problem.shares is None or conditions == 1:
             bounds |= {(target, condition): width for condition in range(conditions)}
             own = [weight]
         else:
@@ -238,7 +264,7 @@ def _columns(problem: BalancingProblem, objective: Mapping[Target, float]) -> _C
         width += len(own)
     ranges = [signal for signal in problem.signals if isinstance(signal.criterion, Range)]
     extremes = {signal: width + 2 * i for i, signal in enumerate(ranges)}
-    return _Columns(problem.size, bounds, costs, extremes, width + 2 * len(ranges))
+    return _Columns(problem.size, bounds, worst, costs, extremes, width + 2 * len(ranges))
 
 
 def _preferring_light(problem: BalancingProblem, cost: Array, rows: tuple[Rows, ...]) -> Program:

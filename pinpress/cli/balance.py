@@ -27,10 +27,13 @@ from .words.options import (
     add_out_option,
     add_press_options,
     add_refused_option,
+    drawn,
     load_as_drawn,
     loads,
     print_inputs,
+    refuse_without_table,
     say_written,
+    table_parameters,
     with_zero,
 )
 from .words.units import driver_speed, quantity, read_quantity
@@ -44,7 +47,8 @@ regions: {REGION}
   a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
   Lengths are in m, or have units (300mm), in the link's own frame. All take ,least=KG ,most=KG (default: 0 and no limit) and
   ,gyration=R, the radius of gyration of the counterweight's material. With ,replaces behind a place the counterweight replaces the link's
-  own mass. With several dies or speeds ,reset=mass is a mass that is set anew for each, ,reset=position one that moves in its shape.
+  own mass. With several dies, settings or speeds ,reset=mass is a mass that is set anew for each, ,reset=position one that moves in its
+  shape.
 criteria: {CRITERION}
   quantities: {", ".join(QUANTITIES)}; the last two need a bearing; axes: {", ".join(AXES)}.
   Range and rms leave the constant part out, peaks count it.
@@ -84,6 +88,14 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         metavar="KG",
         help="mass of an upper die in the slide's centre of mass (default: none); may be given several times, as --speed may",
     )
+    option(
+        "--setting",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="how the press is set up, by a parameter of its pin table, such as r=10 for another stroke, several with commas;"
+        " may be given several times, as --die may",
+    )
     add_balance_options(parser, required=True)
     add_force_options(parser, friction=False, stiffness=False)
     add_refused_option(
@@ -94,7 +106,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
     add_press_options(parser)
     add_out_option(parser, "the files")
-    option("--report", action="store_true", help="also write report.html, with the first die at the first speed")
+    option("--report", action="store_true", help="also write report.html, in the first setting with the first die at the first speed")
     parser.set_defaults(run=run)
 
 
@@ -111,11 +123,12 @@ def run(options: argparse.Namespace) -> int:
     press = with_zero(as_drawn, options.zero)
     speeds = [speed.of(press.driver_coordinates[0]) for speed in options.speed]
     conditions = [
-        OperatingCondition(cycle(each, speed, points=options.points), acting, each if name else None, name)
-        for each, name in _with_dies(press, options.die)
+        OperatingCondition(cycle(each, speed, points=options.points), acting, each if setting or die else None, setting + die)
+        for set_up, setting in _set_up(press, options)
+        for each, die in _with_dies(set_up, options.die, ", " if setting else "")
         for speed in speeds
     ]
-    if len(speeds) > 1:  # one die stands in several conditions
+    if len(speeds) > 1:  # one die or setting stands in several conditions
         conditions = [replace(each, name=each.name and f"{each.name} ({number})") for number, each in enumerate(conditions)]
     balanced = balanced_by(press, conditions, options)
     if options.out is not None:
@@ -127,15 +140,27 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _with_dies(press: Linkage, dies: Sequence[float]) -> list[tuple[Linkage, str]]:
-    """The press with each upper die [kg], and the die in words; where there are none the press itself."""
+def _set_up(press: Linkage, options: argparse.Namespace) -> list[tuple[Linkage, str]]:
+    """The press in each setting, and that in words; where there are none the press itself."""
+    found = []
+    for words in options.setting:
+        refuse_without_table(options.file, f"--setting {words}")
+        own = table_parameters(words.split(","))
+        others = [spec for spec in options.parameters if spec.partition("=")[0] not in own]
+        drawn_so = drawn(options.file, [*others, *words.split(",")], "--setting ").press()
+        found.append((with_zero(drawn_so, options.zero), words.replace(",", ", ")))
+    return found or [(press, "")]
+
+
+def _with_dies(press: Linkage, dies: Sequence[float], behind: str) -> list[tuple[Linkage, str]]:
+    """The press with each upper die [kg], and the die in words, ``behind`` others; where there are none the press itself."""
     if not dies:
         return [(press, "")]
     if press.slide is None:
         raise PinpressError(f"--die: {press.name} has no slide to fix a die to: leave it out")
     if not all(mass >= 0 for mass in dies):
         raise PinpressError(f"--die {min(dies):g}: the mass of a die is not negative; write e.g. --die 300")
-    return [(with_die(press, mass, press.slide), f"die of {mass:g} kg") for mass in dies]
+    return [(with_die(press, mass, press.slide), f"{behind}die of {mass:g} kg") for mass in dies]
 
 
 def add_balance_options(parser: argparse.ArgumentParser, *, required: bool) -> None:
@@ -178,7 +203,8 @@ def _inputs(balanced: BalancedPress, options: argparse.Namespace) -> Inputs:
     return [
         *of_press(balanced.original),
         *(("motion", motion_in_words(condition.motion)) for condition in balanced.conditions),
-        *(("die", f"{mass:g} kg") for mass in getattr(options, "die", [])),
+        *(("setting", words) for words in options.setting),
+        *(("die", f"{mass:g} kg") for mass in options.die),
         *of_loads(balanced.conditions[0].loads),
         *((name, words) for name in ("region", "minimise", "limit") for words in getattr(options, name)),
         stated(),

@@ -82,8 +82,6 @@ def run(options: argparse.Namespace) -> int:
     out = options.out or Path(options.file).with_suffix(".urdf")
     if out.suffix == ".svg":
         raise PinpressError(f"--out is {out}: give the URDF's name, press.urdf; the sketch stands beside it")
-    if out.is_file() and building.MARK not in files.read(out, MOST_BYTES):
-        raise PinpressError(f"{out} is there already, and no pin table made it: give another name by --out")
     sketch = out.with_suffix(".svg")
     try:
         draft = drawn(options.file, options.parameters, option="")
@@ -92,6 +90,8 @@ def run(options: argparse.Namespace) -> int:
             files.write(sketch, error.sketch.encode())
             raise PinpressError(f"{error} (drawn in {sketch})") from error
         raise
+    if out.is_file() and building.MARK not in files.read(out, MOST_BYTES):
+        raise PinpressError(f"{out} is there already, and no pin table made it: give another name by --out")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PinpressWarning)  # `check` says them, with lines of the URDF that is written
         press = draft.press()

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .products import product
 from .quantities import Array
 
 NODES = 14  # nodes of the quadrature; the polynomials through them have one degree less
@@ -29,6 +30,7 @@ class GaussRule(NamedTuple):
         nodes: (q,) nodes from -1 to 1.
         weights: (q,) weights of the quadrature.
         cumulative: (q, q) from values at the nodes to integrals from -1 to the nodes.
+        to_end: (q + 1, q) the same, and in the last row the weights, to the integral from -1 to 1.
         legendre: (q, q) from values at the nodes to coefficients of Legendre polynomials.
         powers: (q, q) from coefficients of Legendre polynomials to coefficients of rising powers.
         integrals: (q + 1, q) from coefficients of Legendre polynomials to coefficients of rising powers of their integrals from -1.
@@ -37,17 +39,18 @@ class GaussRule(NamedTuple):
     nodes: Array
     weights: Array
     cumulative: Array
+    to_end: Array
     legendre: Array
     powers: Array
     integrals: Array
 
     def polynomial(self, values: Array) -> Array:
         """Coefficients (q, n) in rising powers of the polynomials through values (q, n) at the nodes."""
-        return np.asarray(self.powers @ (self.legendre @ values))
+        return product(self.powers, product(self.legendre, values))
 
     def integral(self, values: Array) -> Array:
         """Coefficients (q + 1, n) in rising powers of the integrals from -1 of these polynomials."""
-        return np.asarray(self.integrals @ (self.legendre @ values))
+        return product(self.integrals, product(self.legendre, values))
 
 
 @cache
@@ -64,7 +67,8 @@ def gauss_rule() -> GaussRule:
         integral = legendre.leg2poly(summed)
         integrals[: len(integral), k] = integral
         cumulative[:, k] = legendre.legval(nodes, summed)
-    return GaussRule(nodes, weights, cumulative @ to_legendre, to_legendre, powers, integrals)
+    within = cumulative @ to_legendre
+    return GaussRule(nodes, weights, within, np.vstack([within, weights]), to_legendre, powers, integrals)
 
 
 def polynomial_values(coefficients: Array, x: Array) -> Array:

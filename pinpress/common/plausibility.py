@@ -14,6 +14,7 @@ FASTEST_SLIDING = 10.0  # no cylinder or screw of a press slides faster [m/s]
 FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
 FAINT, WIDEST, ROOMIEST = 1e3, 3.0, 50.0  # no cylinder of a press has less pressure [Pa], more bore [m], or a larger tank [m3]
+LOOSE = 100.0  # no gibs of a press are preloaded by less [N]
 WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
@@ -52,7 +53,7 @@ def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, hig
         low: lower end of the stroke, as height above the load's datum [m]; infinite where it is not known.
         high: upper end of the stroke, likewise [m].
         size: length of the linkage [m].
-        contact: whether it is one, which may be met all the time.
+        contact: whether it is one without an end, which may be met all the time, or lie a little too low to be met.
     """
     if not stretches:
         return
@@ -60,8 +61,8 @@ def heights(load: str, stretches: Sequence[tuple[float, float]], low: float, hig
     said = f"{load} acts from {lowest:g} to {highest:g} m above its datum"
     remedy = "give heights and datum in m"
     stroke = high - low
-    # that a die or stop lies a little too low for the slide to meet it may be meant
-    if math.isfinite(stroke) and all(lower >= high or upper < low - stroke for lower, upper in stretches):
+    lowered = low - stroke if contact else low
+    if math.isfinite(stroke) and all(lower >= high or upper <= lowered for lower, upper in stretches):
         caution(f"{said}, nowhere on the slide's stroke, which goes from {low:g} to {high:g} m: {remedy}")
     elif math.isfinite(highest - lowest) and max(abs(lowest), abs(highest)) > FAR * size:  # without ends it acts everywhere, as is meant
         caution(f"{said}, far off a linkage of {size:g} m: {remedy}")
@@ -110,21 +111,27 @@ def length(name: str, value: float, size: float) -> None:
         caution(f"{name} is {value:g} m, beside a linkage of {size:g} m: give it in m, {value:g}e-3 if mm are meant")
 
 
-def friction(name: str, coefficient: float, radius: float, size: float) -> None:
-    """Warn of friction of a bearing with a coefficient above 1, or a ``radius`` above the ``size`` of the linkage [m]."""
+def friction(name: str, coefficient: float, radius: float, size: float, preload: float = 0.0) -> None:
+    """Warn of friction of a bearing with a coefficient above 1, a ``radius`` above the ``size`` of the linkage [m], or a ``preload`` [N]
+    that may be in kN."""
     if coefficient > 1:
         caution(f"friction of {name}: its coefficient is {coefficient:g}: if per cent are meant, write {coefficient:g}e-2")
     if radius > size:
         caution(f"friction of {name}: its radius is {radius:g} m, beside a linkage of {size:g} m: if mm are meant, write {radius:g}e-3")
+    if 0.0 < preload < LOOSE:
+        caution(f"friction of {name}: its preload is {preload:g} N: if kN are meant, write {preload:g}e3")
 
 
-def cylinder(name: str, bore: float, pressure: Array, volume: Array | None = None) -> None:
-    """Warn of cylinders whose ``bore`` [m], gauge ``pressure`` [Pa] or ``volume`` [m3] may be in other units; arrays are of scenarios."""
-    if bore > WIDEST:
-        caution(f"{name}: bore is {bore:g} m: if mm are meant, write {bore:g}e-3")
-    least = float(pressure.min())
+def cylinder(name: str, what: str, diameter: float) -> None:
+    """Warn of a cylinder whose ``diameter`` [m], of its piston or bore as ``what`` says, may be in mm."""
+    if diameter > WIDEST:
+        caution(f"{name}: {what} is {diameter:g} m: if mm are meant, write {diameter:g}e-3")
+
+
+def air(name: str, pressure: Array, volume: Array) -> None:
+    """Warn of air whose gauge ``pressure`` [Pa] or ``volume`` [m3] may be in other units; arrays are of scenarios."""
+    least, largest = float(pressure.min()), float(volume.max())
     if 0.0 < least < FAINT:
         caution(f"{name}: pressure is {least:g} Pa: if bar are meant, write {least:g}e5; if MPa, {least:g}e6")
-    largest = 0.0 if volume is None else float(volume.max())
     if largest > ROOMIEST:
         caution(f"{name}: volume is {largest:g} m3: if litres are meant, write {largest:g}e-3")

@@ -16,9 +16,8 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import by_driver
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage
-from .motion import refuse_motion_of_another
 
 AXES = "xyz"
 

@@ -29,7 +29,7 @@ from ..common.tables import by_driver
 from ..engines.joints import product
 from ..engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity, factored, solve
 from ..engines.planar.model import Plane
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage
 
 STEP = 1e-30  # step of the complex-step method: its square vanishes beside any number
@@ -149,12 +149,6 @@ def pivot_positions(press: Linkage) -> dict[tuple[str, str], Array]:
         for joint, point in ((loop.joint1, loop.point1), (loop.joint2, loop.point2)):
             positions[loop.name, _links(press, joint)[0]] = point
     return {(name, link): _placement(press, link).actInv(point) for (name, link), point in positions.items()}
-
-
-def refuse_motion_of_another(press: Linkage, motion: Motion) -> None:
-    """Raise PinpressError where a motion is not of this linkage."""
-    if motion.joints != press.joints or motion.drivers != press.drivers:
-        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
 
 
 def planar(press: Linkage) -> Plane:

@@ -22,11 +22,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from ..common.arguments import number, numbers
 from ..common.errors import PinpressError
-from ..common.numerics import gauss_rule, horner, polynomial_root
+from ..common.numerics import gauss_rule, horner, polynomial_root, sign_change
 from ..common.parameters import Checked, parameter
 from ..common.quantities import Array
 
@@ -199,11 +198,11 @@ class LinkedPower:
             return once
         full, rounding = self._full, SETTLED * max(through, self._full)
         if self.link.mains_power is None:
-            return float(brentq(gained, 0.0, full, xtol=rounding))
+            return sign_change(gained, 0.0, full, rounding)
         empty = -through - self.link.mains_power * float(self.edges[-1] - self.edges[0])  # too low to come back to the charged voltage
         if gained(empty) < 0:
             return None
-        return float(brentq(gained, empty, full, xtol=rounding))
+        return sign_change(gained, empty, full, rounding)
 
     def _stage(
         self, piece: _Piece, x: float, time: float, energy: float, mains: float, burnt: float

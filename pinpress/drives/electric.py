@@ -15,10 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..common.errors import PinpressError, shown
+from ..common.errors import PinpressError, caution, shown
 from ..common.parameters import parameter
 from ..common.quantities import Values
 from .protocol import SpeedTorqueDrive
+
+MINUTES = 1.0, 100.0  # motors warm up in so many minutes, none in so many seconds
 
 
 class MotorPower(NamedTuple):
@@ -60,7 +62,7 @@ class ElectricMotor(SpeedTorqueDrive):
             alone, and what comes from the mains is a lower bound.
         constant_loss: losses that do not depend on the load [W].
         rated_rise: temperature rise of the motor at the rated point for good [K]; None: not known, as its temperature then is.
-        thermal_time: time constant of its temperature [s]; None: not known.
+        thermal_time: time constant of its temperature [s]; None: not known. Of 1 to 100 s a warning says that it may be in minutes.
     """
 
     load_loss: float | None = field(default=None, metadata=parameter("W", "not negative"))
@@ -77,6 +79,10 @@ class ElectricMotor(SpeedTorqueDrive):
         """Loss by slip at the rated point [W]."""
         raise NotImplementedError
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_thermal_time(self, self.thermal_time)
+
     @property
     def rated_heat(self) -> Values:
         """All losses in the motor at the rated point [W]."""
@@ -92,6 +98,15 @@ class ElectricMotor(SpeedTorqueDrive):
         """Losses with the square of the current, slip left out, by the loss by slip: in an induction motor both are the heat of one current
         in two resistances."""
         return 0.0 if self.load_loss is None else self.load_loss / self.rated_slip_loss - 1.0
+
+
+def check_thermal_time(motor: object, time: float | None) -> None:
+    """Warn of a time constant of a motor's temperature [s] that may be in minutes."""
+    if time is not None and MINUTES[0] <= time <= MINUTES[1]:
+        caution(
+            f"{type(motor).__name__}: thermal_time is {time:g} s: if minutes are meant, write {time:g} * 60; the whole motor is looked at,"
+            " not its windings alone"
+        )
 
 
 def check_load_loss(motor: ElectricMotor) -> None:

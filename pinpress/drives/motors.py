@@ -17,7 +17,7 @@ from ..common.arguments import is_whole_number, suitable_numbers, truth_value
 from ..common.errors import PinpressError, shown
 from ..common.parameters import parameter, set_field
 from ..common.quantities import RPM, Array, Values
-from .electric import ElectricMotor, MotorPower, check_load_loss
+from .electric import ElectricMotor, MotorPower, check_load_loss, check_thermal_time
 from .protocol import SpeedTorqueDrive, limited
 
 MOST_POLES = 1000
@@ -332,6 +332,7 @@ class ServoMotor(SpeedTorqueDrive):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        check_thermal_time(self, self.thermal_time)
         if self.regeneration > 1:
             raise PinpressError(f"ServoMotor: regeneration is {shown(self.regeneration)}; give a share from 0 to 1")
         if self.rated_rise is not None and (self.rated_torque is None or not self.copper):

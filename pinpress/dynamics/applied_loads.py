@@ -136,7 +136,7 @@ def warn_of_load(
         ends: slide positions at bottom and top dead centre [m]; infinite where they are not known.
     """
     low, high = ends[0] - zero, ends[1] - zero
-    contact = any(each.one_sided for _, each in intervals)
+    contact = any(each.one_sided and not math.isfinite(each.upper - each.lower) for _, each in intervals)
     plausibility.heights(name, [(each.lower, each.upper) for _, each in intervals], low, high, press.size, contact)
     pushing = [(downwards, each) for downwards, each in intervals if not (each.one_sided or each.heeds_velocity)]
     if not pushing:

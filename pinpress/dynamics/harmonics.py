@@ -9,6 +9,7 @@ import numpy as np
 from ..common import tables
 from ..common.arguments import expect, is_whole_number, numbers, typed
 from ..common.errors import PinpressError, shown
+from ..common.products import product
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..kinematics.motion import Motion
@@ -83,7 +84,7 @@ def harmonics(motion: Motion, force: Array, orders: int = 12) -> HarmonicAnalysi
         rising = np.argsort(angle)
         values = CubicSpline(angle[rising], force[rising])(angles)
     order = np.arange(min(orders * turns, (states - 1) // 2) + 1) / turns
-    sums = np.exp(-1j * np.multiply.outer(order, angles)) @ values / len(angles)
+    sums = product(np.exp(-1j * np.multiply.outer(order, angles)), values) / len(angles)
     sums[1:] *= 2
     amplitude, phase = np.abs(sums), np.angle(sums)
     amplitude[0], phase[0] = sums[0].real, 0.0

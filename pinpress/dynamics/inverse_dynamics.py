@@ -27,7 +27,7 @@ from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
 from ..engines.forces import AppliedConditions, AppliedForce, SomeVectors, Wrenches, compliances
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Motion, refuse_other_joints
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from ..linkage.mobility import own_axes
@@ -264,8 +264,7 @@ def inverse_dynamics(
         AssemblyError: a motion of a linkage with other lengths.
         SingularityError: a state of a simulated run at a change point.
     """
-    if motion.joints != press.joints or motion.drivers != press.drivers:
-        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+    refuse_other_joints(press, motion)
     chosen = press.engine(engine)
     if not isinstance(loads, list | tuple) and isinstance(loads, Load):  # looking whether something follows a protocol takes long
         raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")

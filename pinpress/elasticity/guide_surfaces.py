@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import number, positive, suitable_numbers, typed
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen, FrozenMapping, read_only
@@ -32,7 +32,7 @@ from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..dynamics.applied_loads import point_on_body
 from ..dynamics.inverse_dynamics import Reactions
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.preloaded_joint import FAINT, STIFFEST
 
@@ -243,12 +243,17 @@ def guide_contact(
         offset: (3,) where the process loads act, from the slide link's origin, in world axes [m]; by default on a line through that.
 
     Raises:
-        PinpressError: the press has no slide, a surface does not face across its guide, the surfaces do not hold the slide, or
-            parallel rods share moments with the guide that rigid mechanics leaves open.
+        PinpressError: the press has no slide, a surface does not face across its guide, the reactions are of a press with other joints or
+            lengths, the surfaces do not hold the slide, or parallel rods share moments with the guide that rigid mechanics leaves open.
+
+    Warns:
+        PinpressWarning: a surface or the offset is so far off that it may be in mm.
     """
     surfaces = tuple(surfaces)
-    across = _checked(press, surfaces)
-    force, moment = _on_guide(press, reactions, suitable_numbers("offset", offset, "three finite numbers, x, y, z [m]", (3,)))
+    across, beside = _checked(press, surfaces), suitable_numbers("offset", offset, "three finite numbers, x, y, z [m]", (3,))
+    refuse_motion_of_another(press, reactions.motion)
+    plausibility.point("guide_contact: offset", beside, press.size)
+    force, moment = _on_guide(press, reactions, beside)
     bed = _Bed.of(surfaces, across, press.slide_direction)
     load = np.column_stack([-force @ across.T, -moment])  # of the slide on its guide
     places = _settled(bed, load, reactions.motion, press.name)
@@ -287,8 +292,12 @@ def _checked(press: Linkage, surfaces: Sequence[GuideSurface]) -> Array:
         normal = np.array(surface.normal) / np.linalg.norm(surface.normal)
         if abs(normal @ axis) > ACROSS:
             raise PinpressError(
-                f"GuideSurface {surface.name!r}: its normal {list(surface.normal)} is not across the guide's axis {axis.tolist()}"
+                f"GuideSurface {surface.name!r}: its normal {list(surface.normal)} is not across the guide's axis {axis.tolist()}; give"
+                " each surface, GuideSurface(..., normal=), the direction in which this slide presses on it (eight_way_guide: of a slide"
+                " along z)"
             )
+    furthest = max(surfaces, key=lambda surface: float(np.abs(surface.point).max()))
+    plausibility.point(f"GuideSurface {furthest.name!r}: point", np.array(furthest.point), press.size)
     first = np.eye(3)[int(np.argmin(np.abs(axis)))]
     first = first - (first @ axis) * axis
     first /= np.linalg.norm(first)

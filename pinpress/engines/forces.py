@@ -148,12 +148,14 @@ class FrictionLaw:
     Attributes:
         arm: (bearings,) effort of dry friction by the bearing's radial force: mu r of a pin [m], mu of a guide [-].
         viscous: (bearings,) effort by speed [N m s, of a guide N s/m].
+        preload: (bearings,) force with which the gibs of a guide press on it without a load; zero of all others [N].
         turns: (bearings,) False for guides, True for all others.
         size: length of the linkage [m].
     """
 
     arm: Array
     viscous: Array
+    preload: Array
     turns: NDArray[np.bool_]
     size: float
 
@@ -181,7 +183,7 @@ class FrictionLaw:
         against = -self.arm[:, None] * np.sign(speeds)
         found, change = steady, np.full(speeds.shape[1], np.inf)
         for _ in range(MOST_ITERATIONS):
-            pressing = forces(found)
+            pressing = np.maximum(forces(found), self.preload[:, None])
             following = steady + against * pressing
             before, change = change, np.abs(following - found).max(axis=0)
             # measured also by what the largest force could do: the force of a single guide may be nothing but rounding

@@ -17,14 +17,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from ..common import products
 from ..common.errors import PinpressError
 from ..common.frozen import Frozen, read_only
 from ..common.quantities import Array, ComplexArray
 
 MOST_JOINTS = 200  # `pin.Data` has 7 arrays whose size grows with the cube of the joints: half a gigabyte at this number
 LARGE = 33  # joints from which on sparse matrices are faster
-SERIAL = 65_536  # scalar multiplications up to which OpenBLAS computes a complex product in one thread
-SERIAL_ROW = 4_095  # the same limit where the left factor has one row, which OpenBLAS takes for a vector
 
 _HELD_ROTATIONS = {"spherical": 0, "revolute": 2, "fixed": 3}
 
@@ -216,20 +215,8 @@ def matrix(rows: Sequence[Entries], width: int, joints: int, dtype: type = compl
 
 
 def product(rows: Matrix, columns: Any) -> Any:
-    """``rows @ columns`` for many columns, in pieces so small that BLAS computes them in one thread.
-
-    Its threads gain nothing here, and on a busy machine they wait milliseconds for each other.
-    """
-    if not isinstance(rows, np.ndarray):
-        return np.asarray(rows @ columns)
-    most = SERIAL if len(rows) > 1 else SERIAL_ROW
-    if rows.size * columns.shape[1] <= most:
-        return rows.dot(columns)  # `@` takes half a microsecond longer
-    step = max(1, most // rows.size)
-    result = np.empty((len(rows), columns.shape[1]), np.result_type(rows, columns))
-    for start in range(0, columns.shape[1], step):
-        np.matmul(rows, columns[:, start : start + step], out=result[:, start : start + step])
-    return result
+    """``rows @ columns`` for many columns; dense ones as `products.product`."""
+    return products.product(rows, columns) if isinstance(rows, np.ndarray) else np.asarray(rows @ columns)
 
 
 def plain(rows: Matrix) -> Any:

@@ -26,9 +26,11 @@ from ..linkage.urdf import element_checks, reader
 from ..linkage.urdf.document import SEVERITIES, Document, Finding
 from .dyads import Dyad, least_transmission_angles
 from .main_data import MainData, main_data, main_lines
+from .slide_path import turning_points
 
 WIDTH = 120  # characters of a line of text
 FLAT = math.radians(30.0)  # smaller transmission angles are marked
+TURNED_BACK = 6  # places at which a slide turns back that a note lists
 WHOLE = ("<robot", "<model", "<mujoco")  # elements that messages about the file as a whole do not name
 
 
@@ -220,8 +222,8 @@ def _put_together(
         )
         for k, each, joints in _in_order(press)
     )
-    engine = None if errors else press.engine().name
-    return findings, Facts(
+    engine, data = None if errors else press.engine().name, main_data(press, moves=not errors)
+    return [*findings, *_turned_back(press, data)], Facts(
         press.drivers,
         press.slide,
         press.joints,
@@ -231,7 +233,7 @@ def _put_together(
         engine,
         Records(Closing, closings),
         Records(Place, _places(press, description)),
-        main_data(press, moves=not errors),
+        data,
         Records(Dyad, []) if errors else _dyads(press),
     )
 
@@ -246,6 +248,26 @@ def _places(press: Linkage, description: reader.Urdf) -> Iterator[Place]:
         joint = joints[name]
         sliding = "guide" if press.model.parents[press.joints.index(name) + 1] == 0 else "slot"
         yield Place(name, "pin" if press.axes[press.joints.index(name)].turns else sliding, (joint.parent, joint.child))
+
+
+def _turned_back(press: Linkage, data: MainData) -> Iterator[Finding]:
+    """A note of a slide that turns back more often than twice a turn, as under a toggle that passes its straight position."""
+    ends = data.dead_centres
+    if ends is None or not data.coordinate.turns or (period := press.branch_through_change_points.period) is None:
+        return
+    found, turns = turning_points(press), round(period / (2 * np.pi))
+    if len(found.places) <= 2 * turns:
+        return
+    further = sorted(
+        (angle, position - ends.bottom_position)
+        for angle, position in zip(found.places, found.positions, strict=True)
+        if angle not in (ends.top_angle, ends.bottom_angle)
+    )
+    also = ", ".join(f"at {np.degrees(angle):.2f} deg {abs(1e3 * height):.3f} mm" for angle, height in further[:TURNED_BACK])
+    often = f"{len(found.places)} times in {'a turn' if turns == 1 else f'{turns} turns'} of {press.driver}"
+    problem = f"the slide turns back {often}, besides its dead centres {also} above the bottom"
+    remedy = "as under a toggle that passes its straight position; if that is not meant, make the crank shorter or move its shaft"
+    yield Finding("note", press.document.called("robot", press.name), None, problem, remedy)
 
 
 def _dyads(press: Linkage) -> Records[Dyad]:

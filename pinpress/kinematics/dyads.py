@@ -14,14 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..common.arguments import typed
-from ..common.errors import PinpressError
 from ..common.frozen import NamedArrays
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..engines.planar.model import Block, Plane
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
-from .motion import Motion, carried, motion_through_change_points
+from .motion import Motion, carried, motion_through_change_points, refuse_motion_of_another
 
 SAMPLES = 720  # crank angles of a turn at which the least angle is looked for
 CLOSER, ROUNDS = 10, 7  # how many times closer crank angles are looked at in each round, and rounds
@@ -116,8 +115,7 @@ def transmission_angle_curves(press: Linkage, motion: Motion) -> DyadAngles:
         PinpressError: the linkage is not planar, has several drivers, or is not that of the motion.
     """
     plane = press.plane_or_refuse(f"{press.name} has no transmission angles: they are those of planar linkages with one driver")
-    if motion.joints != press.joints:
-        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+    refuse_motion_of_another(press, motion)
     dyads = [_bearings(press, plane, block) for block in plane.blocks if block.kind == "dyad"]
     placed = _Placed(press, {name: place for place, name in enumerate(press.bearings)}, motion.joint_position)
     angles = np.array([_angle(plane, placed, each) for each in dyads]).reshape(len(dyads), len(motion.joint_position))

@@ -28,7 +28,7 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
         size: largest extent of its bearings in the drawn pose [m].
         moving_mass: mass of all links but the frame [kg].
         slide_mass: mass of the slide, with what is welded to it [kg].
-        rotation: sense in which the driver turns at a positive speed, see `sense_of_rotation`.
+        rotation: sense in which each driver turns at a positive speed, see `sense_of_rotation`.
         stroke: distance between the dead centres; of a crank that does not turn fully, the way of the slide as far as it turns [m].
         forward_share: share of a period in which the slide goes from top to bottom dead centre at a constant positive speed [-]; None
             where the driver slides.
@@ -42,7 +42,7 @@ class MainData(Record, units={"size": "m", "moving_mass": "kg", "slide_mass": "k
     size: float
     moving_mass: float
     slide_mass: float | None
-    rotation: str
+    rotation: tuple[str, ...]
     stroke: float | None = None
     forward_share: float | None = None
     drawn_height: float | None = None
@@ -61,7 +61,8 @@ def main_data(press: Linkage, moves: bool = True) -> MainData:
     """
     masses = [float(inertia.mass) for inertia in press.model.inertias]
     slide = None if press.slide is None else masses[press.slide_guide.joint + 1]
-    data = MainData(press.size, sum(masses[1:]), slide, sense_of_rotation(press), coordinate=press.driver_coordinates[0])
+    rotation = tuple(sense_of_rotation(press, driver=driver) for driver in range(len(press.drivers)))
+    data = MainData(press.size, sum(masses[1:]), slide, rotation, coordinate=press.driver_coordinates[0])
     if press.slide is None or not moves:
         return data
     if len(press.drivers) > 1:
@@ -88,22 +89,30 @@ def _as_far_as_it_turns(press: Linkage, data: MainData) -> MainData:
     return replace(data, stroke=float(np.ptp(way)), turns_between=(low, high))
 
 
-def sense_of_rotation(press: Linkage, speed: float = 1.0) -> str:
-    """How the driver turns, seen with x to the right and z up: "counter-clockwise", "clockwise", or the axis that it turns about; of one
+def sense_of_rotation(press: Linkage, speed: float = 1.0, driver: int = 0) -> str:
+    """How a driver turns, seen with x to the right and z up: "counter-clockwise", "clockwise", or the axis that it turns about; of one
     that slides the direction in which it does in the drawn pose.
 
     Args:
-        press: the press; of several drivers the first counts.
+        press: the press.
         speed: its sign is that of the driver's speed.
+        driver: which one, in the order of ``press.drivers``.
     """
-    driver = press.driver_indices[0]
-    axis = drawn_placements(press.model)[driver + 1].rotation @ press.axes[driver].direction
-    if not press.driver_coordinates[0].turns:
+    joint = press.driver_indices[driver]
+    axis = drawn_placements(press.model)[joint + 1].rotation @ press.axes[joint].direction
+    if not press.driver_coordinates[driver].turns:
         return f"along ({_directed(axis, speed)})"
     across = -float(axis[1]) * (1.0 if speed > 0 else -1.0)  # towards the reader
     if abs(across) > ALONG:
         return "counter-clockwise" if across > 0 else "clockwise"
     return f"about the axis ({_directed(axis, speed)})"
+
+
+def _in_words(rotation: str) -> str:
+    """What `sense_of_rotation` found, after "a positive speed"."""
+    if rotation.startswith("along"):
+        return f"slides it {rotation}"
+    return f"turns it {rotation}" + ("" if rotation.startswith("about") else ", seen with x to the right and z up")
 
 
 def _directed(axis: Array, speed: float) -> str:
@@ -126,11 +135,12 @@ def main_lines(data: MainData, drivers: Sequence[str]) -> list[str]:
     """The main data in words, a line each."""
     mass = tables.scale("kg", [data.moving_mass])
     slide = "" if data.slide_mass is None else f", slide {mass.shown(data.slide_mass)} {mass.unit}"
-    seen = "" if data.rotation.startswith(("about", "along")) else ", seen with x to the right and z up"
-    moves = "turns" if data.coordinate.turns else "slides"
     return [
         *_stroke_lines(data, drivers[0]),
-        tables.entry("driver", ", ".join(drivers), "", f"a positive speed {moves} it {data.rotation}{seen}"),
+        *(
+            tables.entry("driver", driver, "", f"a positive speed {_in_words(rotation)}")
+            for driver, rotation in zip(drivers, data.rotation, strict=True)
+        ),
         tables.entry("largest extent", f"{1e3 * data.size:.1f}", "mm", "of the bearings as drawn"),
         tables.entry("moving mass", mass.shown(data.moving_mass), mass.unit, f"all links but the frame{slide}"),
     ]

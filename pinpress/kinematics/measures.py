@@ -26,7 +26,7 @@ from ..common.frozen import NamedArrays
 from ..common.quantities import Array, ComplexArray
 from ..linkage.linkage import Linkage
 from .even_speed import evenest_window, inside_stroke, longest_window
-from .motion import Motion, bearing_points, poses
+from .motion import Motion, bearing_points, poses, refuse_motion_of_another
 from .periodic_curve import CrankMotion, Curve, Numbers, curve, step_angle, step_time, zeros
 from .slide_path import SlideMotion, slide_path, working_stroke
 
@@ -207,10 +207,9 @@ def bearing_positions(press: Linkage, motion: Motion) -> Mapping[str, Array]:
     point.
 
     Raises:
-        PinpressError: a motion of a linkage with other joints.
+        PinpressError: a motion of a linkage with other joints or lengths.
     """
-    if motion.joints != press.joints:
-        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+    refuse_motion_of_another(press, motion)
     return NamedArrays(press.bearings, bearing_points(press, poses(press, motion.joint_position)))
 
 

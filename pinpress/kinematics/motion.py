@@ -20,7 +20,7 @@ from ..common.frozen import read_only
 from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
 from ..engines.branch import Branch, out_of_branch
-from ..engines.engine import ClosedStates, Closure, Engine
+from ..engines.engine import LOOSEST, ClosedStates, Closure, Engine
 from ..engines.joints import Axis, Slot, configuration
 from ..engines.pinocchio.engine import PinocchioEngine
 from ..engines.pinocchio.model import SpatialModel
@@ -729,6 +729,26 @@ def bearing_points(press: Linkage, at: Poses) -> Array:
     frames, then points of the loops."""
     joints = [at.position[j] for j in range(1, press.model.njoints)]
     return np.array([*joints, *(at.points(loop.joint1, loop.point1) for loop in press.loops)])
+
+
+def refuse_other_joints(press: Linkage, motion: Motion) -> None:
+    """Raise PinpressError where a motion is of a linkage with other joints or drivers."""
+    if motion.joints != press.joints or motion.drivers != press.drivers:
+        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+
+
+def refuse_motion_of_another(press: Linkage, motion: Motion) -> None:
+    """Raise PinpressError where a motion is not of this linkage: of one with other joints or drivers, or of other lengths."""
+    refuse_other_joints(press, motion)
+    if motion._closed_as is not None and motion._closed_as.press is press:
+        return
+    open_by = press.engine().gaps(motion.joint_position.T)
+    if not open_by.max() <= LOOSEST * press.size:
+        worst = int(open_by.argmax())
+        raise PinpressError(
+            f"the motion leaves the loops of {press.name} open by {open_by[worst]:.3g} m at {motion.place(worst)}, so that it is one of"
+            " other lengths, or with another zero: make it with cycle(press, ...) or servo_cycle(press, ...)"
+        )
 
 
 def point_motion(press: Linkage, motion: Motion, joint: int, point: Array) -> tuple[Array, Array]:

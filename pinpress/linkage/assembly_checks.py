@@ -467,16 +467,14 @@ def _redundant(press: Linkage, poses: Array) -> Iterator[Finding]:
     robot, shared = _robot(press), "is shared by least squares: reactions.indeterminate marks it"
     if out_of_plane:
         problem = f"{_equations(out_of_plane)} redundant across the plane of the linkage, as in any with parallel pins"
-        yield Finding(
-            "note", robot, None, problem, f"redundant equations say again what others say; what bearings carry across the plane {shared}"
-        )
+        yield Finding("note", robot, None, problem, f"nothing is wrong; what bearings carry across the plane {shared}")
     if further:
         found = [*among, *(each for x in poses.T for each in mobility.redundancy(press, x).among)]
         where = "in the plane" if mobility.lies_in_plane(press) else "in space"
         problem = (
             f"{_equations(further)} redundant {where}, of {', '.join(each.title for each in mobility.constraints(press) if each in found)}"
         )
-        remedy = f"their load {shared}; or give inverse_dynamics a stiffness=; lengths and angles have to fit to all digits"
+        remedy = f"their load {shared}; or give inverse_dynamics a stiffness=. Write lengths and angles with all digits"
         yield Finding("note", robot, None, problem, remedy)
 
 
@@ -486,8 +484,8 @@ def _equations(count: int) -> str:
 
 def _engine(press: Linkage) -> Iterator[Finding]:
     if "plane" not in press.engines:
-        problem = f"engine 'pinocchio' computes it, one configuration at a time: {_not_planar(press)}"
-        remedy, slower = rounded(press), "results are as exact, and take some hundred times longer"
+        problem = f"engine 'space' computes it, not 'plane': {_not_planar(press)}"
+        remedy, slower = rounded(press), "results are as exact, and take ten to twenty times longer"
         yield Finding("warning" if remedy else "note", _robot(press), None, problem, remedy or slower)
 
 

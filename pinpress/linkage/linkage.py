@@ -301,7 +301,9 @@ class Linkage(Frozen):
             PinpressError: it has several drivers.
         """
         if len(self.drivers) > 1:
-            raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: give angle, speed and acceleration of all, (n, drivers)")
+            count = len(self.drivers)
+            remedy = f"give their angles over time to pp.servo_cycle(press, angle, time=time), angle (n, {count})"
+            raise PinpressError(f"{self.name} has {count} drivers, and one speed does not say how they move together; {remedy}")
         return self._assembly.branch or followed(self.engine(), self.spatial_model, self.closed)
 
     def follow_beside(self, other: Linkage) -> None:

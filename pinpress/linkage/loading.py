@@ -116,8 +116,15 @@ def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
     raise UrdfError(file, None, None, f"no such file{suggestion(file, shipped)}", remedy)
 
 
+def shipped_table(name: str) -> Path | None:
+    """The pin table of a shipped press; None where none has this name."""
+    return _library() / f"{name}.yaml" if name in presses() else None
+
+
 def document_of(path: str | os.PathLike[str]) -> Document:
     """The URDF that a file is, or that says the same; raises UrdfError where there is none."""
+    if path_of("path", path).endswith((".yaml", ".yml")):
+        raise UrdfError(path_of("path", path), None, None, "this is a table of pins, not a URDF", "make a press of it by pp.build(path)")
     found = Document(path_of("path", path), read(path))
     root = found.robot
     if root.tag == "robot":

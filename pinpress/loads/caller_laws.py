@@ -4,9 +4,11 @@ Exceptions, and answers that are no finite numbers of the right shape, become a 
 in these functions as the caller has set it, whatever the library sets around them. The library's own loads are asked as they are.
 """
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -171,6 +173,18 @@ def _first(numbers: Any) -> float:
     return float(numbers[~np.isfinite(numbers)].flat[0])
 
 
+def refuse_intervals(name: str, downwards: bool, found: Any) -> None:
+    """Raise PinpressError where the answer of a load's ``intervals`` is not as `ProcessLoad` says; ``name``: of the load."""
+    if not isinstance(found, tuple | list) or not all(isinstance(s, ForceInterval) for s in found):
+        raise PinpressError(f"{name}: intervals({downwards}) is {shown(found)}; give a tuple of ForceInterval, () for none")
+    for interval in found:
+        if not all(isinstance(end, Real) for end in (interval.lower, interval.upper)) or not interval.lower < interval.upper:
+            raise PinpressError(f"{name}: an interval from {shown(interval.lower)} to {shown(interval.upper)} m; give lower < upper")
+    for below, above in itertools.pairwise(sorted(found, key=lambda s: s.lower)):
+        if below.upper > above.lower:
+            raise PinpressError(f"{name}: its intervals overlap at {above.lower:g} m; write two loads, or intervals that do not")
+
+
 @dataclass(frozen=True, eq=False)
 class AskedLoad(Asked):
     """A caller's own process load."""
@@ -179,13 +193,12 @@ class AskedLoad(Asked):
     def datum(self) -> float | None:
         return self.part.datum  # type: ignore[no-any-return]
 
-    def intervals(self, downwards: bool) -> Any:
+    def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         try:
             with np.errstate(**self.errors):
                 found = self.part.intervals(downwards)
         except Exception as error:
             raise PinpressError(f"{name(self)}: intervals({downwards}) cannot be worked out: {said(error)}") from error
-        if not isinstance(found, tuple | list) or not all(isinstance(s, ForceInterval) for s in found):
-            return found  # refused where it is checked
+        refuse_intervals(name(self), downwards, found)
         scenarios = next(iter(scenario_lengths(self.part).values()), None)
         return tuple(replace(s, force=Law(f"{name(self)}: force", OF_LOAD, s.force, self.errors, scenarios)) for s in found)

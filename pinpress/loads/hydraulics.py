@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..common import plausibility
 from ..common.arguments import positive
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
@@ -129,11 +130,15 @@ def orifice_coefficient(piston: float, orifice: float, *, density: float = 870.0
 
     Raises:
         PinpressError: an argument is not positive, the orifice not smaller than the piston, or the discharge coefficient above 1.
+
+    Warns:
+        PinpressWarning: the piston is wider than 3 m: diameters may be in mm.
     """
     diameter, hole = positive("piston", piston, "m"), positive("orifice", orifice, "m")
     rho, share = positive("density", density, "kg/m3"), positive("discharge", discharge, "-")
     if not hole < diameter:
         raise PinpressError(f"orifice is {hole:g} m, not smaller than the piston, {diameter:g} m: give both diameters in m")
+    plausibility.cylinder("orifice_coefficient", "piston", diameter)
     if share > 1:
         raise PinpressError(f"discharge is {share:g}: give the discharge coefficient, about 0.6 of a sharp edge, at most 1")
     area, throat = (0.25 * math.pi * size**2 for size in (diameter, hole))

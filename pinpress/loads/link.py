@@ -3,6 +3,10 @@
 A bearing resists its rotation with the torque c w + mu r F, where F is its radial force (across the axis of rotation). A guide resists its
 sliding with the force c v + mu F, where F is its force across the direction of sliding. F depends on the friction of all bearings, so that
 both are found together. At rest, in a dead centre, Coulomb friction can have any value up to its limit; it is taken as zero.
+
+Gibs that are preloaded against each other rub without a load. Two of one stiffness that face each other, each preloaded by P, press with
+P + N/2 and P - N/2 under a net force N, together with 2 P, until at N = 2 P one of them lifts off; from there on the other presses with N
+alone. So F is the larger of 2 P and |N|.
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..common import plausibility
 from ..common.arguments import suitable_numbers
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.parameters import in_declared_units, parameter
 from ..engines.forces import FrictionLaw
 from .pneumatics import BalanceCylinder
@@ -63,6 +67,9 @@ class SpringDamper:
         free_length: length at which the spring is slack [m].
         point1: in the frame of link1 [m].
         point2: in the frame of link2 [m].
+
+    Warns:
+        PinpressWarning: both ends are on the same link, so that it does nothing.
     """
 
     link1: str
@@ -75,6 +82,8 @@ class SpringDamper:
 
     def __post_init__(self) -> None:
         in_declared_units(self)
+        if isinstance(self.link1, str) and self.link1 == self.link2:
+            caution(f"SpringDamper: link1 and link2 are both {shown(self.link1)}, which does not stretch it: name two links")
 
 
 StandingLoad = PointForce | SpringDamper | BalanceCylinder
@@ -91,11 +100,14 @@ class Friction:
         coefficient: coefficient mu of Coulomb friction [-].
         radius: of the bearing [m]; a guide has none.
         viscous: viscous torque by angular speed [N m s/rad], in a guide viscous force by speed [N s/m].
+        preload: of a guide: force with which all its gibs together press on the slide without a load [N]. Coulomb friction is that of the
+            preload, or of the force across the guide where this is larger.
     """
 
     coefficient: float = field(default=0.0, metadata=parameter("-", "not negative"))
     radius: float | None = field(default=None, metadata=parameter("m", "not negative"))
     viscous: float = 0.0
+    preload: float = field(default=0.0, metadata=parameter("N", "not negative"))
 
     def __post_init__(self) -> None:
         in_declared_units(self)
@@ -106,10 +118,11 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
 
     Raises:
         UnknownNameError: the linkage does not have a bearing of that name.
-        PinpressError: a fixed loop has friction, a radius is missing or superfluous, or a value is negative or not finite.
+        PinpressError: a fixed loop has friction, a radius is missing or superfluous, a pin has a preload, or a value is negative or not
+            finite.
 
     Warns:
-        PinpressWarning: a coefficient is above 1, or a radius above the size of the linkage.
+        PinpressWarning: a coefficient is above 1, a radius above the size of the linkage, or a preload so small that it may be in kN.
     """
     if not isinstance(friction, Mapping):
         raise PinpressError("friction is no mapping: give {name of a bearing: Friction(...)}")
@@ -117,7 +130,7 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
         return None
     size = press.size  # each look at it compares the whole model
     turns = [axis.turns for axis in press.axes] + [True] * len(press.loops)
-    arm, viscous = np.zeros(len(press.bearings)), np.zeros(len(press.bearings))
+    arm, viscous, preload = np.zeros((3, len(press.bearings)))
     for name, given in friction.items():
         if name not in press.bearings:
             raise UnknownNameError("bearing", name, press.bearings)
@@ -126,7 +139,7 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
         index = press.bearings.index(name)
         if any(loop.name == name and loop.type == "fixed" for loop in press.loops):
             raise PinpressError(f"friction of {shown(name)}: a fixed loop does not turn; leave it out")
-        for quantity in ("coefficient", "radius", "viscous"):
+        for quantity in ("coefficient", "radius", "viscous", "preload"):
             value = getattr(given, quantity)
             if value is None and quantity == "radius":
                 continue
@@ -136,7 +149,9 @@ def law(friction: Mapping[str, Friction], press: Linkage) -> FrictionLaw | None:
             raise PinpressError(f"friction of {shown(name)}: its radius is missing; give that of the bearing [m]")
         if not turns[index] and given.radius is not None:
             raise PinpressError(f"friction of {shown(name)}: a guide has no radius; leave it out")
-        plausibility.friction(shown(name), float(given.coefficient), float(given.radius or 0.0), size)
+        if turns[index] and given.preload:
+            raise PinpressError(f"friction of {shown(name)}: preload is that of the gibs of a guide; leave it out")
+        plausibility.friction(shown(name), float(given.coefficient), float(given.radius or 0.0), size, float(given.preload))
         arm[index] = float(given.coefficient) * (1.0 if given.radius is None else float(given.radius))
-        viscous[index] = float(given.viscous)
-    return FrictionLaw(arm, viscous, np.array(turns), size) if arm.any() or viscous.any() else None
+        viscous[index], preload[index] = float(given.viscous), float(given.preload)
+    return FrictionLaw(arm, viscous, preload, np.array(turns), size) if arm.any() or viscous.any() else None

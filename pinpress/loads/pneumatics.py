@@ -154,7 +154,8 @@ def _check_air(load: Air) -> None:
         raise PinpressError(f"{name}: exponent is {load.exponent:g}; give 1 (isothermal) to 1.4 (adiabatic, air), at most 5/3")
     if not math.isfinite(_area(load)):
         raise PinpressError(f"{name}: bore is {load.bore:g} m; give that of one cylinder in m")
-    plausibility.cylinder(name, load.bore, np.asarray(load.pressure), np.asarray(load.volume))
+    plausibility.cylinder(name, "bore", load.bore)
+    plausibility.air(name, np.asarray(load.pressure), np.asarray(load.volume))
 
 
 def _area(load: Air) -> float:
@@ -179,6 +180,6 @@ def _lift(
         lowest = float(np.min(np.real(height)))
         raise LawError(
             f"{name}: at {lowest:g} m above its datum the slide has swept all of its volume; give the volume [m3] of the air in cylinders,"
-            f" pipes and tank with the slide at {given_at:g} m"
+            f" pipes and tank with the slide at {given_at:g} m, and that height in m"
         )
     return area * ((pressure + atmosphere) * (volume / left) ** exponent - atmosphere)

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common.arguments import any_numbers, finite_numbers, number, typed
+from ..common.arguments import any_numbers, finite_numbers, number, suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import read_only
 from ..common.parameters import Checked, set_field
@@ -355,7 +355,7 @@ def datum(load: ProcessLoad, press: Linkage) -> float:
     """Slide position from which the heights of a load are measured [m].
 
     Raises:
-        PinpressError: the linkage has no slide, or the load has no datum and the linkage no bottom dead centre.
+        PinpressError: the linkage has no slide, the load has no datum and the linkage no bottom dead centre, or the datum is no number.
     """
     from ..kinematics.slide_path import dead_centres  # with Pinocchio, which describing a load does without
 
@@ -363,7 +363,8 @@ def datum(load: ProcessLoad, press: Linkage) -> float:
         raise PinpressError(f"load is a {type(load).__name__}: give a process load")
     _ = press.slide_guide
     if load.datum is not None:
-        return load.datum
+        wanted = "a slide position [m], or None for bottom dead centre"
+        return float(suitable_numbers(f"{type(load).__name__}: datum", load.datum, wanted))
     try:
         return dead_centres(press).bottom_position
     except PinpressError as error:

@@ -18,10 +18,12 @@ from typing import Any
 
 import numpy as np
 
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, caution
 from ..common.parameters import Checked, parameter
 from ..common.quantities import Values
 from .process import RESISTS, ForceInterval, constant_law
+
+QUICK = 0.1  # a strain rate of 1/s times a gap is some micrometres to a millimetre a second, and so 100 times less [m/s]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,9 @@ class RateSensitiveBlanking(Checked):
         remaining: share of the force that is left at ``end``, from 0 to 1 [-].
         stripping: as of `Blanking` [N], or (S,).
         datum: see `process`.
+
+    Warns:
+        PinpressWarning: the reference speed is above 0.1 m/s: it may be in mm/s.
 
     Raises:
         PinpressError: a number is not as declared, ``start`` is not above ``end``, ``peak`` not between them, ``sensitivity`` not below 1,
@@ -66,6 +71,8 @@ class RateSensitiveBlanking(Checked):
             )
         if np.any(np.asarray(self.sensitivity) >= 1):
             raise PinpressError(f"{name}: sensitivity is {np.max(self.sensitivity):g}; steels have 0.01 to 0.06, give a number below 1")
+        if np.any(self.sensitivity) and self.reference_speed > QUICK:
+            caution(f"{name}: reference_speed is {self.reference_speed:g} m/s: if mm/s are meant, write {self.reference_speed:g}e-3")
         if not 0 <= self.remaining <= 1:
             raise PinpressError(f"{name}: remaining is {self.remaining:g}; give the share of the force that is left, from 0 to 1")
         if peak == self.end and self.remaining != 1:

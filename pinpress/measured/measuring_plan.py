@@ -31,7 +31,7 @@ from ..common.frozen import FrozenMapping
 from ..common.quantities import RPM, Array
 from ..common.results import Tabular
 from ..common.tables import Column
-from ..kinematics.motion import Motion
+from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
 from .estimates.prior import NOTHING, USUAL, ZERO_DEVIATION, Losses, Unknowns, unknowns_of
@@ -221,6 +221,7 @@ def plan(
     for name, motion in motions.items():
         if motion.linkage != press.name or motion.crank_angle.ndim != 1:
             raise PinpressError(f"motion {name!r} is one of {motion.linkage}, not of {press.name}")
+        refuse_motion_of_another(press, motion)
     task = _task(unknowns_of(press, prior, losses, known), motions, losses, expected)
     information = seconds * samples * task.information
     chosen = _chosen(task, information, wanted)

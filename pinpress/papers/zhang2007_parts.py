@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -9,14 +10,16 @@ import numpy as np
 from ..common.quantities import RPM, Array
 from ..drives.motors import ServoMotor
 from ..dynamics.inverse_dynamics import inverse_dynamics
+from ..elasticity.guide_surfaces import eight_way_guide, guide_contact
 from ..elasticity.springs import Elastic, PreloadedJoint, Stiffness
 from ..elasticity.unit_load import compliance
 from ..kinematics.motion import cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage
 from ..loads.hydraulics import ImpactDamper, orifice_coefficient
+from ..loads.link import Friction
 from ..loads.pneumatics import BalanceCylinder
-from ..loads.process import ProcessLoad
+from ..loads.process import Blanking, ProcessLoad
 from ..loads.shearing import RateSensitiveBlanking
 from ..simulation.elastic.elastic_run import ElasticRun
 from ..simulation.simulate import simulate
@@ -30,6 +33,7 @@ NOMINAL = 1250e3  # [N]
 BEARINGS = {"O": 3e9, "P2": 4e9, "P4": 4e9, "slide_guide": 2e9}  # springs of `jf75g_125_plain`, assumed [N/m]
 GIBS_TURNING = 2e8  # [N m/rad]
 TIE_RODS = PreloadedJoint(loaded=2e9, relieved=6e9, preload=2 * NOMINAL)  # twice the nominal force, as 2.1 (2) says; stiffnesses assumed
+GIB_PRELOAD = 100e3  # of each of the eight [N]; assumed
 CROWN = 4000.0  # [kg]
 CYLINDERS = BalanceCylinder(bore=0.125, pressure=4.4e5, volume=0.060, count=4)  # carry the slide at bottom dead centre; assumed
 BLANK = RateSensitiveBlanking(600e3, 0.004, 0.002, sensitivity=0.05, reference_speed=1e-3, peak=0.003, remaining=0.5)
@@ -57,14 +61,43 @@ def _of_the_frame(plain: Linkage) -> PageEntry:
         Row("stiffness at bottom dead centre, tie rods alone [kN/mm]", "", 1e-6 * bare.bottom_stiffness, places=0),
         Row("range of the driving torque, idle, 300 strokes/min [N m]", "", float(empty), places=0),
         Row("range of the driving torque with balance cylinders [N m]", "", float(carried), places=0),
+        *_guide(plain),
     )
     reason = (
         "2.1 lists four tie rods preloaded to twice the nominal force, an eight-way slide guide and balance cylinders, and prints nothing"
         " of them; the model of 2.2 leaves out the air springs. Ours: rods of 2e9 N/m, uprights of 6e9 N/m, four cylinders of 125 mm at"
-        " 4.4 bar with a tank of 60 l, all assumed, as the springs of the bearings. The guide's preload is a joint of the same kind"
-        " (`docs/elasticity.md`)."
+        " 4.4 bar with a tank of 60 l, eight gibs of 600 x 80 mm and 2e9 N/m, all assumed, as the springs of the bearings. Preloaded gibs"
+        " rub without a load; needles, which 1.2 reports of Schuler's guide, take a tenth of it."
     )
-    return PageEntry(("2.1",), "tie rods and balance cylinders", BEYOND, rows, reason)
+    return PageEntry(("2.1",), "tie rods, eight-way guide and balance cylinders", BEYOND, rows, reason)
+
+
+def _guide(plain: Linkage) -> Iterator[Row]:
+    """The eight surfaces of the slide's guide under the nominal force beside its axis, with and without enough preload."""
+    turn = cycle(plain, SPEED, points=720)
+    forces = inverse_dynamics(plain, turn, loads=[Blanking(NOMINAL, 0.004, 0.002)])
+    for preload in (GIB_PRELOAD, 0.1 * GIB_PRELOAD):
+        surfaces = eight_way_guide(
+            facing_x=(0.45, 0.30), facing_y=(0.40, 0.35), length=0.6, width=0.08, stiffness=2e9, preload=preload, middle=0.1
+        )
+        found = guide_contact(plain, forces, surfaces, offset=(0.03, 0.0, 0.0))
+        words = f"nominal force 30 mm beside the axis, gibs with {1e-3 * preload:.0f} kN each"
+        yield Row(f"{words}: slide tilts by [1e-6 rad]", "", 1e6 * float(np.linalg.norm(found.rotation, axis=1).max()), places=0)
+        yield Row(
+            f"{words}: they touch on at least [% of their length]",
+            "",
+            100 * min(float(each.min()) for each in found.contact.values()),
+            places=0,
+        )
+    for coefficient, words in ((0.03, "sliding"), (0.003, "on needles")):
+        rubbing = {"slide_guide": Friction(coefficient, preload=8 * GIB_PRELOAD)}
+        lost = inverse_dynamics(plain, turn, friction=rubbing).friction_power["slide_guide"].mean()
+        yield Row(
+            f"lost by gibs with {1e-3 * GIB_PRELOAD:.0f} kN each, {words} (coefficient {coefficient:g}) [kW]",
+            "",
+            1e-3 * float(lost),
+            places=2,
+        )
 
 
 class _Shock(NamedTuple):

@@ -1,5 +1,6 @@
 """Zhang 2007, chapter 4 and 5.7: the press runs under a constant torque, behind its motor with a slip clutch, and under process loads."""
 
+import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
@@ -15,6 +16,7 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import cycle
 from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage
+from ..loads.contacts import Impact, TwoSidedStop
 from ..loads.process import Blanking, ConstantForce, DeepDrawing, ProcessLoad, TimeForce, step
 from ..simulation.run import Run, duty_cycle
 from ..simulation.simulate import simulate
@@ -56,6 +58,7 @@ def motion_entries(given: Mapping[str, Linkage]) -> tuple[PageEntry, ...]:
         PageEntry(figures(4, 4, 5), "schemes of crank-slider and opposed arrangement", NO_RESULT),
         PageEntry(figures(4, 6, 8), "drawing of the motor, block diagram of its control, drive train", NO_RESULT),
         _motor(given["jf75g_125_symmetric"]),
+        _control(),
         PageEntry(("Fig. 4-9",), "screenshot of the program", NO_RESULT),
         _run(given["jf75g_125"]),
     )
@@ -63,7 +66,7 @@ def motion_entries(given: Mapping[str, Linkage]) -> tuple[PageEntry, ...]:
 
 def load_entries(press: Linkage) -> tuple[PageEntry, ...]:
     """Figures 5-8 to 5-10 and 5-12 to 5-15, for the symmetric press."""
-    return (_laws(), _step(), *_cases(press))
+    return (_laws(), _step(), _contacts(), *_cases(press))
 
 
 def motor(set_speed: float = SET) -> SlipClutchMotor:
@@ -92,6 +95,44 @@ def _motor(press: Linkage) -> PageEntry:
         " that losses by eddy currents are large at low speed: the clutch loses the torque times the difference of its speeds (last rows)."
     )
     return PageEntry(("Table 4-1",), "motor with slip clutch", DATA, rows, reason)
+
+
+def _control() -> PageEntry:
+    """4.3 on the control: what there is without feedback, and where control is lost with too little of it."""
+    from scipy.optimize import brentq  # slow to import
+
+    closed = motor()
+    held = (1470 - 900) / (1470 - 1320)  # by (4.3.1) to the power of -1/4 the current with which the rated torque is held at 900 r/min
+    drop = 0.025 * 900
+    error = drop * ((1470 - 900 + drop) / 150) ** 0.25  # below the set speed, at which the current is full [r/min]
+    light = 0.2 * 189.0
+
+    def more(speed: float) -> float:
+        return float(closed.torque(speed)) - light
+
+    rows = [
+        Row(
+            "open loop, 900 r/min at the rated torque: speed at a fifth of the torque [r/min]",
+            f"{1470 - 570 * 0.2**2:.1f}",
+            float(closed.speed_under(light, held**-0.25)) / RPM,
+            0.01,
+            1,
+            FORMULA,
+        ),
+        Row("closed loop, set to 900 r/min: the same [r/min]", "", float(brentq(more, 0.9 * SET, SET)) / RPM, places=1),
+    ]
+    for feedback in (1.0, 0.8, 0.62):
+        full, _ = dataclasses.replace(closed, feedback=feedback).control_speeds
+        words = f"feedback of {100 * feedback:g} %: full current, and no control, below [r/min]"
+        rows.append(Row(words, f"{(900 - error) / feedback:.1f}", full / RPM, 0.01, 1, FORMULA))
+    least = "least feedback with which there is any control [%]"
+    rows.append(Row(least, f"{100 * (900 - error) / 1470:.1f}", 100 * closed.control_speeds[0] / PRIMARY, 0.1, 1, FORMULA))
+    reason = (
+        "4.3 says in words that without feedback the characteristic is soft and control is lost over a wide range, and that with too little"
+        " feedback it is still lost over some. By (4.3.1) it is lost wherever the excitation current is at its largest. Ours: set to"
+        " 900 r/min, the gain from the regulation of table 4-1. (`docs/motor.md` has heat and temperature, which the thesis has not.)"
+    )
+    return PageEntry(("4.3, control",), "where the speed control is lost", FORMULAS, tuple(rows), reason)
 
 
 def _slip(press: Linkage) -> Iterator[Row]:
@@ -207,6 +248,29 @@ def _step() -> PageEntry:
         return draw("time [s]", [Panel("value", {"step": (x, up), "pulse of two steps": (x, pulse)})], 5.0)
 
     return PageEntry(("Fig. 5-12",), "ADAMS' function STEP", FORMULAS, rows, "", "zhang2007_step", shown)
+
+
+def _contacts() -> PageEntry:
+    """5.1.3 (3): contacts between parts, of which ADAMS has two functions."""
+    k, e, c, d = 2.2e9, 1.5, 1e5, 0.5e-3
+    below = Impact(0.0, k, e, c, d)
+    both = TwoSidedStop(0.0, 0.030, k, e, c, d)
+
+    def force(load: ProcessLoad, height: float, speed: float) -> float:
+        (found,) = (each for each in load.intervals(speed < 0) if each.lower < height <= each.upper)
+        return float(found.acting(found.force(height, speed)))
+
+    expected = (
+        ("IMPACT, 0.25 mm deep, 0.1 m/s downwards [N]", k * (d / 2) ** e + c / 2 * 0.1, force(below, -d / 2, -0.1)),
+        ("IMPACT, 1 mm deep, 0.1 m/s upwards [N]", k * 1e-3**e - c * 0.1, force(below, -1e-3, 0.1)),
+        ("BISTOP, 0.25 mm beyond its upper stop, 0.1 m/s upwards [N]", -k * (d / 2) ** e - c / 2 * 0.1, force(both, 0.03 + d / 2, 0.1)),
+    )
+    rows = tuple(Row(name, f"{by_hand:.2f}", ours, 1e-3, 2, FORMULA) for name, by_hand, ours in expected)
+    reason = (
+        "5.1.3 (3) names contacts between parts and gives no function. ADAMS' are IMPACT and BISTOP, whose damper grows by STEP: `Impact`"
+        " and `TwoSidedStop`. Ours: k = 2.2e9 N/m^1.5, a damper of 1e5 N s/m from 0.5 mm on."
+    )
+    return PageEntry(("5.1.3",), "ADAMS' functions of contact", FORMULAS, rows, reason)
 
 
 def _cases(press: Linkage) -> tuple[PageEntry, ...]:

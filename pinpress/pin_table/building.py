@@ -200,10 +200,11 @@ class DrawnPress(Tabular):
 def build(table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[float] = (0.0, 0.0, -9.81), **values: Any) -> Linkage:
     """Make a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
 
-    The picture's plane is x to the right and z up; the drawn pose is crank angle 0. The manual has the table's keys.
+    The picture's plane is x to the right and z up; the drawn pose is crank angle 0. The page "A press from a table of
+    pins" of the manual lists the keys of a table.
 
     Args:
-        table: a YAML file; None where ``values`` are the table.
+        table: a YAML file, or the name of a shipped press, as in ``build("eccentric_blocks", r=10)``; None where ``values`` are the table.
         gravity: in world axes [m/s2].
         values: of a file: values of its ``parameters``, as in ``build("press.yaml", r=150)``. Without a file: the table itself, as in
             ``build(units="mm", frame="A D", pins={...}, links={...}, drive="A")``.
@@ -234,6 +235,8 @@ def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> Draw
     Warns:
         PinpressWarning: numbers that are hardly meant.
     """
+    if isinstance(table, Mapping):
+        raise PinpressError("build takes the path of a table, or the keys of one as arguments: write build(**table)")
     if table is None:
         return drawn_from(given_table(_without_units(values, _length_of(values.get("units")))))
     return _with_parameters(read_table(table), values) if values else drawn_from(read_table(table))

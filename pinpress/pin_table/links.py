@@ -15,11 +15,12 @@ import numpy as np
 from ..common.errors import suggestion
 from ..common.quantities import Array
 from .formulas import number
-from .placement import ALIKE, AXES, SIDES, Pin
+from .placement import ALIKE, AXES, SIDES, Pin, refuse_unless_a_word
 from .reading import Entry
 
 FRAME = "frame"
 STEEL = 7850.0  # density unless the table gives one [kg/m3]
+LIGHTEST, HEAVIEST = 25.0, 25e3  # of solid parts, from foam to tungsten and beyond [kg/m3]; densities in g/cm3 are below
 MASSLESS = 1e-6  # mass of every link where the table says ``masses: none`` [kg]
 SLENDER = 1 / 10  # thickness of a rod of which only the mass is given, beside its length
 FAR_BESIDE = 1 / 4  # a centre of mass is hardly meant to be farther beside a rod, divided by its length
@@ -131,11 +132,12 @@ class _Reader:
         self.items = table["links"].items("links by their names: {crank: {pins: A B, mass: 20}}")
         self.pins, self.parameters, self.unit = pins, parameters, unit
         self.without = "masses" in table and self._without(table["masses"])
-        self.density = self.above_zero(table["density"], "a density") if "density" in table else STEEL
+        self.density = self.density_of(table, STEEL)
         self.carried: dict[str, list[str]] = {}
         for name, entry in self.items.items():
-            if name == FRAME or not name or any(c.isspace() or c in ",;:[]{}<>\"'&" for c in name):
+            if name == FRAME:
                 entry.refuse(f"{name!r} cannot name a link", "call it otherwise; `frame` at the top lists the pins of the frame")
+            refuse_unless_a_word(name, entry, "a link")
             self.carried[name] = self._pins(entry.known(KEYS, "a link"), entry)
 
     def link(self, name: str, entry: Entry) -> Link:
@@ -236,6 +238,15 @@ class _Reader:
         value = number(entry, self.parameters)
         if value <= 0:
             entry.refuse(f"{what} of {value:.6g}", "write one above zero")
+        return value
+
+    def density_of(self, items: Mapping[str, Entry], otherwise: float) -> float:
+        """The density among keys [kg/m3], else the other one. It warns of one that no part of a press has."""
+        if "density" not in items:
+            return otherwise
+        value = self.above_zero(items["density"], "a density")
+        if not LIGHTEST <= value <= HEAVIEST:
+            items["density"].doubt(f"{value:.6g} kg/m3 is no density of a solid part: write it in kg/m3, {STEEL:g} for steel")
         return value
 
 
@@ -464,7 +475,7 @@ class _Masses:
         else:
             centre = space.place(self.items["com"]) if "com" in self.items else space.points()[0]
             solid = self._solid(kind, entry, centre)
-        density = space.reader.above_zero(self.items["density"], "a density") if "density" in self.items else space.reader.density
+        density = space.reader.density_of(self.items, space.reader.density)
         mass = space.reader.above_zero(self.items["mass"], "a mass") if "mass" in self.items else density * _volume(solid)
         centre = space.place(self.items["com"]) if "com" in self.items else solid.centre
         inertia = self._inertia(mass, centre) if "inertia" in self.items or "gyration" in self.items else _inertia_of(solid, mass)
@@ -503,7 +514,7 @@ class _Masses:
         inertia = np.zeros((3, 3))
         if kinds:
             solid = self._solid(kinds[0], items[kinds[0]], centre)
-            density = space.reader.above_zero(items["density"], "a density") if "density" in items else space.reader.density
+            density = space.reader.density_of(items, space.reader.density)
             mass = mass or density * _volume(solid)
             inertia = _inertia_of(solid, mass)
         if "inertia" in items:

@@ -7,6 +7,7 @@ line, fit at two places: ``side`` says which, and the other one is kept, as it i
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NoReturn
@@ -82,14 +83,22 @@ def place_pins(entries: Entry, parameters: Mapping[str, float], unit: float) -> 
     return placing.pins
 
 
+def refuse_unless_a_word(name: str, entry: Entry, what: str) -> None:
+    """Names stand side by side in ``pins: A B``, and in URDFs."""
+    word = re.sub(r"[\s,;:\[\]{}<>\"'&]+", "_", name)
+    if word != name or not name:
+        entry.refuse(f"{name!r} cannot name {what}", f"write one word: {word}" if word.strip("_") else "write a word")
+
+
 class _Placing:
     def __init__(self, entries: Entry, parameters: Mapping[str, float], unit: float) -> None:
         self.items = entries.items("pins by their names: {A: [0, 0]}")
         self.parameters, self.unit = parameters, unit
         self.pins: dict[str, Pin] = {}
         for name, entry in self.items.items():
-            if name in RESERVED or not name or any(c.isspace() or c in ",;:[]{}<>\"'" for c in name):
+            if name in RESERVED:
                 entry.refuse(f"{name!r} cannot name a pin", f"call it otherwise: a word that is none of {', '.join(RESERVED)}")
+            refuse_unless_a_word(name, entry, "a pin")
 
     def pin(self, name: str, above: tuple[str, ...]) -> Pin:
         """The pin of this name, placed after those that it is measured from."""

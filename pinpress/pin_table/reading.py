@@ -12,6 +12,7 @@ from ..common.errors import PinTableError
 from ..common.files import path_of
 from ..common.reading.entries import Entry as Entry
 from ..common.reading.entries import FileKind, given_entries, read_entries
+from ..linkage.loading import shipped_table
 
 CALL = "build(...)"  # in place of a file's name, of a table or values that a call gives
 MOST_BASES = 20
@@ -39,13 +40,20 @@ PIN_TABLE = FileKind(
 )
 
 
+MODELS = (".urdf", ".sdf", ".xml", ".mjcf")  # names of files that `load` reads
+
+
 def read_table(path: str | os.PathLike[str]) -> Entry:
-    """The table of a YAML file, laid over the one that it names as its ``base``.
+    """The table of a YAML file, or of a shipped press by its name, laid over the one that it names as its ``base``.
 
     Raises:
         PinTableError: the file cannot be read, is no YAML, or has a key twice; with the line.
     """
-    return _with_bases(Path(path_of("path", path)), ())
+    given = path_of("path", path)
+    shipped = None if os.path.exists(given) else shipped_table(given)
+    if shipped is None and given.lower().endswith(MODELS):
+        raise PinTableError(given, None, "", "this is no table of pins", "pp.load(path) and pinpress check read URDF, SDF and MJCF files")
+    return _with_bases(Path(given) if shipped is None else shipped, ())
 
 
 def given_table(values: Mapping[str, Any]) -> Entry:

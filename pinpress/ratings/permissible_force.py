@@ -356,6 +356,11 @@ def refuse_unrated(press: Linkage, loads: object, friction: Mapping[str, Frictio
                 f"friction of {shown(name)}: viscous friction goes with the speed, not with the process force: give at_speed=True"
                 " (--at-speed) too, or leave it out"
             )
+        if given.preload:
+            raise PinpressError(
+                f"friction of {shown(name)}: gibs rub by their preload without a process force: give at_speed=True (--at-speed) too, or"
+                " leave it out"
+            )
 
 
 def refuse_overloaded_idle(rated: RatedStroke) -> None:
@@ -454,7 +459,7 @@ def unit_force_reactions(rated: RatedStroke, motion: Motion, bearings: tuple[str
     inertia forces; ``bearings``: as in `inverse_dynamics`."""
     massless, bottom = rated.massless, rated.bottom_position
     above = 2 * max(float(np.ptp(motion.slide_position)), float(np.abs(motion.slide_position - bottom).max()), massless.size)
-    dry = {name: replace(given, viscous=0.0) for name, given in rated.friction.items()}
+    dry = {name: replace(given, viscous=0.0, preload=0.0) for name, given in rated.friction.items()}
     return inverse_dynamics(massless, motion, [ConstantForce(1.0, above, bottom)], dry, engine=rated.engine, bearings=bearings)
 
 

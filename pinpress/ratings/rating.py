@@ -36,6 +36,7 @@ from .permissible_force import (
 from .speed_limits import PermissibleSpeed, limiting_speed
 
 DWELL = 0.01  # distance from bottom dead centre that counts as dwell, as a share of the stroke
+SAME_STROKE = 1e-9  # share by which rounding may make strokes of the same press differ
 MOST_POINTS = 10**5  # crank angles; more would be a mistake
 ROWS = 16  # rows of the table of forces, besides the heights at which another limit begins to govern
 SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares and whose time for a turn have meaning in floating point
@@ -150,7 +151,13 @@ class PressRatings(Tabular):
         press = reactions._press
         if press.name != self.press_name:
             raise PinpressError(f"the reactions are of {press.name}, the ratings of {self.press_name}: give those of the same press")
-        height = reactions.motion.slide_position - dead_centres(press).bottom_position
+        ends = dead_centres(press)
+        if not abs(ends.stroke - self.stroke) <= SAME_STROKE * self.stroke:
+            raise PinpressError(
+                f"the reactions are of a {press.name} with a stroke of {ends.stroke:.6g} m, the ratings of one with"
+                f" {self.stroke:.6g} m: give those of the same press"
+            )
+        height = reactions.motion.slide_position - ends.bottom_position
         return read_only(reactions.process_force / np.interp(height, self.height[::-1], self.force[::-1]))
 
     @property
@@ -211,7 +218,7 @@ def rate(
         loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, which act beside the process; with ``at_speed``,
             because they stand beside weights and inertia forces.
         friction: friction of bearings and guides, by their names. By default it is that of the process force alone; with ``at_speed``
-            weights, inertia forces and springs cause friction too, and it may be viscous.
+            weights, inertia forces and springs cause friction too, it may be viscous, and gibs preloaded.
         points: number of crank angles, or positions of a driver that slides, in equal steps from top to bottom dead centre, at least 3. The
             nominal height and the heights at which the governing limit changes are added.
         contact_height: height above bottom dead centre at which the tool meets the work [m]; by default the nominal height.

@@ -5,9 +5,10 @@ angle the radial force of every bearing is the length of a vector that is affine
 
     N = A w' + B w^2 + G + sum F L + sum e S
 
-with the efforts e = -(c s + mu r |N| sign s) of friction, where s is the speed of the bearing. The vectors A, B (inertia), G (weight), L
-(loads) and S (friction) are kept as polynomials too. By virtual work friction is the torque sum e ds/dw on the crank, so that w' and all e
-follow together: they are found in turn until they no longer change, as in `FrictionLaw.efforts`.
+with the efforts e = -(c s + mu r |N| sign s) of friction, where s is the speed of the bearing (in a preloaded guide with the preload where
+|N| is smaller). The vectors A, B (inertia), G (weight), L (loads) and S (friction) are kept as polynomials too. By virtual work friction is
+the torque sum e ds/dw on the crank, so that w' and all e follow together: they are found in turn until they no longer change, as in
+`FrictionLaw.efforts`.
 """
 
 from __future__ import annotations
@@ -111,8 +112,10 @@ class BearingModel:
         efforts = viscous
         for _ in range(MOST_ITERATIONS):
             radial = free + efforts @ responses
-            pressing = np.sqrt(self.owners @ (radial * radial))
-            slopes = (self.owners * radial) @ responses.T * (law.arm / np.where(pressing > 0, pressing, 1.0))[:, None]
+            across = np.sqrt(self.owners @ (radial * radial))
+            pressing = np.maximum(across, law.preload)
+            gain = np.where(across > law.preload, law.arm, 0.0)  # of friction by the force; that of a preload stays as it is
+            slopes = (self.owners * radial) @ responses.T * (gain / np.where(across > 0, across, 1.0))[:, None]
             try:
                 step = np.linalg.solve(np.eye(count) - slopes, viscous + law.arm * pressing - efforts)
             except np.linalg.LinAlgError:
@@ -186,7 +189,7 @@ class BearingStates:
         flat = np.broadcast_to(responses, (count, *free.shape)).reshape(count, -1, size)
         for _ in range(MOST_ITERATIONS):
             radial = free + np.einsum("kcm,km->cm", flat, efforts.reshape(count, size)).reshape(free.shape)
-            pressing = np.sqrt(np.tensordot(self.model.owners, radial * radial, axes=1))
+            pressing = np.maximum(np.sqrt(np.tensordot(self.model.owners, radial * radial, axes=1)), law.preload[:, None, None])
             following = viscous + law.arm[:, None, None] * pressing
             before, change, largest = change, np.abs(following - efforts).max(axis=0), np.abs(following).max(axis=0)
             efforts = following
@@ -220,7 +223,7 @@ def build_bearing_model(
             f"the bearing forces of {press.name} grow without bounds at its change point at {at}: simulate it without friction"
         )
     with_friction = np.flatnonzero((law.arm > 0) | (law.viscous > 0))
-    some = FrictionLaw(law.arm[with_friction], law.viscous[with_friction], law.turns[with_friction], law.size)
+    some = FrictionLaw(law.arm[with_friction], law.viscous[with_friction], law.preload[with_friction], law.turns[with_friction], law.size)
     count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
     sampled = resolved_panels(sampling.rows, sampling.missed, reduced.borders, resolution)
     coefficients = sampled.coefficients
@@ -262,7 +265,7 @@ class _Sampling:
 
         def radial(v: float = 0.0, a: Array | float = 0.0, loads: Sequence[AppliedForce] = (), efforts: Array = zero) -> Array:
             state = ClosedStates(states.position, v * states.v, a + 0.0 * states.a, states.basis)
-            return press.engine().bearing_loads(state, loads, efforts, states.v).radial[self.with_friction].transpose(0, 2, 1)
+            return press.engine().bearing_loads(state, loads, efforts, states.v).radial.transpose(0, 2, 1)
 
         weight = radial()
         parts = [
@@ -280,7 +283,10 @@ class _Sampling:
             efforts[bearing] = effort
             parts.append((radial(efforts=efforts) - weight) / effort)
         speed = press.engine().bearing_loads(states, (), zero, states.v).speed[self.with_friction]
-        return np.concatenate([speed, np.array(parts).reshape(-1, len(angles))])
+        every = np.array(parts)
+        # beside the forces of all bearings those of some are rounding, as in the guide of a symmetric press, which no polynomials resolve
+        rubbing = np.where(np.abs(every) > NOTHING * np.abs(every).max(axis=(1, 2), keepdims=True), every, 0.0)[:, self.with_friction]
+        return np.concatenate([speed, rubbing.reshape(-1, len(angles))])
 
     def missed(self, values: Array) -> Array:
         """(p,) what polynomials through values (rows, p, q) on p panels miss, as a share of the speeds and of each part."""

@@ -394,7 +394,8 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
     """The mapping from driver joints to parts that was given as argument ``name``, each part of this kind; empty where none was given."""
     by_joint = {} if given is None else given
     if not isinstance(by_joint, Mapping):
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give {name} as {{joint: {kind.__name__}}}")
+        one_each = ", ".join(f"{joint!r}: ..." for joint in press.drivers)
+        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: give a {kind.__name__} for each, {name}={{{one_each}}}")
     for joint, value in by_joint.items():
         if joint not in press.drivers:
             raise UnknownNameError("driver", joint, press.drivers)

@@ -40,6 +40,7 @@ from ..dynamics.applied_loads import asked
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, doubt_speeds, period_at
 from ..linkage.linkage import Linkage
+from ..loads.caller_laws import AskedLoad, as_given
 from ..loads.link import Load, PointForce, SpringDamper
 from ..loads.process import ForceInterval, ProcessLoad, TimeForce
 
@@ -242,24 +243,18 @@ def _listed(name: str, loads: Any) -> list[Load]:
     return [loads]
 
 
-@dataclass(frozen=True)
-class _Multiplied:
-    """A process load whose force is multiplied by a factor.
+@dataclass(frozen=True, eq=False)
+class _Multiplied(AskedLoad):
+    """A process load whose force is multiplied by a factor; messages call it by the load's own name.
 
     Attributes:
-        load: the process load.
         factor: factor of its force [-].
     """
 
-    load: ProcessLoad
     factor: float
 
-    @property
-    def datum(self) -> float | None:
-        return self.load.datum
-
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
-        return tuple(replace(part, force=partial(_times, self.factor, part.force)) for part in self.load.intervals(downwards))
+        return tuple(replace(part, force=partial(_times, self.factor, part.force)) for part in super().intervals(downwards))
 
 
 def _multiplied(load: Load, factor: float) -> Load:
@@ -267,7 +262,7 @@ def _multiplied(load: Load, factor: float) -> Load:
         law = partial(_times, factor, load.force) if callable(load.force) else factor * numbers("unit_load: force", load.force)
         return replace(load, force=law)
     if isinstance(load, ProcessLoad) and not isinstance(load, type):
-        return _Multiplied(load, factor)
+        return _Multiplied(as_given(load), load.errors if isinstance(load, AskedLoad) else np.geterr(), factor)
     return load  # inverse dynamics refuses it
 
 

@@ -21,9 +21,8 @@ from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
-from ..derivatives.motion import directed, refuse_motion_of_another
-from ..engines.engine import LOOSEST
-from ..kinematics.motion import Motion, motion_through_change_points
+from ..derivatives.motion import directed
+from ..kinematics.motion import Motion, motion_through_change_points, refuse_motion_of_another
 from ..kinematics.slide_path import TurningPoints, turning_points
 from ..linkage.linkage import Linkage
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
@@ -287,12 +286,6 @@ def ends_of(press: Linkage, motion: Motion) -> tuple[int, int]:
         PinpressError: the motion is one of another press, with other joints or lengths, or the press has no slide.
     """
     refuse_motion_of_another(press, motion)
-    open_by = press.engine().gaps(motion.joint_position.T)
-    if not open_by.max() <= LOOSEST * press.size:
-        raise PinpressError(
-            f"the motion leaves the loops of {press.name} open by {open_by.max():.3g} m, so that it is one of other lengths: make it with"
-            " servo_cycle(press, ...)"
-        )
     return int(motion.slide_position.argmin()), int(motion.slide_position.argmax())
 
 

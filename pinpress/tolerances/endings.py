@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import PinpressError
+from ..common.products import product
 from ..common.quantities import Array
 from ..derivatives.motion import Displacements
 from ..engines.engine import ACCEPTED, MOST_NEWTON_STEPS
@@ -105,7 +106,7 @@ def followed_to(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
 def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> Ended:
     """`followed_to` of a piece; ``slopes``: (nv, k) of the joint coordinates."""
     guide, _, sign = shapes.press.slide_guide
-    moved, added = slopes @ deviations, shapes.added(deviations)
+    moved, added = product(slopes, deviations), shapes.added(deviations)
     x = ending.start[:, None] + moved
     with np.errstate(all="ignore"):  # a set that fails shows in its gap
         for _ in range(MOST_NEWTON_STEPS + 1):

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..common import products
 from ..common.quantities import Array, ComplexArray
 from ..derivatives.motion import Displacements, Rates, Shift, States, Tangent, guide_shift, planar, shift
 from ..engines.joints import product
@@ -58,7 +59,7 @@ class PlanarShapes(Shapes):
         return PlanarShapes(press, guide_slopes, plane.tolerance, plane, tuple(shifts), places, slopes)
 
     def added(self, deviations: Array) -> ComplexArray:
-        return np.asarray(self.slopes @ deviations)
+        return products.product(self.slopes, deviations)
 
     def evaluated(self, x: Array, added: ComplexArray) -> Evaluated:
         plane = self.plane

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..common.products import product
 from ..common.quantities import Array
 from ..linkage.linkage import Linkage
 
@@ -46,7 +47,7 @@ class Shapes(ABC):
     def position(self, joint_position: Array, deviations: Array) -> Array:
         """Slide position (n,) at joint coordinates (nv, n) of sets with deviations (k, n) [m]."""
         guide, offset, sign = self.press.slide_guide
-        return np.asarray(sign * (joint_position[guide] + self.guide_slopes @ deviations) + offset)
+        return np.asarray(sign * (joint_position[guide] + product(self.guide_slopes, deviations)) + offset)
 
     @abstractmethod
     def added(self, deviations: Array) -> Any:

@@ -28,7 +28,7 @@ from . import licences
 
 FIELD = re.compile(r"\{\{(\w+)\}\}")
 FILE = re.compile(r"\{\{(\w+\.\w+)\}\}")
-OTHERS = (".csv", ".gif", ".mp4", ".pdf", ".png", ".sdf", ".svg", ".urdf", ".xml", ".yaml", ".yml")  # names of files that are no pages
+PAGES = (".html", ".htm")  # a browser opens no others by a double click
 DIGITS = np.frombuffer(b"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz!#$%&()*+-;<=>?@^_`{|}~", np.uint8)  # of base 85
 NO_MESHCAT = "recordings need Meshcat, which is not installed; pip install 'pinpress[recording]'"
 NO_PLOTLY = "reports need Plotly, which is not installed; pip install 'pinpress[report]'"
@@ -90,10 +90,10 @@ def write(path: str | os.PathLike[str], content: bytes) -> Path:
     """Write a page, and return its path.
 
     Raises:
-        PinpressError: the name is one of other files, a press or a picture, or the file cannot be written.
+        PinpressError: the name does not end in .html, or the file cannot be written.
     """
-    suffix = Path(path).suffix.lower() if isinstance(path, str | os.PathLike) else ""  # anything else is refused below
-    if suffix in OTHERS:
+    suffix = Path(path).suffix.lower() if isinstance(path, str | os.PathLike) else ".html"  # anything else is refused below
+    if suffix not in PAGES:
         then = {".pdf": ", and print that page", ".png": ", and take a picture of that page"}.get(suffix, "")
         raise PinpressError(f"{path} would be a web page: end its name in .html{then}")
     return files.write(path, content)

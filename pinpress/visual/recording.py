@@ -28,7 +28,7 @@ from ..dynamics.applied_loads import turning_points
 from ..dynamics.inverse_dynamics import Reactions
 from ..engines.branch import predict
 from ..engines.joints import configuration
-from ..kinematics.motion import Motion, Poses, bearing_points, poses
+from ..kinematics.motion import Motion, Poses, bearing_points, poses, refuse_motion_of_another, refuse_other_joints
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
 from .pages import meshcat, packed, page, write
@@ -241,14 +241,14 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     """Choose key frames. A motion of one period is closed to a loop; a long one is thinned to `PER_TURN` a turn of the crank.
 
     Raises:
-        PinpressError: the motion is of a linkage with other joints, has no times, states too far apart or more turns than a page holds, or
-            a value is not finite.
+        PinpressError: the motion is of a linkage with other joints or lengths, has no times, states too far apart or more turns than a page
+            holds, or a value is not finite.
     """
     expect("press", press, Linkage, "load")
     expect("motion", motion, Motion, "cycle or simulate")
-    if motion.joints != press.joints or motion.drivers != press.drivers:
-        raise PinpressError(f"the motion is of {motion.linkage} with other joints than {press.name}: make it with cycle(press, ...)")
+    refuse_other_joints(press, motion)
     _refuse_broken(motion, press.slide is not None)
+    refuse_motion_of_another(press, motion)
     time = motion.time - motion.time[0]
     crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
     period = _period(press, motion)

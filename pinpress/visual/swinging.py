@@ -37,6 +37,7 @@ SWINGS = 20  # in a turn
 STANDING = 4  # where the crank stands
 PAUSE = 1.0  # between modes in the time of the page, which does not show it [s]
 MOST = 12  # modes of a page
+TURNED = 0.25  # a turn counts as the displacement this far from the centre of mass, as a share of the linkage's size
 BESIDE = 0.02  # share of the distance of two bearings by which nodes lie beside the line that is drawn
 
 
@@ -129,7 +130,8 @@ class _Swinging(NamedTuple):
         same = np.where((both[1:] * both[:-1]).sum(axis=1) < 0, -1.0, 1.0)
         sign = np.cumprod(np.append(1.0, same))
         bent = [np.abs(bending[:, _own(self.sprung, link)] @ link.shapes.T) for link in self.sprung.flexible]
-        largest = max(float(np.abs(shape[..., :2]).max()), *(float(each.max(initial=0.0)) for each in bent), 1e-300)
+        turned = TURNED * self.press.size * float(np.abs(shape[..., 2]).max())  # all that a link does that turns about its centre of mass
+        largest = max(float(np.abs(shape[..., :2]).max()), turned, *(float(each.max(initial=0.0)) for each in bent))
         swing = np.sin(2 * np.pi * np.arange(len(self.state)) / SWING)
         factor = (SEEN * self.press.size / largest * swing * sign[self.state])[:, None]
         moved = factor[:, :, None] * shape[self.state]

@@ -133,6 +133,7 @@ def test_what_is_set_anew_is_the_optimum_of_each_condition(plain, region, criter
     anew = pp.balancing.balance(plain, cases, regions=[region], minimise=criterion)
     alone = [pp.balancing.balance(plain, [case], regions=[region], minimise=criterion).value for case in cases]
     assert anew.value == pytest.approx(max(alone), rel=1e-7)
+    np.testing.assert_allclose([each.after for each in anew.changes if each.criterion == criterion], alone, rtol=1e-6)
     compromise = pp.balancing.compare_conditions(plain, cases, regions=[region], minimise=criterion)
     assert (compromise.names[0], *compromise.names[-2:]) == ("none", "compromise", "set anew")
     np.testing.assert_allclose(compromise.values[1:4].diagonal(), alone, rtol=1e-7)

@@ -121,12 +121,45 @@ def test_dies_are_conditions(capsys: pytest.CaptureFixture[str], tmp_path: Path)
     text = printed(capsys, *words, "--speed", 300, "--out", tmp_path, "--report")
     assert "condition 0: die of 100 kg, 300 r/min of joint O, 72 states\n  condition 1: die of 400 kg, 300 r/min" in text
     first, second = (float(read(tmp_path / f"counterweights_{k}.csv")["mass [kg]"][0]) for k in range(2))
-    assert second - first == pytest.approx(300 * 15 / 29.7, abs=0.6)  # the worst of both counts: the lighter die's may be a little off
+    assert second - first == pytest.approx(300 * 15 / 29.7, abs=0.02)  # of equal ratios exactly
     assert "die           100 kg" in text
     press = pp.load(tmp_path / "balanced.urdf")
     assert press.model.inertias[press.model.getJointId("slide_guide")].mass == 2200.0
     text = printed(capsys, *words, "--speed", 300, "--speed", 200)
     assert "condition 3: die of 400 kg (3), 200 r/min" in text
+
+
+def test_settings_are_conditions(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """Strokes of a shipped press by the radius of its cranks: another mass of both blocks, in proportion, and none at its own radius."""
+    words: list[object] = ["eccentric_blocks", "--speed", 300, "--points", 72]
+    words += ["--minimise", "range:shaking_force:z", "--limit", "range:shaking_force:x=1"]
+    for side in ("left", "right"):
+        words += ["--region", f"crank_{side}:at=-150mm/0/0,least=-100,most=100,reset=mass"]
+    text = printed(capsys, *words, "--setting", "r=10", "--setting", "r=15", "--setting", "r=20", "--out", tmp_path)
+    assert "condition 0: r=10, 300 r/min of joint O_left, 72 states\n  condition 1: r=15, 300" in text
+    assert "setting       r=20" in text
+    for number, radius in ((0, 10), (2, 20)):
+        masses = np.array(read(tmp_path / f"counterweights_{number}.csv")["mass [kg]"], float)
+        np.testing.assert_allclose(masses, 232.974 / 2 * (radius / 15 - 1), atol=0.05)
+    assert len((tmp_path / "counterweights_1.csv").read_text(encoding="utf-8").splitlines()) == 1
+    text = printed(capsys, *words, "--setting", "r=10", "--setting", "r=15", "--die", 0, "--die", "400kg")
+    assert "condition 3: r=15, die of 400 kg, 300 r/min" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["eccentric_blocks", "--setting", "q=3"], "no parameter q"),
+        (["eccentric_blocks", "--setting", "r"], "write NAME=VALUE"),
+        (["eccentric_blocks", "--setting", "r=10,r=12"], "r is given twice"),
+        (["missing.urdf", "--setting", "r=10"], "missing.urdf"),
+        (["eccentric_blocks", "--setting", "r=10mm"], "--setting r=10mm"),
+    ],
+)
+def test_settings_that_are_none(capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
+    asked = ["--speed", "60", "--region", "crank_left:at=-0.1/0/0", "--minimise", "range:shaking_force:z"]
+    assert main(["balance", *words, *asked]) == 2
+    assert said in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("words", "said"), [(["--die", -5], "not negative"), (["--die", "5mm"], "kg")])

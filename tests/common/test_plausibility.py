@@ -266,6 +266,14 @@ HARDLY_MEANT = {
         "DeepDrawing: its largest force is 3000 N, 4.3 % of the weight of the slide: if kN are meant",
     ),
     "kN, a table": (pp.loads.ForceStroke([0.0, 0.01], [0.0, 2000.0]), "ForceStroke: its largest force is 2000 N, 2.9 % of the weight"),
+    "a damper in mm": (
+        pp.loads.ImpactDamper([-3.0, 2.5], [1e6, 1e6]),
+        "ImpactDamper acts up to 2.5 m above its datum, and the slide's stroke ends at 0.301261 m",
+    ),
+    "a cushion that is never met": (
+        pp.loads.PneumaticCushion(0.25, 6e5, 0.06, -0.08),
+        "PneumaticCushion acts from -inf to -0.08 m above its datum, nowhere on the slide's stroke",
+    ),
     "begins above the stroke": (
         pp.loads.DeepDrawing(3e6, 0.5),
         "DeepDrawing begins at 0.5 m above its datum, and the slide's stroke ends at 0.30",
@@ -301,6 +309,69 @@ def test_points_in_mm_are_warned_of(press, load, said):
         with pytest.warns(pp.PinpressWarning, match=said) as caught:
             ask()
         assert {warning.filename for warning in caught} == {__file__}
+
+
+ODD_PARTS = {
+    "piston": (lambda: pp.loads.orifice_coefficient(160.0, 12.0), "orifice_coefficient: piston is 160 m: if mm are meant, write 160e-3"),
+    "rate": (
+        lambda: pp.loads.RateSensitiveBlanking(6e5, 0.004, 0.002, 0.05, reference_speed=1.0),
+        "reference_speed is 1 m/s: if mm/s are meant, write 1e-3",
+    ),
+    "minutes": (
+        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, rated_rise=80.0, thermal_time=45.0),
+        "InductionMotor: thermal_time is 45 s: if minutes are meant, write 45 * 60",
+    ),
+    "minutes of a servo": (
+        lambda: pp.drives.ServoMotor([0.0, 1.0], [0.0, 1.0], 1e4, 1e2, 1e3, thermal_time=30.0),
+        "ServoMotor: thermal_time is 30 s: if minutes are meant, write 30 * 60",
+    ),
+    "crank": (
+        lambda: pp.balancing.classical.with_opposed_balancer(texts.shipped("jf75g_125_plain"), 29.7),
+        "with_opposed_balancer: crank_radius is 29.7 m, beside a linkage of 0.315 m: give it in m, 29.7e-3 if mm are meant",
+    ),
+    "shafts": (
+        lambda: pp.balancing.classical.with_balance_shafts(texts.shipped("jf75g_125_plain"), radius=0.15, shaft_distance=800.0),
+        "with_balance_shafts: shaft_distance is 800 m",
+    ),
+    "halves": (
+        lambda: pp.balancing.classical.mirrored(texts.shipped("jf75g_125_plain"), 500.0),
+        "mirrored: shaft_distance is 500 m",
+    ),
+    "friction": (
+        lambda: rubbing_guide(800.0 / 10),
+        "friction of 'slide_guide': its preload is 80 N: if kN are meant, write 80e3",
+    ),
+    "guide": (
+        lambda: guide_of((450.0, 300.0), (0.0, 0.0, 0.0)),
+        "GuideSurface 'left front x': point is 450 m from its link's origin, far off a linkage of 0.315 m",
+    ),
+    "offset": (
+        lambda: guide_of((0.45, 0.3), (50.0, 30.0, 0.0)),
+        "guide_contact: offset is 50 m from its link's origin, far off a linkage of 0.315 m",
+    ),
+}
+
+
+def rubbing_guide(preload):
+    press = texts.shipped("crank_slide")
+    friction = {"slide_guide": pp.loads.Friction(0.1, preload=preload)}
+    return pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12), friction=friction)
+
+
+def guide_of(facing_x, offset):
+    press = texts.shipped("jf75g_125_plain")
+    surfaces = pp.elasticity.eight_way_guide(facing_x=facing_x, facing_y=(0.4, 0.35), length=0.6, width=0.08, stiffness=2e9, preload=1e5)
+    reactions = pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12))
+    return pp.elasticity.guide_contact(press, reactions, surfaces, offset=offset)
+
+
+@pytest.mark.parametrize("name", ODD_PARTS)
+def test_parts_in_other_units_are_warned_of(name):
+    make, said = ODD_PARTS[name]
+    with pytest.warns(pp.PinpressWarning, match=re.escape(said)) as caught:
+        make()
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
 
 
 @examples(10)

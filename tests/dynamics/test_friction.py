@@ -3,6 +3,7 @@ and against itself: the torque mu r F of the bearing forces that are returned.
 """
 
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -112,7 +113,7 @@ def lawful(press, result, friction, rest=1e-9):
         across = np.linalg.norm(np.cross(result.bearing_force[name], turning.axis[k]), axis=1)
         sign = np.where(np.abs(speed) <= rest * np.abs(speed).max(), 0.0, np.sign(speed))
         arm = rubbing.coefficient * (1.0 if rubbing.radius is None else rubbing.radius)
-        expected[name] = -(rubbing.viscous * speed + arm * across * sign)
+        expected[name] = -(rubbing.viscous * speed + arm * np.maximum(across, rubbing.preload) * sign)
     return expected
 
 
@@ -172,6 +173,24 @@ def test_hand_script(name, rubs, engine):
             assert np.abs(force[:, 0] + 1j * force[:, 2] - expected[bearing]).max() <= 1e-12 * peak, bearing
     for bearing in ("torque", *press.bearings):
         assert np.abs(rubbing[bearing] - smooth[bearing]).max() > 1e-3 * np.abs(smooth[bearing]).max(), bearing
+
+
+@pytest.mark.parametrize(("name", "preload"), [("crank_slide", 4e4), ("zxn2_3000b", 1.2e5)])
+def test_preloaded_gibs_by_hand(name, preload, engine):
+    """In some states the preload rubs, in others the force across the guide: 1e-12 of the peaks, and every law."""
+    press, friction, without, _ = by_hand(name)
+    moved = getattr(friction_script, name)(ANGLE, SERVO["speed"], SERVO["acceleration"])
+    friction = friction | {"slide_guide": replace(friction["slide_guide"], preload=preload)}
+    coulomb = {bearing: each.coefficient * (each.radius or 1.0) for bearing, each in friction.items()}
+    viscous = {bearing: each.viscous for bearing, each in friction.items()}
+    expected = friction_script.solve(moved, LIFT, coulomb, viscous, preload)
+    loads = [pp.loads.PointForce("slide", np.outer(LIFT, UP))]
+    result = pp.inverse_dynamics(press, pp.servo_cycle(press, **SERVO, engine=engine), loads, friction=friction, engine=engine)
+    peak = np.abs(expected["torque"]).max()
+    assert np.abs(result.driving_torque - expected["torque"]).max() <= 1e-12 * peak
+    assert np.abs(expected["torque"] - without["torque"]).max() > 1e-3 * peak
+    assert 3 < (np.abs(expected["slide_guide"]) > preload).sum() < len(ANGLE) - 3
+    check(press, result, friction, loads)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- closed forms

@@ -40,7 +40,7 @@ class OfCallers:
         ),
         (pp.loads.PointForce("rod", (0.0, 0.0, 5.0)), "PointForce(link=rod, force=(0, 0, 5) N, point=(0, 0, 0) mm)"),
         (pp.loads.TimeForce(steady), "TimeForce(force=steady, edges=())"),
-        (pp.loads.Friction(0.08, 0.06), "Friction(coefficient=0.08, radius=60 mm, viscous=0)"),
+        (pp.loads.Friction(0.08, 0.06), "Friction(coefficient=0.08, radius=60 mm, viscous=0, preload=0 N)"),
         (pp.drives.Flywheel(2000.0, 70 * pp.RPM), "Flywheel(inertia=2000 kg m2, speed=70 r/min)"),
         (
             pp.drives.Geared(pp.drives.ConstantTorque(567.0), 20.7),

@@ -154,6 +154,17 @@ def test_displaced_pins_of_the_six_bar():
     np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), 2.0, atol=0.1)
 
 
+def test_rod_between_pins_in_different_planes():
+    """A rod that also leads across the plane yields along its line in the plane, which alone carries."""
+    text = texts.shipped("crank_slide").text.decode()
+    ends = '<link1 link="rod" xyz="0.400 0 0" rpy="0 0 0"/><link2 link="slide" xyz="0 0 0" rpy="0 0 0"/>'
+    assert text.count(ends) == 1
+    askew = texts.load(text.replace(ends, ends.replace("0.400 0 0", "0.400 0.3 0").replace('slide" xyz="0 0 0', 'slide" xyz="0 0.3 0')))
+    stiffness = Stiffness({"P": 1e9}, {}, [Rod("rod", ("P", "W"), 7e8)])
+    straight, found = (compliance(press, stiffness, angle=ANGLES) for press in (texts.shipped("crank_slide"), askew))
+    np.testing.assert_allclose(found.compliance, straight.compliance, rtol=1e-12)
+
+
 def test_two_shafts_are_twice_as_stiff():
     one, two = texts.shipped("jf75g_125_plain"), texts.shipped("jf75g_125_symmetric")
     single = compliance(one, Stiffness({"O": 2e9, "P2": 1e9, "P4": 3e9}, {}, [Rod("main_rod", ("P2", "P4"), 7e8)]), angle=ANGLES)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 from support import texts
 from support.exploring import examples
 from support.generators import random_linkages
@@ -203,3 +204,40 @@ def test_a_linkage_that_locks_is_not_walked_again(monkeypatch):
     assert all(found.locks)
     monkeypatch.setattr(assembly, "followed", lambda *given, **more: pytest.fail("walked again"))
     assert press.branch_through_change_points is found
+
+
+def pushed_parallelogram():
+    """A nut that slides up and down pushes the crank of a parallelogram of 0.3 and 0.8 m by a slot across; drawn at 0.5 rad."""
+    arm = 0.3 * np.exp(0.5j)
+    drawing = random_linkages.Drawing("pushed_parallelogram")
+    drawing.joint("nut", "frame", "nut", -0.4 + 1j * arm.imag, along=1j)
+    drawing.joint("slot", "nut", "block", arm, along=1 + 0j)
+    drawing.joint("O", "frame", "crank", 0j)
+    drawing.joint("B", "crank", "coupler", arm)
+    drawing.joint("D", "frame", "rocker", 0.8 + 0j)
+    drawing.loop("N", "block", "crank", arm)
+    drawing.loop("C", "coupler", "rocker", 0.8 + arm)
+    for link, centre in (("nut", -0.4 + 0.1j), ("block", arm), ("crank", 0.5 * arm), ("coupler", arm + 0.3), ("rocker", 0.8 + 0.4 * arm)):
+        drawing.body(link, 3.0, centre)
+    text, travel = drawing.urdf("nut"), 'lower="-50" upper="50"'
+    return texts.load(text.replace(travel, 'lower="-0.25" upper="0.12"', 1), slide="nut")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_driver_that_slides_through_a_change_point(method):
+    """Where all pins are in one line, 144 mm below the drawn pose: the equation of motion in closed form, by SciPy."""
+    drawn = 0.3 * np.sin(0.5)
+    turning = 3.0 * 0.3**2 * (1 + 0.5**2 + 1 + 0.4**2) + 2 * 3.0 * 0.01  # of block, crank, coupler and rocker at the crank's angle
+    weight = 9.81 * 3.0 * (1 + 1 + 0.5 + 1 + 0.4)
+
+    def rates(_, state):
+        height, speed = drawn + state[0], state[1]
+        across = 0.3**2 - height**2
+        return speed, (60.0 - weight - turning * height / across**2 * speed**2) / (3.0 + turning / across)
+
+    expected = solve_ivp(rates, (0.0, 0.25), [0.1, -0.5], method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    assert expected[0] < -0.19
+    press = pushed_parallelogram()
+    run = pp.simulate(press, 0.25, angle=0.1, speed=-0.5, drive=pp.drives.ConstantTorque(60.0), method=method)
+    assert len(press.branch_through_change_points.change_points) == 1
+    np.testing.assert_allclose([run.crank_angle[-1], run.crank_speed[-1]], expected, rtol=0, atol=1e-9)

@@ -467,6 +467,27 @@ print(*sys.modules)
     assert {"pinpress.simulation.simulate", "pinpress.visual.recording"} <= after
 
 
+@pytest.mark.exhaustive
+def test_runs_and_ratings_import_no_scipy():
+    """Its import takes several times as long as a run over the crank angle, which needs none of it."""
+    code = """
+import sys
+import pinpress as pp
+press = pp.load("zxn2_3000b")
+motor = pp.drives.Geared(pp.drives.InductionMotor(75e3, 980 * pp.RPM, frequency=50.0, poles=6), 14.0)
+given = dict(drive=motor, flywheel=pp.drives.Flywheel(2000.0), loads=[pp.loads.Blanking(1e6, 0.006, 0.003)])
+run = pp.simulate(press, 2.0, speed=7.0, **given)
+pp.measures.duty_cycle(run).utilisation, pp.measures.motor_energy(run)
+pp.simulate_batch(press, 0.5, speed=[6.0, 7.0], **given)
+pp.steady_state(press, 7.0, **given)
+pp.ratings.rate(press, 7.0, pp.ratings.Capacities(3000e3, nominal_height=0.013, bearings={"A": 1.5e6}))
+pp.sweeps.operating_points(press, speeds=[5.0, 6.0], forces=[1e5, 1e6], unit_load=pp.loads.ConstantForce(1.0, 0.01))
+print(*(name for name in sys.modules if name.split(".")[0] == "scipy"))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
 def test_components_of_all_states_are_next_to_each_other(six_bar, turn, engine):
     found = pp.inverse_dynamics(six_bar, turn, engine=engine)
     for vectors in (*found.bearing_force.values(), *found.bearing_moment.values()):

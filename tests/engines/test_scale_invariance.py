@@ -116,7 +116,7 @@ DIMENSIONS: dict[type, dict[str, tuple[int, int, int] | None]] = {
         "datum": LENGTH,
     },
     pp.loads.TimeForce: {"force": FORCE, "edges": TIME},
-    link.Friction: {"coefficient": PLAIN, "radius": LENGTH, "viscous": (2, 1, -1)},
+    link.Friction: {"coefficient": PLAIN, "radius": LENGTH, "viscous": (2, 1, -1), "preload": FORCE},
     pp.drives.Flywheel: {"inertia": INERTIA, "speed": RATE},
     pp.drives.Corner: {"speed": RATE, "jump": PLAIN},
     pp.drives.PrescribedSpeed: {"speed": RATE},

@@ -121,7 +121,7 @@ def test_drives_and_flywheels(legs):
     ("arguments", "message"),
     [
         ({"method": "reduced"}, "method='constraint' simulates it"),
-        ({"drive": pp.drives.ConstantTorque(1.0)}, r"give drive as \{joint: Drive\}"),
+        ({"drive": pp.drives.ConstantTorque(1.0)}, "give a Drive for each, drive={'left-roll-op': "),
         ({"drive": {"elbow": pp.drives.ConstantTorque(1.0)}}, "no driver 'elbow'"),
         ({"drive": {"left-roll-op": 5.0}}, "drive of 'left-roll-op' is 5.0"),
         ({"drive": {"left-roll-op": pp.drives.ServoMotor([0, 1], [0, 1], 1.0, 1.0, 1.0)}}, "torque depends on speed alone"),

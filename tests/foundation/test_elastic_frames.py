@@ -115,7 +115,11 @@ def test_two_supports_on_a_line_do_not_hold_a_beam():
 
 
 def test_sections_of_boxes():
-    """A solid square has 0.1406 a^4 against twisting; a hollow one the moments of the outer box less those of the inner one."""
+    """A solid square has 0.1406 a^4 against twisting, one twice as wide 0.229 b a^3 (Timoshenko, Theory of Elasticity, 109), either way
+    round; a hollow one the moments of the outer box less those of the inner one."""
+    for width, height in ((0.4, 0.2), (0.2, 0.4)):
+        flat = foundation.FrameBeam("a", "b", width, height, (1, 0, 0))
+        assert flat.torsion_constant == pytest.approx(0.229 * 0.4 * 0.2**3, rel=2e-3)
     solid = foundation.FrameBeam("a", "b", 0.2, 0.2, (1, 0, 0))
     assert solid.torsion_constant == pytest.approx(0.1406 * 0.2**4, rel=3e-3)
     hollow = foundation.FrameBeam("a", "b", 0.3, 0.2, (1, 0, 0), wall=0.01)

@@ -116,8 +116,7 @@ Least transmission angles (between the two links of a dyad; best at 90 deg, at 0
   F   E, slide_guide          43.29         155.50
 
 note: 2 equations are redundant across the plane of the linkage, as in any with parallel pins
-    redundant equations say again what others say; what bearings carry across the plane is shared by least squares:
-    reactions.indeterminate marks it"""
+    nothing is wrong; what bearings carry across the plane is shared by least squares: reactions.indeterminate marks it"""
     )
 
 
@@ -130,6 +129,56 @@ def test_main_data_of_a_press():
     assert data.drawn_height == pytest.approx(motion.slide_position[0] - motion.slide_position.min(), abs=1e-6)
     assert data.forward_share == pytest.approx(np.mean(motion.slide_velocity < 0), abs=2e-4)
     assert sense_of_rotation(press, -1.0) == "clockwise"
+
+
+TOGGLE = """\
+units: mm
+frame: O T
+pins: {O: [-620, 310], T: [0, 900], A: {from: O, length: r, angle: 0}, K: {A: 600, T: 420, side: right}, W: {K: 450, x: 0, side: down}}
+links:
+  crank: {pins: O A, mass: 55}
+  pitman: {pins: A K, mass: 79}
+  upper: {pins: T K, mass: 98}
+  lower: {pins: K W, mass: 103}
+  slide: {pins: W, guide: up, mass: 850}
+drive: O
+parameters: {r: 110}
+"""
+
+
+def test_a_toggle_that_passes_its_straight_position_is_noted(tmp_path):
+    """Straight it is 870 mm long, twice in a turn; between them the slide rises. With a crank of 40 mm it turns back twice alone."""
+    (tmp_path / "toggle.yaml").write_text(TOGGLE, encoding="utf-8")
+    press = pp.build(tmp_path / "toggle.yaml")
+    pp.write_urdf(press, tmp_path / "toggle.urdf")
+    (note,) = (note for note in pp.check(tmp_path / "toggle.urdf").notes if "turns back" in note.problem)
+    turn = pp.cycle(press, 1.0, points=3600)
+    speed, height = turn.slide_velocity, 1e3 * (turn.slide_position - (0.900 - 0.420 - 0.450))
+    before = np.flatnonzero(np.sign(speed) != np.sign(np.roll(speed, -1)))
+    assert len(before) == 4
+    middle, _, _, second = before  # the dead centres are the bottom after the drawn pose, and the top
+    places = [(k + speed[k] / (speed[k] - speed[k + 1])) / 10 for k in (middle, second)]
+    assert note.problem == (
+        f"the slide turns back 4 times in a turn of O, besides its dead centres at {places[0]:.2f} deg {height[middle]:.3f} mm,"
+        f" at {places[1]:.2f} deg {height[second]:.3f} mm above the bottom"
+    )
+    pp.write_urdf(pp.build(tmp_path / "toggle.yaml", r=40), tmp_path / "short.urdf")
+    assert not [note for note in pp.check(tmp_path / "short.urdf").notes if "turns back" in note.problem]
+
+
+def test_each_of_several_drivers_has_its_own_sense(check):
+    """The axis of the right motor is turned over: it points away from the reader, and the drawn pose stays what it is."""
+    five_bar = (URDF.parent / "docs" / "examples" / "five_bar.urdf").read_text(encoding="utf-8")
+    right, turned = (f'rpy="0 -0.9416 0"/><axis xyz="0 {y} 0"/>' for y in (-1, 1))
+    assert right in five_bar
+    report = check(five_bar.replace(right, turned))
+    assert report.facts.data.rotation == ("counter-clockwise", "clockwise")
+    assert [line.split()[:2] for line in str(report).splitlines() if "a positive speed" in line] == [
+        ["driver", "motor_left"],
+        ["driver", "motor_right"],
+    ]
+    (why,) = (note.problem for note in report.notes if "engine" in note.problem)
+    assert why == "engine 'space' computes it, not 'plane': there are 2 drivers"
 
 
 def test_gear_pairs_stand_below_the_joint_that_follows(check):
@@ -221,7 +270,7 @@ def test_a_weld_is_held_in_the_plane_too(check):
     report = check(four_bar("fixed"))
     assert redundancies(report) == ["3 equations are redundant across the plane of the linkage, as in any with parallel pins"]
     assert [finding.problem for finding in report.notes if "engine" in finding.problem] == [
-        "engine 'pinocchio' computes it, one configuration at a time: loop 'W' is a weld"
+        "engine 'space' computes it, not 'plane': loop 'W' is a weld"
     ]
     assert report.facts.engine == "space"
 

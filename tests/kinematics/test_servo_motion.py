@@ -662,3 +662,20 @@ def test_any_heights_are_found_again(name, parts, down):
     motion = pp.servo_cycle(press, height=above, flank="down" if down else "up", time=np.arange(len(parts)) / 10)
     np.testing.assert_allclose(motion.slide_position - ends.bottom_position, above, atol=1.01e-9 * ends.stroke)
     assert np.all(np.diff(motion.crank_angle) * (-1 if down else 1) > -1e-7)
+
+
+def test_two_drivers_over_a_period():
+    """Each angle is derived by itself: sines of different orders, to rounding."""
+    time, once = np.arange(48) / 24.0, np.pi  # two seconds
+    angle = np.stack([0.3 * np.sin(once * time), 0.2 * np.cos(2 * once * time) - 0.2], axis=1)
+    moved = pp.servo_cycle(two_cranks(), angle, time=time, period=2.0)
+    speed = np.stack([0.3 * once * np.cos(once * time), -0.4 * once * np.sin(2 * once * time)], axis=1)
+    slope = np.stack([-0.3 * once**2 * np.sin(once * time), -0.8 * once**2 * np.cos(2 * once * time)], axis=1)
+    np.testing.assert_allclose(moved.crank_speed, speed, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(moved.crank_acceleration, slope, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("shape", [(5, 3), (5,), (5, 1), (0, 2), (5, 2, 1), ()])
+def test_angles_of_two_drivers_have_two_columns(shape):
+    with pytest.raises(pp.PinpressError, match=re.escape(f"angle has shape {shape}: give (n, 2), the angles of all drivers [rad]")):
+        pp.servo_cycle(two_cranks(), np.zeros(shape), speed=0.0, acceleration=0.0)

@@ -116,6 +116,14 @@ def test_text_of_a_urdf_is_no_path():
         pp.load('<robot name="mine"><link name="frame"/></robot>')
 
 
+@pytest.mark.parametrize("call", [pp.load, lambda file: pp.check(file).errors[0].error])
+def test_a_table_of_pins_is_no_urdf(tmp_path, call):
+    file = tmp_path / "press.yaml"
+    file.write_text("units: mm", encoding="utf-8")
+    with pytest.raises(pp.UrdfError, match=r"press.yaml: this is a table of pins, not a URDF; make a press of it by pp.build\(path\)"):
+        raise call(file)
+
+
 def test_path_object_is_reported_as_text(tmp_path):
     with pytest.raises(pp.UrdfError) as caught:
         pp.load(tmp_path)
@@ -532,6 +540,32 @@ def test_motion_of_another_lengths(tmp_path, motion, engine, edit):
         pp.inverse_dynamics(other, motion, engine=engine)
     assert caught.value.gap == pytest.approx(0.01, rel=1e-6)
     assert np.abs(motion.crank_angle - caught.value.crank_angle % (2 * np.pi)).min() < 1e-9
+
+
+GUIDE = pp.elasticity.eight_way_guide(facing_x=(0.1, 0.1), facing_y=(0.1, 0.1), length=0.3, width=0.05, stiffness=1e9)
+
+
+@pytest.mark.parametrize(
+    "take",
+    [
+        pp.measures.bearing_positions,
+        pp.measures.transmission_angle_curves,
+        lambda press, motion: pp.derivatives.motion_derivatives(press, motion, [{("W", "rod"): (1.0, 0.0, 0.0)}]),
+        lambda press, motion: pp.record(press, motion, "never.html"),
+        lambda press, motion: pp.visual_model(press, motion),
+        lambda press, motion: pp.measured.plan(press, {"turning": motion}, noise=1.0),
+        lambda press, motion: pp.elasticity.guide_contact(press, pp.inverse_dynamics(pp.load("crank_slide"), motion), GUIDE),
+    ],
+    ids=["bearing_positions", "transmission_angle_curves", "motion_derivatives", "record", "visual_model", "plan", "guide_contact"],
+)
+def test_motion_of_another_lengths_is_not_read(tmp_path, motion, take):
+    """What is read off a motion alone would be of no press."""
+    with pytest.warns(pp.PinpressWarning, match="W.*it is 10 mm apart as drawn"):
+        other = pp.load(written(tmp_path, edited((ROD_END, ROD_END.replace("0.400", "0.390")))))
+    with pytest.raises(pp.PinpressError, match=r"leaves the loops of crank_slide open by 0\.01 m at crank angle .* of other lengths"):
+        take(other, motion)
+    take_again = pp.measures.bearing_positions(pp.load("crank_slide"), motion)  # the same press, loaded once more, may take it
+    assert len(take_again) == 4
 
 
 # Files written

@@ -303,6 +303,17 @@ def test_a_weld_of_an_mjcf_is_a_fixed_loop_in_the_drawn_pose(tmp_path):
     assert np.abs(press.drawn_gaps).max() < 1e-15
 
 
+@pytest.mark.parametrize("by_sites", [False, True])
+def test_a_weld_of_an_mjcf_that_holds_no_turning_is_a_ball(tmp_path, by_sites):
+    """MuJoCo: with torquescale="0" a weld behaves like a connect constraint."""
+    ends = 'site1="one" site2="two"' if by_sites else 'body1="pin" body2="left" anchor="0.1 0.2 0.3"'
+    text = WELDED.format(f'<weld name="W" {ends} torquescale="0"/>')
+    for body, site in (("pin", '<site name="one" pos="0.1 0 0" euler="1 2 3"/>'), ("left", '<site name="two" pos="0.5 0 0.4"/>')):
+        text = re.sub(rf'(<body name="{body}"[^>]*>)', rf"\1{site}", text)
+    described = reader.describe(document_of(written(tmp_path, "welded.xml", text)))
+    assert [loop.type for loop in described.loops] == ["spherical"]
+
+
 def test_joint_equalities_of_an_mjcf_are_gear_pairs_about_the_drawn_pose(tmp_path):
     pairs = '<joint joint1="B" joint2="A" polycoef="0 -2 0 0 0"/><joint joint1="B" joint2="D" polycoef="0.1 4 0 0 0"/>'
     file = written(tmp_path, "geared.xml", WELDED.format(pairs))

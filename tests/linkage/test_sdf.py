@@ -123,6 +123,17 @@ def test_the_model_stands_in_the_world_where_it_is_posed(file):
     assert press.root == "world"
 
 
+def test_the_pose_of_a_model_is_that_of_its_placement_frame(file):
+    """The slide, which the file draws at x = 0.2 of the model, stands where the model's pose is, a quarter turn about z."""
+    named = ('<model name="slider">', '<model name="slider" placement_frame="slide">')
+    press = assembled(document_of(file(pose="<pose>1 2 3 0 0 1.5708</pose>", edit=named)), "O", None)
+    model, data = press.model, press.model.createData()
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    place = data.oMf[model.getFrameId("slide", pin.BODY)]
+    np.testing.assert_allclose(place.translation, [1, 2, 3], atol=1e-14)
+    np.testing.assert_allclose(place.rotation, [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-14)
+
+
 @pytest.mark.parametrize(
     ("word", "quarter"), [("1.5708", True), ("-3.14159", True), ("1.571", False), ("1.5709", False), ("1.570796", True)]
 )
@@ -206,6 +217,11 @@ REFUSED = {
     "no such link": ({"edit": ("<child>rod</child>", "<child>rot</child>")}, "no frame 'rot', did you mean 'rod'|no link 'rot'"),
     "pose in circles": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose relative_to="slide">0 0 0 0 0 0</pose>')}, "relative to itself"),
     "pose in nothing": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose relative_to="x">0 0 0 0 0 0</pose>')}, "no frame 'x'"),
+    "model in a frame": ({"pose": '<pose relative_to="table">0 0 1 0 0 0</pose>'}, "the pose of the model is relative to 'table'"),
+    "placed by the world": (
+        {"edit": ('<model name="slider">', '<model name="slider" placement_frame="w">'), "more": '<frame name="w" attached_to="world"/>'},
+        ":2: <model name=.slider.>: its placement_frame 'w' stands in the world",
+    ),
     "frame of 1.6": ({"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose frame="rod">0 0 0 0 0 0</pose>')}, "frame=... of SDF 1.5 and 1.6"),
     "include": ({"more": "<include><uri>model://x</uri></include>"}, ":21: <include> of <model name=.slider.>: <include> in a <model>"),
     "nested model": ({"more": '<model name="inner"/>'}, ':21: <model name="inner">: <model> in a <model> cannot be read'),

@@ -5,6 +5,7 @@ import dataclasses
 import math
 import re
 import warnings
+from typing import Any
 
 import numpy as np
 import pytest
@@ -386,6 +387,53 @@ def test_a_load_that_answers_what_is_no_force(press, motion, what):
     for answer in (None, "much", 1j, 10**5000, math.nan, np.ones(7)):
         with pytest.raises(pp.PinpressError, match=what):
             pp.inverse_dynamics(press, motion, KINDS[what](lambda x, answer=answer: answer))
+
+
+def linear(upper, lower):
+    return pp.loads.ForceInterval(upper, lower, lambda height, velocity: 1e3 + 0 * height)
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (None, r"intervals\(True\) is None; give a tuple of ForceInterval, \(\) for none"),
+        (3, r"intervals\(True\) is 3; give a tuple of ForceInterval"),
+        (((0.1, 0.0),), "give a tuple of ForceInterval"),
+        ((linear(0.0, 0.1),), "an interval from 0.1 to 0.0 m; give lower < upper"),
+        ((linear("high", 0.1),), "an interval from 0.1 to 'high' m; give lower < upper"),
+        ((linear(0.1, math.nan),), "give lower < upper"),
+        ((linear(0.1, 0.0), linear(0.2, 0.05)), "its intervals overlap at 0.05 m; write two loads"),
+    ],
+)
+def test_a_load_whose_intervals_are_none(press, motion, answer, said):
+    """A method that returns nothing on the way up, most of all; where it was not a run that asked, the last of what overlaps counted."""
+
+    class Broken(Push):
+        def intervals(self, downwards):
+            return answer
+
+    for asked in (
+        lambda: pp.inverse_dynamics(press, motion, [Broken(None)]),
+        lambda: pp.simulate(press, 0.1, speed=5.0, loads=[Broken(None)]),
+        lambda: pp.ratings.speed_limit(press, pp.ratings.Capacities(1e6, torque=1e5), loads=[Broken(None)]),
+        lambda: pp.sweeps.operating_points(press, [5.0], forces=[1.0], unit_load=Broken(None)),
+    ):
+        with pytest.raises(pp.PinpressError, match=f"Broken: .*{said}"):
+            asked()
+
+
+def test_a_load_whose_datum_is_none(press, motion):
+    class Broken(Push):
+        datum: Any = "bottom"
+
+    for asked in (lambda: pp.inverse_dynamics(press, motion, [Broken(lambda x: 0.0)]), lambda: pp.loads.datum(Broken(None), press)):
+        with pytest.raises(pp.PinpressError, match=r"Broken: datum is .*'bottom'"):
+            asked()
+
+
+def test_a_multiplied_load_is_called_by_its_own_name(press):
+    with pytest.warns(pp.PinpressWarning, match="^Blanking acts from 2 to 6 m above its datum, nowhere on the slide's stroke"):
+        pp.sweeps.operating_points(press, [5.0], forces=[1e5], unit_load=pp.loads.Blanking(1.0, 6.0, 2.0))
 
 
 def test_a_load_without_stretches(press, motion):

@@ -149,6 +149,11 @@ def test_modes_of_a_press_are_found_from_three_hits():
     assert found.energy_share.sum() == pytest.approx(1.0)
     assert "rocking about y" in str(found)
     assert found.doubts == ()
+    rows = found.columns()
+    assert rows["motion"] == list(exact.motion)
+    np.testing.assert_allclose(np.array(rows["calculated_frequency [Hz]"], dtype=float), exact.natural_frequency / (2 * np.pi), rtol=1e-12)
+    decay = found.damping_ratio * found.natural_frequency * 2 * np.pi / (found.natural_frequency * np.sqrt(1 - found.damping_ratio**2))
+    np.testing.assert_allclose(rows["logarithmic_decrement [-]"], decay, rtol=1e-12)  # decay rate times the period of the damped swing
 
 
 @pytest.mark.exhaustive

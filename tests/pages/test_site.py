@@ -212,6 +212,7 @@ QUESTIONS = {
     "Jupyter notebook": "recording",
     "parallel computing cluster": "sweep",
     "process force without load cell": "process_force",
+    "inverse kinematics": "examples/path_of_the_hand",
     "inverse_dynamics": "motion_and_forces reference/pp",
 }
 ASK = """async ([program, questions]) => {
@@ -233,7 +234,7 @@ ASK = """async ([program, questions]) => {
 
 @pytest.fixture
 def served(site: Path, browser: Any) -> Iterator[Any]:
-    """The first page of the site in a tab, as `mkdocs serve` gives it: the search does not work in pages that are opened from files."""
+    """The first page of the site in a tab, as `mkdocs serve` gives it."""
     with ThreadingHTTPServer(("127.0.0.1", 0), partial(SimpleHTTPRequestHandler, directory=str(site))) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         page = browser.new_page()
@@ -256,7 +257,11 @@ def test_search_has_the_right_page_among_the_first_three(site: Path, served: Any
 
 
 @pytest.mark.exhaustive
-def test_search_field_shows_what_its_program_finds(served: Any) -> None:
+@pytest.mark.parametrize("opened", ["served", "from a file"])
+def test_search_field_shows_what_its_program_finds(site: Path, served: Any, opened: str) -> None:
+    """Also in pages that are opened by a double click, where browsers start no workers."""
+    if opened == "from a file":
+        served.goto((site / "index.html").as_uri())
     served.click("input.md-search__input")
     served.keyboard.type("loop joint")
     served.wait_for_selector("li.md-search-result__item:first-child a[href*='/describe.html']", timeout=60_000)

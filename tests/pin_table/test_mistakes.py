@@ -6,6 +6,7 @@ import pytest
 from support.mistakes import FOLDER, TABLE
 
 import pinpress as pp
+from pinpress.cli.main import main
 from pinpress.pin_table.building import draft
 from pinpress.pin_table.templates import template
 
@@ -19,6 +20,21 @@ def test_a_centre_of_mass_that_is_not_given_is_listed(tmp_path):
     assert found["rocker"] == "centre of mass of a flat plate with its corners at the pins"
 
 
+def test_a_mapping_is_no_path():
+    with pytest.raises(pp.PinpressError, match=r"write build\(\*\*table\)"):
+        pp.build({"units": "mm"})
+
+
+def test_a_urdf_is_no_table(tmp_path, capsys):
+    """In a shell too, where it is not taken for a file that would be written over."""
+    file = tmp_path / "press.urdf"
+    file.write_text("<robot/>", encoding="utf-8")
+    with pytest.raises(pp.PinTableError, match=r"this is no table of pins; pp.load\(path\)"):
+        pp.build(file)
+    assert main(["build", str(file)]) == 2
+    assert "this is no table of pins; pp.load(path)" in capsys.readouterr().err
+
+
 @pytest.mark.filterwarnings("ignore:.*radius of gyration")
 def test_metres_taken_for_mm(tmp_path):
     path = tmp_path / "press.yaml"
@@ -28,6 +44,16 @@ def test_metres_taken_for_mm(tmp_path):
     )
     with pytest.warns(pp.PinpressWarning, match="largest distance is 0.5 mm; is it units: m"):
         pp.build(path)
+
+
+@pytest.mark.parametrize("density", ["7.85", "7.85e-6", "7850000"])
+def test_densities_in_other_units(tmp_path, density):
+    """g/cm3, kg/mm3 and g/m3 taken for kg/m3, of a link and of the whole table."""
+    text, path = TABLE.read_text(encoding="utf-8"), tmp_path / "press.yaml"
+    for changed in (text.replace("overhang: 90", f"overhang: 90, density: {density}"), f"{text}density: {density}\n"):
+        path.write_text(changed, encoding="utf-8")
+        with pytest.warns(pp.PinpressWarning, match=re.escape(f"density: {float(density):g} kg/m3 is no density of a solid part")):
+            draft(path)
 
 
 @pytest.mark.parametrize("mistake", ["lengths-too-short-to-meet", "length-that-does-not-reach-the-line"])

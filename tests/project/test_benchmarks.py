@@ -180,7 +180,7 @@ SMALL = {
             rf"scenarios +ms\n +10 +{NUMBER}",
             r"gear pairs of +2, engine in place 0: .* ratio",
         ),
-        lambda given, _: {"KINDS": tuple(kind._replace(sizes=(2, 3, 4)) for kind in given["KINDS"][:2]), "THREADED": (8,), "REPEATS": 1},
+        lambda given, _: {"KINDS": tuple(kind._replace(sizes=(2, 3, 4)) for kind in given["KINDS"]), "THREADED": (8,), "REPEATS": 1},
         ("--quick",),
     ),
 }

@@ -58,7 +58,7 @@ def test_the_readmes_commands_and_code_run_in_an_empty_folder(stranger: Stranger
     drop, utilisation = map(float, stranger.run("python", "-c", code, cwd=tmp_path).split())
     assert 0.0 < drop < 0.2
     assert 0.0 < utilisation < 1.0
-    assert {"cycle.csv", "press.html", "report.html", "balanced.urdf"} < {path.name for path in tmp_path.iterdir()}
+    assert {"cycle.csv", "report.html", "balanced.urdf"} < {path.name for path in tmp_path.iterdir()}
 
 
 def test_commands_find_what_is_shipped_in_the_wheel(stranger: Stranger, tmp_path: Path) -> None:

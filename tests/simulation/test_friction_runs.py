@@ -110,6 +110,36 @@ def test_a_run_by_hand():
     np.testing.assert_allclose((run.crank_angle[-1], run.crank_speed[-1]), by_hand.y[:, -1], rtol=1e-9)
 
 
+@pytest.mark.parametrize("method", ["reduced", "implicit"])
+def test_preloaded_gibs_in_a_run(method):
+    """Where the preload is never reached, the gibs take mu P of every metre; where it is in a part of the turn, inverse dynamics agrees."""
+    press = texts.shipped("crank_slide")
+    given = {"speed": 12.0, "angle": 0.3, "flywheel": Flywheel(60.0), "method": method, "points": 91}
+    strong = {"slide_guide": Friction(0.05, preload=1e5)}
+    run = pp.simulate(press, 1.0, friction=strong, **given)
+    path = np.abs(np.diff(pp.simulate(press, 1.0, friction=strong, **given | {"points": 40001}).slide_position)).sum()
+    assert run.lost[-1] == pytest.approx(0.05 * 1e5 * path, rel=1e-6)
+    mixed = rubbing(press, viscous=20.0) | {"slide_guide": Friction(0.05, preload=400.0)}
+    run = pp.simulate(press, 1.0, friction=mixed, **given)
+    across = np.abs(pp.inverse_dynamics(press, run, friction=mixed).bearing_force["slide_guide"][:, 0])
+    assert 10 < (across > 400.0).sum() < 80
+    assert np.abs(missing(press, run, [], mixed, 60.0)).max() < 1e-9
+
+
+def test_a_guide_whose_force_is_rounding():
+    """In a symmetric press the guide carries nothing: without a preload it takes nothing, with one mu P of every metre."""
+    press, given = texts.shipped("jf75g_125_symmetric"), {"speed": 30.0, "flywheel": Flywheel(136.0), "points": 11}
+    bare = pp.simulate(press, 0.2, **given)
+    unloaded = pp.simulate(press, 0.2, friction={"slide_guide": Friction(0.05)}, **given)
+    np.testing.assert_allclose(unloaded.crank_speed, bare.crank_speed, rtol=1e-12)
+    run = pp.simulate(press, 0.2, friction={"slide_guide": Friction(0.05, preload=1e5)}, **given)
+    turns = run.crank_angle[-1] / (2 * np.pi)
+    path = 4 * 0.015 * np.floor(turns) + (0.03 if turns % 1 > 0.5 else 0.0)  # strokes that are over, then what is left of one
+    height = run.slide_position[-1] - pp.dead_centres(press).bottom_position
+    path += (0.03 - height) if turns % 1 > 0.5 else height
+    assert run.lost[-1] == pytest.approx(0.05 * 1e5 * path, rel=1e-9)
+
+
 def test_no_friction_is_no_friction():
     press = shipped("zxn2_3000b")
     more = {"speed": 70 * pp.RPM, "drive": GEARED, "flywheel": FLYWHEEL, "loads": [DRAWING]}
@@ -230,6 +260,8 @@ def test_bearings_turn_back_at_places_where_panels_end():
         ({"friction": {"O": Friction(0.1, 0.05)}, "method": "constraint"}, "method='constraint' knows no friction in bearings"),
         ({"friction": {"Q": Friction(0.1, 0.05)}}, "no bearing 'Q'"),
         ({"friction": {"O": Friction(0.1)}}, "its radius is missing"),
+        ({"friction": {"O": Friction(0.1, 0.05, preload=1e3)}}, "preload is that of the gibs of a guide; leave it out"),
+        ({"friction": {"slide_guide": Friction(0.1, preload=-1e3)}}, "friction of 'slide_guide': preload is -1000"),
         ({"friction": [0.1]}, "friction is a list: give a mapping"),
         ({"friction": {"slide_guide": Friction(6.0)}}, "friction locks the linkage, or nearly so"),
         ({"friction": {"slide_guide": Friction(6.0)}, "method": "implicit"}, "friction locks the linkage, or nearly so"),

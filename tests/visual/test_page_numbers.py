@@ -39,7 +39,7 @@ def test_a_motion_too_fast_for_the_viewer_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("make", [pp.record, pp.report])
-@pytest.mark.parametrize("name", ["press.urdf", "press.YAML", "page.pdf", "cycle.csv"])
+@pytest.mark.parametrize("name", ["press.urdf", "press.YAML", "page.pdf", "cycle.csv", "page"])
 def test_a_page_does_not_replace_another_file(tmp_path, make, name):
     press, file = texts.shipped("crank_slide"), tmp_path / name
     file.write_bytes(b"mine")

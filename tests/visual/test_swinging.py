@@ -58,6 +58,27 @@ def test_at_one_angle_the_press_stands(tmp_path: Path) -> None:
     assert "yields: " in data["modes"][0]["words"]
 
 
+def test_a_link_that_turns_about_its_centre_alone(tmp_path: Path) -> None:
+    """The slide of this press turns in its guide, and nothing moves: magnified by displacements alone it would turn without bounds."""
+    press = pp.build(
+        units="mm",
+        frame="O",
+        pins={"O": [0, 0], "P": {"from": "O", "length": 100, "angle": -90}, "W": {"P": 400, "x": 0, "side": "down"}},
+        links={
+            "crank": {"pins": "O P", "mass": 20},
+            "rod": {"pins": "P W", "mass": 18},
+            "slide": {"pins": "W", "guide": "up", "mass": 300},
+        },
+        drive="O",
+    )
+    modes = natural_frequencies(press, Elastic(Stiffness(dict.fromkeys(press.bearings, 1e9), moments={"slide_guide": 1e6})), angle=[1.0])
+    assert not modes.shapes[0, 0, :, :2].any()
+    data = data_in(pp.record_modes(press, modes, tmp_path / "modes.html", lowest=1))
+    assert "yields: slide_guide turning 100 %" in data["modes"][0]["words"]
+    for place in data["places"]:
+        assert np.abs(np.ptp(np.frombuffer(base64.b64decode(place), "<f4").reshape(-1, 3), axis=0)).max() < 1e-6
+
+
 def test_other_presses_are_refused(tmp_path: Path) -> None:
     with pytest.raises(pp.PinpressError, match="the modes are of jf75g_125_plain"):
         pp.record_modes(shipped("crank_slide"), modes_of(1.0), tmp_path / "modes.html")

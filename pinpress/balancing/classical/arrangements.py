@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
+from ...common import plausibility
 from ...common.arguments import positive, suitable_numbers, typed, whole_number
 from ...common.errors import PinpressError, shown
 from ...common.quantities import Array
@@ -132,6 +133,8 @@ def with_balance_shafts(
     """
     main = as_crank_slider(press)
     arm, distance = positive("radius", radius, "m"), positive("shaft_distance", shaft_distance, "m")
+    for name, value in (("radius", arm), ("shaft_distance", distance)):
+        plausibility.length(f"with_balance_shafts: {name}", value, press.size)
     wanted = [whole_number("orders", order, 1, HIGHEST_ORDER) for order in orders]
     if not wanted or len(set(wanted)) < len(wanted) or any(order % 2 and order > 1 for order in wanted):
         raise PinpressError(f"orders is {shown(orders)}: give each once; a crank-slider shakes in the orders 1, 2, 4, 6 and so on")
@@ -170,6 +173,7 @@ def mirrored(press: Linkage, shaft_distance: float) -> Linkage:
             slide whose pin does not move on a line through the shaft; or the distance is not positive.
     """
     distance, drawn = positive("shaft_distance", shaft_distance, "m"), plan_of(press)
+    plausibility.length("mirrored: shaft_distance", distance, press.size)
     guided = [each.link for each in drawn.bodies if each.limits and each.parent == drawn.frame]
     shaft = _shaft(press, drawn)
     across = _across(press, drawn, guided, shaft)
@@ -363,6 +367,7 @@ def _auxiliary_sizes(
 ) -> tuple[float, float, float]:
     """Crank radius [m], rod length [m] and rod mass [kg] of the auxiliary crank-slider."""
     radius = positive("crank_radius", crank_radius, "m")
+    plausibility.length("with_opposed_balancer: crank_radius", radius, main.crank_radius + main.rod_length)
     scale = radius / main.crank_radius
     length = main.rod_length * scale if rod_length is None else positive("rod_length", rod_length, "m")
     if not length > radius:

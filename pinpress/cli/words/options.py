@@ -84,14 +84,21 @@ def table_parameters(specs: Sequence[str]) -> dict[str, str]:
 
 
 def names_table(options: argparse.Namespace) -> bool:
-    """Whether the file is a pin table; raises PinpressError where an option is given that does not go with what it is."""
+    """Whether the file is a pin table, or a shipped press with other values of its table's parameters; raises PinpressError where an option
+    is given that does not go with what it is."""
     if not _is_table(options.file):
-        if options.parameters:
-            raise PinpressError(f"--set {options.parameters[0]}: only a pin table has parameters, and {options.file} is none: leave it out")
-        return False
+        if not options.parameters:
+            return False
+        refuse_without_table(options.file, f"--set {options.parameters[0]}")
     if options.driver is not None or options.slide is not None or options.allow_open:
         raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver, --slide and --allow-open")
     return True
+
+
+def refuse_without_table(file: str, words: str) -> None:
+    """Raise PinpressError where parameters are given in words, and the file is neither a pin table nor a shipped press."""
+    if not _is_table(file) and file not in presses():
+        raise PinpressError(f"{words}: only a pin table has parameters, and {file} is none: leave it out")
 
 
 def load_press(options: argparse.Namespace, **more: Any) -> Linkage:

@@ -221,6 +221,8 @@ def frictions(specs: Sequence[str], press: Linkage) -> dict[str, Friction]:
         return found
     if every.viscous:
         raise PinpressError(f"--friction {ALL}: viscous is in N m s/rad of a bearing and in N s/m of a guide; give it of each by its name")
+    if every.preload:
+        raise PinpressError(f"--friction {ALL}: preload is that of the gibs of a guide; give it of each guide by its name")
     turning = [axis.turns for axis in press.axes] + [True] * len(press.loops)
     fixed = {loop.name for loop in press.loops if loop.type == "fixed"}
     of_all = {
@@ -358,7 +360,8 @@ def _of_friction() -> list[str]:
     return [
         f"--friction of a bearing (moment coefficient x radius x force) or guide (coefficient x force), or of {ALL} not named otherwise:",
         f"  NAME:{keys(FRICTION)}",
-        f"  e.g. --friction {ALL}:{FRICTION.example} --friction A:viscous=50; viscous is in N m s/rad, of a guide in N s/m",
+        f"  e.g. --friction {ALL}:{FRICTION.example} --friction A:viscous=50; viscous is in N m s/rad, of a guide in N s/m;",
+        "  preload is the force of all gibs of a guide together, where they press without a load",
     ]
 
 

@@ -24,9 +24,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...common.products import SERIAL_COMPLEX, finite_if
 from ...common.quantities import Array, ComplexArray
 from ..forces import AppliedForce, SomeVectors, Wrenches, nothing
-from ..joints import LARGE, SERIAL, plain
+from ..joints import LARGE, plain
 from . import out_of_plane
 from .bodies import Bodies
 from .chain import Chain, ChainStates, Closed, Equation, all_functions, rate_of
@@ -236,7 +237,7 @@ def _fill(
     tilted: bool,
     found: Found,
 ) -> bool:
-    """Fill in a piece of the motion; returns whether sums of squares show that it is finite, which take less time than sums.
+    """Fill in a piece of the motion; returns whether sums show that it is finite, see `finite_if`.
 
     Args:
         fixed: inertial constants.
@@ -262,11 +263,11 @@ def _fill(
         _through_gears(chain, closed, work, torque, found.coupling)
     if shared:
         open_tree = _share(fixed, closed, open_tree, found.coupling)
-    total: Any = 0.0
+    total = 0.0
     if asked.bearings:
         bearings = open_tree.bearings if asked is fixed.all_bearings else open_tree.bearings.take(asked.bearings, axis=0)
         _put_forces(plane, bearings, found.force)
-        total = np.vdot(bearings, bearings).real
+        total = finite_if(bearings)
         moments = moments_of_guides(plane, fixed.guided, closed, speed, acceleration, open_tree.forces, loads) if asked.guided else {}
         if chain.turns:
             moments[plane.driver] = torque
@@ -275,7 +276,7 @@ def _fill(
         values = np.empty((len(asked.turned), len(torque)))
         for row, joint in zip(values, asked.turned, strict=True):
             row[:] = moments[joint]
-        total += np.vdot(values, values)
+        total += finite_if(values)
         if tilted:
             for row, joint in zip(values, asked.turned, strict=True):
                 put_normal(plane, row, found.moment[asked.bearings.index(joint)])
@@ -284,7 +285,7 @@ def _fill(
         else:
             put_normal(plane, values, found.moment)
     if plane.driver not in asked.turned:
-        total += np.vdot(torque, torque)
+        total += finite_if(torque)
     if chain.gears:
         torques(plane, found.coupling)
         total += np.add.reduce(found.coupling, axis=None)
@@ -308,7 +309,7 @@ def _open_tree(fixed: ChainBodies, second: ComplexArray) -> OpenTree:
     found = np.empty((first + fixed.bearing_count, n), complex)
     rows = list(found)
     work, forces = rows[:first], rows[first:]
-    if fixed.together is not None and fixed.together.size * n <= SERIAL:
+    if fixed.together is not None and fixed.together.size * n <= SERIAL_COMPLEX:
         np.dot(fixed.together, second, found[: first + joints])
         return OpenTree(work, forces, found[first:])
     for tree in fixed.trees:
@@ -324,8 +325,8 @@ def _open_tree(fixed: ChainBodies, second: ComplexArray) -> OpenTree:
 
 
 def _multiply(rows: ComplexArray, columns: ComplexArray, out: ComplexArray) -> ComplexArray:
-    """`joints.product` of several rows into an array."""
-    step = max(1, SERIAL // rows.size)
+    """`products.product` of several rows into an array."""
+    step = max(1, SERIAL_COMPLEX // rows.size)
     for start in range(0, columns.shape[1], step):
         s = slice(start, start + step)
         np.matmul(rows, columns[:, s], out=out[:, s])

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...common.quantities import Array
+from ..joints import product
 from .model import Plane
 
 
@@ -33,7 +34,7 @@ def _add(rows: list[Any], steps: Iterable[tuple[int, int]]) -> None:
 def turned(plane: Plane, x: Array) -> Array:
     """Absolute angles (nr, n) of the rotors at joint coordinates (nv, n), or their rates; see `Plane.turn`."""
     if not plane.deep:
-        return np.asarray(plane.turn.dot(x))
+        return np.asarray(product(plane.turn, x))
     angles = plane.sense[:, None] * x
     sum_outwards(plane, angles)
     return angles[list(plane.revolute)]

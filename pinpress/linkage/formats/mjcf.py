@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 WORLD = "world"
 SAME = 1e-9  # relative difference above which MuJoCo's inertia is not the tensor in the file, but made from shapes or changed
+TORQUE_SCALE = 10  # place of a weld's torquescale among its data
 _SHAPES = ("BOX", "SPHERE", "CYLINDER", "CAPSULE", "MESH")
 _EQUALITIES = ("connect", "weld", "joint", "tendon")
 _SEEN_GROUPS = 3  # MuJoCo shows shapes of groups 0 to 2; the others are mostly for collisions
@@ -342,19 +343,20 @@ class _Reader:
 
     def _loop(self, k: int, name: str, origin: Origin) -> Loop:
         """A connect or weld. The data of one between bodies hold its points: for a connect the point in each body, for a weld the pose of
-        the second body's frame in the first, and an anchor in the second."""
+        the second body's frame in the first, and an anchor in the second. A weld with ``torquescale="0"`` is a connect."""
         model, (one, two) = self.model, self._end_bodies(k)
         weld = model.eq_type[k] == int(self.mujoco.mjtEq.mjEQ_WELD)
         data, straight = model.eq_data[k], np.array([1.0, 0.0, 0.0, 0.0])
+        turns = not weld or data[TORQUE_SCALE] == 0
         if self._by_sites(k):
             sites = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
-            places = [(model.site_pos[site], model.site_quat[site] if weld else straight) for site in sites]
+            places = [(model.site_pos[site], straight if turns else model.site_quat[site]) for site in sites]
         elif weld:
-            places = [(data[3:6], data[6:10]), (data[:3], straight)]
+            places = [(data[3:6], straight if turns else data[6:10]), (data[:3], straight)]
         else:
             places = [(data[:3], straight), (data[3:6], straight)]
         ends = [(self.body_names[body], self._inside(body, *place)) for body, place in zip((one, two), places, strict=True)]
-        return Loop(name, "fixed" if weld else "spherical", (ends[0], ends[1]), None, origin)
+        return Loop(name, "spherical" if turns else "fixed", (ends[0], ends[1]), None, origin)
 
     def _geared(self, k: int, joints: Mapping[str, Joint], origin: Origin) -> Joint:
         """Joint 1 as an equality of joints moves it: its position from the drawn pose is a polynomial of that of joint 2."""

@@ -100,7 +100,7 @@ class _Reader:
         self.joints = self._named("joint")
         self.frames = self._named("frame")
         self.posed: dict[str, pin.SE3] = {}
-        self.model_place = self._own_pose(self.model)
+        _ = self.model_place  # raises where it is none
 
     # ------------------------------------------------------------------------------------------------------------------------- the file
 
@@ -165,6 +165,24 @@ class _Reader:
         if rounded and not any("quarter turn" in each.problem for each in self.remarks):
             problem = "angles such as 1.5708 are read as quarter turns, which they are to all their digits"
             self.remarks.append(remark("note", found, problem, "write 1.5707963267948966, or an angle that is none"))
+        return place
+
+    @cached_property
+    def model_place(self) -> pin.SE3:
+        """The pose of the model in the world. Its ``<pose>`` may be that of another frame in it, its ``placement_frame``."""
+        for pose in self.model.all("pose"):
+            named = pose.get("relative_to") or pose.get("frame")
+            if named not in ("", WORLD):
+                refuse(self.file, pose, f"the pose of the model is relative to {named!r}, which is not read", "write its pose in the world")
+        placed, own = self.model.get("placement_frame"), self._own_pose(self.model)
+        if not placed:
+            return own
+        if WORLD in self._searched:
+            problem = f"its placement_frame {placed!r} stands in the world, so that it does not place the model"
+            refuse(self.file, self.model, problem, "name a frame of the model")
+        self._searched.append(WORLD)
+        place = own * self.place(placed, self.model).inverse()
+        self._searched.pop()
         return place
 
     def place(self, name: str, at: Element) -> pin.SE3:

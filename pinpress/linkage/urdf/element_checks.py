@@ -18,7 +18,7 @@ LOOP_TYPES = ("spherical", "revolute", "fixed")
 _JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
 _UNSUPPORTED_JOINT_TYPES = {
     "planar": "write two prismatic joints and a revolute one, with links between them",
-    "floating": "write the joints that guide the link, or close it with <loop_joint>",
+    "floating": "hang the link on one that carries it, by the joint there (a ball is three hinges), and close the others by <loop_joint>",
 }
 
 # Children of each element: one of each, "?" for at most one, "*" for any number. Any other child is an error. The children of an element
@@ -172,7 +172,7 @@ def _type_problems(element: Element, word: str, types: Sequence[str], unsupporte
     if not kind:
         yield element, "has no type", remedy
     elif kind in unsupported:
-        yield element, f"{word} type {kind!r} is not supported yet", unsupported[kind]
+        yield element, f"{word} type {kind!r} is not supported", unsupported[kind]
     elif kind not in types:
         yield element, f"unknown {word} type {kind!r}{suggestion(kind, types)}", remedy
 
@@ -344,7 +344,8 @@ def _inertia_problems(robot: Element) -> Iterator[Problem]:
         name = link.get("name")
         moving = bodies.get(name, frame) != frame
         if moving and bodies[name] == name and name not in heavy:
-            yield link, "it moves, but has no <inertial>, nor has any link welded to it", "write <inertial> with <mass> and <inertia>"
+            remedy = "write <inertial> with <mass> and <inertia>; zeros are a link without mass"
+            yield link, "it moves, but has no <inertial>, nor has any link welded to it", remedy
         for inertial in link.all("inertial"):
             for element in inertial.all("mass"):
                 for mass in element.numbers("value"):

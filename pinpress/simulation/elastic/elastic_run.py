@@ -196,7 +196,7 @@ class ElasticSegment:
     def crank(self, free: Array, rates: Array) -> tuple[Array, Array]:
         """Angle and speed (n,) of the crank, of free coordinates and rates (n, f)."""
         sprung = self.solution.equations.sprung
-        return sprung.crank(sprung.all_coordinates(free), rates @ sprung.carry.T)
+        return sprung.crank(sprung.all_coordinates(free), sprung.all_rates(rates))
 
     def at(self, times: Array, complete: bool = True) -> Sample:
         return self.sample(self.states(times))
@@ -286,7 +286,7 @@ def _powers(solution: ElasticSolution, at: SolutionStates) -> Array:
     """(4, n) rates of the `INTEGRALS`."""
     equations, sprung = solution.equations, solution.equations.sprung
     driven, (free, rates) = equations.driven, at.whole
-    coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
+    coordinates, all_rates = sprung.all_coordinates(free), sprung.all_rates(rates)
     driving, nothing = equations.driving(at.times, at.y, at.v, at.a, at.segments), np.zeros(len(free))
     found = np.zeros((len(INTEGRALS), len(free)))
     found[DRIVE_WORK], found[MOTOR_SQUARED] = driving.torque * driving.speed, driving.motor**2
@@ -438,7 +438,7 @@ def _slide(solution: ElasticSolution, at: SolutionStates) -> Array:
     """Position, velocity and acceleration (n, 3) of the slide on its springs."""
     sprung = solution.equations.sprung
     free, rates = at.whole
-    coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
+    coordinates, all_rates = sprung.all_coordinates(free), sprung.all_rates(rates)
     path = solution.equations.paths[0].over(sprung, coordinates, all_rates)
     bent = np.einsum("nf,nfg,ng->n", rates, path.bend, rates)
     acceleration = np.einsum("nf,nf->n", path.gradient, at.whole_acceleration) + bent
@@ -452,7 +452,7 @@ def _energy_error(segment: ElasticSegment) -> float:
     count = len(panels.mesh.start)
     at = solution_states(solution, np.append(np.arange(count), count - 1), np.append(np.zeros(count), 1.0), None, segment.gain)
     free, rates = at.whole
-    coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
+    coordinates, all_rates = sprung.all_coordinates(free), sprung.all_rates(rates)
     kinetic = (
         sprung.kinetic_energy(coordinates, all_rates) + equations.driven.inertia * equations.shaft_speed(at.times, at.y, at.v) ** 2 / 2
     )
@@ -472,7 +472,7 @@ def _extremes(segment: ElasticSegment) -> Extremes:
         at = solution_states(solution, panel, share, None, segment.gain)
         free, rates = at.whole
         sprung = solution.equations.sprung
-        forces = bearing_forces(solution, at.times, at.segments, sprung.all_coordinates(free), rates @ sprung.carry.T)
+        forces = bearing_forces(solution, at.times, at.segments, sprung.all_coordinates(free), sprung.all_rates(rates))
         return np.stack([-_slide(solution, at)[:, 0], _pull_on_slide(solution, forces), *np.linalg.norm(forces, axis=2)])
 
     found = _largest(all_values, len(solution.panels.mesh.start))

@@ -171,7 +171,7 @@ class ElasticEquations:
             return None
         (free, rates), own = self.whole(time, y, v), self.own
         accelerations = np.pad(a[:, own:], ((0, 0), (0, self.sprung.free - self.size + own)))  # a held crank has none
-        carried = rates @ self.sprung.carry.T, accelerations @ self.sprung.carry.T
+        carried = self.sprung.all_rates(rates), self.sprung.all_rates(accelerations)
         return self.sprung.varying_inertia(self.sprung.all_coordinates(free), *carried)
 
     def inertia_forces(self, time: Array, y: Array, v: Array, a: Array) -> Array:
@@ -210,7 +210,7 @@ class ElasticEquations:
     def _slope_in_time(self, law: GeneralizedForce, number: int, time: Array, y: Array, v: Array, segments: Indices) -> Array:
         """Derivative (n, size) of a force in time by time."""
         free, rates = self.whole(time, y, v)
-        path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
+        path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), self.sprung.all_rates(rates))
         before, after = (self._law_values(law, number, segments, time + step, path)[0] for step in (-INSTANT, INSTANT))
         gradient = np.zeros_like(y)
         gradient[:, self.own :] = path.gradient
@@ -245,7 +245,7 @@ class ElasticEquations:
         """Forces (n, f) on all free coordinates of the bodies, the crank's last, and minus their derivatives by these coordinates and
         rates; without those of the drive train."""
         free, rates = self.whole(time, y, v)
-        coordinates, all_rates = self.sprung.all_coordinates(free), rates @ self.sprung.carry.T
+        coordinates, all_rates = self.sprung.all_coordinates(free), self.sprung.all_rates(rates)
         force, stiffness, damping = self.sprung.spring_forces(coordinates, all_rates)
         assert stiffness is not None
         assert damping is not None
@@ -275,7 +275,7 @@ class ElasticEquations:
         if self.friction is not None:
             return np.asarray(self.whole_forces(time, y, v, segments)[0][:, -1])
         free, rates = self.whole(time, y, v)
-        coordinates, all_rates = self.sprung.all_coordinates(free), rates @ self.sprung.carry.T
+        coordinates, all_rates = self.sprung.all_coordinates(free), self.sprung.all_rates(rates)
         force = self.sprung.spring_forces(coordinates, all_rates, derivatives=False).force[:, -1]
         for number, law in enumerate(self.all_forces):
             some = np.flatnonzero(np.array([segment[number] is not None for segment in self.segments])[segments])
@@ -324,7 +324,7 @@ class ElasticEquations:
             gradient[self.size - 1] = 1.0
             return float(y[-1] - value), gradient, 0.0
         free, rates = self.whole(np.array([time]), y[None], v[None])
-        at = self.paths[path].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
+        at = self.paths[path].over(self.sprung, self.sprung.all_coordinates(free), self.sprung.all_rates(rates))
         gradient = np.concatenate([self._of_unknowns(at.gradient[0]), np.zeros(self.size)])
         return float(at.value[0] - value), gradient, self._with_the_crank(at.gradient[0])
 
@@ -341,7 +341,7 @@ class ElasticEquations:
         by time."""
         law = self.all_forces[number]
         free, rates = self.whole(np.array([time]), y[None], v[None])
-        path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), rates @ self.sprung.carry.T)
+        path = self.paths[law.row].over(self.sprung, self.sprung.all_coordinates(free), self.sprung.all_rates(rates))
         interval, place = self.lost.get(number, self.segments[knot - 1][number]), path.value - law.datum
         if interval is None:  # lost before, in a motion of several segments
             interval = next((each for each in law.rising if each.lower < place[0] <= each.upper), law.rising[0])

@@ -140,7 +140,7 @@ class _March:
         """Values and rates (paths,) of all paths."""
         equations, size = self.task.equations, len(self.state) // 2
         free, rates = equations.whole(np.array([self.time]), self.state[None, :size], self.state[None, size:])
-        coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
+        coordinates, all_rates = equations.sprung.all_coordinates(free), equations.sprung.all_rates(rates)
         found = [path.over(equations.sprung, coordinates, all_rates) for path in equations.paths]
         return np.array([each.value[0] for each in found]), np.array([each.rate[0] for each in found])
 
@@ -486,7 +486,7 @@ def _members_touching(equations: ElasticEquations, contacts: Sequence[Generalize
     """The laws of all contacts of pins, and of the members of preloaded joints that touch at a state (1, size); None of the others."""
     sprung, pins = equations.sprung, len(equations.sprung.open_pins)
     free, rates = equations.whole(np.zeros(1), y, v)
-    coordinates, all_rates = sprung.all_coordinates(free), rates @ sprung.carry.T
+    coordinates, all_rates = sprung.all_coordinates(free), sprung.all_rates(rates)
     found: list[ForceInterval | None] = [contact.rising[0] for contact in contacts]
     for number, contact in enumerate(contacts[pins:], pins):
         place, law = float(equations.paths[contact.row].over(sprung, coordinates, all_rates).value[0]), contact.rising[0]

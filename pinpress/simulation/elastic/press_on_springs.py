@@ -115,6 +115,9 @@ class PressOnSprings(Protocol):
     def all_coordinates(self, free: Array) -> Array:
         """All coordinates (n, k) of free ones (n, f)."""
 
+    def all_rates(self, rates: Array) -> Array:
+        """Rates or accelerations (n, k) of all coordinates, of those (n, f) of the free ones."""
+
     def free_coordinates(self, coordinates: Array) -> Array:
         """Free coordinates (n, f) of all coordinates (n, k)."""
 

@@ -24,6 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...common.products import product
 from ...common.quantities import Array, ComplexArray
 from ...engines.planar.engine import PlanarEngine
 from ...engines.planar.kinematics import basis_acceleration, basis_at, basis_velocity
@@ -187,7 +188,11 @@ class SprungPress:
 
     def all_coordinates(self, free: Array) -> Array:
         """All coordinates (n, k) of free ones (n, f)."""
-        return np.asarray(free @ self.carry.T + self.drawn)
+        return self.all_rates(free) + self.drawn
+
+    def all_rates(self, rates: Array) -> Array:
+        """Rates or accelerations (n, k) of all coordinates, of those (n, f) of the free ones."""
+        return product(rates, self.carry.T)
 
     def free_coordinates(self, coordinates: Array) -> Array:
         """Free coordinates (n, f) of all coordinates (n, k)."""
@@ -195,7 +200,7 @@ class SprungPress:
 
     def free_rates(self, rates: Array) -> Array:
         """Free rates or accelerations (n, f) of those of all coordinates (n, k)."""
-        return np.asarray(rates @ self._back)
+        return product(rates, self._back)
 
     @cached_property
     def _back(self) -> Array:
@@ -247,7 +252,7 @@ class SprungPress:
 
     def weight_less_inertia(self, accelerations: Array, body: int | None = None) -> Array:
         """Sum (n, 3) of the weights less the inertia forces of all bodies, or of one, of free accelerations (n, f), in world axes [N]."""
-        left = self.weight - (accelerations @ self.carry.T) * self.inertia
+        left = self.weight - self.all_rates(accelerations) * self.inertia
         some = slice(0, self._rigid, 3) if body is None else slice(3 * body, 3 * body + 1)
         along, across = left[:, some], left[:, some.start + 1 : some.stop + 1 : some.step]
         return to_world(self.plane, along.sum(axis=1) + 1j * across[:, : along.shape[1]].sum(axis=1))
@@ -285,8 +290,8 @@ class SprungPress:
         at = self.geometry(coordinates, rates)
         pull = -(lines.stiffness * at.extension + lines.damping * at.opening)  # on the second body, along the direction
         gradient = self._gradient(at)
-        moment = -((coordinates @ self._angles.T) * turns.stiffness + (rates @ self._angles.T) * turns.damping)
-        force = np.matmul(pull[:, None, :], gradient)[:, 0] + moment @ turning + self.free_weight
+        moment = -(self.turning_rates(coordinates) * turns.stiffness + self.turning_rates(rates) * turns.damping)
+        force = np.matmul(pull[:, None, :], gradient)[:, 0] + product(moment, turning) + self.free_weight
         if self.flexible:
             force -= self.to_free(coordinates * self._of_shapes[0] + rates * self._of_shapes[1])
         if not derivatives:
@@ -402,7 +407,7 @@ class SprungPress:
 
     def turning_rates(self, rates: Array) -> Array:
         """(n, T) turning speeds of `turns`, or their angles, of rates or coordinates (n, k)."""
-        return np.asarray(rates @ self._angles.T)
+        return product(rates, self._angles.T)
 
     @cached_property
     def _turning(self) -> Array:

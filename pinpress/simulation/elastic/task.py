@@ -115,6 +115,6 @@ def places_on(equations: ElasticEquations, panels: PanelSolution, panel: Indices
     y, v, _ = panels.within(panel, share)
     times = panels.mesh.start[panel] + share * panels.mesh.length[panel]
     free, rates = equations.whole(times, y, v)
-    coordinates, all_rates = equations.sprung.all_coordinates(free), rates @ equations.sprung.carry.T
+    coordinates, all_rates = equations.sprung.all_coordinates(free), equations.sprung.all_rates(rates)
     found = [path.over(equations.sprung, coordinates, all_rates) for path in equations.paths]
     return np.stack([each.value for each in found], axis=1), np.stack([each.rate for each in found], axis=1), free[:, -1]

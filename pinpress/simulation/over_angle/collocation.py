@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.numerics import gauss_rule, running_sums
+from ...common.products import product
 from ...common.quantities import Array
 from ...drives.transmission import PrescribedSpeed
 from ..driven_press import DrivenPress
@@ -316,7 +317,7 @@ def _growth(mesh: Mesh, change: Array, above: Array) -> Growth:
     if not stiffness.max() <= STIFF:
         return Growth(exponents, stiffness, None, None)
     rule, (q, p, count) = gauss_rule(), exponents.shape
-    within = rule.cumulative @ exponents.reshape(q, -1)
+    within = product(rule.cumulative, exponents.reshape(q, -1))
     if count >= MANY:  # in single precision an exponential takes a fifth of the time, and K only has to lead to the solution
         within = np.exp(within.astype(np.float32)).astype(float)
     else:
@@ -369,9 +370,9 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     rests = bool(mesh.kinds.any())
     inner = (force + weight if rests else force) * mesh.measure[:, :, None]
     flat = inner.reshape(q, p * count)
-    totals = (rule.weights @ flat).reshape(p, count)
+    integrals = product(rule.to_end, flat).reshape(q + 1, p, count)
+    work, totals = integrals[:-1], integrals[-1]
     ends = running_sums(energy, totals)
-    work = (rule.cumulative @ flat).reshape(q, p, count)
     work += ends[:-1]
     if not rests:
         work -= mesh.lifted[:, :, None]
@@ -379,7 +380,7 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     elif mesh.kinds[-1] == TO_REST:
         back = running_sums(0.0, -totals[::-1])[::-1]
         half = int(ends[:, 0].argmax())
-        left = ((rule.weights - rule.cumulative) @ flat).reshape(q, p, count)
+        left = product(rule.weights - rule.cumulative, flat).reshape(q, p, count)
         work[:, half:], ends[half + 1 :] = (back[1:] - left)[:, half:], back[half + 1 :]
     return work, ends
 
@@ -395,9 +396,9 @@ def _factored(constant: Array, within: Array, through: Array, short: Array | Non
         short: (S,) by which F has to be larger at the start than at the end; None: it is zero at the start.
     """
     constant /= within
-    ends = _panel_by_panel(through * _summed(constant), through, short)
     q, p, count = constant.shape
-    found = (gauss_rule().cumulative @ constant.reshape(q, -1)).reshape(q, p, count)
+    integrals = product(gauss_rule().to_end, constant.reshape(q, -1)).reshape(q + 1, p, count)
+    found, ends = integrals[:-1], _panel_by_panel(through * integrals[-1], through, short)
     found += ends[:-1]
     found *= within
     return found, ends
@@ -456,4 +457,4 @@ def panel_integrals(solution: CollocationSolution, rate: Array) -> Array:
 def _summed(rate: Array) -> Array:
     """Integrals (p, S) of a rate (q, p, S) by x over each panel."""
     q, p, count = rate.shape
-    return np.asarray((gauss_rule().weights @ rate.reshape(q, -1)).reshape(p, count))
+    return product(gauss_rule().weights, rate.reshape(q, -1)).reshape(p, count)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...common.numerics import gauss_rule, horner, polynomial_root
+from ...common.products import product
 from ...common.quantities import Array
 from .collocation import FLOOR, LEAST, CollocationSolution
 from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
@@ -65,7 +66,7 @@ def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: I
 
     def missed(integrand: Array, whole: Array) -> NDArray[np.bool_]:
         some = integrand[:, :upto, which]
-        tail = np.abs(gauss_rule().legendre[-2:] @ some.reshape(len(some), -1)).max(axis=0).reshape(some.shape[1:])
+        tail = np.abs(product(gauss_rule().legendre[-2:], some.reshape(len(some), -1))).max(axis=0).reshape(some.shape[1:])
         return np.asarray((tail > tolerance * whole).any(axis=1), dtype=np.bool_)
 
     return np.asarray(missed(solution.force * solution.mesh.measure[:, :, None], highest) | missed(solution.slowness, taken))

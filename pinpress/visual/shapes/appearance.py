@@ -15,7 +15,7 @@ from ...common.arguments import typed
 from ...common.errors import PinpressError
 from ...common.quantities import Array
 from ...engines.branch import predict
-from ...kinematics.motion import Motion
+from ...kinematics.motion import Motion, refuse_motion_of_another
 from ...linkage.linkage import Linkage
 from ...linkage.urdf.document import Element
 from ...linkage.writing import is_ballast
@@ -98,9 +98,11 @@ def visual_model(press: Linkage, motion: Motion | None = None) -> pin.GeometryMo
 
     Raises:
         PinpressError: a visual is not finite or has no size, or its mesh cannot be read; there are more visuals or triangles than a page
-            can show; or the motion has other joints.
+            can show; or the motion is of a linkage with other joints or lengths.
         SingularityError: no motion is given, and the linkage locks at its drawn pose.
     """
+    if motion is not None:
+        refuse_motion_of_another(press, motion)
     found, model = pin.GeometryModel(), press.model
     for body in bodies(press, _positions(press) if motion is None else motion.joint_position):
         frame = model.frames[body.frame]

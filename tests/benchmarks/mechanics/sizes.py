@@ -49,6 +49,7 @@ class Kind(NamedTuple):
         sizes: numbers of loops or pairs.
         engine: place of the engine in `Linkage.engines`.
         angles: number of crank angles.
+        highest: last crank angle [rad].
     """
 
     title: str
@@ -56,6 +57,11 @@ class Kind(NamedTuple):
     sizes: tuple[int, ...]
     engine: int
     angles: int
+    highest: float = 1.2
+
+    def crank_angles(self, count: int, step: int) -> np.ndarray:
+        """``count`` crank angles, other ones with each ``step``, because a press remembers the last [rad]."""
+        return np.linspace(0.05, self.highest, count) + 1e-4 * step
 
 
 KINDS = (
@@ -65,7 +71,7 @@ KINDS = (
     Kind("loops in space", large_linkages.spatial_chain, (1, 2, 5, 10, 20, 35, 50), 0, 36),
     Kind("dyads", n_four_bar.urdf, (5, 10, 20, 35, 50, 100, 200), 1, 36),
     Kind("hinges", lambda count: large_linkages.hinged(n_four_bar.urdf(count)), (5, 10, 20, 35, 50, 100, 200), 1, 36),
-    Kind("geared five-bars", large_linkages.geared_chain, (5, 10, 20, 35, 65), 1, 36),
+    Kind("geared five-bars", large_linkages.geared_chain, (5, 10, 20, 35, 65), 1, 36, 0.8),  # it locks at 0.907 rad
     Kind("ties, short loops", lambda count: large_linkages.tied_row(count, short=True), (5, 10, 20, 35), 0, 36),
     Kind("ties, long loops", lambda count: large_linkages.tied_row(count, short=False), (5, 10, 20, 35), 0, 36),
 )
@@ -76,16 +82,15 @@ def of_linkages(kind: Kind, quick: bool) -> None:
     sizes = kind.sizes[: -(len(kind.sizes) // 2)] if quick else kind.sizes
     engine = large_linkages.load(kind.urdf(1)).engines[kind.engine]
     print(f"\n{kind.title}, engine {engine!r}, {kind.angles} crank angles: ms; MB")
-    table(kind.title, sizes, [costs(kind.urdf(size), engine, kind.angles) for size in sizes])
+    table(kind.title, sizes, [costs(kind, size, engine) for size in sizes])
 
 
-def costs(text: str, engine: str, count: int) -> dict[str, float]:
+def costs(kind: Kind, size: int, engine: str) -> dict[str, float]:
     """Of every step by its name: its time [ms]; the memory of them all [MB]."""
-    steps = itertools.count()
+    text, steps = kind.urdf(size), itertools.count()
 
     def motion(press: pp.Linkage) -> pp.Motion:
-        angles = np.linspace(0.05, 1.2, count) + 1e-4 * next(steps)  # new ones: a press remembers the last
-        return pp.servo_cycle(press, angle=angles, speed=7.0, engine=engine)
+        return pp.servo_cycle(press, angle=kind.crank_angles(kind.angles, next(steps)), speed=7.0, engine=engine)
 
     def run(press: pp.Linkage) -> pp.Run:
         return pp.simulate(press, 0.1, speed=7.0, angle=0.05 + 1e-4 * next(steps))
@@ -141,8 +146,8 @@ def print_one(kind: Kind, size: int) -> None:
     engine, steps = press.engines[kind.engine], itertools.count()
 
     def work() -> None:
-        angles = np.linspace(0.05, 1.2, 360) + 1e-4 * next(steps)
-        pp.inverse_dynamics(press, pp.servo_cycle(press, angle=angles, speed=7.0, engine=engine), engine=engine)
+        motion = pp.servo_cycle(press, angle=kind.crank_angles(360, next(steps)), speed=7.0, engine=engine)
+        pp.inverse_dynamics(press, motion, engine=engine)
 
     work()
     print(milliseconds(work))

@@ -52,14 +52,45 @@ def test_a_press_with_friction_under_its_motor():
     assert run.stats.energy_error < 1e-11
 
 
-def test_derivatives_of_friction():
+def with_gibs(stiffness, preload):
+    """The press on springs whose guide has two equal gibs, each pressed on by half of the preload."""
+    bare = springs(jf75g(), stiffness)
+    gibs = pp.elasticity.PreloadedJoint(0.5 * stiffness, 0.5 * stiffness, 0.5 * preload)
+    return replace(bare, stiffness=replace(bare.stiffness, bearings={**bare.stiffness.bearings, "slide_guide": gibs}))
+
+
+def test_gibs_rub_by_their_preload():
+    """Two equal gibs rub as a preload that is given, and as that of the rigid press: mu P twice the stroke in a turn."""
+    held, preload = pp.drives.PrescribedSpeed(SPEED), 20e3
+    given: Any = {"drive": held, "points": 121}
+    told = {"slide_guide": pp.loads.Friction(0.08, preload=preload)}
+    by_law: Any = pp.steady_state(jf75g(), SPEED, friction=told, elastic=springs(jf75g(), 2e9), **given)
+    by_gibs: Any = pp.steady_state(
+        jf75g(), SPEED, friction={"slide_guide": pp.loads.Friction(0.08)}, elastic=with_gibs(2e9, preload), **given
+    )
+    np.testing.assert_allclose(
+        by_gibs.drive_torque, by_law.drive_torque, rtol=0, atol=1e-7 * np.abs(by_law.drive_torque).max()
+    )  # steps differ
+    assert by_gibs.stats.energy_error < 1e-11
+    expected = 0.08 * preload * 2 * pp.dead_centres(jf75g()).stroke
+    rigid = pp.simulate(jf75g(), 2 * np.pi / SPEED, friction=told, **given)
+    assert rigid.lost[-1] == pytest.approx(expected, rel=1e-9)
+    assert by_law.lost[-1] == pytest.approx(expected, rel=5e-3)  # creeping at the reversals
+    with pytest.raises(pp.PinpressError, match="'slide_guide': its gibs are a PreloadedJoint, whose forces rub: leave preload out"):
+        pp.steady_state(jf75g(), SPEED, friction=told, elastic=with_gibs(2e9, preload), **given)
+
+
+@pytest.mark.parametrize("kind", ["net force", "preload", "gibs"])
+def test_derivatives_of_friction(kind):
     """Closed-form Jacobians against differences."""
     from pinpress.simulation.elastic.acting.bearing_friction import bearing_friction
     from pinpress.simulation.elastic.assembly import sprung_press
 
     press, rng = jf75g(), np.random.default_rng(1)
-    sprung: Any = sprung_press(press, springs(press, 2e8))
-    friction = bearing_friction(sprung, pp.loads.link.law(FRICTION, press), 100.0)
+    sprung: Any = sprung_press(press, with_gibs(2e8, 2e5) if kind == "gibs" else springs(press, 2e8))
+    sprung = sprung.opening() if kind == "gibs" else sprung
+    given = FRICTION | {"slide_guide": pp.loads.Friction(0.08, viscous=500.0, preload=2e5 if kind == "preload" else 0.0)}
+    friction = bearing_friction(sprung, pp.loads.link.law(given, press), 100.0)
     free = sprung.free_coordinates(sprung.rigid_coordinates(pp.servo_cycle(press, angle=[0.3, 2.0, 4.0], speed=1.0))[0])
     free, rates = free + 1e-3 * rng.normal(size=free.shape), 0.1 * rng.normal(size=free.shape)
 

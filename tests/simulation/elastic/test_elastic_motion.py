@@ -190,3 +190,26 @@ def test_methods_and_steps_of_rigid_motions_are_refused(given):
     press = shipped(JF75G[0])
     with pytest.raises(pp.PinpressError, match="method and steps of its own"):
         pp.simulate(press, 0.1, drive=pp.drives.PrescribedSpeed(31.4), elastic=pp.elasticity.Elastic(springs(press)), **given)
+
+
+@pytest.mark.parametrize("height", [0.001, 0.003, 0.006])
+def test_a_run_that_begins_on_the_way_up_is_stripped_from_where_it_begins(height):
+    """Below the blank, within it and above it: force times the way that is left in it. On the way up a blank is not cut."""
+    press, speed = shipped("jf75g_125_plain"), JF75G[1] * pp.RPM
+    bottom = pp.dead_centres(press).bottom_position
+    way = pp.cycle(press, speed)
+    up = way.slide_velocity > 0
+    angle = np.interp(height, way.slide_position[up] - bottom, way.crank_angle[up])
+    run = pp.simulate(
+        press,
+        0.03,
+        speed=speed,
+        angle=angle,
+        drive=pp.drives.PrescribedSpeed(speed),
+        loads=[pp.loads.Blanking(6e5, 0.004, 0.002, stripping=3e4)],
+        elastic=pp.elasticity.Elastic(springs(press)),
+        tolerance=1e-4,
+    )
+    begun, ended = run.slide_position[[0, -1]] - bottom
+    assert ended > 0.004
+    assert run.load_work[-1] == pytest.approx(3e4 * np.clip(0.004 - max(begun, 0.002), 0.0, None), abs=1e-6)

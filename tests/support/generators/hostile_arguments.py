@@ -465,7 +465,7 @@ def calls() -> dict[str, Call]:
         ("ConstantTorque", pp.drives.ConstantTorque, lambda: {"value": 1.0}),
         ("Counterweight", pp.balancing.Counterweight, lambda: {"link": "crank", "mass": 1.0, "position": (0.1, 0.0, 0.0), "inertia": 0.1}),
         ("Flywheel", pp.drives.Flywheel, lambda: {"inertia": 1.0, "speed": 7.0}),
-        ("Friction", pp.loads.Friction, lambda: {"coefficient": 0.1, "radius": 0.02, "viscous": 0.1}),
+        ("Friction", pp.loads.Friction, lambda: {"coefficient": 0.1, "radius": 0.02, "viscous": 0.1, "preload": 0.0}),
         ("Gibs", pp.ratings.Gibs, lambda: {"length": 0.5, "width": 0.1, "normal": (1.0, 0.0, 0.0), "middle": 0.1, "one_sided": False}),
         (
             "GuideSurface",

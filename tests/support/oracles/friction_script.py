@@ -134,12 +134,13 @@ def zxn2_3000b(angle, speed, acceleration):
     return Press(bodies, pins)
 
 
-def solve(press, lift, coulomb, viscous):
+def solve(press, lift, coulomb, viscous, preload=0.0):
     """Driving torque (n,), and forces (n,) by pin and of "slide_guide" across its line: {"torque": ..., "O": ..., ...}.
 
     Args:
         lift: force (n,) upwards on the slide, at its pin [N].
         coulomb: mu r of the pins by name [m], mu of "slide_guide" [-]. viscous: c [N m s, N s/m]. All are named.
+        preload: of the guide, whose friction is mu max(preload, |N|) [N].
     """
     bodies, pins, n = press.bodies, press.pins, len(press.slide.spin)
     index = {body.name: 3 * k for k, body in enumerate(bodies)}
@@ -180,11 +181,11 @@ def solve(press, lift, coulomb, viscous):
         left, slope = (matrix @ x[..., None])[..., 0] - needed, matrix.copy()
         for name, speed, (columns, sides) in zip(names, speeds, frictions, strict=True):
             force = x[:, columns]
-            size = np.linalg.norm(force, axis=1)
+            size, least = np.linalg.norm(force, axis=1), preload if name == "slide_guide" else 0.0
             against = -coulomb[name] * np.sign(speed)
             for row, sign in sides:
-                left[:, row] += sign * against * size
-                slope[:, row, columns] += sign * (against / np.where(size > 0, size, 1.0))[:, None] * force
+                left[:, row] += sign * against * np.maximum(size, least)
+                slope[:, row, columns] += sign * ((size > least) * against / np.where(size > 0, size, 1.0))[:, None] * force
         return left, slope
 
     x = np.linalg.solve(matrix, needed[..., None])[..., 0]

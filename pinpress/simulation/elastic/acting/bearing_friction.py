@@ -1,10 +1,13 @@
 """Friction in the bearings and guides of a planar press on springs.
 
 Each bearing presses with the force F of its springs, and its friction opposes the speed w with which its sides turn, or slide, against each
-other: mu r F sgn(w), of a guide mu F sgn(w), and a viscous part. While the links ring about a reversal, w changes its sign in quick
-succession, or stays zero for an instant in which friction holds the joint. Both are followed by tanh(w / w0) in place of the sign: a joint
-that friction holds creeps with less than w0, a thousandth of the crank's speed, and beyond some multiples of w0 the law is exact. A press
-that stands as a whole creeps too: its standstill is that of the rigid press.
+other: mu r F sgn(w), of a guide mu F sgn(w), and a viscous part. Of a guide with a preload F is that, or the force of the springs where
+this is larger; two gibs that are a `PreloadedJoint` press with twice its preload.
+
+While the links ring about a reversal, w changes its sign in quick succession, or stays zero for an instant in which friction holds the
+joint. Both are followed by tanh(w / w0) in place of the sign: a joint that friction holds creeps with less than w0, a thousandth of the
+crank's speed, and beyond some multiples of w0 the law is exact. A press that stands as a whole creeps too: its standstill is that of the
+rigid press.
 """
 
 from __future__ import annotations
@@ -57,6 +60,7 @@ class BearingFriction:
         slow: (K,) speeds below which a bearing creeps.
         angles: (pins, 3 (bodies + 1)) all rates to the turning speeds of the pins.
         owners: (S, K) 1 where a spring is of this bearing.
+        preload: (K,) least forces with which bearings press [N].
     """
 
     sprung: SprungPress
@@ -66,6 +70,7 @@ class BearingFriction:
     slow: Array
     angles: Array
     owners: Array
+    preload: Array
 
     @cached_property
     def _turning(self) -> Array:
@@ -79,7 +84,7 @@ class BearingFriction:
         pulls = -(lines.stiffness * geometry.extension + lines.damping * geometry.opening)
         for joint, (extension, _) in self.sprung.joint_motion(geometry):
             pulls[:, joint.spring] += joint.spring_force(extension)
-        pressing = np.sqrt((pulls * pulls) @ self.owners)
+        pressing = np.maximum(np.sqrt((pulls * pulls) @ self.owners), self.preload)
         speed = np.concatenate([rates @ self.angles.T, sliding.opening], axis=1)
         efforts = -(self.arm * pressing * np.tanh(speed / self.slow) + self.viscous * speed)
         return FrictionStates(geometry, sliding, pulls, pressing, speed, efforts)
@@ -110,7 +115,8 @@ class BearingFriction:
         by_place = held[:, :, None] * opening + lines.damping[:, None] * sprung._gradient_rate(found.geometry, rates)
         share = np.tanh(found.speed / self.slow)
         steep = self.arm * found.pressing * (1 - share * share) / self.slow + self.viscous
-        along = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, LEAST)[:, None, :]  # (n, S, K)
+        moving = (found.pressing > self.preload)[:, None, :]  # not held by the preload
+        along = -(found.pulls[:, :, None] * self.owners) / np.maximum(found.pressing, LEAST)[:, None, :] * moving  # (n, S, K)
         pressed = (self.arm * share)[:, None, :] * along
         effort_by_place = np.matmul(pressed.transpose(0, 2, 1), by_place) + steep[:, :, None] * turned
         effort_by_rate = np.matmul(pressed.transpose(0, 2, 1), lines.damping[:, None] * opening) + steep[:, :, None] * gradient
@@ -123,7 +129,7 @@ def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> 
     """Friction of the bearings of a press that runs at about a speed of its crank [rad/s].
 
     Raises:
-        PinpressError: the press moves in space, or a pin with friction has clearance.
+        PinpressError: the press moves in space, a pin with friction has clearance, or a guide has a preload beside a `PreloadedJoint`.
     """
     press, some = sprung.press, np.flatnonzero((law.arm > 0) | (law.viscous > 0))
     if not isinstance(sprung, SprungPress):
@@ -132,6 +138,12 @@ def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> 
         if pin.bearing in some:
             raise PinpressError(f"{shown(press.bearings[pin.bearing])} has clearance: give it no friction, or no clearance")
     lines, directions = sprung.lines, _guides(sprung)
+    gibs = {joint.bearing: 2 * joint.joint.preload for joint in sprung.joints if joint.bearing in some and joint.bearing in directions}
+    for number in gibs:
+        if law.preload[number]:
+            raise PinpressError(
+                f"friction of {shown(press.bearings[number])}: its gibs are a PreloadedJoint, whose forces rub: leave preload out"
+            )
     pins = [int(number) for number in some if number not in directions]
     guides = [int(number) for number in some if number in directions]
     angles = np.zeros((len(pins), len(sprung.drawn)))
@@ -145,7 +157,9 @@ def bearing_friction(sprung: PressOnSprings, law: FrictionLaw, speed: float) -> 
     shapes, order = sprung.shapes[:, rows], pins + guides
     slow = CREEPS * abs(speed) * np.where(np.arange(len(order)) < len(pins), 1.0, press.size)
     owners = (lines.bearing[:, None] == np.array(order)).astype(float)
-    return BearingFriction(sprung, replace(sprung, lines=along, shapes=shapes), law.arm[order], law.viscous[order], slow, angles, owners)
+    preload = np.array([gibs.get(number, law.preload[number]) for number in order])
+    slides = replace(sprung, lines=along, shapes=shapes)
+    return BearingFriction(sprung, slides, law.arm[order], law.viscous[order], slow, angles, owners, preload)
 
 
 def _guides(sprung: SprungPress) -> dict[int, complex]:

@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ....common.products import product
 from ....common.quantities import Array
 from ....kinematics.motion import Motion, poses
 from ....linkage.linkage import Linkage
@@ -168,7 +169,10 @@ class PressInSpace:
         return replace(self, springs=springs, open_joints=tuple(found), closed=self.closed or self)
 
     def all_coordinates(self, free: Array) -> Array:
-        return np.asarray(free @ self.carry.T)
+        return self.all_rates(free)
+
+    def all_rates(self, rates: Array) -> Array:
+        return product(rates, self.carry.T)
 
     def free_coordinates(self, coordinates: Array) -> Array:
         return np.asarray(coordinates[:, self._kept])
@@ -299,7 +303,7 @@ class PressInSpace:
 
     def weight_less_inertia(self, accelerations: Array) -> Array:
         """Sum (n, 3) of the weights less the inertia forces of all bodies, of free accelerations (n, f), in world axes [N]."""
-        change = self.places(accelerations @ self.carry.T)[:, : self.count]
+        change = self.places(self.all_rates(accelerations))[:, : self.count]
         return np.asarray(np.einsum("nbi,b->ni", self.gravity - change, self.mass_of))
 
     # --------------------------------------------------------------------------------------------------------------------- springs

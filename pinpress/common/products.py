@@ -1,0 +1,52 @@
+"""Products of matrices that wake no threads of BLAS, whatever the user has set.
+
+On matrices of few rows or few columns threads gain next to nothing, and on a busy machine they wait for each other, many milliseconds
+each time. Products are therefore taken in pieces that OpenBLAS computes in one thread.
+"""
+
+from typing import overload
+
+import numpy as np
+
+from .quantities import Array, ComplexArray
+
+# Numbers up to which OpenBLAS stays in one thread:
+SERIAL = 262_144  # multiplications of a product of real matrices
+SERIAL_COMPLEX = 65_536  # of complex matrices
+SERIAL_COMPLEX_VECTOR = 4_095  # of complex ones, one of them a single row or column, which OpenBLAS takes for a vector
+SERIAL_VECTOR = 10_000  # of two vectors
+
+
+@overload
+def product(rows: Array, columns: Array) -> Array: ...
+@overload
+def product(rows: ComplexArray, columns: Array | ComplexArray) -> ComplexArray: ...
+@overload
+def product(rows: Array, columns: ComplexArray) -> ComplexArray: ...
+def product(rows: Array | ComplexArray, columns: Array | ComplexArray) -> Array | ComplexArray:
+    """``rows`` (m, k) or (k,) times ``columns`` (k, n), or a short vector (k,)."""
+    height, count = 1 if rows.ndim == 1 else len(rows), columns.shape[1] if columns.ndim == 2 else 1
+    if rows.dtype.kind != "c" and columns.dtype.kind != "c":
+        most = SERIAL
+    else:
+        most = SERIAL_COMPLEX if height > 1 and count > 1 else SERIAL_COMPLEX_VECTOR
+    if rows.size * count <= most or columns.ndim == 1 or height == count == 1:
+        return np.asarray(rows.dot(columns))  # `@` takes half a microsecond longer
+    result = np.empty((*rows.shape[:-1], count), np.result_type(rows, columns))
+    if height > count:
+        step = max(1, most // columns.size)
+        for start in range(0, height, step):
+            result[start : start + step] = product(rows[start : start + step], columns)
+    else:
+        step = max(1, most // rows.size)
+        for start in range(0, count, step):
+            result[..., start : start + step] = product(rows, columns[:, start : start + step])
+    return result
+
+
+def finite_if(values: Array | ComplexArray) -> float:
+    """A number that is finite only if all values are: the sum of their squares, which takes less time, or of many values their sum."""
+    if values.size <= SERIAL_VECTOR:
+        return float(np.vdot(values, values).real)
+    total = np.add.reduce(values, axis=None)
+    return float(total.real + total.imag)
