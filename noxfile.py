@@ -65,11 +65,21 @@ def docs(session: nox.Session) -> None:
 
 @nox.session(default=False)
 def review(session: nox.Session) -> None:
-    """Compare the repository with the habits of scientific Python, check CITATION.cff, and render the recipe for conda-forge."""
-    session.install("sp-repo-review[cli]", "cffconvert", "py-rattler-build>=0.73")
+    """Compare the repository with the habits of scientific Python, and check CITATION.cff, the Markdown and the workflow."""
+    session.install("sp-repo-review[cli]", "cffconvert", "rumdl", "zizmor")
     session.run("sp-repo-review", ".")
     session.run("cffconvert", "--validate")
-    session.run("python", "-c", "import rattler_build; print(rattler_build.Stage0Recipe.from_file('conda/recipe.yaml').render())")
+    session.run("rumdl", "check", ".")
+    session.run("zizmor", "--offline", ".github")
+
+
+@nox.session(default=False, python=PINOCCHIOS[0])
+def recipe(session: nox.Session) -> None:
+    """Build the recipe for conda-forge and run its tests, with packages of PyPI in place of those of conda-forge; on Linux."""
+    session.install(".", "pip", "hatchling", "py-rattler-build>=0.73")
+    session.install("build")
+    session.run("python", "-m", "build", "--sdist")
+    session.run("python", "conda/build_here.py")
 
 
 if __name__ == "__main__":

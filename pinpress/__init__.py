@@ -14,9 +14,8 @@ SI units and radians throughout. World z is up; a planar press stands in the x-z
 `synthesis`, `sweeps`, `derivatives`, `plots`, `video` and `accuracy`.
 """
 
-import lazy_loader
-
 from .common import command_end  # noqa: F401  from here on Ctrl-C ends a command without a traceback
+from .common.public_names import public_names
 
 __version__ = "0.2.0"
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

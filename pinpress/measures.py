@@ -9,6 +9,6 @@ Heights are slide positions above bottom dead centre [m], angles are in rad. Mos
 be goals and limits of `pinpress.synthesis`.
 """
 
-import lazy_loader
+from .common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub("pinpress", __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

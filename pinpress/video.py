@@ -7,6 +7,6 @@
 They need Chromium or Chrome, and ``pip install 'pinpress[video]'``. A report is filmed like a recording.
 """
 
-import lazy_loader
+from .common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub("pinpress", __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -10,6 +10,6 @@ Forces are linear in the masses at a given motion, so that the search is a conve
 are in `pinpress.balancing.classical`.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

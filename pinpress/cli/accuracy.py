@@ -10,7 +10,8 @@ from ..common.quantities import RPM
 from ..dynamics.inputs import described, of_press, stated
 from ..plots import style
 from .words import part_specs
-from .words.options import add_out_option, add_press_options, load_press, print_inputs, progress, say_written
+from .words.options import add_out_option, add_press_options, load_press, print_inputs, say_written
+from .words.progress import progress
 from .words.units import quantity
 
 EPILOG = """\

@@ -20,8 +20,8 @@ from .words.options import (
     add_trace_option,
     forces,
     load_press,
-    progress,
 )
+from .words.progress import progress
 from .words.units import driver_position, driver_speed
 
 EPILOG = f"""\
@@ -105,7 +105,7 @@ def run(options: argparse.Namespace) -> int:
             image(page, options.png, time=_time(motion, at), **size)
         if options.video is not None:
             shown = {"frames_per_second": options.fps, "slowdown": options.slowdown, "repeats": options.repeats}
-            with progress(1.0, "{percentage:3.0f} % |{bar}| {remaining} to go") as tell:
+            with progress(1.0) as tell:
                 film(page, options.video, **shown, **size, progress=tell)
     written = [str(path) for path in (options.out, options.png, options.video) if path is not None]
     print(f"wrote {', '.join(written)}")

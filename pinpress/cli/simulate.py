@@ -31,11 +31,11 @@ from .words.options import (
     load_press,
     loads,
     print_inputs,
-    progress,
     refuse_pages_without_folder,
     springs,
     write_pages,
 )
+from .words.progress import progress
 from .words.units import driver_position, driver_speed, quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"

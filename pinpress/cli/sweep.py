@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import importlib.util
+import logging
 import os
 import signal
 import sys
@@ -17,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import PinpressError, UnknownNameError
-from .words.options import progress
+from .words.progress import progress
 
 MOST_A_AXIS = 10_000_000
 IN_FLIGHT = 64  # tasks submitted at once, at least
@@ -79,15 +80,14 @@ def run(options: argparse.Namespace) -> int:
     grid = _grid(options)
     function, file = _function(options.function)
     done = 0.0
-    with _executor(options, file) as (executor, threads), progress(1.0, "{percentage:3.0f} % |{bar}| {remaining} to go") as told:
+    try:
+        with _executor(options, file) as (executor, threads), progress(1.0) as told:
 
-        def tell(share: float) -> None:
-            nonlocal done
-            done = share
-            if told is not None:
+            def tell(share: float) -> None:
+                nonlocal done
+                done = share
                 told(share)
 
-        try:
             found = sweep_to_parquet(
                 function,
                 grid,
@@ -99,9 +99,10 @@ def run(options: argparse.Namespace) -> int:
                 in_flight=max(IN_FLIGHT, 2 * threads),
                 progress=tell,
             )
-        except KeyboardInterrupt:
-            print(f"{100 * done:.1f} % of the points are in {options.to}; the same command goes on", file=sys.stderr)
-            raise
+    except KeyboardInterrupt:  # here the bar is wiped
+        said = f"{100 * done:.1f} % of the points are in {options.to}; " if done else ""  # before the first part that is unknown
+        print(f"{said}the same command goes on", file=sys.stderr)
+        raise
     print(found)
     return 0
 
@@ -212,10 +213,16 @@ def _cluster(address: str, file: Path) -> Iterator[tuple[Executor, int]]:
         threads = sum(client.nthreads().values())
         print(f"{threads} threads; dashboard {client.dashboard_link}", flush=True)
         if not threads:
-            print(f"waiting for workers: dask worker {address} --nworkers -1 --nthreads 1", flush=True)
+            print(f"waiting for workers: {MEMORY} dask worker {address} --nworkers -1 --nthreads 1", flush=True)
         if "65536" in client.run(os.environ.get, "MALLOC_TRIM_THRESHOLD_").values():
             print(f"{HASTY}: start them with {MEMORY}", file=sys.stderr, flush=True)
-        yield client.get_executor(), threads
+        logging.getLogger("tornado.application").setLevel(logging.CRITICAL)  # a lost scheduler is told below, not by Dask's tracebacks
+        try:
+            yield client.get_executor(), threads
+        except PinpressError as error:
+            if client.status == "running":
+                raise
+            raise PinpressError(f"the scheduler at {address} is gone, and its workers with it: start them again. {error}") from error
 
 
 def _begin_worker(folder: str) -> None:

@@ -11,6 +11,6 @@
 Pivots are named by a joint or loop and one of its two links, and are given in that link's frame; `pivot_positions` lists them all.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

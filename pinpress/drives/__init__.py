@@ -9,6 +9,6 @@ A drive does not know the press: it gives a torque as a function of speed, angle
 is a class with the methods of `Drive`. A `SwitchPoint` says when a clutch or a brake closes or opens.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -8,6 +8,6 @@
 Deflections are small: the springs of the parts shift the slide, and leave the motion of the linkage as it is.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

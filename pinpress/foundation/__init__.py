@@ -11,6 +11,6 @@ model (`beam_frame`, `read_frame`), with what stands and spins on it (`Attachmen
 `Reactions.shaking_force` and `shaking_moment`. In `lifting_response` the mounts only press. `MountedPress` says what is left out.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -9,6 +9,6 @@
 resist its motion. Your own process load is a class with the methods of `ProcessLoad`.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -10,6 +10,6 @@
 A `MeasuredRun` is a record with its crank angle continuous and its torque at the crank, from a file by `record`, or from arrays.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

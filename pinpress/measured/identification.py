@@ -29,7 +29,7 @@ from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, PointForce
 from .estimates.base_parameters import base_parameters
 from .estimates.encoder_zero import Start, likely_starts
-from .estimates.least_squares import Fit, fitted
+from .estimates.least_squares import Fit, deviations, fitted
 from .estimates.prior import NOTHING, ZERO, Losses, Unknowns, unknowns_of
 from .estimates.run_rows import BY_FORCE, Known, RunEquations
 from .estimates.weak_form import quantities, smoothed
@@ -339,7 +339,7 @@ def _doubt_fit(unknowns: Unknowns, fit: Fit) -> None:
     """Warn of estimates that do not say what they seem to say."""
     from scipy.special import chdtrc  # to save start-up time
 
-    deviation, by_noise = unknowns.deviation, np.sqrt(np.diag(fit.posterior))
+    deviation, by_noise = unknowns.deviation, deviations(fit.posterior)
     losses = range(unknowns.inertial, unknowns.zero)
     hidden = [unknowns.parameters[k].name for k in losses if by_noise[k] * fit.weight[k] > HIDDEN]
     if hidden:
@@ -365,7 +365,7 @@ def _doubt_fit(unknowns: Unknowns, fit: Fit) -> None:
             " look for what the press has and its description has not"
         )
     known = [k for k in range(unknowns.inertial) if 0 < by_noise[k] < 0.5 * deviation[k]] + list(losses)
-    scatter = np.sqrt(np.maximum(np.diag(fit.sandwich), 0.0))
+    scatter = deviations(fit.sandwich)
     apart = [unknowns.parameters[k].name for k in known if scatter[k] > DISAGREEING * by_noise[k]]
     if apart:
         caution(
@@ -390,7 +390,7 @@ def _doubt_residuals(runs: Sequence[MeasuredRun], fit: Fit) -> None:
 
 
 def _result(unknowns: Unknowns, fit: Fit, press: Linkage, losses: Losses) -> IdentifiedPress:
-    by_noise, by_blocks = (np.sqrt(np.maximum(np.diag(each), 0.0)) for each in (fit.posterior, fit.sandwich))
+    by_noise, by_blocks = deviations(fit.posterior), deviations(fit.sandwich)
     width = WIDE * fit.deviation
     records, before_sd = [], unknowns.deviation
     for k, each in enumerate(unknowns.parameters):

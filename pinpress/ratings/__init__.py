@@ -9,6 +9,6 @@ Capacities are what the parts stand: nominal force, crank torque, bearings, flyw
 centre [m].
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

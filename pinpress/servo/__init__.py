@@ -11,6 +11,6 @@ A `ServoDrive` describes the motor and its gear, a path (`Turn`, `Stop`, `Pendul
 `ServoMotion` what a motion asks of the drive, by full inverse dynamics. `evaluate` makes one of any motion.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

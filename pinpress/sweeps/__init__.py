@@ -10,6 +10,6 @@
 `sweep_to_parquet` does the same for millions of points, in parts, into a folder that others read.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

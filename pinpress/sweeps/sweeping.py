@@ -284,9 +284,8 @@ def executor_is_gone(error: TaskError, known: int, points: int, to: str | os.Pat
     cause = error.__cause__
     where = "which are lost: give to=, a file that keeps them" if to is None else f"which are in {os.fspath(to)}"
     again = "" if to is None else "; call the same sweep again, with a new executor, to do the others"
-    return PinpressError(
-        f"the executor could not do its work ({type(cause).__name__}: {cause}) after {known} of {points} points, {where}{again}"
-    )
+    said = f"{type(cause).__name__}: {cause}".removesuffix(": ")
+    return PinpressError(f"the executor could not do its work ({said}) after {known} of {points} points, {where}{again}")
 
 
 def _column(labels: list[Scalar]) -> Column:

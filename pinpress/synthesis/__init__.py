@@ -12,6 +12,6 @@
 Goals and limits are functions of a `Trial`: the motion and forces of the press with the lengths that are tried. Their gradients are exact.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -11,6 +11,6 @@ presses is closed with its own lengths. `play`, `heat` and `budget` say what cle
 `parallelism` how a slide on several points tilts.
 """
 
-import lazy_loader
+from ..common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

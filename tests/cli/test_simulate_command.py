@@ -7,7 +7,6 @@ import io
 import re
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from support import texts
 import pinpress as pp
 from pinpress.cli import main, simulate
 from pinpress.cli.run_summary import FIRST_STROKES, MOST_STROKES
-from pinpress.cli.words import options, part_specs
+from pinpress.cli.words import part_specs
 from pinpress.common.quantities import CRANK
 from pinpress.drives.motors import InductionMotor, InverterMotor, ServoMotor
 from pinpress.drives.slip_clutch import SlipClutchMotor
@@ -260,6 +259,7 @@ def test_every_option_reaches_the_simulation(capsys: pytest.CaptureFixture[str],
     (call,) = calls
     press = call.pop("press")
     np.testing.assert_array_equal(press.model.gravity.linear, [0, 0, -1.6])
+    assert callable(call.pop("progress"))
     assert [type(load) for load in call.pop("loads")] == [Idle, ElasticDie]
     assert call == {
         "duration": 0.2,
@@ -274,7 +274,6 @@ def test_every_option_reaches_the_simulation(capsys: pytest.CaptureFixture[str],
         "points": 17,
         "step": 0.001,
         "tolerance": 1e-9,
-        "progress": None,  # the test's stderr is no terminal
     }
 
 
@@ -495,28 +494,6 @@ def test_several_drivers_are_refused(capsys: pytest.CaptureFixture[str], tmp_pat
 class Terminal(io.StringIO):
     def isatty(self) -> bool:
         return True
-
-
-@pytest.mark.exhaustive
-def test_progress_bar_on_a_terminal_after_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = Terminal()
-    monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setenv("COLUMNS", "80")
-    with options.progress(10.0, simulate.BAR) as progress:
-        assert progress is not None
-        progress(2.5)
-        assert terminal.getvalue() == ""
-        time.sleep(1.05)
-        progress(5.0)
-        assert " 50 % |" in terminal.getvalue()
-        assert "5.000 of 10.000 s" in terminal.getvalue()
-    assert terminal.getvalue().endswith("\r")  # wiped
-
-
-def test_no_progress_bar_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "stderr", io.StringIO())
-    with options.progress(10.0, simulate.BAR) as progress:
-        assert progress is None
 
 
 def test_progress_is_what_the_simulation_reports(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

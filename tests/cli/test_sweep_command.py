@@ -159,3 +159,25 @@ def test_a_cluster(study, tmp_path, capsys):
     assert main(["sweep", f"{study}:areas", *axes, "--to", "other", "--cluster", address]) == 2
     assert "start one by `dask scheduler`" in capsys.readouterr().err
     assert main(["sweep", f"{study}:areas", *axes, "--to", "other", "--cluster", "nowhere"]) == 2
+
+
+@pytest.mark.exhaustive
+def test_a_scheduler_that_dies_is_told_without_tracebacks(study, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    words = [f"{study}:slowly", "--axis", "a=1:400:400", "--points-a-part", "2", "--to", "runs"]
+    (tmp_path / "cluster").mkdir()
+    with dask_processes(tmp_path / "cluster") as (file, (scheduler, *_)):
+        with distributed.Client(scheduler_file=str(file)) as client:
+            client.wait_for_workers(2, timeout=60)
+            address = client.scheduler.address
+        command = [sys.executable, "-m", "pinpress", "sweep", *words, "--cluster", address]
+        process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        while not os.path.exists("runs/part-000003.parquet"):
+            assert process.poll() is None
+            time.sleep(0.01)
+        scheduler.kill()
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert f"pinpress: the scheduler at {address} is gone, and its workers with it: start them again" in said
+    assert "Traceback" not in said
+    assert f"after {len(pandas.read_parquet('runs'))} of 400 points, which are in runs; call the same sweep again" in said

@@ -11,6 +11,7 @@ import pinpress as pp
 from pinpress.measured import MeasuredRun, identifiability, identify
 from pinpress.measured.estimates.base_parameters import base_parameters
 from pinpress.measured.estimates.cones import _in_plane, _in_space, _inside
+from pinpress.measured.estimates.least_squares import Fit
 from pinpress.measured.estimates.weak_form import smoothed
 from pinpress.measured.regressor import inertial_equations, loss_columns
 
@@ -49,6 +50,13 @@ def noisy(name, seed, counts=8192, noise=0.01, friction=LOSSES):
 def shifted(runs, zero):
     """The same records by an encoder that shows this where the press is as drawn."""
     return [replace(each, angle=each.angle + zero) for each in runs]
+
+
+def test_variances_that_rounding_made_negative_are_zero():
+    """As of an encoder's zero that is known to rounding, beside variances of size one."""
+    one, other = np.diag([4.0, -1e-30, 1.0]), np.diag([1.0, -1e-29, 9.0])
+    fit = Fit(np.zeros(3), one, other, 0.0, (0.0, 0.0), {}, np.zeros(3))
+    assert fit.deviation.tolist() == [2.0, 0.0, 3.0]
 
 
 @pytest.mark.parametrize(

@@ -28,10 +28,10 @@ def integrate(folder: Path, fails_at: int) -> tuple[int, list[str], str]:
     shutil.copytree(ROOT / ".ci", folder / ".ci")
     programs, calls = folder / "programs", folder / "calls"
     programs.mkdir()
-    for name in ("python3", "python3.10", "python3.13", "chromium"):
+    for name in ("python3", "python3.10", "python3.13", "python3.14", "chromium"):
         (programs / name).write_text(PROGRAM)
         (programs / name).chmod(0o755)
-    for name in (".venv-test", ".venv-lowest", ".venv-newest"):
+    for name in (".venv-test", ".venv-lowest", ".venv-3.13", ".venv-newest"):
         shutil.copytree(programs, folder / name / "bin")
         shutil.copy(programs / "python3", folder / name / "bin" / "python")
     environment = {"PATH": f"{programs}:/usr/bin:/bin", "CALLS": str(calls), "FAILS_AT": str(fails_at), "HOME": str(folder)}

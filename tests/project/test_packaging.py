@@ -92,6 +92,8 @@ def test_sdist_contents(built):
     assert {f"urdf/{name}" for name in SHIPPED} < names
     assert {path.relative_to(ROOT).as_posix() for path in (ROOT / "tests").rglob("*.py")} < names
     assert {"pyproject.toml", "README.md", "LICENSE", "pinpress/py.typed"} | PAGES | PEERS | TABLES < names
+    # What the tests read beside it: they pass where the source distribution is unpacked.
+    assert {".ci/run", ".github/workflows/integration.yml", ".pre-commit-config.yaml", ".zenodo.json", "paper/paper.bib"} < names
 
 
 @pytest.mark.parametrize("installed", rest_exhaustive(["checkout", "editable", "wheel"], "checkout"))

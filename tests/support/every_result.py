@@ -1,6 +1,5 @@
 """One of each public class of data: of every result, and of every description that calls take."""
 
-import atexit
 import dataclasses
 import inspect
 import re
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from support import hammer_hits, texts
+from support.session_folder import session_folder
 from support.sweep_points import fails_at_odd
 
 import pinpress as pp
@@ -207,9 +207,8 @@ def sweep():
 
 @cache
 def parquet_sweep():
-    folder = tempfile.TemporaryDirectory(prefix="pinpress-sweep-")
-    atexit.register(folder.cleanup)
-    return pp.sweeps.sweep_to_parquet(fails_at_odd, {"a": [1, 2, 3]}, to=Path(folder.name, "runs"), points_a_part=2)
+    folder = session_folder("pinpress-sweep-")
+    return pp.sweeps.sweep_to_parquet(fails_at_odd, {"a": [1, 2, 3]}, to=folder / "runs", points_a_part=2)
 
 
 @cache

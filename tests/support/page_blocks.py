@@ -58,7 +58,7 @@ def blocks(page: str) -> list[Block]:
 
 def run(page: str, names: dict[str, object]) -> Iterator[Shown]:
     """Run the blocks of a page in the working folder, with ``names`` as the session's; yields what is shown, printed or not."""
-    found = blocks(page)
+    found, names["__name__"] = blocks(page), "__main__"
     for block, after in zip(found, [*found[1:], Block("", "", "", 0)], strict=True):
         if block.title:
             if block.language == "python":

@@ -5,15 +5,17 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
+from support.session_folder import session_folder
+
 import pinpress as pp
 
-FILES = tempfile.TemporaryDirectory(prefix="pinpress-linkages-")
+FILES = session_folder("pinpress-linkages-")
 
 
 @cache
 def load(text, gravity=(0.0, 0.0, -9.81), **options):
     """The linkage of a text, by way of a file of its own. It is read-only, so that tests can share it and what it has found out."""
-    file = Path(tempfile.mkdtemp(dir=FILES.name)) / "linkage.urdf"
+    file = Path(tempfile.mkdtemp(dir=FILES)) / "linkage.urdf"
     file.write_text(text, encoding="utf-8")
     return pp.load(file, gravity=gravity, **options)
 

@@ -41,8 +41,9 @@ GREY = 240
 SAME = 2.5  # mean difference of two pictures' values, of 255, up to which they differ by compression and rounding of colours alone
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(scope="session", autouse=True)
 def _needs_a_browser() -> None:
+    """Before the one that starts Chromium, which is of the session too."""
     if MISSING:
         pytest.skip("needs Chromium, playwright, imageio-ffmpeg and pillow")
 
@@ -537,7 +538,8 @@ def test_command(
     assert html.read_bytes() == same.read_bytes()
     at = pytest.approx(0.75 * DURATION)  # backwards, 90 deg comes late
     assert asked_of["image"] == [same.read_bytes(), png, {"time": at, "size": (160, 120)}]
-    how = {"frames_per_second": 1, "slowdown": 2.0, "repeats": 2, "size": (160, 120), "progress": None}
+    assert callable(asked_of["film"][-1].pop("progress"))
+    how = {"frames_per_second": 1, "slowdown": 2.0, "repeats": 2, "size": (160, 120)}
     assert asked_of["film"] == [same.read_bytes(), mp4, how]
     assert png.read_bytes().startswith(b"\x89PNG")
     about, shown = frames(mp4)
@@ -588,6 +590,6 @@ def test_command_refuses_words(words: list[str], says: str, capsys: pytest.Captu
 def test_command_shows_progress(fake_screen: Callable[[float], None], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[float] = []
     fake_screen(DURATION)
-    monkeypatch.setattr(command_record, "progress", lambda total, shape: contextlib.nullcontext(told.append))
+    monkeypatch.setattr(command_record, "progress", lambda total: contextlib.nullcontext(told.append))
     assert command("crank_slide", "--speed", 70, "--video", tmp_path / "out.mp4", "--size", "64x64", "--fps", 1) == 0
     assert told == [0.25, 0.5, 0.75, 1.0]

@@ -22,6 +22,6 @@
 crank-slider's forces, and `compare_harmonics` compares those of two presses.
 """
 
-import lazy_loader
+from ...common.public_names import public_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

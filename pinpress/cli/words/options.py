@@ -1,10 +1,9 @@
-"""Common parts of the commands: options of several commands, their explanations, progress, and writing of pages."""
+"""Common parts of the commands: options of several commands, their explanations, and writing of pages."""
 
 from __future__ import annotations
 
 import argparse
 import math
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -459,23 +458,3 @@ def say_written(folder: Path, names: Sequence[str]) -> None:
     """Print which files have been written."""
     *first, last = (str(folder / name) for name in names)
     print(f"\nwrote {', '.join(first)} and {last}")
-
-
-@contextmanager
-def progress(total: float, shape: str) -> Iterator[Callable[[float], None] | None]:
-    """Show a bar on a terminal once the work takes longer than a second; elsewhere show nothing.
-
-    Args:
-        total: what is reached at the end.
-        shape: tqdm's ``bar_format``.
-
-    Yields:
-        What is to be told how much has been reached; None where there is no terminal.
-    """
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from tqdm import tqdm  # seldom needed
-
-    with tqdm(total=total, file=sys.stderr, delay=1.0, miniters=0, leave=False, bar_format=shape) as bar:
-        yield lambda reached: bar.update(reached - bar.n)

@@ -51,7 +51,12 @@ class Fit(NamedTuple):
     @property
     def deviation(self) -> Array:
         """(unknowns,) the larger of both standard deviations."""
-        return np.sqrt(np.maximum(np.diag(self.posterior), np.diag(self.sandwich)))
+        return np.maximum(deviations(self.posterior), deviations(self.sandwich))
+
+
+def deviations(covariance: Array) -> Array:
+    """(unknowns,) standard deviations: zero where rounding made a variance negative, as of what is known before to rounding."""
+    return np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
 
 def fitted(unknowns: Unknowns, rows: Sequence[Rows], current: bool) -> Fit:

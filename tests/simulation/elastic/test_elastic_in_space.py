@@ -24,7 +24,7 @@ PINS = ("O", "B_cross", "B", "slide_guide")  # of the template, with its crank O
 @cache
 def rssp():
     """The template: a rod with a universal joint at the crank and a ball at the slide."""
-    path = Path(tempfile.mkdtemp(dir=FILES.name)) / "rssp.yaml"
+    path = Path(tempfile.mkdtemp(dir=FILES)) / "rssp.yaml"
     path.write_bytes(template("rssp"))
     return pp.build(path)
 

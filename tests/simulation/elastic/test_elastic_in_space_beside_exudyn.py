@@ -26,7 +26,7 @@ UNTIL = 0.022  # three swings of the lowest vibration [s]
 @pytest.mark.exhaustive
 def test_press_in_space_beside_exudyn():
     """From the same state, under a torque: places and turns of all links at the end."""
-    path = Path(tempfile.mkdtemp(dir=FILES.name)) / "rssp.yaml"
+    path = Path(tempfile.mkdtemp(dir=FILES)) / "rssp.yaml"
     path.write_bytes(template("rssp"))
     press = pp.build(path)
     moments = dict.fromkeys(("O", "B_cross", "B", "slide_guide"), 0.1 * STIFFNESS)

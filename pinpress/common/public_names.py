@@ -1,0 +1,71 @@
+"""The public names of a room: each is imported when it is first used; of one that is not there it is said where it is, or what it is now.
+
+A room's `__init__.pyi` is the list of its names. A name that has been in a release and is renamed stands in its `__init__.py`:
+
+    __getattr__, __dir__, __all__ = public_names(__name__, __file__, renamed={"duty": "duty_cycle"}, gone_in="0.5")
+"""
+
+import warnings
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import lazy_loader
+
+PACKAGE = Path(__file__).parents[1]
+Look: TypeAlias = Callable[[str], Any]
+Names: TypeAlias = Callable[[], list[str]]
+
+
+def public_names(room: str, file: str, renamed: Mapping[str, str] | None = None, gone_in: str = "") -> tuple[Look, Names, list[str]]:
+    """`__getattr__`, `__dir__` and `__all__` of a room.
+
+    Args:
+        room: its name, such as "pinpress.measures".
+        file: its file, beside which its stub is.
+        renamed: old name -> name of today in the same room. An old name gives the same object, with a DeprecationWarning at the caller's
+            line; it is in no list.
+        gone_in: version without the old names.
+    """
+    package = room if Path(file).stem == "__init__" else room.rpartition(".")[0]
+    there, names, listed = lazy_loader.attach_stub(package, file)
+    old = renamed or {}
+
+    def look(name: str) -> Any:
+        if name in old:
+            text = f"{room}.{name} is now {room}.{old[name]}: write that; version {gone_in} has the old name no more"
+            warnings.warn(text, DeprecationWarning, stacklevel=2)
+            return getattr(import_module(room), old[name])
+        if name not in listed:
+            asked = name.startswith("__")  # by Python or a tool, which expect no answer
+            raise AttributeError(f"{room} has no {name!r}{'' if asked else _elsewhere(name, listed)}")
+        found = there(name)
+        if package != room:  # the loader keeps what it has found in the package, where it is no public name
+            around = import_module(package)
+            if name not in around.__all__:
+                vars(around).pop(name, None)
+            setattr(import_module(room), name, found)
+        return found
+
+    return look, names, listed
+
+
+def _elsewhere(name: str, listed: list[str]) -> str:
+    """In which other rooms a name is, or else which name of this one is close to it."""
+    from .errors import suggestion  # only on the way to an error
+
+    rooms = [room for room, names in _rooms() if name in names]
+    return f": it is {' and '.join(f'{room}.{name}' for room in rooms)}" if rooms else suggestion(name, listed)
+
+
+def _rooms() -> list[tuple[str, set[str]]]:
+    """All rooms and the names that their stubs list."""
+    import ast  # only on the way to an error
+
+    found = []
+    for stub in sorted(PACKAGE.rglob("*.pyi")):
+        room = ".".join(stub.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
+        imports = [node for node in ast.parse(stub.read_bytes()).body if isinstance(node, ast.ImportFrom)]
+        found.append((room, {each.asname or each.name for node in imports for each in node.names}))
+    return found
