@@ -129,6 +129,7 @@ def test_dies_are_conditions(capsys: pytest.CaptureFixture[str], tmp_path: Path)
     assert "condition 3: die of 400 kg (3), 200 r/min" in text
 
 
+@pytest.mark.exhaustive
 def test_settings_are_conditions(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """Strokes of a shipped press by the radius of its cranks: another mass of both blocks, in proportion, and none at its own radius."""
     words: list[object] = ["eccentric_blocks", "--speed", 300, "--points", 72]

@@ -75,6 +75,7 @@ def test_the_angles_that_it_writes_drive_a_simulation(capsys: pytest.CaptureFixt
     assert "crank" in capsys.readouterr().out
 
 
+@pytest.mark.exhaustive
 def test_the_smallest_motor_of_a_catalogue(capsys: pytest.CaptureFixture[str]) -> None:
     catalogue = ["--motors", ROOT / "docs/servo_motors.csv", "--ratios", "60,80", "--gear-inertia", 50, "--points", 120]
     out = printed(capsys, *TASK, *SLIDE, *catalogue)

@@ -22,6 +22,7 @@ def files(tmp_path):
     return [str(tmp_path / "hits.csv"), "--points", str(tmp_path / "points.csv")]
 
 
+@pytest.mark.exhaustive
 def test_modes_of_hits_and_the_mounts_that_fit_them(capsys, tmp_path, files):
     assert main(["vibration", *files, *STANDING, *PAD, "--fit", "--out", str(tmp_path / "out")]) == 0
     out, err = capsys.readouterr()

@@ -112,6 +112,7 @@ def test_a_screw_in_a_rod_that_lifts_off():
     assert found.parts[name].max() > 1.2 * linear.parts[name].max()  # the lock carries alone
 
 
+@pytest.mark.exhaustive
 def test_closed_in_elastic_motion_it_is_a_spring():
     press, held = shipped("crank_slide"), pp.drives.PrescribedSpeed(2.0)
     bearings, blank = dict.fromkeys(press.bearings, 1e8), [pp.loads.Blanking(3e4, 0.02, 0.01)]

@@ -82,6 +82,7 @@ def test_without_noise_base_parameters_are_exact(name, zero, known, exact):
     assert found.losses == pytest.approx({"crank friction": 80.0, "crank viscous friction": 6.0}, rel=10 * exact)
 
 
+@pytest.mark.exhaustive
 @pytest.mark.filterwarnings("ignore:.*residuals scatter more:pinpress.PinpressWarning")
 def test_the_press_found_moves_as_the_records_say(tmp_path):
     """In space too; it is a linkage and a URDF."""
@@ -169,6 +170,7 @@ def test_two_minutes_in_space_settle_from_afar():
         assert wide(found.intervals[name], 1.5, value), name
 
 
+@pytest.mark.exhaustive
 def test_what_was_weighed_narrows_what_hides_behind_it():
     """In the JF75G-125 slide and counterweight hide behind each other; the sum of all masses tells the rest of them."""
     name = "jf75g_125"
@@ -243,6 +245,7 @@ def test_a_known_mass_tells_the_motor_constant(added, exact):
     assert "motor constant" in str(found)
 
 
+@pytest.mark.exhaustive
 def test_shaking_force_tells_what_torque_does_not():
     """Masses that hide behind each other; constant offsets of load cells do not matter."""
     name, rng = "jf75g_125", np.random.default_rng(5)

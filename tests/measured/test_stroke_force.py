@@ -190,6 +190,7 @@ def test_friction_under_the_force_is_taken():
     assert without.work > 1.02 * found.work
 
 
+@pytest.mark.exhaustive
 def test_an_identified_press_is_its_own_sensor():
     """A press 20 % heavier than described, that rubs: identified from an idle run its force comes out, else it does not."""
     described = shipped(NAME)

@@ -125,6 +125,7 @@ def test_import_discipline(checkout, tmp_path, code, unwanted):
     assert set(unwanted.split()) & set(roots) == set()
 
 
+@pytest.mark.exhaustive
 def test_public_names_are_not_hidden_by_modules(checkout, tmp_path):
     """A module of a public function's name would take the function's place once it is imported."""
     code = """

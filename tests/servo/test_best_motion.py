@@ -147,6 +147,7 @@ def test_a_turn_takes_exactly_its_time():
     assert "a turn that takes 1 s is not convex, since a faster one, of 0.2029 s, would need 71 % less a stroke" in best.notes[0]
 
 
+@pytest.mark.exhaustive
 def test_a_press_that_may_rest_does_where_that_needs_less():
     """A light rotor over a long time; with a heavy one a turn that never rests needs less. A path that is given is kept."""
     press, loads = texts.shipped("crank_slide"), [pp.loads.DeepDrawing(1e4, 0.04)]

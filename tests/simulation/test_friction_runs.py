@@ -110,7 +110,7 @@ def test_a_run_by_hand():
     np.testing.assert_allclose((run.crank_angle[-1], run.crank_speed[-1]), by_hand.y[:, -1], rtol=1e-9)
 
 
-@pytest.mark.parametrize("method", ["reduced", "implicit"])
+@pytest.mark.parametrize("method", ["reduced", pytest.param("implicit", marks=pytest.mark.exhaustive)])
 def test_preloaded_gibs_in_a_run(method):
     """Where the preload is never reached, the gibs take mu P of every metre; where it is in a part of the turn, inverse dynamics agrees."""
     press = texts.shipped("crank_slide")

@@ -62,6 +62,7 @@ def test_objectives_without_conflict_have_one_design():
     assert only.values.tolist() == [[pytest.approx(-0.4), pytest.approx(-0.8)]]
 
 
+@pytest.mark.exhaustive
 def test_an_end_that_leaves_a_variable_free_is_the_best_in_the_other_objective():
     """The stroke knows no rod; the acceleration wants it long. So the end with the least stroke has the longest rod."""
     designs = found(lambda trial: -stroke(trial.motion), largest_acceleration, designs=3).designs

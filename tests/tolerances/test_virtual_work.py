@@ -34,6 +34,7 @@ def test_guides_are_lines():
     assert unit.shift(directed(press, across)) == pytest.approx(motion_derivatives(press, motion, [across])[0].slide_position)
 
 
+@pytest.mark.exhaustive
 def test_shifts_in_space_are_those_of_linkages_of_other_lengths():
     press, by = texts.load(SPATIAL), 1e-5
     motion, at = pp.servo_cycle(press, [0.5], speed=0.0), pivot_positions(press)

@@ -643,13 +643,13 @@ def test_more_turns_than_a_page_holds(press: Any, tmp_path: Path) -> None:
         pp.record(press, motion, tmp_path / "out.html")
 
 
-@pytest.mark.parametrize("name", ["missing/out.html", "directory", "file/out.html"])
+@pytest.mark.parametrize("name", ["missing/out.html", "directory.html", "file/out.html"])
 def test_path_that_cannot_be_written(name: str, press: Any, motion: Any, tmp_path: Path) -> None:
-    (tmp_path / "directory").mkdir()
+    (tmp_path / "directory.html").mkdir()
     (tmp_path / "file").touch()
     with pytest.raises(pp.PinpressError, match=r"cannot write .*; give a file in a directory you can write to"):
         pp.record(press, motion, tmp_path / name)
-    assert {p.name for p in tmp_path.rglob("*")} == {"directory", "file"}
+    assert {p.name for p in tmp_path.rglob("*")} == {"directory.html", "file"}
 
 
 def test_without_meshcat(press: Any, motion: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

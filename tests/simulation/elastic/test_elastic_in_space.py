@@ -51,6 +51,7 @@ def in_space(press, elastic):
     return press_in_space(press, elastic)
 
 
+@pytest.mark.exhaustive
 def test_a_planar_press_moves_in_space_as_in_its_plane(monkeypatch):
     """Under blanking: forces, events, depth, decay and works of the planar equations."""
     press, speed, stiffness = shipped("jf75g_125_plain"), 300 * pp.RPM, 2e9
