@@ -40,28 +40,28 @@ QUANTITIES = ("force along the slide", "force across the slide", "tilting moment
 INTRODUCTION = f"""# Balancing arrangements of the JF75G-125
 
 The plain crank-slider of Zhang 2007 (its lengths are inferred, see `urdf/jf75g_125_plain.urdf`) at 300 strokes/min, without load, and
-what the arrangements of its chapter 3 make of it: ranges over a turn, 0 where there is rounding alone; and which orders of the crank's
-speed, of those up to 6 that there were, are cancelled. Counterweights on the crank at {RADIUS:g} m, on the rod at {ROD_RADIUS:g} m;
+what the arrangements of its chapter 3 make of it. The table has ranges over a turn, with 0 where there is rounding alone, and the orders of
+the crank's speed, up to 6, that an arrangement cancels. Counterweights stand on the crank at {RADIUS:g} m, on the rod at {ROD_RADIUS:g} m;
 blocks of balance shafts at {RADIUS:g} m; auxiliary crank {AUXILIARY:g} m, its rod of the same ratio; shafts {SHAFTS:g} m apart. The
 tilting moment is about the shaft, or midway between the shafts; the bearing force is the largest of all pins, which includes weight.
 Written by `python viz/arrangements.py`.
 """
 NOTES = """
-- Complete balancing holds the centre of mass still, with more than twice the moving mass; the moment is hundreds of times as large,
-  and the crank pin carries 143 kN where it had 58 kN. No other arrangement loads the bearings more than there was.
-- Half of the reciprocating mass balanced by the crank halves the first order along the slide and brings as much across it.
-- A geared pair of shafts cancels one order: the pair of the first weighs 224 kg, that of the second 3 kg. What is left is the fourth.
-- Opposed, as the shipped press is drawn: its balance condition holds for the sum of its masses, to the rounding of the auxiliary crank
-  radius, and its rods' ratios are 0.05 and 0.0495, so that a little is left along the slide. What turns is not balanced by itself, which
-  leaves most of the force across it. Sized exactly, no force is left. The moment is that of the rods' inertia; an auxiliary rod with mass
-  beyond its pins (`rod_inertia`) cancels that too.
-- Symmetric, nothing tilts; with the opposed halves nothing is left at all.
+- Complete balancing holds the centre of mass still, but takes more than twice the moving mass. The moment is hundreds of times as large,
+  and the crank pin carries 143 kN instead of 58 kN. No other arrangement loads the bearings more than before.
+- A counterweight on the crank for half of the reciprocating mass halves the first order along the slide and brings as much across it.
+- A geared pair of shafts cancels one order. The pair for the first order weighs 224 kg, that for the second 3 kg. The fourth order is left.
+- The opposed press as shipped meets its balance condition for the sum of its masses, to the rounding of the auxiliary crank radius. The
+  ratios of its rods are 0.05 and 0.0495, so that a little force is left along the slide. Its turning parts are not balanced by themselves,
+  which leaves most of the force across. Sized exactly, the opposed press leaves no force. The moment of the rods' inertia remains; an
+  auxiliary rod with mass beyond its pins (`rod_inertia`) cancels that too.
+- The symmetric press does not tilt; with opposed halves nothing is left at all.
 """
 MACHINES = """
 ## The machines of chapter 1
 
-Machines that the thesis describes in 1.2.1 as shipped presses, with the slide of 2200 kg, the crank, the rod and the stroke of 30 mm of
-the JF75G-125, at 300 strokes/min without load. The thesis prints no sizes of theirs: what is inferred stands in their URDFs. "Added" is
+The thesis describes these machines in 1.2.1; they are shipped presses, with the slide of 2200 kg, the crank, the rod and the stroke of
+30 mm of the JF75G-125, at 300 strokes/min without load. The thesis prints no sizes; the URDFs say what is inferred. "Added" is
 the moving mass beyond that of the plain press; the moment is about the world origin, on the slide's line; the bearing force is the
 largest of all pins, which includes weight.
 """
@@ -69,24 +69,23 @@ OFFSETS = """
 ## Another stroke, another die
 
 The same machines balanced at 30 mm without a die, then at other strokes or with an upper die of 400 kg on the slide: range of the
-vertical force [N]. Another stroke is another radius of the crank, of AIDA's another place of the fulcrum. The opposed press with
-another stroke has both its cranks changed.
+vertical force [N]. The radius of the crank sets the stroke; in AIDA's machine the place of the fulcrum does, and in the opposed press the
+radii of both cranks.
 """
 FINDINGS = """
-- Driven from below, the columns and the crosshead move too: 970 kg more that shake, by 42 % more force. What it has for that is a low
-  drive.
-- The geared blocks take the first order away, and leave the second, 5 % of what there was. They follow the speed, but no die and no
+- In the press driven from below, columns and crosshead move too: 970 kg more shake, with 42 % more force. Its advantage is a low drive.
+- The geared blocks take the first order away and leave the second, 5 % of what there was. They suit every speed, but only one die and one
   stroke: at another stroke they are too heavy or too light.
-- The balance slide takes almost all of the vertical force, as its levers swing through 8.6 degrees alone. The fulcrum changes the stroke
-  of the slide and not that of the balance slide, so that the balance is gone at another stroke, as the thesis says. Crank and rod stay
-  unbalanced across. Crank and guide block move both slides, so that their forces add up in the bearings of the crank: 130 kN where the
+- The balance slide takes almost all of the vertical force away, as its levers swing through only 8.6 degrees. The fulcrum changes the
+  stroke of the slide but not that of the balance slide, so that the balance is gone at another stroke, as the thesis says. Crank and rod
+  stay unbalanced across. Crank and guide block move both slides, so that their forces add up in the bearings of the crank: 130 kN where the
   plain press has 59 kN. The crank stands 0.4 m beside the slide, which gives the largest moment of all.
 - The double knuckle keeps the first order balanced at every stroke, as one crank moves slide and weights: less than 0.3 % of it is left at
-  20 and 40 mm. The thesis calls its vertical balance nearly perfect; a fifth of the force is left here, because the knees that we drew
-  move the slide with a second order too, which no weight on the arms takes. (Knees bent more have less of it: arms of 125 degrees instead
-  of 110, with a crank of 8.7 mm and weights of 1226 kg, leave 6 %.) Across it has the forces of crank and rod alone, at O, as the thesis
+  20 and 40 mm. The thesis calls its vertical balance nearly perfect. Here a fifth of the force is left, because our knees
+  move the slide with a second order too, which no weight on the arms cancels. (Knees bent more have less of it: arms of 125 degrees instead
+  of 110, with a crank of 8.7 mm and weights of 1226 kg, leave 6 %.) The force across is that of crank and rod alone, at O, as the thesis
   says.
-- Each die asks for its own weight: 400 kg more on the slide are a first order of 11.8 kN more in every machine.
+- Each die asks for its own weight: 400 kg more on the slide add a first order of 11.8 kN in every machine.
   [How to set weights anew](../docs/balancing.md#balance-that-survives-a-change-of-die).
 """
 PICTURE = """

@@ -146,31 +146,34 @@ def picture(model: vibration.Vibration) -> Figure:
 INTRODUCTION = """# The JF75G-125 on 10 mm of rubber
 
 Zhang 2007, chapter 2, measured accelerations on the frame, on "ordinary rubber, 10 mm thick". It prints no data of the frame and no scale
-of the signals, so only its findings can be compared. Assumed (ours): bed of 8 t and crown of 7 t, on which the flywheel (940 kg and
-136 kg m², printed) stands 0.75 m and the motor (450 kg) 0.9 m aside of the press's plane, both bolted on; columns of 2.4 GN/m, four feet
-of 0.2 x 0.2 m on rubber of 65 Shore A, loss factor 0.15, dynamic by static stiffness 1.3; a flywheel balanced to G 1.6; piling with
-50 kN, as under 100 kN a foot lifts off, where the linear model ends. Nothing is fitted: pads, masses and columns were chosen before the
-results were seen; when flywheel and motor were set apart, mass and centre of the whole crown stayed. The press is `jf75g_125`, with its
-counterweight. Written by `python viz/foundation.py`, which also draws [the picture](foundation.png).
+of the signals, so only its findings can be compared. The press is `jf75g_125`, with its counterweight. We assume:
+
+- a bed of 8 t and a crown of 7 t; the flywheel (940 kg and 136 kg m², printed) is bolted to the crown 0.75 m beside the press's plane, the
+  motor (450 kg) 0.9 m beside it; columns of 2.4 GN/m;
+- four feet of 0.2 x 0.2 m on rubber of 65 Shore A, with a loss factor of 0.15 and a ratio of dynamic to static stiffness of 1.3;
+- a flywheel balanced to G 1.6; piling with 50 kN, because under 100 kN a foot lifts off, where the linear model ends.
+
+Nothing is fitted: we chose pads, masses and columns before we saw results. Setting flywheel and motor apart later left mass and centre of
+the whole crown as they were. Written by `python viz/foundation.py`, which also draws [the picture](foundation.png).
 """
 FORCES = (50e3, 100e3, 1250e3)  # the nominal force of the press last [N]
 HARDER = """
-Under the nominal force the frame, which stretches but does not bend here, would hop by millimetres if nothing held it down: the blow ends
-at once, and bed and crown swing on the columns. In the linear model the feet pull instead.
+Under the nominal force the frame would hop by millimetres if nothing held it down: the blow ends at once, and bed and crown swing on the
+columns (the frame stretches here, but does not bend). In the linear model the feet pull instead.
 """
 NOTES = """
 - The resonance is that of swaying on the rubber, which is far softer in shear than in compression. Hardness and size of the pads, which the
-  thesis does not print, decide where it lies, and so how strongly the vibration grows towards 350 per min: see the table of pads. It lies
+  thesis does not print, decide where it lies, and so how strongly the vibration grows towards 350 per min (see the table of pads). It lies
   between 350 and 400 per min with three of those nine pads.
-- A force within the frame does not shake a rigid frame. Linkage and frame are rigid here except for the columns, so of the shock of piling
-  the model shows the stretching between bed and crown, not the bending of the beams or the noise.
-- Motor and flywheel aside lay the centre of mass 75 mm out of the press's plane; the feet's middle lies 50 mm out of it. Below the
+- A force within the frame does not shake a rigid frame. Linkage and frame are rigid here except for the columns. So the model shows the
+  stretching between bed and crown under the shock of piling, but not the bending of the beams or the noise.
+- Motor and flywheel put the centre of mass 75 mm beside the press's plane; the middle of the feet lies 50 mm beside it. Below the
   resonance of the sway the shaking force, which acts in the plane, twists the frame one way, and the inertia of the swaying frame twists
   it the other way. The two cancel on the columns at 300 per min; towards the resonance the inertia wins.
-- The gyroscopic moment of the flywheel, which is in the model, changes no natural frequency by more than 5e-5 up to 600 per min: this
-  frame turns too slowly about x and z for it to matter.
-- The stretching dies away after each stroke at any speed, as it does not depend on the resonance of the sway: this decay does not prove
-  that working speed and natural frequencies are apart.
+- The gyroscopic moment of the flywheel is in the model. It changes no natural frequency by more than 5e-5 up to 600 per min, because this
+  frame turns too slowly about x and z.
+- The stretching dies away after each stroke at any speed, whatever the resonance of the sway. So this decay does not prove
+  that working speed and natural frequencies are far apart.
 """
 
 if __name__ == "__main__":

@@ -31,8 +31,8 @@ POINTS = 720
 FORMULA, SOLVER = "formula", "independent solver"
 
 ERRATA = (
-    Erratum("(22), (23)", "l1 and l4 as variables of an objective", "l1 has no influence, and l4 no optimum: see above"),
-    Erratum("constraints (3)", "bounds of the variables left out", "the optimum of l4 is its upper bound, so that it is the result"),
+    Erratum("(22), (23)", "l1 and l4 as variables of an objective", "l1 has no influence, and l4 no optimum: see (22), (23) above"),
+    Erratum("constraints (3)", "bounds of the variables left out", "the upper bound of l4 decides the result, as it is the optimum"),
     Erratum("example", "h = 630 mm, l3 = 648 mm", "(19) and (21) give 631.4 mm and 647.2 mm"),
     Erratum("Fig. 3", "nearly uniform from 60 to 120 deg", "over these 157 mm the speed differs by 7.1 %; over the best 120 mm by 3.7 %"),
 )
@@ -121,7 +121,10 @@ def _ends(press: Linkage) -> PageEntry:
         Row("start of the working stroke, printed lengths [deg]", "-17.973159", start, 1e-5, None, SOLVER),
         Row("its end, printed lengths [deg]", "197.973159", end, 1e-5, None, SOLVER),
     )
-    reason = "(11) for K = 1.5; ours are those of the lengths, which are rounded to millimetres, the crank's by up to 0.5 %."
+    reason = (
+        "The document's angles are (11) for K = 1.5. Ours are those of the printed lengths, which are rounded to millimetres, the crank's"
+        " by up to 0.5 %."
+    )
     return PageEntry(("Fig. 2",), "crank angles at the ends of the stroke", FORMULAS, rows, reason)
 
 
@@ -152,7 +155,7 @@ def _speeds(press: Linkage, motion: Motion, even: Linkage) -> PageEntry:
         return draw("crank angle [deg]", [Panel("speed of the ram [mm/s]", curves)], 6.5)
 
     reason = "No number is printed in the figure; what the text says of it follows below."
-    caption = "Towards the work is positive."
+    caption = "Speed towards the work is positive."
     return PageEntry(("Fig. 3",), "speed of the ram over the crank angle", CURVES, rows, reason, "chen2002_speed", shown, caption)
 
 
@@ -166,10 +169,10 @@ def _phases(motion: Motion) -> PageEntry:
         rows.append((each.phase, f"{begin:.2f} to {ends:.2f}", f"{1e3 * each.duration:.1f}", f"{1e3 * each.travel:.1f}", *speeds))
     grid = Grid(("phase", "crank angle [deg]", "time [ms]", "travel [mm]", "lowest", "mean", "highest speed [mm/s]"), tuple(rows))
     reason = (
-        "The paper marks three parts in the figure by letters: approach, working stroke and quick return, without numbers at their ends."
-        " Here the working part is the 120 mm of evenest speed that its example asks for; the approach leads to it, and between it and the"
-        " dead centre is a run-out, which the paper does not name. The approach begins at rest and is slower on average than the working"
-        " part by two fifths, as the paper wants it, but its end is as fast as the working part: the ram meets the blank at full speed."
+        "The paper marks three parts in the figure by letters: approach, working stroke and quick return. It prints no numbers at their"
+        " ends. Here the working part is the 120 mm of evenest speed that its example asks for. The approach leads to it, and a run-out,"
+        " which the paper does not name, leads from it to the dead centre. The approach begins at rest and is on average two fifths slower"
+        " than the working part, as the paper wants it. But it ends as fast as the working part: the ram meets the blank at full speed."
     )
     return PageEntry(("Phases",), "approach, working part, run-out and return of Fig. 3", BEYOND, (), reason, grids=(grid,))
 
@@ -199,9 +202,9 @@ def _pressure_angles(press: Linkage, motion: Motion) -> PageEntry:
         return draw("travel of the ram [mm]", [Panel("pressure angle [deg]", {"": (way, angles)}, (), ())], 5.5)
 
     reason = (
-        "The bar is square to the guide at 90 and 270 deg, where its end is highest above the guide's line, (18); at the ends of the"
-        " stroke it is lowest below the line; between, the coupler passes through it. The block pushes the bar squarely at all angles, so"
-        " that this is the only pressure angle."
+        "At 90 and 270 deg the bar is square to the guide, and its end is highest above the guide's line, (18). At the ends of the stroke"
+        " its end is lowest below the line. In between the coupler passes through the line. The block pushes the bar squarely at all"
+        " angles, so that this is the only pressure angle."
     )
     return PageEntry(
         ("Pressure angle",),
@@ -211,7 +214,7 @@ def _pressure_angles(press: Linkage, motion: Motion) -> PageEntry:
         reason,
         "chen2002_pressure",
         shown,
-        "Against the travel from the start of the working stroke; forth and back are the same.",
+        "Over the travel from the start of the working stroke; the way back has the same curve.",
     )
 
 
@@ -233,8 +236,9 @@ def _example(press: Linkage, motion: Motion) -> PageEntry:
         ),
     )
     reason = (
-        "l1 = 108, l3 = 648, l4 = 220, l6 = 350, h = 630 mm. Time ratio and stroke are those of these lengths, to what rounding to"
-        " millimetres leaves (0.5 % of the crank); bar and height are not the rounded ones of the paper's own rules. l4 is discussed below."
+        "l1 = 108, l3 = 648, l4 = 220, l6 = 350, h = 630 mm. Time ratio and stroke are those of these lengths, as far as their rounding to"
+        " millimetres allows (0.5 % of the crank). Bar and height are not what the paper's own rules give when rounded. l4 is discussed"
+        " below."
     )
     return PageEntry(("Example",), "lengths, time ratio, stroke, pressure angle", PARTLY, rows, reason)
 
@@ -251,8 +255,8 @@ def _uniform(press: Linkage, motion: Motion) -> PageEntry:
         *(Row(f"longest part with a drop of {drop:g} % [mm]", "", 1e3 * even_length(motion, drop / 100), places=1) for drop in (2, 5, 10)),
     )
     reason = (
-        "The paper claims at least 120 mm at a nearly uniform speed, from 60 to 120 deg. The travel agrees; how uniform the speed is, the"
-        " paper does not say."
+        "The paper claims at least 120 mm at a nearly uniform speed, from 60 to 120 deg. The travel agrees. The paper does not say how"
+        " uniform the speed is."
     )
     return PageEntry(("Uniform section",), "travel at even speed", CURVES, rows, reason)
 
@@ -281,9 +285,9 @@ def _objective(press: Linkage, motion: Motion) -> PageEntry:
         return draw("l4 [mm]", [Panel("v_max / v_mean", {"": (1e3 * coupler, ours)}, (limit,), ((220.0, value(0.108, 0.220)),))], 5.5)
 
     reason = (
-        "The objective is degenerate: stroke and K fix the mean speed, l1 only scales crank and centre distance together, and f falls"
-        " with l4 without end. Any solver stops at the upper bound of l4, which the paper leaves out; 220 mm is an optimum only if it was"
-        " that bound. From bound to infinity f falls by 0.03 %."
+        "The objective is degenerate. Stroke and K fix the mean speed, l1 only scales crank and centre distance together, and f falls"
+        " without end as l4 grows. So every solver stops at the upper bound of l4, which the paper leaves out: 220 mm is an optimum only"
+        " if it was that bound. From there to infinity f falls by 0.03 %."
     )
     caption = "Cross: l4 as printed; dashes: the limit."
     return PageEntry(("(22), (23)",), "objective and its optimum", NOT, rows, reason, "chen2002_objective", shown, caption)
@@ -298,7 +302,8 @@ def _even(motion: Motion, found: list[SynthesisResult]) -> PageEntry:
             Row(f"its h, up to {degrees} deg [mm]", "", 1e3 * best.variables["h"], places=0),
         ]
     reason = (
-        "The purpose of the press: a speed as even as possible over the 120 mm that are drawn, with free l4 and h under a limit of the"
-        " pressure angle. This objective has an optimum, little better than the paper's lengths: the guide bar decides."
+        "The press is meant to have a speed as even as possible over the 120 mm that are drawn. Here this is the objective, l4 and h are"
+        " free, and the pressure angle is limited. It has an optimum, which is little better than the paper's lengths, as the guide bar"
+        " decides."
     )
     return PageEntry(("Even speed",), "objective with an optimum", BEYOND, tuple(rows), reason)

@@ -98,10 +98,10 @@ def charts_entry(press: Linkage) -> PageEntry:
         return figure
 
     reason = (
-        "For a press with the proportions l6 / l3 = 0.540 and l4 / l3 = 0.340 of the example: the time ratio gives l1 / l3, the stroke"
-        " then gives l3, and the height is chosen between pressure angle and even speed. A longer crank makes the part worked evener and"
-        " the return quicker at once. The height of (19) has the least pressure angle, all but the rounding of the example; the speed is"
-        " evenest higher up, where the coupler pushes at 6 to 33 deg."
+        "The charts are for presses with the proportions l6 / l3 = 0.540 and l4 / l3 = 0.340 of the example. The time ratio gives l1 / l3,"
+        " then the stroke gives l3. The height is a choice between a small pressure angle and an even speed. A longer crank makes both the"
+        " working part evener and the return quicker. The height of (19) has the least pressure angle, up to the rounding of the example."
+        " The speed is evenest at larger heights, where the coupler pushes at 6 to 33 deg."
     )
     caption = (
         "Above: time ratio and stroke over l1 / l3. Below: h / l3 over l1 / l3, with lines of equal largest pressure angle (left) and of"
@@ -190,14 +190,14 @@ def weighing_entry(press: Linkage) -> PageEntry:
         return draw("drop of speed over 120 mm [%]", panels, 4.5)
 
     reason = (
-        "Stroke and time ratio are the paper's, l3 follows from them, and l1 (80 to 160 mm, with l6), l4 (80 to 600 mm) and h are free"
-        " under a pressure angle of 40 deg. The process is ours: 10 kN over 120 mm; the bodies keep the masses of the example. The torque"
-        " knows no conflict: by virtual work it is force times speed of the ram, and it differs by 0.4 % between all designs. The forces in"
-        " the crank's pin fall with its length, which even speed does not feel. What even speed costs is side force: a short coupler that"
-        " pushes at 40 deg brings 3.4 instead of 3.7 %, and multiplies the side force on the guide by more than five. Weighed equally, a"
-        " longer crank and a long coupler are better than the example in all four."
+        "Stroke and time ratio are the paper's, and l3 follows from them. Free are l1 (80 to 160 mm, with l6), l4 (80 to 600 mm) and h,"
+        " with a pressure angle of up to 40 deg. The process is ours, 10 kN over 120 mm; the bodies keep the masses of the example. The"
+        " torque conflicts with nothing: by virtual work the force and the speed of the ram decide it, and it differs by 0.4 % between all"
+        " designs. A longer crank lowers the forces in its pin, and does not change how even the speed is. Even speed costs side force: a"
+        " short coupler that pushes at 40 deg lowers the drop of speed from 3.7 to 3.4 %, and multiplies the side force on the guide by"
+        " more than five. Weighed equally, a longer crank and a long coupler are better than the example in all four."
     )
-    caption = "Lines: designs of which none is better in both; cross: the example."
+    caption = "Lines: designs that no other beats in both; cross: the example."
     grids = (Grid(heads, tuple(rows)),)
     return PageEntry(
         ("Weighed",), "even speed, torque and bearing forces together", BEYOND, (), reason, "chen2002_weighed", shown, caption, grids

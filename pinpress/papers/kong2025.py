@@ -46,6 +46,7 @@ WHY_NOT = (
     " axes, and (18) leaves out the weight of the crank, which is a third of the deviation (see (18)). No physically possible inertias"
     " reproduce the tables, and the press is not fitted to them."
 )
+SEE = "The reasons are those of Fig. 5."
 SOLVER = "independent solver"
 PINS = ("A", "B", "C", "D", "E", "F")
 
@@ -163,8 +164,8 @@ def _kinematics(before: PressTurn) -> PageEntry:
 
     caption = "Dashes: the extremes as printed."
     reason = (
-        "The paper allows itself 0.5 % (300 mm stroke on the nameplate). Its conclusion (1) speaks of the crank angles of the largest"
-        " speeds and accelerations, but prints none; they stand below. Position has its extremes at the dead centres."
+        "The paper itself accepts a deviation of 0.5 % (300 mm stroke on the nameplate). Its conclusion (1) speaks of the crank angles of"
+        " the largest speeds and accelerations, but prints none; ours stand below. The position has its extremes at the dead centres."
     )
     return PageEntry(
         ("Fig. 3",), "position, velocity, acceleration of the slide", REPRODUCED, rows, reason, "kong2025_slide", shown, caption
@@ -189,7 +190,10 @@ def _masses(before: PressTurn, after: PressTurn) -> PageEntry:
         (m1, c1), (m2, c2) = body(before, joint), body(after, joint)
         rows += [Row(f"mass of the {link} [kg]", mass, m2), Row(f"centre of mass of the {link} from its first pin [m]", centre, c2)]
         words.append(f"{m2 - m1:.3f} kg at {(m2 * c2 - m1 * c1) / (m2 - m1):.4f} m on the {link}")
-    reason = f"Taken over. The differences are counterweights of {words[0]} and {words[1]}."
+    reason = (
+        f"The model takes these numbers over. The differences from the press before balancing are counterweights of {words[0]} and"
+        f" {words[1]}."
+    )
     return PageEntry(("Table 1",), "masses and centres of mass after balancing", DATA, tuple(rows), reason)
 
 
@@ -208,10 +212,10 @@ def _table(number: str, title: str, names: tuple[str, ...], before: PressTurn, a
         change = 100 * (np.ptp(curves[1]) / np.ptp(curves[0]) - 1)
         rows.append(Row(f"{name}, change of the range [%]", REDUCTION[name], float(change), places=2))
     direction = (
-        " The paper does not say on which body the force acts; ours acts from the crank on the frame, which is much nearer than the"
-        " opposite."
+        " The paper does not say on which body the force acts; ours acts from the crank on the frame, which comes much nearer to the"
+        " printed numbers than the opposite."
     )
-    return PageEntry((number,), title, NOT, tuple(rows), WHY_NOT + (direction if ACROSS in names else ""))
+    return PageEntry((number,), title, NOT, tuple(rows), SEE + (direction if ACROSS in names else ""))
 
 
 TURNING = ("B", "D", "E")  # joints of the links whose inertias matter at constant crank speed: coupler, rocker, rod
@@ -286,13 +290,14 @@ def _equation_18(before: PressTurn, after: PressTurn) -> PageEntry:
         first, second = (float(np.ptp(each.rest[0] + weight * each.weight[0] + each.inertia[:, 0].sum(axis=0))) for each in pair)
         rows.append(Row(f"{MOMENT}, change of the range [%], {words}", "", 100 * (second / first - 1), places=2))
     reason = (
-        "As it is printed, (18) has 18 entries for 14 unknowns. Read with each force and the weight behind it as one entry (-F2y - G2,"
-        " -F3y - G3, -F4y - G4, -F5 - G5) it has 14, as (17) needs; and its last entry has inertia and weight of the slide along one axis,"
-        " where (15) has them along two. What is missing is G1, the weight of the crank. The deviation below is the root mean square of"
-        " those of the twelve extremes in tables 2 and 3, each by the printed range of its curve before balancing. Without G1 it falls by"
-        " a third, and without inertias as well by more than half. With G1 the best inertias hardly help; without G1 none are better than"
-        " zero. So the tables seem to be computed without the weight of the crank, and with inertias of zero or far below ours. That is"
-        " not all: 3 % stay unexplained, and the printed change of the torque's range, -1.8713 %, is near ours with G1, not without."
+        "As printed, (18) has 18 entries for 14 unknowns. It has 14, as (17) needs, if each force and the weight behind it count as one"
+        " entry (-F2y - G2, -F3y - G3, -F4y - G4, -F5 - G5). Its last entry has inertia and weight of the slide along one axis, where (15)"
+        " has them along two. G1, the weight of the crank, is missing. The deviation below is the root mean square of the deviations of"
+        " the twelve extremes in tables 2 and 3, each relative to the printed range of its curve before balancing. It falls by a third"
+        " without G1, and by more than half without inertias as well. With G1 the best inertias hardly help; without G1 inertias of zero"
+        " are the best. So the tables seem to be computed without the weight of the crank, and with inertias of zero or far below ours."
+        " That does not explain everything: 3 % remain, and the printed change of the torque's range, -1.8713 %, is near ours with G1, not"
+        " without."
     )
     return PageEntry(("(18)",), "the weight that it leaves out", BEYOND, tuple(rows), reason)
 
@@ -322,7 +327,7 @@ def _torque_figure(before: PressTurn, after: PressTurn) -> PageEntry:
         Row("M_b at bottom dead centre, before [N m]", "", float(before.moment[bottom]), places=0),
         Row("its slope there, by the steepest [%]", "", float(100 * slope[bottom] / slope.max()), places=1),
     )
-    reason = f"Its numbers are those of table 2. {WHY_NOT} The torque does change slowly at bottom dead centre."
+    reason = f"Its numbers are those of table 2. {WHY_NOT} As the paper says, the torque changes slowly at bottom dead centre."
     caption = "Dashes: the extremes of table 2."
     return PageEntry(("Fig. 5",), "driving torque before and after balancing", NOT, rows, reason, "kong2025_torque", shown, caption)
 
@@ -358,9 +363,9 @@ def _bearings(before: PressTurn, after: PressTurn) -> PageEntry:
         rows.append(Row(f"{bearing}, force at bottom dead centre by its peak [%]", "", float(100 * size[bottom] / size.max()), places=1))
         rows.append(Row(f"{bearing}, smallest force by its peak [%]", "", float(100 * size.min() / size.max()), places=1))
     reason = (
-        f"No numbers are printed except those of table 3. {WHY_NOT} It is true that only A changes much, but not that the forces in all"
-        " bearings fall (conclusion 4): the ranges in B, C, D and E rise by a quarter to a third of a percent, and in F nothing changes."
-        " At bottom dead centre the forces in A, B and C are small, but they are smallest at another crank angle."
+        f"No numbers are printed except those of table 3. {SEE} Only A changes much, as the paper says. But the forces in all bearings do"
+        " not fall (conclusion 4): the ranges in B, C, D and E rise by a quarter to a third of a percent, and in F nothing changes. At"
+        " bottom dead centre the forces in A, B and C are small, but they are smallest at another crank angle."
     )
     caption = "Forces of parent on child, in C and F of link 1 on link 2; x across, y up."
     return PageEntry(
@@ -408,10 +413,10 @@ def _claims(before: PressTurn, after: PressTurn) -> PageEntry:
         Row("range of the shaking force, y, change [%]", "-2.7584", force[1], 1.0),
     )
     reason = (
-        "These follow from lengths, masses and centres of mass alone, whatever the inertias and the weight. The paper quotes them from its"
-        " reference [20]. Two of them agree as far as the printed centres of mass allow: rounded to 0.1 mm, these leave 0.1 % of the first"
-        " and 0.7 % of the last open. The other two differ by 3 and 4 %. Where the extremes are follows below, with those of the shaking"
-        " moment, which depends on our inertias."
+        "These numbers depend on lengths, masses and centres of mass alone, not on inertias or weight. The paper quotes them from its"
+        " reference [20]. Two of them agree as far as the printed centres of mass allow: as these are rounded to 0.1 mm, 0.1 % of the"
+        " first and 0.7 % of the last are open. The other two differ by 3 and 4 %. The table below says where the extremes are, and those"
+        " of the shaking moment, which depends on our inertias."
     )
     title, extremes = "what the balancing does to centre of mass and shaking force", _ends_on_the_frame(before, after)
     return PageEntry(("Reference [20]",), title, PARTLY, rows, reason, grids=(extremes,))
@@ -448,8 +453,8 @@ def _runs(press: Linkage) -> PageEntry:
         for what, solution, ours in zip(("angle after 2 s [rad]", "speed after 2 s [rad/s]"), theirs, ends, strict=True):
             rows.append(Row(f"flywheel {inertia:g} kg m2: crank {what}", solution, ours, 1e-6, None, SOLVER))
     reason = (
-        "The paper has no forward dynamics. From crank angle 0 at 70 strokes/min, without a motor: with the light flywheel the crank cannot"
-        " climb to top dead centre, and swings back."
+        "The paper has no forward dynamics. These runs start at crank angle 0 with 70 strokes/min, without a motor. With the light"
+        " flywheel the crank cannot climb to top dead centre, and swings back."
     )
     return PageEntry(("Forward dynamics",), "free runs", BEYOND, tuple(rows), reason)
 
@@ -475,8 +480,8 @@ ERRATA = (
     Erratum("Table 2", "unit N; range 38476", "N m; 20325 + 18150 = 38475"),
     Erratum(
         "Conclusion (4)",
-        "all bearing forces fall by the balancing",
-        "the ranges in B, C, D and E rise a little, see Fig. 6; those of E and F upright cannot fall, see Conclusion (4) above",
+        "the balancing lowers all bearing forces",
+        "the ranges in B, C, D and E rise a little, see Fig. 6; the vertical ones in E and F cannot fall, see Conclusion (4)",
     ),
     Erratum(
         "1.1, motor",

@@ -106,13 +106,13 @@ def conclusion(press: Linkage) -> PageEntry:
     )
     reason = (
         "Conclusion (4) says that the torque and the forces in all bearings fall. With the paper's counterweights the ranges in B to E"
-        " rise (Fig. 6), and no counterweights on crank, rocker and rod could do what it says: the vertical force in F carries the"
-        " slide's weight and inertia, which they do not touch, and that in E the rod's as well, to which they only add. The most that can"
-        " be had is that none rises, and then a counterweight on the crank alone is best: the crank turns evenly, so that only A and the"
-        " torque feel it. A third of the paper's mass there lowers the horizontal shaking force by 88 %, where the paper's"
-        f" counterweights reach 47 %, and no bearing pays. A fall that one would notice, {FALL:g} %, ten times the printed one of the"
-        " torque, takes one to eight tonnes, but for the vertical force in D, and the horizontal shaking force pays. All this is the empty"
-        " press: the force of a process adds to the bearings whatever the counterweights are."
+        " rise (Fig. 6). No counterweights on crank, rocker and rod could make all of them fall: the vertical force in F carries the"
+        " slide's weight and inertia, which they do not change, and the vertical force in E those of the rod as well, to which they only"
+        " add. At best no range rises. A counterweight on the crank alone does this best: the crank turns evenly, so that only A and the"
+        " torque feel it. A third of the paper's mass there lowers the horizontal shaking force by 88 %, where the paper's counterweights"
+        f" reach 47 %, and no bearing force rises. A fall that one would notice, {FALL:g} %, ten times the printed one of the torque, takes"
+        " one to eight tonnes, but for the vertical force in D, and raises the horizontal shaking force. All this holds for the empty press: the"
+        " force of a process adds to the bearings whatever the counterweights are."
     )
     return PageEntry(("Conclusion (4)",), "which bearing forces can fall, and at what price", BEYOND, (), reason, grids=(compared, priced))
 

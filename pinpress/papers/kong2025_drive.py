@@ -70,8 +70,8 @@ def gearing_entry() -> PageEntry:
     least, largest = serving_ratios()
     slow, fast = STROKES
     rows = [
-        Row("highest by lowest motor speed", "", MOTOR_SPEED[1] / MOTOR_SPEED[0], places=3),
-        Row("most by fewest strokes/min", "", fast / slow, places=3),
+        Row("highest motor speed / lowest", "", MOTOR_SPEED[1] / MOTOR_SPEED[0], places=3),
+        Row("most strokes/min / fewest", "", fast / slow, places=3),
         Row("least ratio that serves, 724.9 r/min at 50 strokes/min", "", least, places=3),
         Row("largest ratio that serves, 1450 r/min at 70 strokes/min", "", largest, places=3),
         Row("ratio from which 70 strokes/min need a weakened field, 1485 r/min", "", 1485 / fast, places=3),
@@ -99,13 +99,13 @@ def gearing_entry() -> PageEntry:
         return draw("strokes/min", [Panel("torque [kN m]", curves)], 5.5)
 
     reason = (
-        "The paper names a belt and one gear stage, and no ratio. The motor's printed range is 2.0 to 1, the press's 1.4 to 1: no one ratio"
-        " brings both ends together, but every ratio between the least and the largest below keeps the motor in its range from 50 to 70"
-        " strokes/min. With none of them the field is weakened, so that the permanent torque is the same over the range and the power"
-        " rises with the strokes. The largest ratio gives most torque and most power: it is the one to choose, and the lower end of the"
-        " motor's range, 724.9 r/min, is then 35 strokes/min. Above a ratio of 21.2 the motor gains nothing at 70 strokes/min: what the"
-        " ratio adds to the torque the field takes away. Each of these permanent torques is far below the peaks of table 2, which the"
-        " flywheel covers."
+        "The paper names a belt and one gear stage, but no ratio. The motor's printed speeds span 2.0 to 1, the press's 1.4 to 1, so no"
+        " single ratio makes both ends meet. But every ratio between the least and the largest below keeps the motor in its range from 50"
+        " to 70 strokes/min. None of them weakens the field, so the permanent torque is the same over the range, and the power rises with"
+        " the strokes. The largest ratio gives the most torque and power: it is the one to choose. The lower end of the motor's range,"
+        " 724.9 r/min, then gives 35 strokes/min. Above a ratio of 21.2 nothing is gained at 70 strokes/min, as the weakened field takes"
+        " away what the ratio adds to the torque. Each of these permanent torques is far below the peaks of table 2, which the flywheel"
+        " covers."
     )
     caption = "Permanent torque on the crank, without losses; the ratio of 25 is ours, to show field weakening."
     grids = (by_ratio, by_belt)

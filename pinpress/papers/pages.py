@@ -210,9 +210,9 @@ class Page:
         held = [row for row in self.rows if row.holds]
         printed = sum(not row.source for row in held)
         count = (
-            f"Reproduced within the tolerance beside them: {printed} printed numbers, and {len(held) - printed} that are marked as those"
-            " of a formula or of an independent solver, a program that shares no code with pinpress and was given the same data. What has"
-            " no tolerance is not claimed to be reproduced."
+            f"{printed} printed numbers are reproduced within the tolerance beside them, and so are {len(held) - printed} numbers marked as"
+            " those of a formula or of an independent solver (a program that shares no code with pinpress and was given the same data). A"
+            " number without a tolerance is not claimed to be reproduced."
         )
         parts = [
             f"# {self.title}",

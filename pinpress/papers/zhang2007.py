@@ -62,9 +62,9 @@ def _vibration() -> PageEntry:
     model = zhang2007_vibration.Vibration()
     rows = tuple(Row(f"{one.place}: {one.says}", "in words", f"{one.gives}. Agrees: {one.agrees}") for one in model.findings())
     reason = (
-        "The curves are voltages behind amplifiers without a scale in m/s2, and the frame's mass and the stiffness of its mounts are not"
-        " printed: only what the thesis says of them in words can be compared. Ours is a frame of bed and crown on columns, on four rubber"
-        " pads, all of it assumed; `viz/foundation.md` names the assumptions and shows how much depends on them."
+        "The curves are voltages behind amplifiers without a scale in m/s2. The frame's mass and the stiffness of its mounts are not"
+        " printed. So only what the thesis says of them in words can be compared. Ours is a frame of bed and crown on columns, on four"
+        " rubber pads, all of it assumed; `viz/foundation.md` names the assumptions and shows how much depends on them."
     )
     numbers = (*figures(2, 7, 15), "Fig. 2-17", "Fig. 2-18")
     caption = "Ours: acceleration of the top beam, idle."
@@ -139,7 +139,7 @@ def _slide(before: Reactions) -> PageEntry:
         )
         return draw("time [ms]", panels, 3.4)
 
-    reason = "(3.2.2) is the first two terms of a series; with the inferred crank of 15 mm and rod of 300 mm. Upwards is positive."
+    reason = "(3.2.2) has the first two terms of a series. Crank (15 mm) and rod (300 mm) are inferred. Upwards is positive."
     caption = "Crosses: (3.2.2)."
     return PageEntry(("Fig. 3-3",), "motion of the slide", FORMULAS, rows, reason, "zhang2007_slide", shown, caption)
 
@@ -214,8 +214,8 @@ def _opposed(plain: Linkage, before: Reactions, as_printed: Reactions) -> PageEn
         Row("masses of table 5-1 instead, lateral [N]", "", float(np.ptp(as_printed.shaking_force[:, 0])), places=2),
     )
     reason = (
-        "By the thesis' formulas for m6, with the inferred auxiliary crank of 29.7 mm and rod of 600 mm. What is left along the slide is"
-        " the second order, as the ratios of crank and rod are 0.05 and 0.0495. Its masses of table 5-1 balance the sum of all masses"
+        "m6 is that of the thesis' formulas, with the inferred auxiliary crank of 29.7 mm and rod of 600 mm. The second order is left"
+        " along the slide, as the ratios of crank to rod are 0.05 and 0.0495. The masses of table 5-1 balance the sum of all masses"
         " instead."
     )
     return PageEntry(("Fig. 3-6",), "opposed arrangement", FORMULAS, rows, reason)
@@ -230,7 +230,7 @@ def _guides(plain: Linkage, before: Reactions) -> PageEntry:
     wrong = (Row("peak of X4, the force in the slide's guide, by (3.5.24) [N]", f"{simple:.0f}", guide, None, None, FORMULA),)
     why = (
         "At constant crank speed, (3.5.20)-(3.5.25) take the angular accelerations of the rods and the accelerations of their mass centres"
-        " as zero, which they are not, and turn the sign that gravity has in (3.5.3) and (3.5.6). Only gravity is left in X4."
+        " as zero, which they are not, and reverse the sign that gravity has in (3.5.3) and (3.5.6). Only gravity is left in X4."
     )
     return PageEntry(("Fig. 3-7 (captioned 4-6)",), "forces of the opposed arrangement", NOT, wrong, why)
 

@@ -134,9 +134,9 @@ def _objective(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> PageEntr
         rows += [Row(f"{what}, {words} by plain", "", ratio, places=4) for what, ratio in zip(criteria, ratios, strict=True)]
         rows.append(Row(f"objective, {words}", "", sum(ratios) / 4, places=4))
     reason = (
-        "Weights, scales and values are not printed; ours with a quarter for each. The opposed counterweight takes the force away, and"
-        " multiplies the tilting moment, which the symmetric arrangement has not. (5-8), a mean of forces with their signs, vanishes from"
-        " dead centre to dead centre for any masses."
+        "Weights, scales and values are not printed; ours with a quarter for each. The opposed counterweight takes the force away and"
+        " multiplies the tilting moment; the symmetric arrangement has no tilting moment. (5-8) is a mean of forces with their signs; from"
+        " dead centre to dead centre it vanishes for any masses."
     )
     return PageEntry(("(5-10) to (5-14)",), "objective of balancing", CURVES, tuple(rows), reason)
 
@@ -218,13 +218,13 @@ def _comparison(plain: Linkage, opposed: Linkage, symmetric: Linkage) -> PageEnt
         " on an opposed crank-slider, which would leave 119 N of the vertical range (last rows), not 67 kN. That size alone suggests a"
         " crank-slider without counterweight, and the rows assume one. Nor does the thesis say which weights its forces include. Ours of"
         " the original include the weight of what moves and of the 940 kg flywheel, 32 kN together, because the middle of the printed"
-        " extremes lies about as low; ours of the improved press include none, because it hardly lies below zero. Ranges do not depend on"
-        " that, but maxima and minima do: without the flywheel the maximum at 300 r/min is 9986 N instead of 768 N. The range is near ours"
-        " at 300 r/min, and less and less so at 350 and 400: forces of inertia grow with the square of the speed, by 1.778 from 300 to 400"
-        " r/min, the thesis' by 1.556, its lateral ones by 1.148. The lateral force in the bearing of one main shaft, in which the rods'"
-        " slope puts a part of the weights, grows as little (last rows): that may be what was measured, and it does not vanish where two"
-        " shafts mirror each other. The ratios 1/24.57 and 1/75.19 of its conclusion are those of these numbers. The improved press"
-        " contradicts table 5-1 (see Fig. 5-11)."
+        " extremes lies about as low. Ours of the improved press include none, because there the middle hardly lies below zero. The ranges"
+        " do not depend on that, but the maxima and minima do: without the flywheel the maximum at 300 r/min is 9986 N instead of 768 N."
+        " The range is near ours at 300 r/min, and less and less so at 350 and 400. Forces of inertia grow with the square of the speed,"
+        " by a factor of 1.778 from 300 to 400 r/min; the thesis' grow by 1.556, its lateral ones by 1.148. The lateral force in the"
+        " bearing of one main shaft grows as little (last rows), because the slope of the rods puts a part of the weights into it. That"
+        " may be what was measured; it does not vanish where two shafts mirror each other. The ratios 1/24.57 and 1/75.19 of the"
+        " conclusion come from these numbers. The improved press contradicts table 5-1 (see Fig. 5-11)."
     )
     return PageEntry(("Table 5-2",), "shaking force before and after", NOT, rows, reason)
 

@@ -64,10 +64,10 @@ def _of_the_frame(plain: Linkage) -> PageEntry:
         *_guide(plain),
     )
     reason = (
-        "2.1 lists four tie rods preloaded to twice the nominal force, an eight-way slide guide and balance cylinders, and prints nothing"
-        " of them; the model of 2.2 leaves out the air springs. Ours: rods of 2e9 N/m, uprights of 6e9 N/m, four cylinders of 125 mm at"
-        " 4.4 bar with a tank of 60 l, eight gibs of 600 x 80 mm and 2e9 N/m, all assumed, as the springs of the bearings. Preloaded gibs"
-        " rub without a load; needles, which 1.2 reports of Schuler's guide, take a tenth of it."
+        "2.1 lists four tie rods preloaded to twice the nominal force, an eight-way slide guide and balance cylinders, without their data."
+        " The model of 2.2 leaves out the air springs. Ours: rods of 2e9 N/m, uprights of 6e9 N/m, four cylinders of 125 mm at 4.4 bar"
+        " with a tank of 60 l, eight gibs of 600 x 80 mm and 2e9 N/m. All this is assumed, and so are the springs of the bearings."
+        " Preloaded gibs rub without a load; needles, which 1.2 reports of Schuler's guide, take a tenth of it."
     )
     return PageEntry(("2.1",), "tie rods, eight-way guide and balance cylinders", BEYOND, rows, reason)
 

@@ -172,9 +172,9 @@ def _run(press: Linkage) -> PageEntry:
         return draw("time [s]", [Panel(name, {"": (run.time, curve)}) for name, curve in zip(names, drawn, strict=True)], 4.0)
 
     reason = (
-        "The printed equations have the mistakes listed below, and no number is printed of their solution. Beside ours stands an"
-        " independent solution of the correct equation with the thesis' torque, initial speed and step and the inferred lengths. 567 N m"
-        " without losses have no steady state, which the thesis calls its curves: the press speeds up throughout."
+        "The printed equations have the mistakes that the errata list, and no number of their solution is printed. Beside ours stands an"
+        " independent solution of the correct equation with the thesis' torque, initial speed and step and the inferred lengths. The"
+        " thesis calls its curves steady, but 567 N m without losses have no steady state: the press speeds up throughout."
     )
     numbers = ("Fig. 4-10", "Fig. 4-11", "Fig. 4-12 (captioned 4-11)")
     caption = "Position above bottom dead centre, upwards positive."
@@ -302,23 +302,24 @@ _CAPTION = (
     " out. The lateral forces of both main shafts cancel."
 )
 _NOMINAL = (
-    "Sizes of the peaks; the thesis' are negative, as it lets the force act along the slide's motion, where a process resists it. Its load"
-    " functions read 1250, without a unit, in a model whose forces are in newtons (table 5-1). The peaks fit 1250 N in order of size: they"
-    " are some hundred newtons beyond the 2316 N of empty strokes, where 1250 kN put more than a million on shafts and guides. (Those 2316"
-    " N are not reproducible either, see Fig. 5-11.) Of its panel (b) the thesis says that the lateral force changes little while the load"
-    " acts: with 1250 N ours in one main shaft does so, with 1250 kN it is two to ten times as large."
+    "The rows are sizes of peaks. The thesis' peaks are negative, because it lets the force act along the slide's motion, while a process"
+    " resists it. Its load functions read 1250, without a unit, in a model whose forces are in newtons (table 5-1). The peaks fit 1250 N"
+    " in order of size: they are some hundred newtons beyond the 2316 N of empty strokes, while 1250 kN would put more than a million on"
+    " shafts and guides. (Those 2316 N are not reproducible either, see Fig. 5-11.) Of its panel (b) the thesis says that the lateral"
+    " force changes little while the load acts: with 1250 N ours in one main shaft does so, with 1250 kN it is two to ten times as large."
 )
+_SEE = "For sizes and signs of the peaks see Fig. 5-13."
 _WHY = {
-    "piling": f"{_NOMINAL} Its pulses at 0.1 s assume bottom dead centre there, the windows of blanking at 0.2 s: one model cannot"
+    "piling": f"{_NOMINAL} Its pulses of piling assume bottom dead centre at 0.1 s, its windows of blanking at 0.2 s: one model cannot"
     " satisfy both.",
     "blanking": (
-        f"{_NOMINAL} The window can be read in two ways. The text lets the force act from 0.1616 to 0.1738 s. The load function ends it at"
+        f"{_SEE} The window can be read in two ways. The text lets the force act from 0.1616 to 0.1738 s. The load function ends it at"
         " 0.1838 s and has pi / 0.0488; its sine is 0.990 there, against 0.707 at 0.1738 s, so these two fit each other. We take the"
         " text's window, because a sheet of 5 mm then begins and ends at round heights, and because 0.0488 is four times its 0.0122 s,"
         " where a quarter sine needs twice. The inferred crank radius of 15 mm rests on this choice. Windows in time miss the stroke when"
         " the press changes its speed: ours go with the slide's height."
     ),
-    "drawing": f"{_NOMINAL} With pi / 0.0244 the force turns negative after 0.186 s; a half sine up to 0.2 s has pi / 0.0384.",
+    "drawing": f"{_SEE} With pi / 0.0244 the force turns negative after 0.186 s; a half sine up to 0.2 s has pi / 0.0384.",
 }
 
 

@@ -47,12 +47,15 @@ PAGE = Path(__file__).resolve().parents[2] / "viz" / "extremes.md"
 SECONDS = 0.2  # of repeats, for a time that other work on the machine has not disturbed
 INTRODUCTION = """# Extremes
 
-Printed by `python tests/extremes/extreme_cases.py`, which runs every case, judges it and writes this page;
-`tests/extremes/test_extreme_cases.py` holds every
-case to its bound. Each has an expectation of its own: a closed form, a law of scaling or conservation, or the other engine or method.
-An error is relative to the largest value of its kind (of runs: in rad, and of speeds by the speed), behind the stroke the bound it is held
-to. *Cost* is the run time by that of the same scene at ordinary numbers, in the same run, its linkages loaded and followed round before.
-Cases marked + are long and run by the command only; **not met** stands where the expectation is not met.
+`python tests/extremes/extreme_cases.py` runs every case, judges it and writes this page. `tests/extremes/test_extreme_cases.py` holds every
+case to its bound.
+
+- *expected*: each case has an expectation of its own: a closed form, a law of scaling or conservation, or the other engine or method.
+- Errors are relative to the largest value of their kind (of runs: in rad, and of speeds relative to the speed). The number behind the
+  stroke is the bound.
+- *cost*: the run time divided by that of the same scene at ordinary numbers, in the same run. The linkages are loaded and followed round
+  before.
+- Cases marked + are long, and only the command runs them. **not met** stands where an expectation is not met.
 """
 
 

@@ -295,23 +295,23 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         parts = [
-            ("Bearings that are not asked for", "Inverse dynamics alone, of a motion that is there.", both_sizes(bearings, sizes)),
+            ("Bearings that are not asked for", "Inverse dynamics alone, of a motion at hand.", both_sizes(bearings, sizes)),
             (
                 "Loads, friction, springs, weights",
-                "Inverse dynamics alone, all bearings where nothing else is said.",
+                "Inverse dynamics alone, of all bearings unless a row says otherwise.",
                 both_sizes(scenes, sizes),
             ),
             ("Sharing, and what leaves the plane", "Inverse dynamics alone.", both_sizes(shared, sizes)),
-            ("What is kept with a press", "Each with everything that it needs and is not kept.", compared(kept(), few)),
+            ("What is kept with a press", "Each row includes all that it needs and that is not kept.", compared(kept(), few)),
             ("Geometry", "A URDF with boxes, cylinders and a mesh; shapes are read when they are drawn.", compared(loading(folder), few)),
             ("Scenarios", "Runs of 2 s under a constant torque.", compared(scenarios(), few)),
-            ("Imports and memory", "What is not used is not imported.", fresh_processes(folder, max(3, 10 // share))),
+            ("Imports and memory", "Only what is used is imported.", fresh_processes(folder, max(3, 10 // share))),
         ]
     machine = f"Python {platform.python_version()}, NumPy {np.__version__}, Pinocchio {pin.__version__}, {os.cpu_count()} cores"
     text = f"""# What is left out, and what that saves
 
-The six-bar ZXN2-3000(B) at 70 r/min where nothing else is said; least times of many, contestants of a table taking turns in one run; ratios
-are to its first row. {machine}; written by `{COMMAND}`.
+Times are of the six-bar ZXN2-3000(B) at 70 r/min, unless a table says otherwise. They are the least of many; the rows of a table take turns
+in one run, and ratios are to its first row. {machine}; written by `{COMMAND}`.
 """
     for title, words, rows in parts:
         text += f"\n## {title}\n\n{words}\n\n{rows}\n"
