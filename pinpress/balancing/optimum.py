@@ -59,8 +59,8 @@ def balance(
     """Find the best counterweights of a press, for one motion or for all its dies, strokes and speeds at once.
 
     Among equally good counterweights the lightest win: saving the whole moving mass of the press counts as 1e-6 of the objective before
-    balancing. What is set anew in each operating condition is the best for that one, also where another is the worst: the mean over all
-    conditions counts as 1e-5 beside the worst.
+    balancing. What is set anew in each operating condition is the best for that condition, even where another one is the worst: beside the
+    worst, the mean over all conditions counts as 1e-5.
 
     Ranges and peaks are those of the motion's states; between two states a harmonic of order k may exceed them by up to about
     (pi k / states)^2 / 2 of its amplitude.
@@ -73,7 +73,7 @@ def balance(
         minimise: a criterion (`Range`, `Rms`, `Peak`) or `AddedMass`, or several of them with weights. With weights each counts relative to
             its largest value before balancing (added mass: to the moving mass). The objective of Zhang 2007, (5-14), is
             ``{Rms("shaking_force", "z"): w1, Range("shaking_force", "z"): w2, Rms("shaking_moment", "y"): w3, ...}``.
-        limits: the most of criteria and of added mass, in their units. A limit of 0 is met exactly.
+        limits: largest permitted values of criteria and of added mass, in their units. A limit of 0 is met exactly.
         loads: loads on the one motion, as `inverse_dynamics` takes them; operating conditions have their own.
         shares: (conditions,) weights of the operating conditions, such as the share of all strokes that is made with each die. Then the
             weighted mean of a criterion over the conditions counts, and not its worst value.

@@ -239,7 +239,7 @@ def inverse_dynamics(
     engine: str = "auto",
     bearings: Collection[str] | None = None,
 ) -> Reactions:
-    """Driving torque, bearing and guide forces and shaking force of a motion.
+    """Find the driving torque, the forces of bearings and guides, and the shaking force of a motion.
 
     Args:
         press: the press.
@@ -258,8 +258,8 @@ def inverse_dynamics(
 
     Raises:
         PinpressError: a motion of a linkage with other joints; a load of wrong shape, with a value that is not finite, or whose function
-            fails; friction that makes no sense or locks the linkage; a stiffness that is not positive; bearings that are no names; forces
-            too large for floating point; an unknown or unsuitable engine.
+            fails; friction that makes no sense or locks the linkage; a stiffness that is not positive; ``bearings`` that are not names;
+            forces too large for floating point; an unknown or unsuitable engine.
         UnknownNameError: a bearing or link that the linkage does not have.
         AssemblyError: a motion of a linkage with other lengths.
         SingularityError: a state of a simulated run at a change point.

@@ -35,7 +35,11 @@ UNRESOLVED = 1e-9  # there are too few states if a harmonic in the last quarter 
 
 
 def stroke(motion: SlideMotion) -> float:
-    """Distance between the slide's outermost turning points [m]."""
+    """Distance between the slide's outermost turning points [m].
+
+    Raises:
+        PinpressError: the motion is not one period at constant speed, has no slide, a slide that does not turn back, or too few states.
+    """
     path = slide_path(motion)
     bottom, top = path.extremes()
     return path.number(top - bottom)
@@ -70,7 +74,8 @@ def speed_variation(motion: SlideMotion, length: float, downwards: bool = True) 
         downwards: whether the working stroke goes against the slide's direction.
 
     Raises:
-        PinpressError: a length that is not between 0 and the stroke; see the module for the rest.
+        PinpressError: a length that is not between 0 and the stroke; a motion that `stroke` refuses, or a slide that turns back more than
+            twice in the period.
     """
     way = working_stroke(motion, downwards)
     return way.path.number(evenest_window(way, inside_stroke(way.length, "length", length))[1])
@@ -88,7 +93,8 @@ def even_length(motion: SlideMotion, variation: float, downwards: bool = True) -
         downwards: whether the working stroke goes against the slide's direction.
 
     Raises:
-        PinpressError: a variation that is not between 0 and 1; see the module for the rest.
+        PinpressError: a variation that is not between 0 and 1; a motion that `stroke` refuses, or a slide that turns back more than twice
+            in the period.
     """
     way = working_stroke(motion, downwards)
     share = float(suitable_numbers("variation", variation, "a share of the highest speed between 0 and 1", suits=lambda x: 0.0 < x < 1.0))
@@ -105,7 +111,8 @@ def speed_at(motion: SlideMotion, height: float, downwards: bool = True) -> floa
         downwards: whether the working stroke goes against the slide's direction.
 
     Raises:
-        PinpressError: a height that is not between 0 and the stroke; see the module for the rest.
+        PinpressError: a height that is not between 0 and the stroke; a motion that `stroke` refuses, or a slide that turns back more than
+            twice in the period.
     """
     path, speed = _speed_by_state(motion, height, downwards)
     return path.number(speed / step_time(motion))
@@ -123,7 +130,8 @@ def mechanical_advantage(motion: SlideMotion, height: float, downwards: bool = T
         downwards: whether the working stroke goes against the slide's direction.
 
     Raises:
-        PinpressError: a height that is not between 0 and the stroke; see the module for the rest.
+        PinpressError: a height that is not between 0 and the stroke; a motion that `stroke` refuses, or a slide that turns back more than
+            twice in the period.
     """
     path, speed = _speed_by_state(motion, height, downwards)
     return path.number(abs(step_angle(motion)) / speed)
@@ -137,7 +145,8 @@ def dwell_angle(motion: SlideMotion, tolerance: float) -> float:
         tolerance: height above bottom dead centre up to which the slide counts as near it [m].
 
     Raises:
-        PinpressError: a tolerance that is not between 0 and the stroke; see the module for the rest.
+        PinpressError: a tolerance that is not between 0 and the stroke; a motion that `stroke` refuses, or a slide that turns back more
+            than twice in the period.
     """
     path, states = _dwell(motion, tolerance)
     return path.number(states * abs(step_angle(motion)))

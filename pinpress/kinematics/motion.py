@@ -228,9 +228,9 @@ class Motion(Tabular):
 def cycle(press: Linkage, speed: float | None = None, *, points: int | None = None, engine: str = "auto") -> Motion:
     """Move a press through one period at constant speed; one whose driver slides there and back.
 
-    The period is one turn of the crank, or several turns where gear ratios bring the linkage back only then (`Linkage.period_turns`), so
-    that extremes over it are those of all turns. It begins at crank angle 0 and goes on in equal steps; the end, which is the beginning of
-    the next period, is left out.
+    The period is one turn of the crank, or several turns where gear ratios bring the linkage back only after these
+    (`Linkage.period_turns`). So extremes over it are those of all turns. It begins at crank angle 0 and goes on in equal steps; the end,
+    which is the beginning of the next period, is left out.
 
     A driver that slides moves harmonically from the lower limit of its joint to the upper one and back, in equal steps of time; ``speed``
     is its highest speed, in the middle. For another motion over time, such as approach, pressing and return, use `servo_cycle`.
@@ -238,7 +238,7 @@ def cycle(press: Linkage, speed: float | None = None, *, points: int | None = No
     Args:
         press: the press, with one driver.
         speed: speed of the driver joint [rad/s or m/s]; negative to turn backwards, or to begin at the upper limit. It must be given.
-        points: number of states; by default 360 for each turn, or for there and back.
+        points: number of states; by default 360 for each turn, and 360 in all for a driver that slides there and back.
         engine: as of `inverse_dynamics`: "plane", "space", "pinocchio", or "auto", the fastest.
 
     Raises:

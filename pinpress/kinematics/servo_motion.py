@@ -45,7 +45,7 @@ def servo_cycle(
       for each of angle and speed at the start.
     - ``height`` of the slide and ``time``, with the ``flank``.
     - ``angle`` and ``speed``: the acceleration is that of the motion that passes the angles one after the other at these speeds,
-      a = w dw/dangle. It is refused where they determine no time: at standstill over several states, or in any other order.
+      a = w dw/dangle. This is refused where they determine no time: at standstill over several states, or in any other order.
     - ``angle``, ``speed`` and ``acceleration`` without time: independent states. They are not compared, and have a `Motion.time` only
       where they fit together.
 
@@ -64,15 +64,16 @@ def servo_cycle(
             that slides its position, within the limits of its joint [m].
         speed: (n,) of the driver joint, or one number: a constant speed; where ``acceleration`` and one angle, that at the start, are
             given, the speed at the start [rad/s or m/s].
-        acceleration: (n,) of the driver joint, or one number. The number 0 leaves out what a change of speed takes [rad/s2 or m/s2].
+        acceleration: (n,) of the driver joint, or one number. The number 0 leaves out the torque or force that a change of speed
+            takes [rad/s2 or m/s2].
         time: (n,), rising [s].
-        period: time after which the motion begins again, a whole number of turns on [s]: it is closed. The last state may be at its end,
-            where the first comes again, or one step before. By default the motion is not closed.
+        period: time [s] after which the motion begins again, a whole number of turns later: the motion is then closed. The last state may
+            be at the end of the period, where the first comes again, or one step before. By default the motion is not closed.
         height: (n,) of the slide above bottom dead centre [m].
-        flank: "down": the crank angles at which the slide goes down where the crank turns positively; "up": the others. One word is that
-            of the first state off the dead centres: through a state in a dead centre the crank goes on to the other flank, and where the
-            slide turns back elsewhere the crank turns back too. A sequence has a word for each state. It is left out where the driver
-            slides, which must move the slide all one way.
+        flank: "down": the crank angles at which the slide goes down where the crank turns positively; "up": the others. One word says where
+            the first state outside a dead centre is. Through a state in a dead centre the crank goes on to the other flank; where the slide
+            turns back elsewhere, the crank turns back too. A sequence has a word for each state. Leave it out where the driver slides; the
+            driver must then move the slide one way all along.
         engine: as of `inverse_dynamics`: "plane", "space", "pinocchio", or "auto", the fastest.
 
     Raises:

@@ -39,7 +39,7 @@ def load(
     """Read a linkage from a URDF with ``<loop_joint>`` elements, close its drawn pose exactly and check that its driver determines it.
 
     Files in other formats are turned into such a URDF first (``press.text``): URDF with the loops of Drake, URDF+ and Gazebo, SDF, and MJCF
-    (by the package mujoco). The manual says what of them is read.
+    (by the package mujoco). The manual says which parts of them are read.
 
     Args:
         path: of the URDF, SDF or MJCF file, or the name of a shipped press (`presses`).
@@ -48,7 +48,7 @@ def load(
         slide: name of the slide link, which a prismatic joint guides on the frame; default: the link "slide", or the child of the joint
             "slide_guide", or the only link so guided.
         gravity: in world axes [m/s2].
-        allow_open: whether loops may be drawn open by more than a tenth of the linkage's size: they are closed even so, where they can be.
+        allow_open: whether loops may be drawn open by more than a tenth of the linkage's size. They are then closed where they can be.
 
     Raises:
         UrdfError: the file cannot be read, or makes no sense; no driver, or more or fewer drivers than degrees of freedom; a loop drawn
@@ -58,8 +58,7 @@ def load(
 
     Warns:
         PinpressWarning: a linkage that is hardly meant: a loop drawn open by more than a hundredth of the linkage's size; lengths, angles,
-            masses or inertias that are hardly in SI units; what a file of another format says and is not
-            read. `check` says more.
+            masses or inertias that are hardly in SI units; parts of a file in another format that are not read. `check` says more.
     """
     return _loaded(document_of(located(path)), driver, slide, gravity, allow_open)
 

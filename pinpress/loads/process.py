@@ -40,7 +40,7 @@ class Idle(Checked):
     """The press runs empty: no force. Zhang 2007, 5.7.1 (1).
 
     Attributes:
-        datum: see the module.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
     """
 
     datum: float | None = field(default=None, metadata=parameter("m"))
@@ -59,7 +59,7 @@ class ConstantForce(Checked):
     Attributes:
         force: [N], or (S,) for S scenarios; not negative.
         height: below which it acts [m], not negative; with 0 it acts nowhere.
-        datum: see the module.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
     """
 
     force: Values = field(metadata=parameter("N", "not negative", scenarios=True, remark=RESISTS))
@@ -89,7 +89,7 @@ class Blanking(Checked):
         end: height at which it breaks through [m], below ``start``.
         stripping: constant force that holds the slide back over the same heights on the way up, as the punch leaves the strip [N], or
             (S,); not negative.
-        datum: see the module.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
     """
 
     force: Values = field(metadata=parameter("N", "not negative", scenarios=True, remark=RESISTS))
@@ -120,7 +120,7 @@ class DeepDrawing(Checked):
         force: the largest, F, midway [N], or (S,) for S scenarios; not negative.
         start: height at which the punch meets the blank [m].
         end: height at which the cup is drawn [m], below ``start``.
-        datum: see the module.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
     """
 
     force: Values = field(metadata=parameter("N", "not negative", scenarios=True, remark=RESISTS))
@@ -146,7 +146,7 @@ class ForceStroke(Checked):
     Attributes:
         heights: (n,) [m], at least two, strictly rising or falling; kept rising.
         forces: (n,) at the heights [N], or (n, S) for S scenarios; negative where the slide is drawn down.
-        datum: see the module.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
     """
 
     heights: ArrayLike = field(metadata=parameter("m", axes=1))
@@ -193,7 +193,7 @@ class ElasticDie(Checked):
         height: at which the slide touches the unloaded die [m].
         stiffness: k, positive [N/m], or (S,) for S scenarios.
         damping: c, not negative [N s/m], or (S,).
-        datum: see the module.
+        datum: slide position from which heights count [m]; None: that of bottom dead centre.
     """
 
     height: float = field(metadata=parameter("m"))

@@ -129,7 +129,10 @@ def simulate(
     step: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Run:
-    """Let a press run; several scenarios at once: `simulate_batch`.
+    """Let a press run. `simulate_batch` runs several scenarios at once.
+
+    A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone) and flywheels by the
+    names of the drivers' joints; its method is "auto" or "constraint".
 
     Args:
         press: the linkage.
@@ -144,19 +147,17 @@ def simulate(
         loads: process loads of `pinpress.loads`, constant forces on links, springs and dampers.
         friction: friction of bearings and guides, by their names, as in `inverse_dynamics`, of a press with one driver. A press that it
             stops stands until the drive overcomes it.
-        method: "auto", "reduced", "implicit" or "constraint", see the module. Where a linkage locks the first three end, "constraint" runs
-            on through the lock.
+        method: "reduced": one equation over the crank angle, over time where the crank may stop; "implicit": the same equation over time,
+            by Radau IIA; "constraint": all joints, of any linkage; "auto": "reduced" for one driver, else "constraint". Where a linkage
+            locks, "constraint" runs on through the lock, and the others end with an error.
         points: number of states returned; by default 120 a turn, and at least 120.
         elastic: springs and dampers of bearings, guides, rods, shaft and frame; None: all parts are rigid. The result is then an
-            `ElasticRun`, from a start at which the springs carry what acts on them, so that nothing rings yet. The
-            crank turns one way, or stands where a brake holds it; the method is "auto".
+            `ElasticRun`. At its start the springs carry what acts on them, so that nothing rings yet. The crank turns one way, or stands
+            where a brake holds it; the method is "auto".
         tolerance: error accepted of a step, relative to 1 rad and to the speeds of the crank, by default 1e-11. With ``elastic`` that of
             a coordinate on a panel, as a share of the largest displacement, by default 1e-5.
         step: fixed step of the classical Runge-Kutta method over time [s]; None: steps by error.
         progress: called with the time reached [s], from time to time.
-
-    A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone) and flywheels by the
-    names of the drivers' joints; its method is "auto" or "constraint".
 
     Raises:
         PinpressError: an argument makes no sense.

@@ -106,7 +106,7 @@ def steady_state(
 
     Args:
         press: a linkage with one driver.
-        speed: near which the steady state is searched [rad/s]; its sign is the direction.
+        speed: speed near which the steady state is sought [rad/s]; its sign is the direction.
         angle: of the crank at the start [rad].
         drive: what turns the crank; nothing in it may depend on time.
         flywheel: its inertia stands at the driver joint; None: none.
@@ -119,8 +119,8 @@ def steady_state(
 
     Raises:
         PinpressError: an argument makes no sense.
-        SimulationError: there is no steady state near this speed: the drive is too weak for the load, or gives more than the load takes at
-            any speed, as a constant torque does.
+        SimulationError: there is no steady state near this speed, because the drive is too weak for the load, or gives more than the load
+            takes at every speed, as a constant torque does.
     """
     return steady_state_near(None, press, speed, angle, drive, flywheel, loads, friction, points, elastic, tolerance)
 

@@ -214,7 +214,8 @@ def play(
             side, or a `GuideClearance` if the slide may stand askew.
         loads: loads on the press, as for `inverse_dynamics`; a balance cylinder too.
         friction: of bearings and guides, as for `inverse_dynamics`; at standstill it has no direction, and none acts.
-        known_to: share to which masses, loads and friction are known, see the module.
+        known_to: share to which masses, loads and friction are known. A bearing whose force is smaller than this share of the sum of its
+            parts counts as undetermined.
 
     Raises:
         UnknownNameError: the press has no such bearing.

@@ -68,7 +68,7 @@ def record(
 
     Args:
         press: the linkage. The boxes, cylinders, spheres and meshes of its URDF's ``<visual>`` are drawn; links without any get shapes
-            from their bearings and masses, and the counterweights of `balance` are drawn on all.
+            from their bearings and masses, and the counterweights of `balance` are drawn on all links.
         motion: motion of the linkage, with times.
         path: path of the file, usually ending in `.html`. An old file is replaced only when the page is complete.
         reactions: reactions to this motion. Bearing and guide forces (on child and link2, at their points of action) and the shaking force

@@ -43,10 +43,11 @@ def report(
     At its top the page states what was computed: press, file and its SHA-256, motion, drives, loads, friction, version and day. Its charts
     show slide height, velocity and acceleration; driving torque, crank speed where it is not constant, and where the energy of a stroke
     goes; every bearing and guide force, its magnitude, components, and polar diagrams in the world's axes and in those of the link on which
-    it acts; moments in guides; shaking force with its harmonics, and shaking moment. Under process loads they show these over the crank
-    angle and over the slide's height; of a run its motor's torque over the speed, beside the motor's curve. A table lists the extremes over
-    all states. Curves have the recording's key frames, at most 360 a turn. Of an `ElasticRun` these forces are those of the rigid press; a
-    section of its own has the forces of the springs beside them, the slide's depth, and where loads begin and end.
+    it acts; moments in guides; shaking force with its harmonics, and shaking moment. Under process loads, charts show the process
+    force over the crank angle and over the slide's height. For a run, a chart shows the motor's torque over the speed, beside the motor's
+    curve. A table lists the extremes over all states. Curves have the recording's key frames, at most 360 a turn. For an
+    `ElasticRun` these forces are those of the rigid press; a section of its own has the forces of the springs
+    beside them, the slide's depth, and the places where loads begin and end.
 
     Args:
         press: As for `record`.
