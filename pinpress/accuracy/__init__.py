@@ -2,10 +2,10 @@
 
     measured = pp.accuracy.compare(press, 70 * pp.RPM, repeats=1, points=36, scenes=["free run"])
     print(measured)
-    measured.fastest("free run", error=1e-6)  # of every method the fastest that is as accurate
+    measured.fastest("free run", error=1e-6)  # of every method the fastest row that is as accurate
     pp.plots.save(pp.accuracy.plot(measured), "accuracy.png")
 
-Every error is against a reference that two independent methods agree on; `WorkPrecision.certificates` says how far.
+Every error is measured against a reference on which two independent methods agree; `WorkPrecision.certificates` says how closely.
 """
 
 from ..common.public_names import public_names

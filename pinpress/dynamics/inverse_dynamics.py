@@ -1,9 +1,7 @@
 """Inverse dynamics: the driving torque and every bearing and guide force of a motion.
 
-Signs: forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2, in world axes. Moments are
-about the origin of the child's joint frame, those of a loop about its point; a spherical loop transmits only the moment of friction. The
-driving torque is positive along the driver's axis, and is part of the moment of the driver's bearing, as the torques of gear pairs and
-friction are part of the moments of theirs. Shaking force and moment are the action of the machine on its foundation, weight included.
+`Reactions` says the signs. A spherical loop transmits only the moment of friction. The driving torque is part of the moment of the driver's
+bearing, as the torques of gear pairs and friction are part of the moments of theirs.
 """
 
 from __future__ import annotations
@@ -45,7 +43,12 @@ STATES_LOOKED_AT = 256  # states of a motion in which indeterminate forces are l
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reactions(Tabular):
-    """Torques and forces over a motion of n states. All arrays are read-only; the module gives the signs.
+    """Torques and forces over a motion of n states. All arrays are read-only.
+
+    Forces and moments of a joint are the action of parent on child, of a loop the action of link1 on link2, in world axes. Moments are
+    about the origin of the child's joint frame, those of a loop about its point. Shaking force and moment are the action of the machine on
+    its foundation, weight included. The driving torque is positive along the driver's axis, and is part of the moment of the driver's
+    bearing.
 
     Attributes:
         motion: the motion.

@@ -160,14 +160,13 @@ class CheckResult(Tabular):
 def check(
     path: str | os.PathLike[str], driver: str | Sequence[str] | None = None, slide: str | None = None, *, allow_open: bool = False
 ) -> CheckResult:
-    """Find all errors of a URDF, of which `load` raises the first, and whatever else is odd in it or worth knowing; and say how the press
-    moves.
+    """Find all errors of a file, and what else is odd in it or worth knowing, and say how the press moves. `load` raises the first error.
 
     Args:
-        path: as of `load`.
-        driver: as of `load`.
-        slide: as of `load`.
-        allow_open: as of `load`.
+        path: as for `load`.
+        driver: as for `load`.
+        slide: as for `load`.
+        allow_open: as for `load`.
 
     Raises:
         UrdfError: there is no such file.

@@ -161,8 +161,8 @@ def dwell_time(motion: SlideMotion, tolerance: float) -> float:
 def pressure_angle(motion: CrankMotion, driven: Numbers, other: Numbers, axis: ArrayLike) -> float:
     """Largest angle between a link, taken as the line through two of its pins, and the guide of what it drives, 0 to pi/2 [rad].
 
-    It is the angle between force and velocity if the link carries no load between its pins: sin(angle) = |axis x (driven - other)| /
-        length.
+    It is the angle between force and velocity if the link carries no load between its pins:
+    sin(angle) = |axis x (driven - other)| / length.
     pi/2 means that the link is perpendicular to the guide at some crank angle. Chen 2002 asks for at most 40 degrees.
 
     Args:

@@ -200,13 +200,13 @@ class DrawnPress(Tabular):
 def build(table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[float] = (0.0, 0.0, -9.81), **values: Any) -> Linkage:
     """Make a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
 
-    The picture's plane is x to the right and z up; the drawn pose is crank angle 0. The page "A press from a table of
+    In the picture x points right and z up; the drawn pose is crank angle 0. The page "A press from a table of
     pins" of the manual lists the keys of a table.
 
     Args:
         table: a YAML file, or the name of a shipped press, as in ``build("eccentric_blocks", r=10)``; None where ``values`` are the table.
         gravity: in world axes [m/s2].
-        values: of a file: values of its ``parameters``, as in ``build("press.yaml", r=150)``. Without a file: the table itself, as in
+        values: with a file, values of its ``parameters``, as in ``build("press.yaml", r=150)``. Without a file, the table itself, as in
             ``build(units="mm", frame="A D", pins={...}, links={...}, drive="A")``.
 
     Returns:

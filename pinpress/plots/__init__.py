@@ -3,7 +3,7 @@
     pp.plots.save(pp.plots.torque(reactions), "torque.svg")
     pp.plots.save(pp.plots.polar(reactions, "A", "D"), "polar.pdf")
     pp.plots.slide(motion).axes[0].set_title("slide")  # a figure can be changed before it is saved
-    pp.plots.torque(reactions, ax=pp.plots.slide(motion).axes[0])  # on axes that there are, several where a plot draws several charts
+    pp.plots.torque(reactions, ax=pp.plots.slide(motion).axes[0])  # on axes at hand, several where a plot draws several charts
 
 Signs and axes are those of `Reactions`; units are chosen by size. Every function raises `PinpressError` where Matplotlib is not installed
 (``pip install 'pinpress[plots]'``) or a value is not finite.

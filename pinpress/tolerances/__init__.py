@@ -6,8 +6,8 @@
     print(found)  # the band of 99.73 % of the presses, worst cases, the dimensions with their shares
     found.within(50e-6)  # share of the presses whose bottom dead centre is within 0.05 mm
 
-A `Dimension` is a direction in which pivots are moved, with its tolerance. Nothing is approximated but where it says so: each of 100 000
-presses is closed with its own lengths. `play`, `heat` and `budget` say what clearances, temperatures and springs add while the press runs,
+A `Dimension` is a direction in which pivots are moved, with its tolerance. Each of 100 000 presses is closed with its own lengths;
+what is approximated says so. `play`, `heat` and `budget` say what clearances, temperatures and springs add while the press runs,
 `parallelism` how a slide on several points tilts.
 """
 
