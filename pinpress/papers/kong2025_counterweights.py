@@ -111,8 +111,8 @@ def conclusion(press: Linkage) -> PageEntry:
         " add. At best no range rises. A counterweight on the crank alone does this best: the crank turns evenly, so that only A and the"
         " torque feel it. A third of the paper's mass there lowers the horizontal shaking force by 88 %, where the paper's counterweights"
         f" reach 47 %, and no bearing force rises. A fall that one would notice, {FALL:g} %, ten times the printed one of the torque, takes"
-        " one to eight tonnes, but for the vertical force in D, and raises the horizontal shaking force. All this holds for the empty press: the"
-        " force of a process adds to the bearings whatever the counterweights are."
+        " one to eight tonnes, but for the vertical force in D, and raises the horizontal shaking force. All this holds for the empty"
+        " press: the force of a process adds to the bearings whatever the counterweights are."
     )
     return PageEntry(("Conclusion (4)",), "which bearing forces can fall, and at what price", BEYOND, (), reason, grids=(compared, priced))
 

@@ -112,8 +112,8 @@ def _searches(press: Linkage) -> PageEntry:
         "5.4 names methods without using them. Ours, between m5 = 0 and 150 kg and m6 = 900 and 1200 kg: points at random, evenly spread"
         " or on a grid find the valley and no more. A search along one mass after the other, from the start of table 5-1, goes down to the"
         " valley and stalls there as ADAMS did, because the valley runs along m5 + m6. The simplex follows it to its end, but proves"
-        " nothing. The convex program finds the optimum in one solution. Where every evaluation is the forces of a turn, the searches by steps"
-        " take tens of times as long as the proof, and a thousand points hundreds of times (`python"
+        " nothing. The convex program finds the optimum in one solution. Where every evaluation is the forces of a turn, the searches by"
+        " steps take tens of times as long as the proof, and a thousand points hundreds of times (`python"
         " tests/benchmarks/features/searches.py`)."
     )
     title = "searches at random, on a grid, step by step, and the proved optimum"
