@@ -20,6 +20,7 @@ from ..common.quantities import RPM, Array, Values
 from .electric import ElectricMotor, MotorPower, check_load_loss, check_thermal_time
 from .protocol import SpeedTorqueDrive, limited
 
+MOST_SLIP = 0.5  # no motor has more at its rated point
 MOST_POLES = 1000
 
 
@@ -276,9 +277,11 @@ def _check_rated_speed(drive: object, rated_speed: float, frequency: float, pole
         raise PinpressError(f"{type(drive).__name__}: poles is {shown(poles)}; give the number of poles: 2, 4, 6, ...")
     synchronous = _synchronous(frequency, int(poles))
     if not rated_speed < synchronous:
+        in_rpm = (1 - MOST_SLIP) * synchronous < rated_speed * RPM < synchronous
+        meant = f"; if {rated_speed:g} r/min are meant, write {rated_speed:g} * pp.RPM" if in_rpm else ""
         raise PinpressError(
             f"{type(drive).__name__}: rated_speed is {rated_speed / RPM:.6g} r/min, the synchronous speed at {frequency:g} Hz with"
-            f" {poles} poles {synchronous / RPM:.6g} r/min; give a rated_speed below it [rad/s]"
+            f" {poles} poles {synchronous / RPM:.6g} r/min; give a rated_speed below it [rad/s]{meant}"
         )
 
 

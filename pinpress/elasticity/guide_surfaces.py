@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from ..common import plausibility, tables
 from ..common.arguments import number, positive, suitable_numbers, typed
-from ..common.errors import PinpressError, caution, shown
+from ..common.errors import PinpressError, caution, cautions_collected, shown
 from ..common.frozen import Frozen, FrozenMapping, read_only
 from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
@@ -91,10 +91,7 @@ class GuideSurface(Frozen):
                 raise PinpressError(f"{what}: {name} is {getattr(self, name):g}; give a number that is not negative [{unit}]")
         if self.preload and self.clearance:
             raise PinpressError(f"{what}: it has a preload and a clearance; a surface that presses has no clearance: give one of them")
-        if 0 < self.preload < FAINT:
-            caution(f"{what}: preload is {self.preload:g} N: if kN are meant, write {self.preload:g}e3")
-        if self.clearance > WIDEST:
-            caution(f"{what}: clearance is {self.clearance:g} m: if mm are meant, write {self.clearance:g}e-3")
+        _caution_units(what, self.preload, self.clearance)
 
 
 @typed
@@ -126,6 +123,9 @@ def eight_way_guide(
 
     Raises:
         PinpressError: a number is not as `GuideSurface` takes it.
+
+    Warns:
+        PinpressWarning: as `GuideSurface`, once for all.
     """
     found, height = [], number("middle", middle, "m")
     for axis, (name, given) in enumerate((("facing_x", facing_x), ("facing_y", facing_y))):
@@ -135,8 +135,18 @@ def eight_way_guide(
                 normal = (right, 0.0, 0.0) if axis == 0 else (0.0, back, 0.0)
                 point = (right * float(x), back * float(y), height)
                 label = f"{side} {end} {'xy'[axis]}"
-                found.append(GuideSurface(label, point, normal, length, width, stiffness, preload, clearance))
+                with cautions_collected():  # of the eight alike one says it, below
+                    found.append(GuideSurface(label, point, normal, length, width, stiffness, preload, clearance))
+    _caution_units("eight_way_guide", found[0].preload, found[0].clearance)
     return tuple(found)
+
+
+def _caution_units(what: str, preload: float, clearance: float) -> None:
+    """Warn of a preload [N] or a clearance [m] of a surface that may be in other units."""
+    if 0 < preload < FAINT:
+        caution(f"{what}: preload is {preload:g} N: if kN are meant, write {preload:g}e3")
+    if clearance > WIDEST:
+        caution(f"{what}: clearance is {clearance:g} m: if mm are meant, write {clearance:g}e-3")
 
 
 @dataclass(frozen=True, repr=False)

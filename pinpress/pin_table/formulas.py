@@ -12,6 +12,7 @@ from ..common.errors import suggestion
 from .reading import Entry
 
 LONGEST = 200  # characters of a formula
+LARGEST = 1e12  # number of a table, as of a URDF: powers and products of such are finite
 CONSTANTS = {"pi": math.pi}
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
@@ -53,11 +54,13 @@ def number(entry: Entry, parameters: Mapping[str, float]) -> float:
     """The number that an entry gives, itself or by a formula.
 
     Raises:
-        PinTableError: it gives none, or one that is not finite.
+        PinTableError: it gives none, or one that is not finite or out of range.
     """
     value = entry.value if isinstance(entry.value, float) else formula(entry, parameters)
     if not math.isfinite(value):
         entry.refuse(f"{entry.value} is no finite number", "write a number")
+    if abs(value) > LARGEST:
+        entry.refuse(f"{value:.6g} is out of range: {LARGEST:g} is the largest number", "see that numbers and units are those of the drawing")
     return value
 
 

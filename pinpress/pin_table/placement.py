@@ -197,7 +197,7 @@ class _Placing:
             entry.refuse("no length", "write {from: A, length: ..., angle: ...} or {from: A, at: [dx, dz]}")
         if "angle" not in items and len(names) == 1:
             entry.refuse("no angle", "say angle: in degrees from +x, counter-clockwise")
-        length, angle = self._length(items["length"]), math.radians(number(items["angle"], self.parameters)) if "angle" in items else 0.0
+        length, angle = self._not_negative(items["length"]), math.radians(number(items["angle"], self.parameters)) if "angle" in items else 0.0
         if len(names) == 2:
             ray = _flat(pins[1].point) - start
             if not np.linalg.norm(ray) > 0:
@@ -324,6 +324,12 @@ class _Placing:
         length = self._length(entry)
         if length <= 0:
             entry.refuse(f"a length of {self._shown(length)}", "write a length above zero")
+        return length
+
+    def _not_negative(self, entry: Entry) -> float:
+        length = self._length(entry)
+        if length < 0:
+            entry.refuse(f"a length of {self._shown(length)}", f"write {self._shown(-length)}, and turn the angle by 180")
         return length
 
     def _shown(self, length: float) -> str:

@@ -572,7 +572,11 @@ def test_numbers_that_make_no_sense(kind, field, sign):
             {"rated_speed": 1500 * RPM},
             r"rated_speed is 1500 r/min, the synchronous speed at 50 Hz with 4 poles 1500 r/min; give",
         ),
-        (InductionMotor, {"rated_speed": 1485.0}, r"rated_speed is 14180\.7 r/min, .* 1500 r/min; give a rated_speed below it \[rad/s\]"),
+        (
+            InductionMotor,
+            {"rated_speed": 1485.0},
+            r"rated_speed is 14180\.7 r/min, .* 1500 r/min; give a rated_speed below it \[rad/s\]; if 1485 r/min .* 1485 \* pp\.RPM$",
+        ),
         (InductionMotor, {"poles": 6}, r"rated_speed is 1485 r/min, .* 1000 r/min"),
         *(
             (InductionMotor, {"poles": bad}, "InductionMotor: poles.* give the number of poles: 2, 4")
@@ -584,7 +588,7 @@ def test_numbers_that_make_no_sense(kind, field, sign):
             {"rated_power": [1e3, 2e3], "inertia": [1, 2, 3]},
             r"rated_power and inertia are for different numbers of scenarios, 2, 3; give one value of each",
         ),
-        (InverterMotor, {"rated_speed": 1501 * RPM}, r"InverterMotor: rated_speed is 1501 r/min, the synchronous speed at 50 Hz"),
+        (InverterMotor, {"rated_speed": 1501 * RPM}, r"InverterMotor: rated_speed is 1501 r/min, .* at 50 Hz .* below it \[rad/s\]$"),
         (InverterMotor, {"poles": 5}, "InverterMotor: poles is 5; give"),
         (InverterMotor, {"breakdown_ratio": 0.9}, r"InverterMotor: breakdown_ratio is 0\.9; give"),
         *(

@@ -194,6 +194,10 @@ def test_refusals():
         replace(guide[0], preload=0.0, clearance=0.1)
     with pytest.warns(pp.PinpressWarning, match="if kN are meant"):
         replace(guide[0], preload=20.0)
+    for changes, problem in (({"preload": 50.0}, "write 50e3"), ({"clearance": 50.0}, "write 50e-3")):
+        with pytest.warns(pp.PinpressWarning, match=f"^eight_way_guide: .*{problem}") as warned:
+            eight_way_guide(**SHAPE, **changes)
+        assert len(warned) == 1  # the eight surfaces are alike
     across = pp.inverse_dynamics(press, found.motion, loads=[pp.loads.PointForce("slide", (0.0, 1e5, 0.0), (0.0, 0.0, 0.0))])
     with pytest.raises(pp.PinpressError, match="across the plane of crank_slide"):
         guide_contact(press, across, guide)

@@ -106,7 +106,8 @@ def test_odd_yaml_is_refused(text, tmp_path):
         ({"r": True}, "where a number belongs"),
         ({"r": object()}, "give numbers, texts, lists and mappings"),
         ({"r": -5}, "a length of -5"),
-        ({"r": 1e300}, "more than 100 km"),
+        ({"r": 1e9}, "more than 100 km"),
+        ({"r": 1e300}, "r: 1e+300 is out of range: 1e+12 is the largest number"),
     ],
 )
 def test_bad_parameters(values, words, tmp_path):
@@ -114,3 +115,29 @@ def test_bad_parameters(values, words, tmp_path):
     path.write_bytes(template("guide-bar").replace(b"{from: A, length: r, angle: 0}", b"{A: r, x: 100, side: up}"))
     with pytest.raises(pp.PinpressError, match=re.escape(words)):
         pp.build(path, **values)
+
+
+def crank_press(**slide):
+    return {
+        "units": "mm",
+        "frame": "O",
+        "pins": {"O": [0, 0], "P": {"from": "O", "length": 100, "angle": -90}, "W": {"P": 400, "x": 0, "side": "down"}},
+        "links": {"crank": {"pins": "O P", "mass": 20}, "rod": {"pins": "P W", "mass": 15}, "slide": {"pins": "W", "guide": "up"} | slide},
+        "drive": "O",
+    }
+
+
+@pytest.mark.parametrize(
+    "slide",
+    [{"mass": 1e300}, {"mass": 90, "inertia": [1e300, 1e300, 1e300]}, {"mass": 90, "com": [1e300, 0]}, {"box": "1e300 x 80 x 60"}],
+)
+def test_a_huge_number_is_refused_before_it_overflows(slide):
+    with pytest.raises(pp.PinTableError, match=r"links: slide: .*1e\+300 is out of range: 1e\+12 is the largest number"):
+        pp.build(**crank_press(**slide))
+
+
+def test_a_length_with_an_angle_is_not_negative():
+    table = crank_press(mass=90)
+    table["pins"]["P"]["length"] = -100
+    with pytest.raises(pp.PinTableError, match="pins: P: length: a length of -100; write 100, and turn the angle by 180"):
+        pp.build(**table)
