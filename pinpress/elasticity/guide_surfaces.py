@@ -33,7 +33,7 @@ from ..common.results import Record, Records, Tabular
 from ..dynamics.applied_loads import point_on_body
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion, refuse_motion_of_another
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..simulation.elastic.preloaded_joint import FAINT, STIFFEST
 
 WIDEST = 2e-3  # clearance of a surface above which it is hardly meant [m]
@@ -167,7 +167,7 @@ class OpenSurface(Record, units={"begins": "rad", "ends": "rad", "least_contact"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoadedGuide(Tabular):
+class LoadedGuide(OfPress, Tabular):
     """The surfaces of a slide's guide over the n states of a motion. All arrays are read-only.
 
     Attributes:
@@ -184,7 +184,7 @@ class LoadedGuide(Tabular):
         opened: the stretches over which surfaces do not touch along their whole length, in the order of the surfaces.
     """
 
-    press_name: str
+    _press: Linkage
     motion: Motion
     surfaces: tuple[GuideSurface, ...]
     force: Mapping[str, Array]
@@ -276,7 +276,7 @@ def guide_contact(
     contact = (touching.high - touching.low) / bed.length
     carried = bed.forces(places)
     return LoadedGuide(
-        press_name=press.name,
+        _press=press,
         motion=reactions.motion,
         surfaces=surfaces,
         force=_by_name(names, carried),

@@ -19,7 +19,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Columns
 from ..drives.transmission import PrescribedSpeed
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
 from ..simulation.elastic.contact import OpenPin
 from ..simulation.elastic.description import Elastic
@@ -33,7 +33,7 @@ NEARLY_AT_ONCE = 1e-4  # share of a turn within which impacts count as one
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ImpactsByTurn(Tabular):
+class ImpactsByTurn(OfPress, Tabular):
     """A pin with clearance over the whole turns of one or several runs. All arrays are read-only.
 
     Attributes:
@@ -49,7 +49,7 @@ class ImpactsByTurn(Tabular):
         orbit: (m, 2) places of the journal's centre from that of the bearing, in the two axes of the plane, over the first run [m].
     """
 
-    press_name: str
+    _press: Linkage
     bearing: str
     radial: float
     start: NDArray[np.int_]
@@ -230,14 +230,14 @@ def _of_run(run: ElasticRun, bearing: str, number_of_run: int, settling: int) ->
         rows.append((number_of_run, each, float(force[own].max()), float(np.abs(gap[own]).max()) - pin.clearance.radial, impacts, flying))
     columns = {name: read_only(np.array(column)) for name, column in zip(OF_TURN, zip(*rows, strict=True), strict=True)}
     orbit = np.stack([gap.real, gap.imag], axis=1)[turn >= settling]
-    return ImpactsByTurn(press.name, bearing, pin.clearance.radial, orbit=read_only(orbit), **columns)
+    return ImpactsByTurn(press, bearing, pin.clearance.radial, orbit=read_only(orbit), **columns)
 
 
 def _joined(parts: Sequence[ImpactsByTurn]) -> ImpactsByTurn:
     """All turns of several runs."""
     columns = {name: read_only(np.concatenate([getattr(each, name) for each in parts])) for name in OF_TURN}
     first = parts[0]
-    return ImpactsByTurn(first.press_name, first.bearing, first.radial, orbit=first.orbit, **columns)
+    return ImpactsByTurn(first._press, first.bearing, first.radial, orbit=first.orbit, **columns)
 
 
 def _segment(run: ElasticRun) -> ElasticSegment:

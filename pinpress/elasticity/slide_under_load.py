@@ -25,7 +25,7 @@ from ..common.results import Tabular
 from ..kinematics.motion import Motion, doubt_speeds
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load, PointForce, SpringDamper, StandingLoad
 from ..loads.pneumatics import BalanceCylinder
 from .springs import Stiffness
@@ -80,7 +80,7 @@ class DeflectedSlide(Tabular):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ElasticDeadCentre(Tabular):
+class ElasticDeadCentre(OfPress, Tabular):
     """Bottom dead centre of an elastic press over S speeds. Deeper is negative. All arrays are read-only.
 
     Attributes:
@@ -95,7 +95,7 @@ class ElasticDeadCentre(Tabular):
         standstill_position: position of the elastic slide at true bottom dead centre of a press that turns infinitely slowly [m].
     """
 
-    press_name: str
+    _press: Linkage
     speed: Array
     rigid_angle: float
     rigid_position: float
@@ -203,7 +203,7 @@ def dead_centre_shift(press: Linkage, stiffness: Stiffness, *, speed: ArrayLike,
 
     found = np.array([lowest(w) for w in speeds])
     return ElasticDeadCentre(
-        press_name=press.name,
+        _press=press,
         speed=speeds,
         rigid_angle=centres.bottom_angle,
         rigid_position=centres.bottom_position,

@@ -22,7 +22,7 @@ from ..common.results import Record, Records, Tabular
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
 from ..simulation.elastic.description import Elastic
 from ..simulation.elastic.elastic_run import ElasticRun
@@ -55,7 +55,7 @@ class Resonance(Record, units={"speed": "rad/s", "slowest": "rad/s", "fastest": 
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CampbellDiagram(Tabular):
+class CampbellDiagram(OfPress, Tabular):
     """Natural frequencies and the orders of the strokes over the speed of the crank. All arrays are read-only.
 
     The frequencies change with the crank angle, but not with the speed: each mode is a band.
@@ -69,7 +69,7 @@ class CampbellDiagram(Tabular):
         turns: turns of the crank in a period; the orders are harmonics of the period.
     """
 
-    press_name: str
+    _press: Linkage
     modes: ElasticModes
     speed: Array
     orders: int
@@ -130,11 +130,11 @@ def campbell(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, orders: int
     met = np.argwhere((fastest >= speed[0]) & (slowest <= speed[-1]))
     found = [Resonance(int(m) + 1, int(k) + 1, float(mean[k, m]), float(slowest[k, m]), float(fastest[k, m])) for k, m in met]
     found.sort(key=lambda each: -each.speed)
-    return CampbellDiagram(press.name, modes, read_only(speed), count, Records(Resonance, found), turns)
+    return CampbellDiagram(press, modes, read_only(speed), count, Records(Resonance, found), turns)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ElasticSpeedResponse(Tabular):
+class ElasticSpeedResponse(OfPress, Tabular):
     """The strokes that a press on its springs repeats at each of s speeds. All arrays are read-only.
 
     Attributes:
@@ -151,7 +151,7 @@ class ElasticSpeedResponse(Tabular):
         lost: (s,) work lost in the dampers in a period [J].
     """
 
-    press_name: str
+    _press: Linkage
     elastic: Elastic
     speed: Array
     rigid_deepest: float
@@ -222,7 +222,7 @@ def over_speeds(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, loads: S
         return read_only(np.array(values, dtype=float))
 
     return ElasticSpeedResponse(
-        press_name=press.name,
+        _press=press,
         elastic=elastic,
         speed=read_only(speed),
         rigid_deepest=dead_centres(press).bottom_position,

@@ -26,7 +26,7 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import Motion
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load, PointForce
 from .springs import Spring, Stiffness, internal_forces, sharing, springs_of
 
@@ -38,7 +38,7 @@ SOFT = 1e9  # stiffness given to a rigid bearing in order to share forces in ano
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlideCompliance(Tabular):
+class SlideCompliance(OfPress, Tabular):
     """Compliance of a press at its slide, over n crank angles. All arrays are read-only.
 
     Attributes:
@@ -53,7 +53,7 @@ class SlideCompliance(Tabular):
         bottom_shares: name of a part -> its share of the deflection at bottom dead centre [-].
     """
 
-    press_name: str
+    _press: Linkage
     stiffness: Stiffness
     crank_angle: Array
     slide_position: Array
@@ -137,7 +137,7 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
         place = press.driver_coordinates[0].at(where)
         raise PinpressError(f"nothing of {press.name} yields at {place}: give a part in the line of force a stiffness")
     return SlideCompliance(
-        press_name=press.name,
+        _press=press,
         stiffness=stiffness,
         crank_angle=motion.crank_angle,
         slide_position=motion.slide_position,

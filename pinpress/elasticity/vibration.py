@@ -24,7 +24,7 @@ from ..common.results import Tabular
 from ..drives.transmission import Flywheel
 from ..kinematics.motion import motion_through_change_points
 from ..linkage.assembly import refuse_far
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..simulation.elastic.assembly import press_on_springs
 from ..simulation.elastic.description import STIFFEST, Elastic, Rod
 from ..simulation.elastic.in_space.bodies import PressInSpace
@@ -42,7 +42,7 @@ TELLING = 0.1  # share of a mode's energy from which a part or link is named
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ElasticModes(Tabular):
+class ElasticModes(OfPress, Tabular):
     """The m lowest free vibrations of a press on its springs at each of n crank angles, by rising frequency. All arrays are read-only.
 
     Where two frequencies meet over the turn, the curves cross or veer apart; they are numbered by size at each angle.
@@ -60,7 +60,7 @@ class ElasticModes(Tabular):
         kinetic_energy: name of a link, "crown" or "shaft" -> (n, m) its share of the kinetic energy [-].
     """
 
-    press_name: str
+    _press: Linkage
     elastic: Elastic
     flywheel: Flywheel | None
     crank_angle: Array
@@ -164,7 +164,7 @@ def natural_frequencies(
         bending = moved[:, :, moved.shape[2] - sprung.shapes.shape[2] :]
         energies = _strain_energy(sprung, elastic, coordinates, moved), _kinetic_energy(sprung, moved, wheel)
     return ElasticModes(
-        press_name=press.name,
+        _press=press,
         elastic=elastic,
         flywheel=flywheel,
         crank_angle=read_only(angles),

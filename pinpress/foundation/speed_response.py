@@ -23,7 +23,7 @@ from ..common.quantities import RPM, Array, ComplexArray
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..kinematics.motion import doubt_speeds, period_at
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from .elastic_frame import ElasticFrame
 from .frame_parts import rows_at
 from .mounted_press import MountedPress, mounted, undamped, with_mounts
@@ -39,7 +39,7 @@ REFINED = 1e-9  # relative error of the stiffness found
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpeedResponse(Tabular):
+class SpeedResponse(OfPress, Tabular):
     """Steady vibration of an idle press at each of (s,) speeds. All arrays are read-only.
 
     Attributes:
@@ -52,7 +52,7 @@ class SpeedResponse(Tabular):
         floor_force: (s,) root mean square of the force on the floor beside the weight, all components together [N].
     """
 
-    press_name: str
+    _press: Linkage
     speed: Array
     rms: Mapping[str, Array]
     peak: Mapping[str, Array]
@@ -131,7 +131,7 @@ def over_speeds(system: MountedPress, speeds: ArrayLike, *, points: Points) -> S
     by_point = {name: np.einsum("ij,skj->ski", at, amplitude) for name, at in rows.items()}
     acceleration = {name: -(frequency[..., None] ** 2) * values for name, values in by_point.items()}
     return SpeedResponse(
-        press_name=system.press.name,
+        _press=system.press,
         speed=read_only(speed),
         rms=FrozenMapping({name: read_only(_rms(values, states)) for name, values in acceleration.items()}),
         peak=FrozenMapping({name: read_only(_largest(values, states)) for name, values in acceleration.items()}),

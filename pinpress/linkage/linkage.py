@@ -494,3 +494,27 @@ def _is_balanced(inertia: pin.Inertia, axis: Array, size: float) -> bool:
 
 # Outside the class, where it would be taken for the field's default.
 Linkage.model = Model()
+
+
+class OfPress:
+    """Base of the results of a press, which know the press that they are of."""
+
+    _press: Linkage
+
+    @property
+    def press_name(self) -> str:
+        """Name of the press."""
+        return self._press.name
+
+
+def is_same_press(press: Linkage, other: Linkage) -> bool:
+    """Whether two linkages have the same name, links, joints, loops, drivers, lengths and masses, wherever they were read from."""
+    return other is press or _made_of(other) == _made_of(press)
+
+
+def _made_of(press: Linkage) -> tuple[object, ...]:
+    """What a linkage is made of, apart from the texts and lines of its file."""
+    ends = "point1", "rotation1", "point2", "rotation2"
+    loops = [(each.name, each.type, each.joint1, each.joint2, *(getattr(each, end).tolist() for end in ends)) for each in press.loops]
+    couplings = [(each.name, each.follower, each.leader, each.multiplier, each.offset) for each in press.couplings]
+    return press.name, press.links, press.drivers, press.slide, press.zero, loops, couplings, press.model

@@ -60,7 +60,9 @@ def number(entry: Entry, parameters: Mapping[str, float]) -> float:
     if not math.isfinite(value):
         entry.refuse(f"{entry.value} is no finite number", "write a number")
     if abs(value) > LARGEST:
-        entry.refuse(f"{value:.6g} is out of range: {LARGEST:g} is the largest number", "see that numbers and units are those of the drawing")
+        entry.refuse(
+            f"{value:.6g} is out of range: {LARGEST:g} is the largest number", "see that numbers and units are those of the drawing"
+        )
     return value
 
 

@@ -18,7 +18,7 @@ from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions
 from ..kinematics import measures
 from ..kinematics.motion import Motion, cycle
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load, SpringDamper
 from .permissible_force import (
     Capacities,
@@ -43,7 +43,7 @@ SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares and whose time fo
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PressRatings(Tabular):
+class PressRatings(OfPress, Tabular):
     """The ratings of a press over its working stroke, at n heights from top to bottom dead centre. All arrays are read-only.
 
     Attributes:
@@ -86,7 +86,7 @@ class PressRatings(Tabular):
         turns: turns of the driver joint from stroke to stroke; 1 where it slides.
     """
 
-    press_name: str
+    _press: Linkage
     capacities: Capacities
     driver_coordinate: DriverCoordinate
     speed: float
@@ -280,7 +280,7 @@ def _ratings(
         tolerance = DWELL * stroke if dwell_tolerance is None else positive("dwell_tolerance", dwell_tolerance, "m")
     contact_speed, advantage = (None, None) if contact is None else _at_contact(rated, period, contact)
     return PressRatings(
-        press_name=press.name,
+        _press=press,
         capacities=capacities,
         driver_coordinate=rated.coordinate,
         speed=speed,

@@ -23,7 +23,7 @@ from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, moved
 from ..kinematics.slide_path import dead_centres
 from ..linkage.assembly import refuse_far
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load
 from .drive import ServoDrive
 from .limits import CrankAcceleration, CrankSpeed, SlideSpeed, StateLimit, span
@@ -33,7 +33,7 @@ MOST_STATES = 10**6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ServoMotion(Tabular):
+class ServoMotion(OfPress, Tabular):
     """One cycle of a servo press in n states, from its begin to its end, and what it asks of the drive. All arrays are read-only.
 
     Torques and powers are those of the motor, those that accelerate its own rotor and overcome its own drag included. Positive torques
@@ -52,7 +52,7 @@ class ServoMotion(Tabular):
         torque: (n,) torque of the motor at the crank, ratio times that at its own shaft [N m].
     """
 
-    press_name: str
+    _press: Linkage
     drive: ServoDrive
     motion: Motion
     time: Array
@@ -239,7 +239,7 @@ def evaluated(
     reactions = inverse_dynamics(press, motion, loads, friction, bearings=bearings)
     torque = reactions.driving_torque + drive.crank_inertia * acceleration + drive.crank_drag * speed
     height = motion.slide_position - bottom
-    return ServoMotion(press.name, drive, motion, time, weight, angle, speed, acceleration, height, torque), reactions
+    return ServoMotion(press, drive, motion, time, weight, angle, speed, acceleration, height, torque), reactions
 
 
 def _column(name: str, values: ArrayLike, unit: str, count: int) -> Array:

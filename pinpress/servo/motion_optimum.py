@@ -12,6 +12,7 @@ from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..drives.motors import ServoMotor
 from ..dynamics.inverse_dynamics import Reactions
+from ..linkage.linkage import Linkage, OfPress
 from .drive import ServoDrive
 from .motion import ServoMotion
 from .paths import Path
@@ -42,7 +43,7 @@ class ActiveLimit(Record, units={"begins_at": "rad", "ends_at": "rad"}):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotionOptimum(Tabular):
+class MotionOptimum(OfPress, Tabular):
     """The best motion of a press along a path, and the proof that none is better.
 
     The program's motion has a constant acceleration between its nodes. ``motion`` is the same motion by full inverse dynamics, with states
@@ -71,7 +72,7 @@ class MotionOptimum(Tabular):
             motion keeps the limits.
     """
 
-    press_name: str
+    _press: Linkage
     minimise: Mapping[str, float]
     path: Path
     drive: ServoDrive

@@ -14,7 +14,7 @@ from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM
 from ..common.results import Record, Records, Tabular
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
 from .limits import Limit
 from .motion import ServoMotion
@@ -123,7 +123,7 @@ class TriedMotor(
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotorChoice(Tabular):
+class MotorChoice(OfPress, Tabular):
     """The smallest motor of a catalogue that suffices for a press and its work.
 
     Attributes:
@@ -134,7 +134,7 @@ class MotorChoice(Tabular):
         tried: all motors and ratios that were tried, the smallest motor first.
     """
 
-    press_name: str
+    _press: Linkage
     motor: CatalogueMotor | None
     best: MotionOptimum | None
     use: MotorUtilisation | None
@@ -220,8 +220,8 @@ def choose_motor(
             found += sufficient
         if found:
             use, best = min(found, key=lambda each: each[0].thermal)
-            return MotorChoice(press.name, motor, best, use, Records(TriedMotor, tried))
-    return MotorChoice(press.name, None, None, None, Records(TriedMotor, tried))
+            return MotorChoice(press, motor, best, use, Records(TriedMotor, tried))
+    return MotorChoice(press, None, None, None, Records(TriedMotor, tried))
 
 
 def _tried(

@@ -41,7 +41,7 @@ from ..elasticity.slide_under_load import slide_deflection
 from ..elasticity.springs import Stiffness
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load, PointForce
 from .clearances import KNOWN_TO, GuideClearance, play
 from .clearances_over_speed import SLOWEST
@@ -88,7 +88,7 @@ class BottomCondition(
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AccuracyBudget(Tabular):
+class AccuracyBudget(OfPress, Tabular):
     """What moves the bottom dead centre of a press. Positive shifts are upwards.
 
     Attributes:
@@ -98,7 +98,7 @@ class AccuracyBudget(Tabular):
         machining: scatter of the bottom dead centre with the dimensions of the press; None where it was not given.
     """
 
-    press_name: str
+    _press: Linkage
     coordinate: DriverCoordinate
     conditions: Records[BottomCondition]
     machining: DeadCentreScatter | None
@@ -232,7 +232,7 @@ def budget(
                     rise=shift - found[0].shift if found else 0.0,
                 )
             )
-    return AccuracyBudget(press.name, press.driver_coordinates[0], Records(BottomCondition, found), machining)
+    return AccuracyBudget(press, press.driver_coordinates[0], Records(BottomCondition, found), machining)
 
 
 @dataclass(frozen=True)

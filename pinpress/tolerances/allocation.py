@@ -21,7 +21,7 @@ from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..kinematics.motion import Motion
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from .dead_centre_scatter import dead_centre_gradients
 from .dimensions import Dimension, checked_dimensions, correlation_matrix
 from .scatter import written_tolerance
@@ -32,11 +32,11 @@ SLACK = 1e-6  # share of a target below which it is used up, and of a bound belo
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AllocatedTolerances(Tabular):
+class AllocatedTolerances(OfPress, Tabular):
     """The cheapest tolerances of k dimensions. All arrays are read-only.
 
     Attributes:
-        press: name of the press.
+        press_name: name of the press.
         parts: the k dimensions with these tolerances, for `bottom_dead_centre`.
         before: (k,) their tolerances before [m, of an angle rad].
         bounds: (k, 2) smallest and largest tolerances [m or rad].
@@ -50,7 +50,7 @@ class AllocatedTolerances(Tabular):
         prices: quantity -> by how much the cost falls where its target is larger, per metre [unit of the costs per m].
     """
 
-    press: str
+    _press: Linkage
     parts: tuple[Dimension, ...]
     before: Array
     bounds: Array
@@ -75,7 +75,7 @@ class AllocatedTolerances(Tabular):
 
     @property
     def title(self) -> str:
-        return f"AllocatedTolerances of {self.press}: cost {tables.cell(self.value)}, proved to {max(self.gap, PROVED):.1g}"
+        return f"AllocatedTolerances of {self.press_name}: cost {tables.cell(self.value)}, proved to {max(self.gap, PROVED):.1g}"
 
     def columns(self) -> dict[str, Column]:
         """The dimensions with their tolerances and costs as (k,) columns."""
@@ -176,7 +176,7 @@ def allocate(
     )
     inside = ((ends[:, 0] <= alike * present) & (alike * present <= ends[:, 1])).all()
     return AllocatedTolerances(
-        press.name,
+        press,
         chosen,
         present,
         ends,

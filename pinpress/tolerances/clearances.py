@@ -47,7 +47,7 @@ from ..common.quantities import Array
 from ..common.results import Record, Records, Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, rotation_of
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load
 from .virtual_work import UnitForces, forces_by_cause, in_plane, unit_forces
 
@@ -104,7 +104,7 @@ class ForceReversal(Record, units={"crank_angle": "rad", "change": "m", "force":
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlidePlay(Tabular):
+class SlidePlay(OfPress, Tabular):
     """Where the slide stands in the clearances of the bearings, in the n states of a motion. All arrays are read-only.
 
     Offsets are those from the slide's place without clearances, positive along `Linkage.slide_direction` (upwards).
@@ -126,7 +126,7 @@ class SlidePlay(Tabular):
         reversals: the forces that reverse, in the order of the states.
     """
 
-    press_name: str
+    _press: Linkage
     motion: Motion
     clearance: Mapping[str, float | GuideClearance]
     friction: Mapping[str, Friction]
@@ -252,7 +252,7 @@ def play(
     shift, rotation = _in_guide(press, motion, contacts, widths)
     reversals = [found for contact in contacts for found in _reversals(motion, contact)]
     return SlidePlay(
-        press_name=press.name,
+        _press=press,
         motion=motion,
         clearance=FrozenMapping(dict(clearance)),
         friction=FrozenMapping(dict(friction)),

@@ -23,7 +23,7 @@ from ..common.quantities import Array, DriverCoordinate
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
 from ..kinematics.motion import cycle
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load
 from .clearances import KNOWN_TO, ROUNDING, UNMOVED, GuideClearance, contacts_of, crossings, play
 from .virtual_work import unit_forces
@@ -32,7 +32,7 @@ SLOWEST = 1e-6  # squares of slower speeds lose meaning beside weights [rad/s or
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DeadCentresInClearances(Tabular):
+class DeadCentresInClearances(OfPress, Tabular):
     """What the clearances do to the dead centres over S speeds. All arrays are read-only.
 
     Attributes:
@@ -49,7 +49,7 @@ class DeadCentresInClearances(Tabular):
             speed [rad/s].
     """
 
-    press_name: str
+    _press: Linkage
     coordinate: DriverCoordinate
     speed: Array
     bottom_shift: Array
@@ -125,7 +125,7 @@ def play_over_speeds(
         raise PinpressError("speed: give (S,) speeds other than zero [rad/s]; servo_cycle and play serve a press at standstill")
     found = [play(press, cycle(press, float(w)), clearance, loads, friction=friction, known_to=known_to) for w in speeds]
     return DeadCentresInClearances(
-        press_name=press.name,
+        _press=press,
         coordinate=press.driver_coordinates[0],
         speed=speeds,
         bottom_shift=np.array([each.bottom_shift for each in found]),

@@ -24,7 +24,7 @@ from ..common.tables import Column
 from ..derivatives.motion import directed
 from ..kinematics.motion import Motion, motion_through_change_points, refuse_motion_of_another
 from ..kinematics.slide_path import TurningPoints, turning_points
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
 from .endings import Ending, shapes_of, sound
 from .scatter import Scatter, scatter
@@ -37,11 +37,11 @@ UNMOVED = 1e-12  # derivatives of the slide's place and travel below which a dim
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DeadCentreScatter(Tabular):
+class DeadCentreScatter(OfPress, Tabular):
     """The dead centres of n presses that are built after one drawing. All arrays are read-only.
 
     Attributes:
-        press: name of the press.
+        press_name: name of the press.
         parts: the k dimensions that scatter.
         height: of the slide at bottom dead centre [m].
         top: of the slide at top dead centre [m].
@@ -51,7 +51,7 @@ class DeadCentreScatter(Tabular):
         deviations: (k, n) of the dimensions of every press from the nominal ones [m or rad].
     """
 
-    press: str
+    _press: Linkage
     parts: tuple[Dimension, ...]
     height: Scatter
     top: Scatter
@@ -87,8 +87,8 @@ class DeadCentreScatter(Tabular):
     @property
     def title(self) -> str:
         return (
-            f"DeadCentreScatter of {self.press}: {len(self.parts)} dimensions, {self.deviations.shape[1]} presses, bottom dead centre at"
-            f" {tables.cell(self.height.nominal)} {self.height.unit}"
+            f"DeadCentreScatter of {self.press_name}: {len(self.parts)} dimensions, {self.deviations.shape[1]} presses, bottom dead"
+            f" centre at {tables.cell(self.height.nominal)} {self.height.unit}"
         )
 
     def columns(self) -> dict[str, Column]:
@@ -186,7 +186,7 @@ def bottom_dead_centre(
         for k, (head, gradient, each) in enumerate(zip(heads, gradients, values, strict=True))
     ]
     by_height = [{each.height: one for each, one in zip(asked, found[3:], strict=True) if each.unit == unit} for unit in ("N m", "m/s")]
-    return DeadCentreScatter(press.name, checked, found[0], found[1], found[2], by_height[0], by_height[1], drawn)
+    return DeadCentreScatter(press, checked, found[0], found[1], found[2], by_height[0], by_height[1], drawn)
 
 
 # ------------------------------------------------------------------------------------------------------------------------- the dead centres

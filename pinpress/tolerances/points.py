@@ -43,7 +43,7 @@ from ..derivatives.motion import Displacements, directed
 from ..kinematics.motion import Motion, bearing_points, poses
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
 from .endings import Ending, shapes_of, sound
 from .scatter import Scatter, scatter
@@ -84,7 +84,7 @@ class PermissibleSlope(Checked):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SlideParallelism(Tabular):
+class SlideParallelism(OfPress, Tabular):
     """Slopes of a slide on m points against the table. All arrays are read-only.
 
     Slopes are in m/m, along two directions square to the guide. The columns are n crank angles.
@@ -106,7 +106,7 @@ class SlideParallelism(Tabular):
         deviations: (k, presses) of the dimensions of every press of the sample from the nominal ones [m or rad].
     """
 
-    press_name: str
+    _press: Linkage
     coordinate: DriverCoordinate
     points: tuple[str, ...]
     places: Array
@@ -273,7 +273,7 @@ def parallelism(
         return scatter(name, "m/m", 0.0, dimensions, at_bottom[k].copy(), tied, of_sample, of_corners)
 
     return SlideParallelism(
-        press_name=press.name,
+        _press=press,
         coordinate=press.driver_coordinates[0],
         points=points,
         places=places,

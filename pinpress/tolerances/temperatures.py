@@ -27,7 +27,7 @@ from ..derivatives.motion import Displacements, nowhere
 from ..kinematics.motion import Motion, of_states
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, OfPress
 from .dead_centre_scatter import ends_of, refuse_several_drivers
 from .virtual_work import unit_forces
 
@@ -86,7 +86,7 @@ class Temperatures(Frozen):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HeatShift(Tabular):
+class HeatShift(OfPress, Tabular):
     """What warm links do to the dead centres of a press. Shifts are those of the slide's face against the table, positive upwards.
 
     Attributes:
@@ -98,7 +98,7 @@ class HeatShift(Tabular):
             slide where their table or face is not known [m/K].
     """
 
-    press_name: str
+    _press: Linkage
     rise: Mapping[str, float]
     bottom_by_link: Mapping[str, float]
     top_by_link: Mapping[str, float]
@@ -187,7 +187,7 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
         found[_named(press, body, temperatures)] = coefficients.get(body, temperatures.of("")) * shift
     warm = {name: value for name, value in temperatures.rise.items() if value}
     return HeatShift(
-        press_name=press.name,
+        _press=press,
         rise=FrozenMapping(dict(temperatures.rise)),
         bottom_by_link=FrozenMapping({name: value * float(found[name][0]) for name, value in warm.items()}),
         top_by_link=FrozenMapping({name: value * float(found[name][1]) for name, value in warm.items()}),

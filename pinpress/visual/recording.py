@@ -29,7 +29,7 @@ from ..dynamics.inverse_dynamics import Reactions
 from ..engines.branch import predict
 from ..engines.joints import configuration
 from ..kinematics.motion import Motion, Poses, bearing_points, poses, refuse_motion_of_another, refuse_other_joints
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, is_same_press
 from ..simulation.run import Run
 from .pages import meshcat, packed, page, write
 from .shapes import meshcat_commands
@@ -347,7 +347,7 @@ def _refuse_other_reactions(press: Linkage, motion: Motion, reactions: Reactions
         raise PinpressError(
             f"the reactions are of another motion of {other.linkage}: give those that inverse_dynamics(press, motion) returns for this one"
         )
-    if its is not press and not (its.name == press.name and its.bearings == press.bearings and its.model == press.model):
+    if not is_same_press(its, press):
         raise PinpressError(f"the reactions are of {its.name}, another press than {press.name}: give those of the same one")
 
 

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..common.arguments import expect, typed, whole_number
-from ..common.errors import PinpressError
 from ..common.quantities import Array, ComplexArray
 from ..elasticity.vibration import ElasticModes
 from ..engines.planar.model import to_world
@@ -66,8 +65,7 @@ def record_modes(
         film = swinging_frame.content(press, modes, most, (SWING, STANDING, RATE, PAUSE))
         return write(path, page("recording.html", f"{press.name} on its mounts: vibrations", film, {"viewer": meshcat()}))
     expect("modes", modes, ElasticModes, "natural_frequencies")
-    if modes.press_name != press.name or modes.shapes.shape[2] != press.model.nv:
-        raise PinpressError(f"the modes are of {modes.press_name}, and the press is {press.name}: give those of the same one")
+    swinging_frame.refuse_modes_of_another(press, modes._press)
     count = min(most, modes.natural_frequency.shape[1])
     sprung, standing = sprung_press(press, modes.elastic), len(modes.crank_angle) == 1
     keys = SWING * (STANDING if standing else SWINGS) + 1

@@ -17,7 +17,7 @@ from ..foundation.frame_parts import rows_at
 from ..foundation.mounted_press import MountedPress, VibrationModes
 from ..foundation.whirl_modes import WhirlDiagram
 from ..kinematics.motion import Poses, motion_through_change_points, poses
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, is_same_press
 from .deflected import SEEN, turned
 from .pages import packed
 from .recording import KeyFrames, moving, shapes
@@ -55,8 +55,7 @@ def content(press: Linkage, modes: VibrationModes | WhirlDiagram, count: int, fr
         PinpressError: the modes are of another press.
     """
     system, (swing, swings, rate, pause) = modes.system, frames
-    if system.press.name != press.name or system.press.joints != press.joints:
-        raise PinpressError(f"the modes are of {system.press.name}, and the press is {press.name}: give those of the same one")
+    refuse_modes_of_another(press, system.press)
     shown = _modes(modes)[:count]
     keys = swing * swings + 1
     motion = motion_through_change_points(press, np.zeros(keys), 0.0)
@@ -175,3 +174,10 @@ def _nearest(lines: list[FrameLine], place: Array) -> Array:
     """The node of the lines that is nearest to a place."""
     nodes = np.vstack([line.places for line in lines])
     return np.asarray(nodes[np.linalg.norm(nodes - place, axis=1).argmin()])
+
+
+def refuse_modes_of_another(press: Linkage, other: Linkage) -> None:
+    """Raise PinpressError where modes are of another press than this one."""
+    if not is_same_press(other, press):
+        its = other.name if other.name != press.name else f"a {other.name} with other lengths, masses or zero"
+        raise PinpressError(f"the modes are of {its}, and the press is {press.name}: give those of the same one")

@@ -247,6 +247,23 @@ def test_the_best_of_gear_ratios_is_taken():
     assert best.by_ratio[60.0] == pytest.approx(best.value / 60.0**2)
 
 
+def test_preloaded_gibs_are_proved_as_a_constant_force():
+    """A turn that would need less if it were faster: the friction of its gibs is that of the preload alone, and leaves the proof as it is.
+
+    The same torque by hand, the preload's share of the travel, is the difference to the motion without friction.
+    """
+    press, drive, gibs = texts.shipped("crank_slide"), servo.ServoDrive(inertia=0.05, ratio=10.0), pp.loads.Friction(0.02, preload=1e5)
+    load = [pp.loads.DeepDrawing(1e5, 0.02)]
+    best = servo.best_motion(press, drive, load, time=1.0, path=servo.Turn(), friction={"slide_guide": gibs}, points=180)
+    plain = servo.best_motion(press, drive, load, time=1.0, path=servo.Turn(), points=180)
+    assert best.gap < 1.2 * plain.gap < 0.5  # 0.93 where the friction is taken for one that feels the speed
+    assert np.abs(best.reactions.bearing_force["slide_guide"]).max() < 1e5
+    motion = best.motion.motion
+    without = pp.inverse_dynamics(press, motion, load).driving_torque
+    rubbed = 0.02 * 1e5 * np.abs(motion.slide_velocity) / motion.crank_speed
+    np.testing.assert_allclose(best.reactions.driving_torque, without + rubbed, atol=1e-9 * np.abs(without).max())
+
+
 def test_friction_settles():
     """The fixed point of a prototype: 13 % more than without friction."""
     press = texts.shipped("zxn2_3000b")

@@ -248,6 +248,50 @@ def test_balance(press: Any, balanced: Any, tmp_path: Path) -> None:
     assert change[3] == f"{round(100 * balanced.changes[0].change, 2):+.2f} %"
 
 
+def results_of(press: Any) -> list[Any]:
+    """A result of each room, of a press made from `TABLE`."""
+    speed, stiffness = 2.0, pp.elasticity.Stiffness(dict.fromkeys(press.bearings, 1e9), moments={"slide_guide": 1e7})
+    elastic, motion = pp.elasticity.Elastic(stiffness), pp.cycle(press, speed, points=24)
+    parts = [pp.tolerances.link_length(press, "P", "W", 1e-5)]
+    regions = [pp.balancing.CounterweightRegion("crank", radius=0.3)]
+    mounts = [pp.foundation.Mount((x, y, -0.9), (4e6, 5e6, 3e7)) for x in (-0.5, 0.5) for y in (-0.4, 0.4)]
+    return [
+        pp.elasticity.natural_frequencies(press, elastic, angle=[0.0, 1.0]),
+        pp.elasticity.compliance(press, stiffness, angle=[0.0, 1.0]),
+        pp.ratings.rate(press, speed, pp.ratings.Capacities(1e6, nominal_height=0.01), points=11),
+        pp.simulate(press, 0.1, speed=speed, drive=pp.drives.ConstantTorque(10.0)),
+        pp.tolerances.bottom_dead_centre(press, parts, samples=100),
+        pp.tolerances.allocate(press, parts, None, {"height": 2e-5}),
+        pp.tolerances.heat(press, pp.tolerances.Temperatures({"rod": 10.0})),
+        pp.servo.best_motion(press, pp.servo.ServoDrive(inertia=1.0), time=2.0, points=24),
+        pp.balancing.balance(press, motion, regions=regions, minimise=pp.balancing.Range("shaking_force", "z")),
+        pp.foundation.modes(pp.foundation.mounted(press, pp.foundation.Frame(1000.0, (0, 0, -0.5), (200, 200, 200)), mounts)),
+    ]
+
+
+TABLE: dict[str, Any] = {
+    "press": "table",
+    "units": "mm",
+    "frame": "O",
+    "pins": {"O": [0, 0], "P": {"from": "O", "length": 100, "angle": -90}, "W": {"P": 400, "x": 0, "side": "down"}},
+    "links": {"crank": {"pins": "O P", "mass": 20}, "rod": {"pins": "P W", "mass": 15}, "slide": {"pins": "W", "guide": "up", "mass": 90}},
+    "drive": "O",
+}
+
+
+def test_results_of_a_press_of_the_same_name_are_refused(tmp_path: Path) -> None:
+    """What the press is made of counts: a longer rod, a heavier slide; made again of the same table it is the same press."""
+    press, again = pp.build(**TABLE), pp.build(**TABLE)
+    longer = pp.build(**TABLE | {"pins": TABLE["pins"] | {"W": {"P": 450, "x": 0, "side": "down"}}})
+    heavier = pp.build(**TABLE | {"links": TABLE["links"] | {"slide": {"pins": "W", "guide": "up", "mass": 95}}})
+    for result in results_of(press):
+        for other in (longer, heavier):
+            with pytest.raises(pp.PinpressError, match="is of a table with other lengths, masses or zero, the page of table"):
+                pp.report(other, pp.cycle(other, 2.0, points=24), tmp_path / "out.html", results=[result])
+        assert list(tmp_path.iterdir()) == []
+        pp.report(again, pp.cycle(again, 2.0, points=24), tmp_path / "out.html", results=[result]).unlink()
+
+
 @pytest.mark.parametrize("name", ["PressRatings", "Run", "SlideCompliance"])
 def test_results_of_another_press_are_refused(name: str, ratings: Any, steady: Any, press: Any, elastic: Any, tmp_path: Path) -> None:
     result = {"PressRatings": ratings, "Run": steady}.get(name)
@@ -573,7 +617,7 @@ def test_journal_in_its_bearing(press: Any, loaded: Any, tmp_path: Path) -> None
     """The orbit is drawn to one scale beside the circle of the clearance, with a row a turn."""
     orbit = np.array([[1.0e-4, 0.0], [0.0, -1.1e-4], [3e-5, 2e-5]])
     found = pp.elasticity.ImpactsByTurn(
-        press_name=press.name,
+        _press=press,
         bearing="F",
         radial=1e-4,
         start=np.array([0, 0]),
@@ -594,8 +638,8 @@ def test_journal_in_its_bearing(press: Any, loaded: Any, tmp_path: Path) -> None
     assert figures(section)["largest force of a turn"].startswith("70")
     table = next(block for block in section["blocks"] if block.get("title") == "Turn by turn")
     assert [row[0:2] for row in table["rows"]] == [["1", "1"], ["1", "2"]]
-    other = replace(found, press_name="another")
-    with pytest.raises(pp.PinpressError, match="the pin is of another"):
+    other = replace(found, _press=texts.shipped("crank_slide"))
+    with pytest.raises(pp.PinpressError, match="the pin is of crank_slide"):
         pp.report(press, loaded.motion, tmp_path / "journal.html", reactions=loaded, results=[other])
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from support.in_browser import data_in, wait
 from support.texts import shipped
@@ -82,6 +83,11 @@ def test_a_link_that_turns_about_its_centre_alone(tmp_path: Path) -> None:
 def test_other_presses_are_refused(tmp_path: Path) -> None:
     with pytest.raises(pp.PinpressError, match="the modes are of jf75g_125_plain"):
         pp.record_modes(shipped("crank_slide"), modes_of(1.0), tmp_path / "modes.html")
+    press = shipped("jf75g_125_plain")
+    model = press.model.copy()
+    model.inertias[1] = pin.Inertia(2 * model.inertias[1].mass, model.inertias[1].lever, model.inertias[1].inertia)
+    with pytest.raises(pp.PinpressError, match="the modes are of a jf75g_125_plain with other lengths, masses or zero"):
+        pp.record_modes(replace(press, model=model), modes_of(1.0), tmp_path / "modes.html")
     with pytest.raises(pp.PinpressError, match="lowest"):
         pp.record_modes(shipped("jf75g_125_plain"), modes_of(1.0), tmp_path / "modes.html", lowest=0)
 

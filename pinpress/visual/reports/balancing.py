@@ -11,12 +11,12 @@ from ...balancing.optimum import TradeOffCurve
 from ...balancing.problem import Target
 from ...balancing.result import BalancedPress, CriterionChange, before_balancing, condition_name, counterweight_rows, price_in_words
 from ...common import tables
-from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...dynamics.inverse_dynamics import inverse_dynamics
+from ...linkage.linkage import is_same_press
 from .. import charts
 from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table, with_prefix
-from .shown import Shown
+from .shown import Shown, refuse_others
 
 
 def section(balanced: BalancedPress, shown: Shown) -> Section:
@@ -50,9 +50,8 @@ def trade_off(curve: TradeOffCurve, shown: Shown) -> Section:
 
 
 def _refuse_others(balanced: BalancedPress, shown: Shown) -> None:
-    if shown.press.name not in (balanced.original.name, balanced.press.name):
-        name = balanced.original.name
-        raise PinpressError(f"results: the balance is of {name}, the page of {shown.press.name}: give one of the same press")
+    if not is_same_press(balanced.press, shown.press):
+        refuse_others("balance", balanced.original, shown)
 
 
 def _scale(target: Target, values: Array) -> tuple[float, str]:

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...common import tables
-from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...drives.protocol import corners_of
 from ...drives.transmission import Geared
@@ -23,7 +22,7 @@ from ...simulation.motor_energy import motor_of
 from ...simulation.run import Run, duty_cycle, motor_energy, stroke_duties
 from ..recording import KeyFrames, elastic_run_of
 from .blocks import BarChart, Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
-from .shown import Shown
+from .shown import Shown, refuse_others
 
 FROM_MAINS = {  # flows of a motor's energy, in words
     "mains": "from the mains",
@@ -217,8 +216,7 @@ def section(run: Run, shown: Shown) -> Section:
     Raises:
         PinpressError: It is of another press.
     """
-    if run.joints != shown.press.joints or run.linkage != shown.press.name:
-        raise PinpressError(f"results: the run is of {run.linkage}, the page of {shown.press.name}: give one of the same press")
+    refuse_others("run", run.problem.driven.press, shown)
     first, driven = run.driver_coordinates[0], run.problem.driven
     unit, size = ("r/min", RPM) if first.turns else ("mm/s", 1e-3)
     steady = _is_steady(run)

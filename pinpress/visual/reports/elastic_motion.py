@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...common import tables
-from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...dynamics.inputs import Inputs, described
 from ...elasticity.impacts import ImpactsByTurn
@@ -18,7 +17,7 @@ from ...simulation.elastic.elastic_run import ElasticRun
 from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
 from .elasticity import stiffness_in_words
 from .foundation import mounts_in_words
-from .shown import Shown
+from .shown import Shown, refuse_others
 
 MOST_BEARINGS = 6  # bearings with a chart of their own, those of the largest forces
 MOST_EVENTS = 12  # events in the table
@@ -34,7 +33,7 @@ MINUS = "\u2212"
 
 def motion(run: ElasticRun, shown: Shown) -> Section:
     """The section of an elastic run; raises `PinpressError` where it is of another press."""
-    _refuse_others("run", run.linkage, shown)
+    refuse_others("run", run.problem.driven.press, shown)
     moving, rigid, bottom = shown.motion is run, run.rigid_slide_position, shown.bottom or 0.0
     states = shown.frames.states if moving else np.arange(len(run.time))
     first = run.driver_coordinates[0]
@@ -142,7 +141,7 @@ def elastic_in_words(elastic: Elastic) -> Inputs:
 
 def modes(found: ElasticModes, shown: Shown) -> Section:
     """The section of the modes; raises `PinpressError` where they are of another press."""
-    _refuse_others("modes", found.press_name, shown)
+    refuse_others("modes", found._press, shown)
     state, first = found.nearest_to_bottom, shown.motion.driver_coordinates[0]
     frequency = found.natural_frequency / (2 * np.pi)
     rows = []
@@ -167,7 +166,7 @@ def modes(found: ElasticModes, shown: Shown) -> Section:
 
 def campbell(found: CampbellDiagram, shown: Shown) -> Section:
     """The section of a Campbell diagram; raises `PinpressError` where it is of another press."""
-    _refuse_others("diagram", found.press_name, shown)
+    refuse_others("diagram", found._press, shown)
     speed, frequency = found.speed / RPM, found.modes.natural_frequency / (2 * np.pi)
     ends = np.array([speed[0], speed[-1]])
     highest = float(found.order_frequency(found.orders)[-1]) / (2 * np.pi)
@@ -196,7 +195,7 @@ def campbell(found: CampbellDiagram, shown: Shown) -> Section:
 
 def over_speeds(found: ElasticSpeedResponse, shown: Shown) -> Section:
     """The section of strokes over the speed; raises `PinpressError` where it is of another press."""
-    _refuse_others("strokes", found.press_name, shown)
+    refuse_others("strokes", found._press, shown)
     speed, across = found.speed / RPM, "crank speed [r/min]"
     worst = sorted(found.peaks, key=lambda name: -float(found.peaks[name].max()))[:MOST_BEARINGS]
     scale = tables.scale("N", [float(found.peaks[name].max()) for name in worst])
@@ -215,7 +214,7 @@ def over_speeds(found: ElasticSpeedResponse, shown: Shown) -> Section:
 
 def impacts(found: ImpactsByTurn, shown: Shown) -> Section:
     """The section of a pin with clearance; raises `PinpressError` where it is of another press."""
-    _refuse_others("pin", found.press_name, shown)
+    refuse_others("pin", found._press, shown)
     scale, orbit = tables.scale("N", found.peak.tolist()), 1e6 * found.orbit[:: max(1, len(found.orbit) // MOST_PLACES)]
     turn = np.linspace(0.0, 2 * np.pi, ROUND)
     radius = 1e6 * found.radial
@@ -239,8 +238,3 @@ def impacts(found: ImpactsByTurn, shown: Shown) -> Section:
         rows.append([*cells, f"{found.impacts[k]}", f"{100 * found.flight[k]:.2f}"])
     words = "Where impacts follow one another, small differences grow: peaks of single turns mean little, their distribution does."
     return Section(f"Journal in {found.bearing}", [Figures(chances), picture, Table("Turn by turn", heads, rows, words=0)], note=words)
-
-
-def _refuse_others(what: str, press_name: str, shown: Shown) -> None:
-    if press_name != shown.press.name:
-        raise PinpressError(f"results: the {what} is of {press_name}, the page of {shown.press.name}: give one of the same press")

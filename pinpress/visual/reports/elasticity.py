@@ -7,15 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...common import tables
-from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...dynamics.inputs import Inputs, written
 from ...elasticity.breakthrough import SnapThroughResponse
 from ...elasticity.slide_under_load import DeflectedSlide, ElasticDeadCentre
 from ...elasticity.springs import PreloadedJoint, Stiffness
 from ...elasticity.unit_load import SlideCompliance
+from ...kinematics.motion import refuse_motion_of_another
 from .blocks import BarChart, Block, Figure, Figures, Line, LineChart, Section, Table, with_prefix
-from .shown import Shown
+from .shown import Shown, refuse_others
 
 MOST_PARTS = 6  # parts with a colour of their own; the others are drawn together
 MOST_ROWS = 16  # rows of the table of speeds
@@ -24,7 +24,7 @@ SMALLEST = 5e-3  # parts that never reach this share of the largest compliance a
 
 def compliance(found: SlideCompliance, shown: Shown) -> Section:
     """The section of a compliance; raises `PinpressError` where it is of another press."""
-    _refuse_others("compliance", found.press_name, shown)
+    refuse_others("compliance", found._press, shown)
     order, first = np.argsort(found.crank_angle), found.coordinate
     along = first.scale * found.crank_angle[order]
     largest = float(found.compliance.max())
@@ -66,7 +66,7 @@ def _by_position(found: SlideCompliance) -> tuple[Array, Array]:
 def deflection(found: DeflectedSlide, shown: Shown) -> Section:
     """The section of a deflection; raises `PinpressError` where it is of another press."""
     motion = found.motion
-    _refuse_others("deflection", motion.linkage, shown)
+    refuse_motion_of_another(shown.press, motion)
     same = len(motion.crank_angle) == len(shown.motion.crank_angle) and np.array_equal(motion.crank_angle, shown.motion.crank_angle)
     states = shown.frames.states if same else np.arange(len(found.deflection))
     first = motion.driver_coordinates[0]
@@ -90,7 +90,7 @@ def deflection(found: DeflectedSlide, shown: Shown) -> Section:
 
 def dead_centre(found: ElasticDeadCentre, shown: Shown) -> Section:
     """The section of bottom dead centre over the speed; raises `PinpressError` where it is of another press."""
-    _refuse_others("dead centre", found.press_name, shown)
+    refuse_others("dead centre", found._press, shown)
     order = np.argsort(found.speed)
     speed, shift = found.speed[order] / RPM, 1e6 * found.shift[order]
     chart = LineChart("Shift of bottom dead centre", "µm", [Line("shift", shift, speed)], across="crank speed [r/min]", follows="nothing")
@@ -148,8 +148,3 @@ def stiffness_in_words(given: Stiffness) -> Inputs:
         )
         alike.setdefault(words, []).append(name)
     return [("elastic parts", "; ".join(f"{', '.join(names)}: {words}" for words, names in alike.items()))]
-
-
-def _refuse_others(what: str, name: str, shown: Shown) -> None:
-    if name != shown.press.name:
-        raise PinpressError(f"results: the {what} is of {name}, the page of {shown.press.name}: give one of the same press")

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from ...common import tables
-from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...dynamics.extremes import AXES
 from ...dynamics.inputs import Inputs, described
@@ -20,7 +19,7 @@ from ...foundation.speed_response import Isolation, SpeedResponse
 from ...foundation.whirl_modes import WhirlDiagram
 from ..swinging_frame import frame_lines
 from .blocks import Block, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
-from .shown import Shown
+from .shown import Shown, refuse_others
 
 NOTHING = 1e-3  # a direction in which nothing vibrates more than this share of the largest acceleration has no chart, but its numbers
 MOST_MODES = 24  # of a table
@@ -31,7 +30,7 @@ DECADE = 10.0  # ratio of largest to smallest value up to which an axis is linea
 
 def standing(system: MountedPress, shown: Shown) -> Section:
     """The section of a press at rest on its mounts; raises `PinpressError` where it is of another press."""
-    _refuse_others("mounts", system.press.name, shown)
+    refuse_others("mounts", system.press, shown)
     load, length = tables.scale("N", system.mount_load[:, 2].tolist()), tables.scale("m", [0.0])
     pressed = any(pressure is not None for pressure in system.pressure)
     heads = ["mount", "x [m]", "y [m]", "z [m]", f"load [{load.unit}]", "share [%]", "sag [mm]", *(["pressure [MPa]"] if pressed else [])]
@@ -137,7 +136,7 @@ def _along_axes(factor: float, values: Sequence[float]) -> str:
 
 def modes(found: VibrationModes, shown: Shown) -> Section:
     """The section of the modes; raises `PinpressError` where they are of another press."""
-    _refuse_others("modes", found.press_name, shown)
+    refuse_others("modes", found.system.press, shown)
     frequencies = found.natural_frequency / (2 * np.pi)
     rows = [
         [motion, f"{frequency:.3f}", f"{60 * frequency:.1f}", f"{ratio:.4f}"]
@@ -148,7 +147,7 @@ def modes(found: VibrationModes, shown: Shown) -> Section:
 
 def vibration(found: FrameMotion, shown: Shown) -> Section:
     """The section of a vibration over time; raises `PinpressError` where it is of another press."""
-    _refuse_others("vibration", found.system.press.name, shown)
+    refuse_others("vibration", found.system.press, shown)
     least = found.least_load
     number = int(least.argmin())
     lifts = ", which lifts off unless it is bolted down" if least[number] < 0 else ""
@@ -196,7 +195,7 @@ def _rms(vectors: Array) -> float:
 
 def over_speeds(found: SpeedResponse, shown: Shown) -> Section:
     """The section of a vibration over the speed; raises `PinpressError` where it is of another press."""
-    _refuse_others("vibration over the speed", found.press_name, shown)
+    refuse_others("vibration over the speed", found._press, shown)
     speed = found.speed / RPM
     points = [Line(point, np.linalg.norm(values, axis=1), speed) for point, values in found.rms.items()]
     scale = tables.scale("N", [float(max(found.shaking_force.max(), found.floor_force.max()))])
@@ -214,7 +213,7 @@ def _over(title: str, unit: str, lines: list[Line]) -> LineChart:
 
 def whirling(found: WhirlDiagram, shown: Shown) -> Section:
     """The section of modes over the speed; raises `PinpressError` where they are of another press."""
-    _refuse_others("modes", found.system.press.name, shown)
+    refuse_others("modes", found.system.press, shown)
     speed, order = found.speed / RPM, np.argsort(found.frequency[-1])[:MOST_MODES]
     rows = []
     for k in order:
@@ -259,7 +258,7 @@ def _loads(motion: FrameMotion) -> LineChart:
 
 def isolation(found: Isolation, shown: Shown) -> Section:
     """The section of mounts that isolate; raises `PinpressError` where they are of another press."""
-    _refuse_others("isolation", found.system.press.name, shown)
+    refuse_others("isolation", found.system.press, shown)
     worst = int(found.transmitted.argmax())
     figures = [
         Figure("stiffness of the mounts", f"{found.factor:.4g}", "times those given"),
@@ -270,8 +269,3 @@ def isolation(found: Isolation, shown: Shown) -> Section:
     rest = standing(found.system, shown)
     inputs = [("mounts that isolate" if name == "mounts" else name, words) for name, words in rest.inputs]
     return Section("The stiffest mounts that isolate", [Figures(figures), chart, *rest.blocks], inputs, rest.note)
-
-
-def _refuse_others(what: str, name: str, shown: Shown) -> None:
-    if name != shown.press.name:
-        raise PinpressError(f"results: the {what} is of {name}, the page of {shown.press.name}: give one of the same press")

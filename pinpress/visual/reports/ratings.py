@@ -13,7 +13,7 @@ from ...ratings.permissible_force import capacities_in_words
 from ...ratings.rating import PressRatings, conditions_in_words, data_in_words, listed_heights
 from .. import charts
 from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table
-from .shown import Shown
+from .shown import Shown, refuse_others
 
 ACROSS = "height above bottom dead centre [mm]"
 NEAR = 2.0  # reach of the chart near bottom dead centre, divided by the largest height at which another limit begins to govern
@@ -21,7 +21,8 @@ NEAR = 2.0  # reach of the chart near bottom dead centre, divided by the largest
 
 def section(ratings: PressRatings, shown: Shown) -> Section:
     """The section of ratings; raises `PinpressError` where they are of another press."""
-    use = ratings.utilisation(shown.reactions)  # refuses those of another press
+    refuse_others("rating", ratings._press, shown)
+    use = ratings.utilisation(shown.reactions)
     blocks: list[Block] = [*_figures(ratings, shown, use), *_forces(ratings, shown), *_use(use, shown), *_work(ratings)]
     blocks += [Facts("Main data", data_in_words(ratings)), _table(ratings)]
     return Section(

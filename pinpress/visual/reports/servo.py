@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...common import tables
-from ...common.errors import PinpressError
 from ...common.quantities import RPM, Array
 from ...servo.comparison import MotionComparison
 from ...servo.limits import SlideSpeed, span
@@ -16,7 +15,7 @@ from ...servo.motion_optimum import MotionOptimum
 from ...servo.motors import CatalogueMotor
 from ...servo.sizing import EnergyStore, MotorChoice
 from .blocks import Block, Facts, Figure, Figures, Follows, Line, LineChart, Section, Table, with_prefix
-from .shown import Shown
+from .shown import Shown, refuse_others
 
 CURVE = 120  # points of a motor's curve
 WANTED = {"heat": "heat in the motor", "time": "time of a cycle", "energy": "energy drawn", "peak": "peak torque"}
@@ -24,7 +23,7 @@ WANTED = {"heat": "heat in the motor", "time": "time of a cycle", "energy": "ene
 
 def optimum(best: MotionOptimum, shown: Shown) -> Section:
     """The section of a best motion; raises `PinpressError` where it is of another press."""
-    _refuse_others("motion", best.press_name, shown)
+    refuse_others("motion", best._press, shown)
     motion, moving = best.motion, shown.motion is best.motion.motion
     blocks: list[Block] = [Figures(_figures(best)), _limits(best), *_over_time(motion, shown, moving)]
     blocks += _over_angle([("best", motion)], shown, moving)
@@ -162,7 +161,7 @@ def _ratios(best: MotionOptimum) -> Table:
 def comparison(found: MotionComparison, shown: Shown) -> Section:
     """The section of motions beside one another; raises `PinpressError` where they are of another press."""
     motions = list(found.motions.items())
-    _refuse_others("comparison", motions[0][1].press_name, shown)
+    refuse_others("comparison", motions[0][1]._press, shown)
     moving = any(motion.motion is shown.motion for _, motion in motions)
     torque = tables.scale("N m", [row.peak_torque for row in found.rows])
     power = tables.scale("W", [row.peak_power for row in found.rows])
@@ -211,7 +210,7 @@ def _slide_speeds(found: MotionComparison) -> list[Block]:
 
 def choice(found: MotorChoice, shown: Shown) -> Section:
     """The section of the choice of a motor; raises `PinpressError` where it is for another press."""
-    _refuse_others("choice", found.press_name, shown)
+    refuse_others("choice", found._press, shown)
     heads = ["motor", "", "ratio", "rms [N m]", "at [r/min]", "thermal [%]", "peak [%]", "speed [%]", "power [kW]"]
     rows = []
     for each in found.tried:
@@ -244,8 +243,3 @@ def energy_store(found: EnergyStore, shown: Shown) -> Section:
         Figure("capacitor", with_prefix(found.capacitance, "F"), f"from {found.upper_voltage:g} to {found.lower_voltage:g} V"),
     ]
     return Section("Mains and capacitor", [Figures(figures)], (), "The mains feed the mean electrical power, the capacitor the rest.")
-
-
-def _refuse_others(what: str, press_name: str, shown: Shown) -> None:
-    if press_name != shown.press.name:
-        raise PinpressError(f"results: the {what} is of {press_name}, the page of {shown.press.name}: give one of the same press")

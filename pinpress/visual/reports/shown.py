@@ -12,7 +12,7 @@ from ...common.quantities import RPM, Array
 from ...dynamics.applied_loads import turning_points
 from ...dynamics.inverse_dynamics import Reactions
 from ...kinematics.motion import Motion
-from ...linkage.linkage import Linkage
+from ...linkage.linkage import Linkage, is_same_press
 from ...simulation.run import Run
 from .. import charts
 from ..recording import KeyFrames, key_frames
@@ -85,3 +85,10 @@ def in_words(motion: Motion) -> str:
         moving = f"crank at {speed / RPM:.6g} r/min" if motion.driver_coordinates[0].turns else f"driver at {1e3 * speed:.6g} mm/s"
         return moving.replace("-", "\u2212")
     return "prescribed motion"
+
+
+def refuse_others(what: str, press: Linkage, shown: Shown) -> None:
+    """Raise PinpressError where a result is of another press than the page."""
+    if not is_same_press(press, shown.press):
+        its = press.name if press.name != shown.press.name else f"a {press.name} with other lengths, masses or zero"
+        raise PinpressError(f"results: the {what} is of {its}, the page of {shown.press.name}: give one of the same press")

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from ...common import tables
 from ...common.conic_program import PROVED
-from ...common.errors import PinpressError
 from ...common.quantities import Array
 from ...dynamics.harmonics import is_cycle
 from ...dynamics.inputs import Inputs, of_friction
@@ -21,7 +20,7 @@ from ...tolerances.points import SlideParallelism
 from ...tolerances.scatter import Scatter, scale_of, widest_coverage, written_tolerance
 from ...tolerances.temperatures import HeatShift
 from .blocks import BarChart, Block, Figure, Figures, Line, LineChart, Section, Table
-from .shown import Shown
+from .shown import Shown, refuse_others
 
 CLASSES = 61  # of the presses of a sample
 MOST_REVERSALS = 24  # rows of the table of reversals
@@ -30,7 +29,7 @@ MINUS = "\u2212"
 
 def play(found: SlidePlay, shown: Shown) -> Section:
     """The section of a slide in its clearances; raises `PinpressError` where it is of another press."""
-    _refuse_others("play", found.press_name, shown)
+    refuse_others("play", found._press, shown)
     motion, first = found.motion, found.motion.driver_coordinates[0]
     order, along = _around(motion)
     across = f"{first.counted} [{first.shown_unit}]"
@@ -88,7 +87,7 @@ def _around(motion: Motion) -> tuple[NDArray[np.intp], Array]:
 
 def over_speeds(found: DeadCentresInClearances, shown: Shown) -> Section:
     """The section of dead centres in clearances over the speed; raises `PinpressError` where it is of another press."""
-    _refuse_others("dead centres", found.press_name, shown)
+    refuse_others("dead centres", found._press, shown)
     unit, size = found.coordinate.shown_speed
     order = np.argsort(found.speed)
     speed = found.speed[order] / size
@@ -103,7 +102,7 @@ def over_speeds(found: DeadCentresInClearances, shown: Shown) -> Section:
 
 def heat(found: HeatShift, shown: Shown) -> Section:
     """The section of warm links; raises `PinpressError` where it is of another press."""
-    _refuse_others("heat", found.press_name, shown)
+    refuse_others("heat", found._press, shown)
     figures = [Figure("bottom dead centre", _mm(found.bottom_shift)), Figure("top dead centre", _mm(found.top_shift))]
     most_first = sorted(found.bottom_per_kelvin.items(), key=lambda item: -abs(item[1]))
     rows = []
@@ -116,7 +115,7 @@ def heat(found: HeatShift, shown: Shown) -> Section:
 
 def budget(found: AccuracyBudget, shown: Shown) -> Section:
     """The section of an accuracy budget; raises `PinpressError` where it is of another press."""
-    _refuse_others("budget", found.press_name, shown)
+    refuse_others("budget", found._press, shown)
     unit, size = found.coordinate.shown_speed
     speeds = list(dict.fromkeys(each.speed for each in found.conditions))
     names = list(dict.fromkeys(each.condition for each in found.conditions))
@@ -154,7 +153,7 @@ def budget(found: AccuracyBudget, shown: Shown) -> Section:
 
 def dead_centres(found: DeadCentreScatter, shown: Shown) -> Section:
     """The section of dead centres whose dimensions scatter; raises `PinpressError` where it is of another press."""
-    _refuse_others("scatter", found.press, shown)
+    refuse_others("scatter", found._press, shown)
     order = np.argsort(-found.share, kind="stable")
     names = [found.parts[k].name for k in order]
     shares = {each.quantity: [100.0 * each.share[k] for k in order] for each in found.quantities}
@@ -187,7 +186,7 @@ def _scattered(each: Scatter) -> Figure:
 
 def allocated(found: AllocatedTolerances, shown: Shown) -> Section:
     """The section of the cheapest tolerances; raises `PinpressError` where they are of another press."""
-    _refuse_others("allocation", found.press, shown)
+    refuse_others("allocation", found._press, shown)
     figures = [
         Figure("cost", tables.cell(found.value), f"proved to {max(found.gap, PROVED):.1g}"),
         Figure("before", tables.cell(found.cost_before)),
@@ -203,7 +202,7 @@ def allocated(found: AllocatedTolerances, shown: Shown) -> Section:
 
 def parallelism(found: SlideParallelism, shown: Shown) -> Section:
     """The section of a slide's parallelism; raises `PinpressError` where it is of another press."""
-    _refuse_others("parallelism", found.press_name, shown)
+    refuse_others("parallelism", found._press, shown)
     tilted = [(k, slope) for k, slope in enumerate(found.slopes) if slope.worst_case]
     first = found.coordinate
     blocks: list[Block] = [Figures([_scattered(slope) for _, slope in tilted])] if tilted else []
@@ -249,8 +248,3 @@ def _signed(value: float) -> str:
     """A length in mm with its sign, without one where it is zero."""
     written = f"{1e3 * value:+.4f}"
     return "0.0000" if written in ("+0.0000", "-0.0000") else written.replace("-", MINUS)
-
-
-def _refuse_others(what: str, name: str, shown: Shown) -> None:
-    if name != shown.press.name:
-        raise PinpressError(f"results: the {what} is of {name}, the page of {shown.press.name}: give one of the same press")
