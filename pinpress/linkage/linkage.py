@@ -512,6 +512,11 @@ def is_same_press(press: Linkage, other: Linkage) -> bool:
     return other is press or _made_of(other) == _made_of(press)
 
 
+def told_apart(press: Linkage, other: Linkage) -> str:
+    """How messages call a press that is not the other one."""
+    return press.name if press.name != other.name else f"a {press.name} with other lengths, masses or zero"
+
+
 def _made_of(press: Linkage) -> tuple[object, ...]:
     """What a linkage is made of, apart from the texts and lines of its file."""
     ends = "point1", "rotation1", "point2", "rotation2"

@@ -13,6 +13,7 @@ from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping
 from ..common.quantities import RPM
 from ..common.results import Record, Records, Tabular
+from ..linkage.linkage import is_same_press
 from .limits import (
     BearingForce,
     FeedWindow,
@@ -116,7 +117,8 @@ def compare_motions(motions: Mapping[str, ServoMotion], limits: Sequence[Limit] 
     """
     if not motions or not all(isinstance(each, ServoMotion) for each in motions.values()):
         raise PinpressError("there is nothing to compare: give motions under their names, {'least heat': best.motion, ...}")
-    if len({each.press_name for each in motions.values()}) > 1:
+    first = next(iter(motions.values()))._press
+    if not all(is_same_press(each._press, first) for each in motions.values()):
         raise PinpressError("the motions are of several presses: compare those of one")
     wanted = checked(limits)
     broken = {name: _broken(each, wanted) for name, each in motions.items()}

@@ -41,7 +41,7 @@ from ..elasticity.slide_under_load import slide_deflection
 from ..elasticity.springs import Stiffness
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage, OfPress
+from ..linkage.linkage import Linkage, OfPress, is_same_press, told_apart
 from ..loads.link import Load, PointForce
 from .clearances import KNOWN_TO, GuideClearance, play
 from .clearances_over_speed import SLOWEST
@@ -184,8 +184,8 @@ def budget(
 
     Raises:
         PinpressError: neither clearance nor stiffness nor temperatures are given; speeds that are no finite numbers other than zero; the
-            slide is lowest further than 6 degrees from the rigid dead centre; the driver slides; and as `play`, `heat` and
-            `elasticity.slide_deflection`.
+            slide is lowest further than 6 degrees from the rigid dead centre; the driver slides; machining is of another press; and as
+            `play`, `heat` and `elasticity.slide_deflection`.
         UnknownNameError: as these.
         SingularityError: the linkage locks.
     """
@@ -194,6 +194,9 @@ def budget(
     press.refuse_sliding_driver("the budget is that of a crank's bottom dead centre")
     if clearance is None and stiffness is None and temperatures is None:
         raise PinpressError("nothing moves the dead centre: give clearance, stiffness or temperatures")
+    if machining is not None and not is_same_press(machining._press, press):
+        its = told_apart(machining._press, press)
+        raise PinpressError(f"machining is the scatter of {its}: give that of {press.name}, bottom_dead_centre(press, ...)")
     given = np.atleast_1d(numbers("speeds", speeds, unit="rad/s"))
     if given.ndim != 1 or not len(given) or not np.all(np.abs(given) >= SLOWEST):
         raise PinpressError("speeds: give (S,) speeds of the crank other than zero, that at which the press is set first [rad/s]")

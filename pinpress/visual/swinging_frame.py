@@ -17,7 +17,7 @@ from ..foundation.frame_parts import rows_at
 from ..foundation.mounted_press import MountedPress, VibrationModes
 from ..foundation.whirl_modes import WhirlDiagram
 from ..kinematics.motion import Poses, motion_through_change_points, poses
-from ..linkage.linkage import Linkage, is_same_press
+from ..linkage.linkage import Linkage, is_same_press, told_apart
 from .deflected import SEEN, turned
 from .pages import packed
 from .recording import KeyFrames, moving, shapes
@@ -179,5 +179,4 @@ def _nearest(lines: list[FrameLine], place: Array) -> Array:
 def refuse_modes_of_another(press: Linkage, other: Linkage) -> None:
     """Raise PinpressError where modes are of another press than this one."""
     if not is_same_press(other, press):
-        its = other.name if other.name != press.name else f"a {other.name} with other lengths, masses or zero"
-        raise PinpressError(f"the modes are of {its}, and the press is {press.name}: give those of the same one")
+        raise PinpressError(f"the modes are of {told_apart(other, press)}, and the press is {press.name}: give those of the same one")

@@ -4,6 +4,7 @@ import dataclasses
 from functools import cache
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import pinpress as pp
@@ -105,6 +106,12 @@ def test_what_is_no_motion_is_refused():
     other = pp.servo.constant_crank_speed(pp.load("thin_wall"), DRIVE, time=1.0)
     with pytest.raises(pp.PinpressError, match="of several presses"):
         pp.servo.compare_motions({"one": ready()["even"], "other": other})
+    press = pp.load("thin_wall")
+    model = press.model.copy()
+    model.inertias[1] = pin.Inertia(2 * model.inertias[1].mass, model.inertias[1].lever, model.inertias[1].inertia)
+    heavier = pp.servo.constant_crank_speed(dataclasses.replace(press, model=model), DRIVE, time=1.0)
+    with pytest.raises(pp.PinpressError, match="of several presses"):
+        pp.servo.compare_motions({"one": other, "other": heavier})
 
 
 def test_a_controller_gets_the_law_itself():

@@ -1,6 +1,9 @@
 """The parts of the accuracy budget by hand, and beside the elastic press that is simulated."""
 
+from dataclasses import replace
+
 import numpy as np
+import pinocchio as pin
 import pytest
 from support import texts
 
@@ -61,6 +64,10 @@ def test_a_budget_without_rise_shows_machining_and_what_is_lowest(crank_slide):
     assert backwards.conditions[0].shift == pytest.approx(-1e-5)
     assert "machining: -0.0" in str(backwards)
     assert "largest rise" not in str(backwards)
+    model = crank_slide.model.copy()
+    model.jointPlacements[2] = pin.SE3(model.jointPlacements[2].rotation, 1.01 * model.jointPlacements[2].translation)
+    with pytest.raises(pp.PinpressError, match="machining is the scatter of a crank_slide with other lengths, masses or zero"):
+        tol.budget(replace(crank_slide, model=model), speeds=[-2.0], clearance={"W": 1e-5}, machining=machining)
     assert backwards.columns()["rise [m]"] == [0.0]
 
 

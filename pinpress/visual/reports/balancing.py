@@ -50,7 +50,8 @@ def trade_off(curve: TradeOffCurve, shown: Shown) -> Section:
 
 
 def _refuse_others(balanced: BalancedPress, shown: Shown) -> None:
-    if not is_same_press(balanced.press, shown.press):
+    before = (each.set_up(balanced.original) for each in balanced.conditions)
+    if not any(is_same_press(each, shown.press) for each in (balanced.press, *balanced.presses, *before)):
         refuse_others("balance", balanced.original, shown)
 
 

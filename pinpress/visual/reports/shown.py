@@ -12,7 +12,7 @@ from ...common.quantities import RPM, Array
 from ...dynamics.applied_loads import turning_points
 from ...dynamics.inverse_dynamics import Reactions
 from ...kinematics.motion import Motion
-from ...linkage.linkage import Linkage, is_same_press
+from ...linkage.linkage import Linkage, is_same_press, told_apart
 from ...simulation.run import Run
 from .. import charts
 from ..recording import KeyFrames, key_frames
@@ -90,5 +90,5 @@ def in_words(motion: Motion) -> str:
 def refuse_others(what: str, press: Linkage, shown: Shown) -> None:
     """Raise PinpressError where a result is of another press than the page."""
     if not is_same_press(press, shown.press):
-        its = press.name if press.name != shown.press.name else f"a {press.name} with other lengths, masses or zero"
+        its = told_apart(press, shown.press)
         raise PinpressError(f"results: the {what} is of {its}, the page of {shown.press.name}: give one of the same press")
