@@ -16,7 +16,7 @@ from ..common.quantities import RPM, Array, DriverCoordinate
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions
 from ..kinematics import measures
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion, cycle, refuse_motion_of_another
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load, SpringDamper
@@ -157,6 +157,7 @@ class PressRatings(OfPress, Tabular):
                 f"the reactions are of a {press.name} with a stroke of {ends.stroke:.6g} m, the ratings of one with"
                 f" {self.stroke:.6g} m: give those of the same press"
             )
+        refuse_motion_of_another(self._press, reactions.motion)  # a rod of another length may leave the stroke as it is
         height = reactions.motion.slide_position - ends.bottom_position
         return read_only(reactions.process_force / np.interp(height, self.height[::-1], self.force[::-1]))
 
