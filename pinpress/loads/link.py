@@ -82,7 +82,7 @@ class SpringDamper:
 
     def __post_init__(self) -> None:
         in_declared_units(self)
-        if isinstance(self.link1, str) and self.link1 == self.link2:
+        if isinstance(self.link1, str) and isinstance(self.link2, str) and self.link1 == self.link2:
             caution(f"SpringDamper: link1 and link2 are both {shown(self.link1)}, which does not stretch it: name two links")
 
 

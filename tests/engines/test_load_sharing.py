@@ -203,14 +203,15 @@ def test_only_ratios_of_stiffnesses_count(name, engine):
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["two_point", "symmetric", "three_held_rods", "geared_cranks", "chain"])
 def test_a_stiffness_of_any_one_bearing(name):
-    """Its force is the least that idle forces can make it, then the rest; 1e-10 of the peaks, as zero is found by taking off large ones."""
+    """Its force is the least that idle forces can make it, then the rest. Where they hardly reach it, as a shaft that is geared to the
+    driver, large ones decide, and rounding grows with them."""
     press, motion, loads = case(name)
     for bearing in press.bearings:
         state = cut_free(press, motion, 1, loads, {bearing: 1e9})
         for engine in ENGINES:
             moved = pp.servo_cycle(press, **{key: values[1:2] for key, values in SERVO.items()}, engine=engine)
             result = pp.inverse_dynamics(press, moved, loads, stiffness={bearing: 1e9}, engine=engine)
-            assert max(errors(press, result, [state])) <= 1e-10, (bearing, engine)
+            assert max(errors(press, result, [state])) <= 100 * np.finfo(float).eps / state.least, (bearing, engine)
 
 
 @pytest.mark.one_in(3)

@@ -25,7 +25,7 @@ MISTAKES = [  # what students may write, and what they are told
     ("half_balance", "reciprocating = 120 + 25 * 80 / 250", "reciprocating = 120", "not what pinpress finds"),
     ("half_balance", "for k in (1, 2)]", "for k in (1, 4)]", "not the harmonics"),
     ("half_balance", "return (turning + k * reciprocating * r) / 0.2", "return k * reciprocating * r / 0.2", "nothing shakes across"),
-    ("half_balance", "length = reciprocating * r * w**2 / 2", "length = reciprocating * r * w**2", "not the length"),
+    ("half_balance", "magnitude = reciprocating * r * w**2 / 2", "magnitude = reciprocating * r * w**2", "not the magnitude"),
     ("half_balance", "k = (-product[0] - turning)", "k = -product[0]", "is not half"),
     ("stroke_under_load", "* 2 / np.pi\n", "/ 2\n", "quarter of a sine"),
     ("stroke_under_load", "(1 - (1 - drop) ** 2)", "drop**2", "not the flywheel"),

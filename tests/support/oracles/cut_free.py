@@ -15,7 +15,8 @@ ZERO = 1e-9  # share of the largest below which a singular value, or a component
 
 class CutFree(NamedTuple):
     """Forces and moments (bearings, 6), torques of couplings (nc,) and drives (nd,); components (bearings, 6) and couplings (nc,)
-    that idle forces reach, and (k, bearings, 6) a basis of these."""
+    that idle forces reach, and (k, bearings, 6) a basis of these; the least singular value that decided a share, as a part of its matrix:
+    rounding grows by its reciprocal."""
 
     wrenches: np.ndarray
     couplings: np.ndarray
@@ -23,6 +24,7 @@ class CutFree(NamedTuple):
     open: np.ndarray
     open_couplings: np.ndarray
     idle: np.ndarray
+    least: float
 
 
 def cut_free(press, motion, i, loads=(), stiffness=None):
@@ -92,17 +94,21 @@ def cut_free(press, motion, i, loads=(), stiffness=None):
     if stiffness:
         soft = [np.sqrt(1 / stiffness[name]) if name in stiffness else 0.0 for name in press.bearings]
         levels.insert(0, np.repeat(soft, 3)[:, None] * weigh[0])
-    ways = idle
-    for level in levels:
-        left, values, right = np.linalg.svd(level @ ways)
-        rank = np.count_nonzero(values > ZERO * np.linalg.norm(level, 2))  # not of the largest: that may be rounding
-        found = found - ways @ right[:rank].T @ ((left[:, :rank].T @ (level @ found)) / values[:rank])
-        ways = ways @ right[rank:].T
+    least, right_side = 1.0, np.append(known, np.zeros(len(free)))
+    for _ in range(2):  # again for what rounding has left
+        found = found - np.linalg.lstsq(equations, equations @ found - right_side, rcond=ZERO)[0]
+        ways = idle
+        for level in levels:
+            left, values, right = np.linalg.svd(level @ ways)
+            rank = np.count_nonzero(values > ZERO * np.linalg.norm(level, 2))  # not of the largest: that may be rounding
+            least = min([least, *(values[:rank] / np.linalg.norm(level, 2))])
+            found = found - ways @ right[:rank].T @ ((left[:, :rank].T @ (level @ found)) / values[:rank])
+            ways = ways @ right[rank:].T
     wrenches, efforts = found[: 6 * bearings].reshape(bearings, 6), found[6 * bearings :]
     reached = (np.abs(idle[: 6 * bearings]).max(axis=1, initial=0.0) > ZERO).reshape(bearings, 6)
     geared = np.abs(idle[6 * bearings : 6 * bearings + couplings]).max(axis=1, initial=0.0) > ZERO
     basis = idle[: 6 * bearings].T.reshape(-1, bearings, 6)
-    return CutFree(wrenches, efforts[:couplings], efforts[couplings:], reached, geared, basis)
+    return CutFree(wrenches, efforts[:couplings], efforts[couplings:], reached, geared, basis, least)
 
 
 def gears(press):
