@@ -120,12 +120,12 @@ class InductionMotor(ElectricMotor):
         return 2.0 * self.breakdown_torque
 
     def torque(self, speed: Values, angle: Values = 0.0, time: Values = 0.0, state: tuple[Values, ...] = ()) -> Values:
+        lag = self._breakdown_lag
         slip = self.synchronous_speed - speed
-        slip /= self._breakdown_lag  # s / sb; in place, as are the next ones, because many scenarios have large arrays
-        most = slip * slip
-        most += 1.0
+        most = slip * slip  # in place from here, because many scenarios have large arrays
+        most += lag * lag
         slip /= most  # harmless at s = 0
-        return self._twice_breakdown_torque * slip
+        return self._twice_breakdown_torque * lag * slip
 
     @property
     def rated_slip_loss(self) -> Values:

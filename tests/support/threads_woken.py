@@ -49,4 +49,4 @@ for name, work in WORKS.items():
         threads, before = switches()
         work()
         found.append(switches()[1] - before)
-    sys.stdout.write(f"{name},{min(found)},{threads}\n")
+    sys.stdout.write(f"{name},{min(found)},{max(found)},{threads}\n")

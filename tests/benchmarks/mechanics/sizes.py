@@ -166,7 +166,10 @@ def of_lengths(quick: bool) -> None:
     works: dict[str, tuple[tuple[int, ...], Callable[[int], float]]] = {
         "crank angles of the six-bar": ((360, 3600, 36_000, 360_000), lambda size: forces(press, size, 0.6)),
         "crank angles of a four-bar in space": ((36, 360, 3600, 36_000), lambda size: forces(spatial, size, 0.6)),
-        "scenarios": ((10, 100, 1000, 10_000), lambda size: milliseconds(lambda: pp.simulate_batch(press, 0.2, speed=speeds[:size], flywheel=pp.drives.Flywheel(500.0)))),
+        "scenarios": (
+            (10, 100, 1000, 10_000),
+            lambda size: milliseconds(lambda: pp.simulate_batch(press, 0.2, speed=speeds[:size], flywheel=pp.drives.Flywheel(500.0))),
+        ),
         "seconds": ((1, 10, 100, 1000), lambda size: milliseconds(lambda: pp.simulate(press, float(size), speed=7.0))),
     }
     for title, (sizes, work) in works.items():
