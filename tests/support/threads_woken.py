@@ -45,8 +45,9 @@ for name, work in WORKS.items():
     work()
     found = []
     for _ in range(3):  # the least counts: now and then a thread that has nothing to do looks whether there is anything
-        time.sleep(0.5)  # threads that have worked look for more work for a while
+        time.sleep(0.5)  # threads that have worked look for more work for a while, and are counted once they sleep
         threads, before = switches()
         work()
+        time.sleep(0.5)
         found.append(switches()[1] - before)
     sys.stdout.write(f"{name},{min(found)},{max(found)},{threads}\n")

@@ -157,7 +157,7 @@ def print_one(kind: Kind, size: int) -> None:
 def of_lengths(quick: bool) -> None:
     """Print how times grow with crank angles, scenarios and duration."""
     press, spatial = pp.load("zxn2_3000b"), large_linkages.load(large_linkages.spatial_chain(1))
-    speeds = np.linspace(6.0, 8.0, 10_000)
+    speeds, flywheel = np.linspace(6.0, 8.0, 10_000), pp.drives.Flywheel(500.0)
 
     def forces(linkage: pp.Linkage, count: int, middle: float) -> float:
         angles = np.linspace(middle - 0.5, middle + 0.5, count)
@@ -168,7 +168,7 @@ def of_lengths(quick: bool) -> None:
         "crank angles of a four-bar in space": ((36, 360, 3600, 36_000), lambda size: forces(spatial, size, 0.6)),
         "scenarios": (
             (10, 100, 1000, 10_000),
-            lambda size: milliseconds(lambda: pp.simulate_batch(press, 0.2, speed=speeds[:size], flywheel=pp.drives.Flywheel(500.0))),
+            lambda size: milliseconds(lambda: pp.simulate_batch(press, 0.2, speed=speeds[:size], flywheel=flywheel)),
         ),
         "seconds": ((1, 10, 100, 1000), lambda size: milliseconds(lambda: pp.simulate(press, float(size), speed=7.0))),
     }
