@@ -29,8 +29,7 @@ class GaussRule(NamedTuple):
     Attributes:
         nodes: (q,) nodes from -1 to 1.
         weights: (q,) weights of the quadrature.
-        cumulative: (q, q) from values at the nodes to integrals from -1 to the nodes.
-        to_end: (q + 1, q) the same, and in the last row the weights, to the integral from -1 to 1.
+        to_end: (q + 1, q) from values at the nodes to integrals from -1 to the nodes and, in the last row, to 1.
         legendre: (q, q) from values at the nodes to coefficients of Legendre polynomials.
         powers: (q, q) from coefficients of Legendre polynomials to coefficients of rising powers.
         integrals: (q + 1, q) from coefficients of Legendre polynomials to coefficients of rising powers of their integrals from -1.
@@ -38,11 +37,15 @@ class GaussRule(NamedTuple):
 
     nodes: Array
     weights: Array
-    cumulative: Array
     to_end: Array
     legendre: Array
     powers: Array
     integrals: Array
+
+    @property
+    def cumulative(self) -> Array:
+        """(q, q) from values at the nodes to integrals from -1 to the nodes."""
+        return self.to_end[:-1]
 
     def polynomial(self, values: Array) -> Array:
         """Coefficients (q, n) in rising powers of the polynomials through values (q, n) at the nodes."""
@@ -67,8 +70,7 @@ def gauss_rule() -> GaussRule:
         integral = legendre.leg2poly(summed)
         integrals[: len(integral), k] = integral
         cumulative[:, k] = legendre.legval(nodes, summed)
-    within = cumulative @ to_legendre
-    return GaussRule(nodes, weights, within, np.vstack([within, weights]), to_legendre, powers, integrals)
+    return GaussRule(nodes, weights, np.vstack([cumulative @ to_legendre, weights]), to_legendre, powers, integrals)
 
 
 def polynomial_values(coefficients: Array, x: Array) -> Array:

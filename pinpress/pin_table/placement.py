@@ -197,10 +197,8 @@ class _Placing:
             entry.refuse("no length", "write {from: A, length: ..., angle: ...} or {from: A, at: [dx, dz]}")
         if "angle" not in items and len(names) == 1:
             entry.refuse("no angle", "say angle: in degrees from +x, counter-clockwise")
-        length, angle = (
-            self._not_negative(items["length"]),
-            math.radians(number(items["angle"], self.parameters)) if "angle" in items else 0.0,
-        )
+        length = self._not_negative(items["length"])
+        angle = math.radians(number(items["angle"], self.parameters)) if "angle" in items else 0.0
         if len(names) == 2:
             ray = _flat(pins[1].point) - start
             if not np.linalg.norm(ray) > 0:

@@ -36,7 +36,6 @@ from .permissible_force import (
 from .speed_limits import PermissibleSpeed, limiting_speed
 
 DWELL = 0.01  # distance from bottom dead centre that counts as dwell, as a share of the stroke
-SAME_STROKE = 1e-9  # share by which rounding may make strokes of the same press differ
 MOST_POINTS = 10**5  # crank angles; more would be a mistake
 ROWS = 16  # rows of the table of forces, besides the heights at which another limit begins to govern
 SLOWEST, FASTEST = 1e-12, 1e12  # speeds [rad/s] whose squares and whose time for a turn have meaning in floating point
@@ -151,14 +150,8 @@ class PressRatings(OfPress, Tabular):
         press = reactions._press
         if press.name != self.press_name:
             raise PinpressError(f"the reactions are of {press.name}, the ratings of {self.press_name}: give those of the same press")
-        ends = dead_centres(press)
-        if not abs(ends.stroke - self.stroke) <= SAME_STROKE * self.stroke:
-            raise PinpressError(
-                f"the reactions are of a {press.name} with a stroke of {ends.stroke:.6g} m, the ratings of one with"
-                f" {self.stroke:.6g} m: give those of the same press"
-            )
-        refuse_motion_of_another(self._press, reactions.motion)  # a rod of another length may leave the stroke as it is
-        height = reactions.motion.slide_position - ends.bottom_position
+        refuse_motion_of_another(self._press, reactions.motion)
+        height = reactions.motion.slide_position - dead_centres(press).bottom_position
         return read_only(reactions.process_force / np.interp(height, self.height[::-1], self.force[::-1]))
 
     @property

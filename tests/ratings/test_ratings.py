@@ -394,7 +394,7 @@ def test_utilisation_by_a_press_of_the_same_name():
     shorter = pp.derivatives.reshaped(shipped("crank_slide"), {("P", "crank"): (0.09, 0.0, 0.0)})
     assert shorter.name == found.press_name
     reactions = pp.inverse_dynamics(shorter, pp.cycle(shorter, SPEED, points=8), [ConstantForce(5e4, 0.1)])
-    with pytest.raises(pp.PinpressError, match=r"of a crank_slide with a stroke of 0\.18 m, the ratings of one with 0\.2 m"):
+    with pytest.raises(pp.PinpressError, match="it is one of other lengths"):
         found.utilisation(reactions)
     longer = pp.derivatives.reshaped(shipped("crank_slide"), {("W", "rod"): (0.45, 0.0, 0.0)})
     assert pp.dead_centres(longer).stroke == pytest.approx(0.2)

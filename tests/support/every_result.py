@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from support import hammer_hits, texts
-from support.session_folder import session_folder
+from support.process_folder import process_folder
 from support.sweep_points import fails_at_odd
 
 import pinpress as pp
@@ -207,7 +207,7 @@ def sweep():
 
 @cache
 def parquet_sweep():
-    folder = session_folder("pinpress-sweep-")
+    folder = process_folder("pinpress-sweep-")
     return pp.sweeps.sweep_to_parquet(fails_at_odd, {"a": [1, 2, 3]}, to=folder / "runs", points_a_part=2)
 
 

@@ -5,11 +5,11 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from support.session_folder import session_folder
+from support.process_folder import process_folder
 
 import pinpress as pp
 
-FILES = session_folder("pinpress-linkages-")
+FILES = process_folder("pinpress-linkages-")
 
 
 @cache

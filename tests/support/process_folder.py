@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 
-def session_folder(prefix: str) -> Path:
+def process_folder(prefix: str) -> Path:
     """A new folder, removed when this process ends; not by those that are forked from it, which call `atexit` too from Python 3.14 on."""
     folder, process = tempfile.mkdtemp(prefix=prefix), os.getpid()
 
