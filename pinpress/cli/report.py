@@ -119,7 +119,6 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError(f"--out writes a web page: give --pdf {options.out}, or --out {options.out.with_suffix('.html')}")
     from ..visual.film import pdf  # slow to import
     from ..visual.reports.report import report  # slow to import
-    from ..visual.swinging import MOST, record_modes  # slow to import
 
     _refuse_what_is_incomplete(options)
     press = load_press(options)
@@ -134,6 +133,7 @@ def run(options: argparse.Namespace) -> int:
     if options.modes is not None:
         from ..foundation.mounted_press import VibrationModes  # seldom needed
         from ..foundation.whirl_modes import WhirlDiagram  # seldom needed
+        from ..visual.swinging import MOST, record_modes  # slow to import
 
         swinging = [each for each in results if isinstance(each, VibrationModes | WhirlDiagram)][-1]
         record_modes(press, swinging, options.modes, lowest=MOST)
