@@ -413,7 +413,7 @@ class BatchSolver:
         rule, mesh = gauss_rule(), solution.mesh
         scenario, place = self._within(passed, going, until)
         time = self.times[place]
-        panel = np.clip((passed[:, scenario] <= time).sum(axis=0) - 1, 0, len(mesh.kinds) - 1)
+        panel = np.clip((passed.take(scenario, axis=1) <= time).sum(axis=0) - 1, 0, len(mesh.kinds) - 1)
         at = panel * len(going) + scenario  # among panels and scenarios
         slowness = solution.slowness.reshape(len(rule.nodes), -1).take(at, axis=1)
         since = time - passed[:-1].ravel().take(at)

@@ -41,13 +41,13 @@ class Growth(NamedTuple):
     """How a disturbance of W grows with the angle, by dW/du = K W.
 
     Attributes:
-        exponents: (q, p, S) K times the measure of the mesh.
+        slopes: (q, p, S) K.
         stiffness: (p,) see `CollocationSolution`.
         within: (q, p, S) factor from the start of a panel to its nodes; None of a stiff drive.
         through: (p, S) factor over a whole panel; None of a stiff drive.
     """
 
-    exponents: Array
+    slopes: Array
     stiffness: Array
     within: Array | None
     through: Array | None
@@ -190,7 +190,8 @@ class _Newton:
         shares = np.full((len(self.mesh.kinds), len(self.energy)), np.inf)
         for _ in range(ROUNDS):
             above = np.maximum(work, self.floor)
-            speed = np.sqrt(above * self.twice)
+            speed = above * self.twice
+            np.sqrt(speed, out=speed)
             total = self.forces.at(speed)
             # K is found by a difference, because it only has to lead to the solution, and is kept close to it
             if growth is None or moved > CLOSE:
@@ -204,8 +205,8 @@ class _Newton:
                     continue
                 growth = _growth(self.mesh, change, above)
             before = work
-            work, ends, force = self._round(total, growth, before)
-            work, shares = self._limited(work, before, above)
+            found, ends, force = self._round(total, growth, before)
+            work, shares = self._limited(found, before, above)
             moved = float(shares.max())
             if self._ended(growth, moved, last):
                 break
@@ -213,9 +214,12 @@ class _Newton:
         else:  # later panels do not act on earlier ones: the first panels may be right where the last ones are not
             unsettled = shares > self.ending[0]
             settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), len(self.mesh.kinds))
-        self.forces.at(np.sqrt(np.maximum(work, self.floor) * self.twice))
-        stiff = growth is not None and growth.within is None
-        return self._solution(work, False, settled, growth, ends if stiff else None, force)
+        known = not self.forces.vary and work is found and not self.mesh.kinds.any()
+        if growth is not None and growth.within is not None and known:  # what the forces differ by from these is a square of the last change
+            force = total + self.mesh.weight[:, :, None] + growth.slopes * (work - before)
+        else:
+            self.forces.at(np.sqrt(np.maximum(work, self.floor) * self.twice))
+        return self._solution(work, False, settled, growth, None if force is None else ends, force)
 
     def integrated(self) -> CollocationSolution:
         """Where no force depends on the speed, W is an integral."""
@@ -227,15 +231,16 @@ class _Newton:
 
         Without a stiff drive only what the integral of the force misses is solved with K, so that the rounding of K does not count.
         """
-        mesh, weight = self.mesh, self.mesh.weight[:, :, None]
+        mesh, measure, weight = self.mesh, self.mesh.measure[:, :, None], self.mesh.weight[:, :, None]
         force = None
         with np.errstate(all="ignore"):  # far from the solution it may overshoot without bounds
             if growth.within is None or growth.through is None:
-                constant = (total + weight) * mesh.measure[:, :, None] - growth.exponents * before
-                work, ends, force = _solved(mesh, constant, growth.exponents, self.energy, self.periodic)
+                exponents = growth.slopes * measure
+                work, ends, force = _solved(mesh, (total + weight) * measure - exponents * before, exponents, self.energy, self.periodic)
             else:
                 work, ends = _integral(mesh, total, weight, self.energy)
-                missed = growth.exponents * (work - before)
+                missed = growth.slopes * (work - before)
+                missed *= measure
                 further, at_ends = _factored(missed, growth.within, growth.through, ends[-1] - ends[0] if self.periodic else None)
                 work += further
                 ends += at_ends
@@ -301,7 +306,7 @@ class _Newton:
             friction_torque=forces.friction_torque,
             speed_free=speed_free,
             stiffness=np.zeros(len(self.mesh.kinds)) if growth is None else growth.stiffness,
-            exponent=_summed(growth.exponents).sum(axis=0) if growth is not None and self.periodic else np.zeros(len(self.energy)),
+            exponent=_summed(growth.slopes * self.mesh.measure[:, :, None]).sum(axis=0) if growth is not None and self.periodic else np.zeros(len(self.energy)),
             settled=settled,
             added=self.added,
             evaluations=forces.asked * work.size,
@@ -311,18 +316,19 @@ class _Newton:
 
 def _growth(mesh: Mesh, change: Array, above: Array) -> Growth:
     """How disturbances grow where energies (q, p, S) whose speeds are larger by the share `BESIDE` ``change`` the force (q, p, S)."""
-    exponents = change / above
-    exponents *= mesh.measure[:, :, None] / (2 * BESIDE)
+    slopes = change / above
+    slopes /= 2 * BESIDE
+    exponents = slopes * mesh.measure[:, :, None]
     stiffness = np.maximum(exponents.max(axis=(0, 2)), -exponents.min(axis=(0, 2)))
     if not stiffness.max() <= STIFF:
-        return Growth(exponents, stiffness, None, None)
+        return Growth(slopes, stiffness, None, None)
     rule, (q, p, count) = gauss_rule(), exponents.shape
     within = product(rule.cumulative, exponents.reshape(q, -1))
     if count >= MANY:  # in single precision an exponential takes a fifth of the time, and K only has to lead to the solution
         within = np.exp(within.astype(np.float32)).astype(float)
     else:
         np.exp(within, out=within)
-    return Growth(exponents, 0.0 * stiffness, within.reshape(q, p, count), np.exp(_summed(exponents)))
+    return Growth(slopes, 0.0 * stiffness, within.reshape(q, p, count), np.exp(_summed(exponents)))
 
 
 def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:

@@ -29,6 +29,11 @@ class Forces:
         self.constant = not any(force.interval.heeds_velocity for force in mesh.forces)
         self.steady = not mesh.forces  # whether the loads are known, whatever the speed
 
+    @property
+    def vary(self) -> bool:
+        """Whether loads or friction depend on the speed."""
+        return not self.steady or self.mesh.bearings is not None
+
     def at(self, speed: Array) -> Array:
         """Sum of the forces at sizes of the crank's speed (q, p, S)."""
         self.driving = self._driving(speed)
