@@ -4,11 +4,12 @@ On matrices of few rows or few columns threads gain next to nothing, and on a bu
 each time. Products are therefore taken in pieces that OpenBLAS computes in one thread.
 """
 
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .quantities import Array, ComplexArray
+from .quantities import Array, ComplexArray, Precision
 
 # Numbers up to which OpenBLAS stays in one thread:
 SERIAL = 262_144  # multiplications of a product of real matrices
@@ -18,12 +19,12 @@ SERIAL_VECTOR = 10_000  # of two vectors
 
 
 @overload
-def product(rows: Array, columns: Array) -> Array: ...
+def product(rows: NDArray[Precision], columns: NDArray[Precision]) -> NDArray[Precision]: ...
 @overload
 def product(rows: ComplexArray, columns: Array | ComplexArray) -> ComplexArray: ...
 @overload
 def product(rows: Array, columns: ComplexArray) -> ComplexArray: ...
-def product(rows: Array | ComplexArray, columns: Array | ComplexArray) -> Array | ComplexArray:
+def product(rows: NDArray[Any], columns: NDArray[Any]) -> NDArray[Any]:
     """``rows`` (m, k) or (k,) times ``columns`` (k, n), or a short vector (k,)."""
     height, count = 1 if rows.ndim == 1 else len(rows), columns.shape[1] if columns.ndim == 2 else 1
     if rows.dtype.kind != "c" and columns.dtype.kind != "c":

@@ -31,7 +31,7 @@ dimension = pp.tolerances.link_length(press, "P4", "P2", tolerance=1e-5)
 wide = np.ones((14, 30_000))
 
 WORKS = {
-    "product": lambda: (product(np.ones((14, 14)), wide), product(wide.T, np.ones((14, 14))), product(np.ones((2, 14)) + 0j, wide)),
+    "product": lambda: (product(np.ones((14, 14)), wide), product(wide.T, np.ones((14, 14))), product(np.ones((2, 14), complex), wide)),
     "inverse dynamics": lambda: pp.inverse_dynamics(press, motion).driving_torque,
     "harmonics": lambda: pp.measures.harmonics(motion, pp.inverse_dynamics(press, motion).shaking_force),
     "scenarios": lambda: (

@@ -11,10 +11,11 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...common.numerics import gauss_rule, running_sums
 from ...common.products import product
-from ...common.quantities import Array
+from ...common.quantities import Array, Precision, RealArray
 from ...drives.transmission import PrescribedSpeed
 from ..driven_press import DrivenPress
 from ..failures import failure
@@ -26,7 +27,7 @@ ROUNDS = 30  # most rounds of Newton's method
 # shares of a run's tolerance that do, if larger.
 SETTLED, FORESEEN = 1e-10, 1e-15
 NEARLY_SETTLED, NEARLY_FORESEEN = 1e-2, 1e-4
-MANY = 64  # scenarios from which on a pass over their numbers takes longer than its call
+MANY = 64  # scenarios from which on corrections are computed in single precision: that takes a quarter of the time, but more calls
 FEW = 6  # scenarios up to which panel by panel Python numbers take less time than arrays
 ROUGHLY = 1e-4  # relative change that ends it where a solution only has to tell where to look for another
 FLOOR = 1e-6  # share of the first kinetic energy: no speed is computed from less
@@ -38,7 +39,8 @@ LEAST = 1e-3  # share of the period's largest kinetic energy: with less, a drive
 
 
 class Growth(NamedTuple):
-    """How a disturbance of W grows with the angle, by dW/du = K W.
+    """How a disturbance of W grows with the angle, by dW/du = K W. K only has to lead to the solution: that of many scenarios is in
+    single precision, and so is what is solved with it.
 
     Attributes:
         slopes: (q, p, S) K.
@@ -47,9 +49,9 @@ class Growth(NamedTuple):
         through: (p, S) factor over a whole panel; None of a stiff drive.
     """
 
-    slopes: Array
+    slopes: RealArray
     stiffness: Array
-    within: Array | None
+    within: RealArray | None
     through: Array | None
 
 
@@ -198,15 +200,16 @@ class _Newton:
                 change = self.forces.faster(speed, BESIDE)
                 # no force depends on the speed here; is it so at the speeds that follow from these forces too?
                 if self.mesh.bearings is None and not change.any():
-                    found = self._solution(work, True, self.everywhere)
-                    if np.array_equal(self.forces.at(found.speed), total):
-                        return self._seen_at_rest(found, total)
-                    work, growth = np.maximum(found.energy, above / FURTHEST), None
+                    free = self._solution(work, True, self.everywhere)
+                    if np.array_equal(self.forces.at(free.speed), total):
+                        return self._seen_at_rest(free, total)
+                    work, growth = np.maximum(free.energy, above / FURTHEST), None
                     continue
                 growth = _growth(self.mesh, change, above)
             before = work
             found, ends, force = self._round(total, growth, before)
-            work, shares = self._limited(found, before, above)
+            step = found - before
+            work, shares = self._limited(found, step, before, above)
             moved = float(shares.max())
             if self._ended(growth, moved, last):
                 break
@@ -214,9 +217,11 @@ class _Newton:
         else:  # later panels do not act on earlier ones: the first panels may be right where the last ones are not
             unsettled = shares > self.ending[0]
             settled = np.where(unsettled.any(axis=0), unsettled.argmax(axis=0), len(self.mesh.kinds))
-        known = not self.forces.vary and work is found and not self.mesh.kinds.any()
-        if growth is not None and growth.within is not None and known:  # what the forces differ by from these is a square of the last change
-            force = total + self.mesh.weight[:, :, None] + growth.slopes * (work - before)
+        steady = not self.forces.vary and not self.mesh.kinds.any()
+        if growth is not None and growth.within is not None and steady and work is found:
+            step *= growth.slopes  # the forces at this W differ from these by a square of the last change
+            force = step + total
+            force += self.mesh.weight[:, :, None]
         else:
             self.forces.at(np.sqrt(np.maximum(work, self.floor) * self.twice))
         return self._solution(work, False, settled, growth, None if force is None else ends, force)
@@ -239,8 +244,9 @@ class _Newton:
                 work, ends, force = _solved(mesh, (total + weight) * measure - exponents * before, exponents, self.energy, self.periodic)
             else:
                 work, ends = _integral(mesh, total, weight, self.energy)
-                missed = growth.slopes * (work - before)
-                missed *= measure
+                missed = (work - before).astype(growth.slopes.dtype, copy=False)
+                missed *= growth.slopes
+                missed *= measure.astype(missed.dtype)
                 further, at_ends = _factored(missed, growth.within, growth.through, ends[-1] - ends[0] if self.periodic else None)
                 work += further
                 ends += at_ends
@@ -260,9 +266,9 @@ class _Newton:
             return moved <= settled and (moved >= 0.5 * before or moved <= foreseen)
         return moved <= settled or moved * moved <= foreseen * before
 
-    def _limited(self, work: Array, before: Array, above: Array) -> tuple[Array, Array]:
-        """W after a round, limited to a factor of what it was, which is ``above`` the floor, and its largest change (p, S) as a share."""
-        step = work - before
+    def _limited(self, work: Array, step: Array, before: Array, above: Array) -> tuple[Array, Array]:
+        """W after a round, a ``step`` from what it was ``before``, limited to a factor of that where it is ``above`` the floor, and its
+        largest change (p, S) as a share."""
         largest = np.maximum(step.max(axis=0), -step.min(axis=0))
         if not (largest <= 0.5 * above.min(axis=0)).all():
             if not np.isfinite(work.sum()):
@@ -293,6 +299,9 @@ class _Newton:
         else:  # the torque of a stiff drive follows from the solution: computed from the speed it would have the rounding of that
             others = forces.resisting if forces.friction_torque is None else forces.resisting + forces.friction_torque
             forces.driving = force - others - weight
+        exponent = np.zeros(len(self.energy))
+        if growth is not None and self.periodic:
+            exponent = _summed(growth.slopes * self.mesh.measure[:, :, None]).sum(axis=0)
         speed = np.maximum(work, np.finfo(float).tiny if speed_free else self.floor)  # before a stop W is small, and right
         speed *= self.twice
         return CollocationSolution(
@@ -306,7 +315,7 @@ class _Newton:
             friction_torque=forces.friction_torque,
             speed_free=speed_free,
             stiffness=np.zeros(len(self.mesh.kinds)) if growth is None else growth.stiffness,
-            exponent=_summed(growth.slopes * self.mesh.measure[:, :, None]).sum(axis=0) if growth is not None and self.periodic else np.zeros(len(self.energy)),
+            exponent=exponent,
             settled=settled,
             added=self.added,
             evaluations=forces.asked * work.size,
@@ -316,19 +325,17 @@ class _Newton:
 
 def _growth(mesh: Mesh, change: Array, above: Array) -> Growth:
     """How disturbances grow where energies (q, p, S) whose speeds are larger by the share `BESIDE` ``change`` the force (q, p, S)."""
-    slopes = change / above
+    slopes: RealArray = change / above
     slopes /= 2 * BESIDE
-    exponents = slopes * mesh.measure[:, :, None]
-    stiffness = np.maximum(exponents.max(axis=(0, 2)), -exponents.min(axis=(0, 2)))
+    if slopes.shape[2] >= MANY:
+        slopes = slopes.astype(np.float32)
+    exponents = slopes * mesh.measure[:, :, None].astype(slopes.dtype)
+    stiffness = np.maximum(exponents.max(axis=(0, 2)), -exponents.min(axis=(0, 2))).astype(float)
     if not stiffness.max() <= STIFF:
         return Growth(slopes, stiffness, None, None)
-    rule, (q, p, count) = gauss_rule(), exponents.shape
-    within = product(rule.cumulative, exponents.reshape(q, -1))
-    if count >= MANY:  # in single precision an exponential takes a fifth of the time, and K only has to lead to the solution
-        within = np.exp(within.astype(np.float32)).astype(float)
-    else:
-        np.exp(within, out=within)
-    return Growth(slopes, 0.0 * stiffness, within.reshape(q, p, count), np.exp(_summed(exponents)))
+    growth = _to_end(exponents)
+    np.exp(growth, out=growth)
+    return Growth(slopes, 0.0 * stiffness, growth[:-1], growth[-1].astype(float))
 
 
 def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: PrescribedSpeed) -> CollocationSolution:
@@ -371,12 +378,9 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     is then the same in every turn. Near a rest W is small and must be right relative to itself: there all is integrated, away from the
     rest.
     """
-    rule = gauss_rule()
-    q, p, count = force.shape
     rests = bool(mesh.kinds.any())
     inner = (force + weight if rests else force) * mesh.measure[:, :, None]
-    flat = inner.reshape(q, p * count)
-    integrals = product(rule.to_end, flat).reshape(q + 1, p, count)
+    integrals = _to_end(inner)
     work, totals = integrals[:-1], integrals[-1]
     ends = running_sums(energy, totals)
     work += ends[:-1]
@@ -386,12 +390,13 @@ def _integral(mesh: Mesh, force: Array, weight: Array, energy: Array) -> tuple[A
     elif mesh.kinds[-1] == TO_REST:
         back = running_sums(0.0, -totals[::-1])[::-1]
         half = int(ends[:, 0].argmax())
-        left = product(rule.weights - rule.cumulative, flat).reshape(q, p, count)
+        rule = gauss_rule()
+        left = product(rule.weights - rule.cumulative, inner.reshape(len(inner), -1)).reshape(inner.shape)
         work[:, half:], ends[half + 1 :] = (back[1:] - left)[:, half:], back[half + 1 :]
     return work, ends
 
 
-def _factored(constant: Array, within: Array, through: Array, short: Array | None) -> tuple[Array, Array]:
+def _factored(constant: RealArray, within: RealArray, through: Array, short: Array | None) -> tuple[RealArray, Array]:
     """F (q, p, S) from dF/dx = constant + K du/dx F by an integrating factor, for all scenarios in few operations, and its values
     (p + 1, S) at the borders. On every panel F is a part of its own, plus a growth times its value at the panel's start.
 
@@ -402,10 +407,9 @@ def _factored(constant: Array, within: Array, through: Array, short: Array | Non
         short: (S,) by which F has to be larger at the start than at the end; None: it is zero at the start.
     """
     constant /= within
-    q, p, count = constant.shape
-    integrals = product(gauss_rule().to_end, constant.reshape(q, -1)).reshape(q + 1, p, count)
+    integrals = _to_end(constant)
     found, ends = integrals[:-1], _panel_by_panel(through * integrals[-1], through, short)
-    found += ends[:-1]
+    found += ends[:-1].astype(found.dtype)
     found *= within
     return found, ends
 
@@ -464,3 +468,10 @@ def _summed(rate: Array) -> Array:
     """Integrals (p, S) of a rate (q, p, S) by x over each panel."""
     q, p, count = rate.shape
     return product(gauss_rule().weights, rate.reshape(q, -1)).reshape(p, count)
+
+
+def _to_end(rate: NDArray[Precision]) -> NDArray[Precision]:
+    """Integrals (q + 1, p, S) of a rate (q, p, S) by x from each panel's start to its nodes and to its end."""
+    q, p, count = rate.shape
+    to_end = gauss_rule().to_end.astype(rate.dtype, copy=False)
+    return product(to_end, rate.reshape(q, -1)).reshape(q + 1, p, count)
