@@ -89,13 +89,14 @@ class SomeVectors(Frozen, Sequence[Array]):
 
     def __init__(self, some: Array, places: Sequence[int | None]) -> None:
         self.some, self.places = some, places
+        self._none = nothing(*some.shape[1:])
 
     def __len__(self) -> int:
         return len(self.places)
 
     def __getitem__(self, bearing: Any) -> Any:
         place = self.places[bearing]
-        return nothing(*self.some.shape[1:]) if place is None else self.some[place]
+        return self._none if place is None else self.some[place]
 
     def setflags(self, write: bool) -> None:
         """As of an array."""
