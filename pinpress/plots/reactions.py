@@ -127,7 +127,7 @@ def polar(reactions: Reactions, *bearings: str, ax: Axes | Iterable[Axes] | None
         PinpressError: a value is not finite, ``ax`` are not as many axes as bearings, or Matplotlib is not installed.
     """
     names = bearings or reactions._press.bearings_as_drawn
-    return _draw_loci(reactions.motion, [charts.locus(reactions, name) for name in names], ax)
+    return _draw_loci(reactions.motion, charts.loci(reactions, names), ax)
 
 
 @typed

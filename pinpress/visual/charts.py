@@ -5,7 +5,7 @@ force times the linkage's size) are zero here. All functions raise `PinpressErro
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from ..common.quantities import RPM, Array
 from ..dynamics.applied_loads import turning_points
 from ..dynamics.extremes import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
 from ..dynamics.inverse_dynamics import Reactions
-from ..kinematics.motion import Motion, loaded_bodies, rotation_of
+from ..kinematics.motion import Motion, loaded_bodies, poses
 from ..linkage import mobility
 from ..linkage.linkage import Linkage
 from ..simulation.run import Run
@@ -241,27 +241,37 @@ def force_over_height(reactions: Reactions) -> ForceOverHeight | None:
 
 
 def locus(reactions: Reactions, name: str) -> Locus:
-    """Polar diagram of a bearing's force.
+    """Polar diagram of a bearing's force; arguments and errors as of `loci`."""
+    return loci(reactions, [name])[0]
+
+
+def loci(reactions: Reactions, names: Sequence[str]) -> list[Locus]:
+    """Polar diagrams of the forces of bearings.
 
     The diagram of a planar press lies in its plane: along the plane's two world axes, or, where the plane is tilted, along its horizontal
     ("h") and the direction up it ("u"). In space it is the projection on the two world axes along which the force ranges most.
 
     Args:
-        reactions: reactions that have this bearing.
-        name: name of the bearing.
+        reactions: reactions that have these bearings.
+        names: names of the bearings.
 
     Raises:
         UnknownNameError: there is no such bearing.
     """
     motion, press = _motion_of(reactions), reactions._press
-    if not isinstance(name, str) or name not in press.bearings:
-        raise UnknownNameError("bearing", name, press.bearings)
-    least = rounding(reactions).force
+    for name in names:
+        if not isinstance(name, str) or name not in press.bearings:
+            raise UnknownNameError("bearing", name, press.bearings)
+    turned = poses(press, motion.joint_position).rotation @ poses(press, np.zeros((1, press.model.nv))).rotation.swapaxes(2, 3)
+    return [_locus(reactions, name, turned) for name in names]
+
+
+def _locus(reactions: Reactions, name: str, turned: Array) -> Locus:
+    """`locus` of a bearing where the bodies are turned by these rotations (joints + 1, n, 3, 3) from the drawn pose."""
+    press, least = reactions._press, rounding(reactions).force
     force = _clean(finite(f"force in {name}", reactions.bearing_force[name]), least)
     body = loaded_bodies(press)[press.bearings.index(name)]
-    drawn = rotation_of(press, np.zeros((1, press.model.nv)), body)[0]
-    turned = rotation_of(press, motion.joint_position, body) @ drawn.T
-    own = np.einsum("nji,nj->ni", turned, force)
+    own = np.einsum("nji,nj->ni", turned[body], force)
     axes, directions = _directions(press, force, least)
     unit, factor = _unit("force", float(np.abs(force).max(initial=0.0)))
     frame, own = factor * force @ directions.T, factor * own @ directions.T

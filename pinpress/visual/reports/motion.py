@@ -15,7 +15,7 @@ from ...dynamics.inverse_dynamics import Reactions
 from ...kinematics.slide_path import stroke_turns
 from ...simulation.run import Run
 from .. import charts
-from ..charts import Chart
+from ..charts import Chart, Locus
 from ..pages import packed
 from ..recording import KeyFrames
 from . import driving
@@ -106,15 +106,20 @@ class _Bearings:
     before: Shown | None
 
     def as_json(self) -> dict[str, Any]:
-        return {"kind": "bearings", "bearings": [self._bearing(name) for name in self.shown.press.bearings_as_drawn]}
+        reactions, before = self.shown.reactions, {}
+        if self.before is not None:
+            names = list(self.before.reactions.bearing_force)
+            before = dict(zip(names, charts.loci(self.before.reactions, names), strict=True))
+        found = charts.loci(reactions, self.shown.press.bearings_as_drawn)
+        return {"kind": "bearings", "bearings": [self._bearing(locus, before.get(locus.bearing)) for locus in found]}
 
-    def _bearing(self, name: str) -> dict[str, Any]:
-        reactions, frames = self.shown.reactions, self.shown.frames
-        locus, other = charts.locus(reactions, name), None
+    def _bearing(self, locus: Locus, old: Locus | None) -> dict[str, Any]:
+        """A bearing, whose locus was ``old`` before; None where there was none."""
+        reactions, frames, name, other = self.shown.reactions, self.shown.frames, locus.bearing, None
         bearing: dict[str, Any] = {"name": name, "link": locus.link, "axes": locus.axes, "unit": locus.unit, "before": None}
         bearing |= {key: packed(getattr(locus, key)[frames.states], name) for key in ("frame", "own")}
-        if self.before is not None and name in self.before.reactions.bearing_force:
-            its, old = self.before.frames, charts.locus(self.before.reactions, name)
+        if self.before is not None and old is not None:
+            its = self.before.frames
             other = charts.components(self.before.reactions, name)
             if old.axes == locus.axes:
                 factor = charts.factor("force", locus.unit) / charts.factor("force", old.unit)
