@@ -30,7 +30,8 @@ from .model import Plane
 
 CLEAR = 1e-3  # smallest margin of a dyad's equations, see `Closure.margins`: nearer to a dead centre Newton's method closes
 EQUAL = 1e-9  # by which the functions of a chain may differ from those that Newton's method finds [1 or lengths of the linkage]
-PIECE = 7200  # states that are worked through at a time where there are no levers
+PIECE, SMALLEST_PIECE = 7200, 900  # most states that are worked through at a time, and those below which calls would take most of it
+IN_CACHE = 40_000  # states times dyads whose arrays stay in the cache
 Known = tuple[tuple[int, ComplexArray], ...]
 
 
@@ -128,8 +129,8 @@ class Chain:
 
     @cached_property
     def piece(self) -> int:
-        """Number of states that are worked through at a time: fewer where the idle forces of levers take memory, too."""
-        return PIECE // (1 + len(self.levers))
+        """Number of states that are worked through at a time: fewer in long chains, and where the idle forces of levers take memory, too."""
+        return min(PIECE, max(SMALLEST_PIECE, IN_CACHE // max(1, len(self.equations)))) // (1 + len(self.levers))
 
     @cached_property
     def outer(self) -> tuple[int | None, ...]:
