@@ -61,7 +61,8 @@ def picture() -> Figure:
         known = [(k, each) for k, found in enumerate(commits) if (each := ratio(found, name)) is not None]
         places, values = zip(*known, strict=True)
         axes.plot(places, [value / values[-1] for value in values], "o-", label=f"{name.replace('_', ' ')}, last {values[-1]:.3g}")
-    axes.set_xticks(range(len(commits)), [f"{found['commit_hash'][:7]}\n{_day(found)}" for found in commits])
+    days = [f"{found['commit_hash'][:7]}, {_day(found)}" for found in commits]
+    axes.set_xticks(range(len(commits)), days, rotation=40, ha="right", rotation_mode="anchor", fontsize="small")
     axes.set_yscale("log", base=2)
     axes.yaxis.set_major_formatter("{x:g}")
     axes.set(ylabel="ratio of times / that of the last commit")
