@@ -314,6 +314,29 @@ def test_where_heights_are_measured_from_does_not_change_how_a_die_is_solved(pre
     np.testing.assert_allclose(by_bottom.crank_angle, by_zero.crank_angle, rtol=0.0, atol=1e-12)
 
 
+class Check:
+    """A valve that throttles the slide above a speed downwards, and is open below it."""
+
+    datum = None
+
+    def intervals(self, downwards):
+        return (pp.loads.ForceInterval(math.inf, -math.inf, self.force),)
+
+    @staticmethod
+    def force(height, velocity):
+        return 1e9 * np.maximum(-velocity - 0.48, 0.0) ** 3
+
+
+@pytest.mark.parametrize("drive", [pp.drives.ConstantTorque(5e3), pp.drives.InductionMotor(2e5, 48 * math.pi)], ids=["torque", "motor"])
+def test_a_load_that_begins_to_act_at_a_speed_that_is_only_reached_later_in_the_period(press, drive):
+    """At the speed of the start, from which a period's solution begins, it acts nowhere: nor does it then depend on the speed."""
+    run = zhang(press, 0.45, drive=drive, loads=[Check()], points=46)
+    window = Window(math.inf, -math.inf, 0, lambda height, velocity: float(Check.force(height, velocity)))
+    solution = equation.solve(run.time, W0, J0, torque=lambda time, angle, speed, states: drive.torque(speed), windows=[window])
+    assert solution.load_work[-1] > 0.01 * solution.drive_work[-1]
+    same(run, solution)
+
+
 @pytest.mark.one_in(2)
 def test_several_loads_at_once(press, method):
     run = zhang(press, 0.45, loads=[CASES[name][0] for name in ("piling", "stripping", "table", "damped_die")], points=46, method=method)

@@ -26,19 +26,20 @@ class Forces:
         self.friction_torque: Array | None = None
         self.efforts: Array | None = None  # of friction, from which the next ones are found
         self.total = self.driving
+        # as declared: a load that is the same at some speeds, as one that only acts above one, may be another at those of a later round
         self.constant = not any(force.interval.heeds_velocity for force in mesh.forces)
-        self.steady = not mesh.forces  # whether the loads are known, whatever the speed
+        self.known = not mesh.forces  # whether the loads are, whatever the speed
 
     @property
     def vary(self) -> bool:
         """Whether loads or friction depend on the speed."""
-        return not self.steady or self.mesh.bearings is not None
+        return not self.constant or self.mesh.bearings is not None
 
     def at(self, speed: Array) -> Array:
         """Sum of the forces at sizes of the crank's speed (q, p, S)."""
         self.driving = self._driving(speed)
-        if not self.steady:
-            self.resisting, self.steady = self._resisting(speed), self.constant
+        if not self.known:
+            self.resisting, self.known = self._resisting(speed), self.constant
         if self.mesh.bearings is not None:
             self.friction_torque = self._friction(self.mesh.bearings, speed, self.driving + self.resisting)
         acting = self.driving + self.resisting if self.mesh.forces else self.driving
@@ -51,11 +52,9 @@ class Forces:
         higher = speed * (1 + share)
         driving, resisting = self._driving(higher), self.resisting
         change = driving - self.driving
-        if not self.steady:
+        if not self.constant:
             resisting = self._resisting(higher)
-            self.steady = bool(np.array_equal(resisting, self.resisting))
-            if not self.steady:
-                change += resisting - self.resisting
+            change += resisting - self.resisting
         if self.mesh.bearings is not None and self.friction_torque is not None:
             change += self._friction(self.mesh.bearings, higher, driving + resisting) - self.friction_torque
         self.asked += 1
