@@ -129,8 +129,8 @@ class Chain:
 
     @cached_property
     def piece(self) -> int:
-        """Number of states that are worked through at a time: fewer in long chains, and where the idle forces of levers take memory, too."""
-        return min(PIECE, max(SMALLEST_PIECE, IN_CACHE // max(1, len(self.equations)))) // (1 + len(self.levers))
+        """Number of states that are worked through at a time: fewer in long chains, and where idle forces of levers take memory, too."""
+        return min(PIECE // (1 + len(self.levers)), max(SMALLEST_PIECE, IN_CACHE // max(1, len(self.equations))))
 
     @cached_property
     def outer(self) -> tuple[int | None, ...]:
