@@ -245,7 +245,7 @@ def measured() -> Reach:
 
 
 def files_of_tests() -> list[str]:
-    return [str(path.relative_to(ROOT)) for path in sorted(ROOT.glob("tests/*/test_*.py")) if path.stem[5:] not in LEFT_OUT]
+    return [str(path.relative_to(ROOT)) for path in sorted(ROOT.glob("tests/*/**/test_*.py")) if path.stem[5:] not in LEFT_OUT]
 
 
 def measure(to: Path) -> None:

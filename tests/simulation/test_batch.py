@@ -287,6 +287,33 @@ def test_energy_in_plain_formulas(press):
     np.testing.assert_allclose(travelled, fine.crank_angle[-1], rtol=1e-8)
 
 
+def test_many_motors_by_scipy(press):
+    """Kloss's torque behind gears, and a blank with its stripping, for 2 of 70 scenarios: more than 64 are solved with
+    corrections in single precision, and differ from their exact equations by no more than one."""
+    power, speed, force = np.linspace(1e4, 4e4, 70), np.linspace(28.0, 31.0, 70), np.linspace(1e6, 4e5, 70)
+    motor = pp.drives.Geared(pp.drives.InductionMotor(power, 1465 * RPM, inertia=0.1), 5.0)
+    loads = [pp.loads.Blanking(force, 0.010, 0.005, stripping=0.2 * force)]
+    runs = pp.simulate_batch(press, 0.45, speed=speed, angle=0.2, drive=motor, flywheel=WHEEL, loads=loads, points=10)
+    synchronous = 50 * math.pi
+    for k in (1, 69):
+
+        def torque(t, q, w, states, k=k):
+            slip, most = 1 - 5 * w / synchronous, (1 - 1465 * RPM / synchronous) * (2.5 + math.sqrt(2.5**2 - 1))
+            return 5 * 2 * 2.5 * power[k] / (1465 * RPM) / (slip / most + most / slip)
+
+        windows = [
+            equation.Window(0.010, 0.005, -1, lambda h, v, k=k: force[k] * math.sin(math.pi / 2 * (0.010 - h) / 0.005)),
+            equation.Window(0.010, 0.005, 1, lambda h, v, k=k: -0.2 * force[k]),
+        ]
+        solution = equation.solve(runs.time, speed[k], WHEEL.inertia + 2.5, 0.2, torque, windows=windows)
+        np.testing.assert_allclose(runs.crank_angle[:, k], solution.angle, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(runs.crank_speed[:, k], solution.speed, rtol=1e-9)
+        most = np.abs(solution.load_work).max()
+        assert abs(runs.drive_work[k] - solution.drive_work[-1]) < 1e-9 * most
+        assert abs(runs.load_work[k] - solution.load_work[-1]) < 1e-9 * most
+        assert solution.angle[-1] > 4 * math.pi  # two strokes
+
+
 # ----------------------------------------------------------------------------------------------- both ways, from rest, swings, stalls
 
 
