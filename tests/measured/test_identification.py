@@ -111,6 +111,9 @@ def test_noisy_records_are_within_intervals(name):
     assert found.noise["torque"] == pytest.approx(noise, rel=0.05)
     assert 5 < found.learnt < len(found.parameters)
     assert "doubt" in str(found)
+    assert all((each.doubt is None) == (each.posterior == 0) for each in found.base_parameters)  # of a link that has no mass
+    doubts = [each.doubt for each in found.base_parameters if each.doubt is not None]
+    assert 0 < min(doubts) < 0.1 < max(doubts) < 1.5  # the least of what the crank feels most
 
 
 def wide(interval, by, value):

@@ -1,11 +1,17 @@
 """Vibrations measured by accelerometers: spectra, orders, modes from hits, mounts fitted to them, against systems of which all is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.stats import t as student
 from support import hammer_hits
 from support.hammer_hits import BEGIN, RATE, SENSORS, columns, standing
 
 from pinpress import RPM, PinpressError, PinpressWarning, UnknownNameError, foundation, measured
+from pinpress.foundation.mounted_press import with_mounts
+from pinpress.measured import hit_modes
+from pinpress.measured.hit_modes import MeasuredModes
 
 ONE = {"A [m/s2]": measured.Accelerometer((0.0, 0.0, 1.0), "x")}
 TIME = np.arange(20_000) / 1000.0
@@ -105,6 +111,16 @@ def test_densities_hold_the_mean_square_and_lines_stand_where_they_are():
     assert found.density[300:, 0].mean() == pytest.approx(0.25 / 500, rel=0.05)
 
 
+def test_runs_count_by_their_windows():
+    """By default the shortest run is eight windows side by side, which are fifteen that overlap by half; a run of twice the time has 31."""
+    long, short = 2 * np.sin(2 * np.pi * 40 * TIME), 5 * np.sin(2 * np.pi * 40 * TIME[:10_000])
+    runs = [{"time [s]": TIME[: len(values)], "A [m/s2]": values} for values in (long, short)]
+    found = measured.vibration(runs, ONE).spectra()
+    np.testing.assert_allclose(np.diff(found.frequency), 8 / 10)
+    assert found.windows == 15 + 31
+    assert found.rms[0] ** 2 == pytest.approx((31 * 2**2 / 2 + 15 * 5**2 / 2) / 46, rel=1e-3)
+
+
 @pytest.mark.parametrize("how", ["angle", "tacho"])
 def test_orders_stay_sharp_while_the_speed_changes(how):
     """A run-up from 150 to 450 r/min: amplitudes 1 and 0.3 at orders 1 and 2.5, and a vibration at 20 Hz that is no order."""
@@ -154,6 +170,9 @@ def test_modes_of_a_press_are_found_from_three_hits():
     np.testing.assert_allclose(np.array(rows["calculated_frequency [Hz]"], dtype=float), exact.natural_frequency / (2 * np.pi), rtol=1e-12)
     decay = found.damping_ratio * found.natural_frequency * 2 * np.pi / (found.natural_frequency * np.sqrt(1 - found.damping_ratio**2))
     np.testing.assert_allclose(rows["logarithmic_decrement [-]"], decay, rtol=1e-12)  # decay rate times the period of the damped swing
+    np.testing.assert_allclose(2 * np.pi * rows["frequency [Hz]"], found.natural_frequency, rtol=1e-12)
+    np.testing.assert_allclose(2 * np.pi * rows["frequency_deviation [Hz]"], found.natural_frequency_deviation, rtol=1e-12)
+    np.testing.assert_array_equal(np.array(rows["mac [-]"], dtype=float), found.mac[range(6), range(6)])
 
 
 @pytest.mark.exhaustive
@@ -189,10 +208,13 @@ def test_a_soft_hammer_a_hum_and_a_frame_that_bends():
     for name in SENSORS:
         hum = 0.05 * rng.normal() * np.sin(2 * np.pi * 50 * time + rng.normal())
         table[name] = np.convolve(table[name], pulse)[: len(time)] + rng.normal() * bending + hum + 0.1 * rng.normal()
-    found = measured.vibration(table, SENSORS).modes(band=(2, 120))
+    found = measured.vibration(table, SENSORS).modes(band=(2, 120), beside=foundation.modes(standing()))
     expected = [*foundation.modes(standing()).natural_frequency, 2 * np.pi * 50, w]
     np.testing.assert_allclose(found.natural_frequency, expected, rtol=2e-3)
     np.testing.assert_allclose(found.damping_ratio, [*(hammer_hits.free(0)[1],) * 6, 0.0, 0.01], atol=2e-3)
+    assert found.partner == (0, 1, 2, 3, 4, 5, -1, -1)  # the frame bends and hums beyond what was calculated
+    assert [each is None for each in found.columns()["calculated_frequency [Hz]"]] == [False] * 6 + [True] * 2
+    assert [each is None for each in found.columns()["mac [-]"]] == [False] * 6 + [True] * 2
     assert found.doubts == ("50 Hz does not die away: it is a hum, or a machine that runs nearby, and no mode",)
 
 
@@ -229,3 +251,79 @@ def test_mounts_are_fitted_to_measured_frequencies():
         measured.fit_mounts(thought, found, damping="viscous")
     with pytest.raises(PinpressError, match="damping is 'rubber'"):
         measured.fit_mounts(thought, found, damping="rubber")
+
+
+def as_measured(system, beside, known):
+    """The modes of a system, with deviations as shares of their frequencies, as if measured, and one without a partner between them."""
+    real = foundation.modes(system)
+    partner = np.abs(real.shapes.T @ system.mass @ beside.shapes).argmax(axis=1)
+    assert sorted(partner) == list(range(6))
+    values = np.column_stack([real.natural_frequency, known * real.natural_frequency, real.damping_ratio, 0.5 * known])
+    frequency, deviation, ratio, ratio_deviation = np.insert(values, 2, [20.0, 1.0, 0.3, 1.0], axis=0).T
+    return MeasuredModes(
+        channels=("A",),
+        hits=np.zeros(1),
+        natural_frequency=frequency,
+        natural_frequency_deviation=deviation,
+        damping_ratio=ratio,
+        damping_ratio_deviation=ratio_deviation,
+        shapes=np.ones((1, 7), dtype=complex),
+        energy_share=np.full(7, 1 / 7),
+        noise=0.0,
+        beside=beside,
+        partner=tuple(np.insert(partner, 2, -1).tolist()),
+        mac=np.ones((7, 6)),
+    )
+
+
+@pytest.mark.parametrize("damping", ["loss_factor", "viscous"])
+def test_intervals_of_mounts_are_those_of_linear_least_squares(damping):
+    """Exact frequencies and damping ratios of changed mounts, one more mode between them that has no partner: the factors are exact, and
+    their intervals those of differences of the model's own modes, by what is said to be known of each measured number."""
+
+    def changed(factors):
+        by_axis, last = factors[:3], factors[3]
+        more = {"damping": np.array([4e4, 4e4, 6e4]) * last} if damping == "viscous" else {"loss_factor": 0.1 * last}
+        mounts = [replace(each, stiffness=np.multiply(each.stiffness, by_axis), **more) for each in standing().mounts]
+        return with_mounts(standing(), mounts)
+
+    thought, factors = changed(np.ones(4)), np.array([0.7, 1.4, 0.9, 1.6])
+    real, beside = foundation.modes(changed(factors)), foundation.modes(thought)
+    known = np.array([2e-3, 3e-3, 4e-4, 1e-3, 5e-3, 1e-4])
+    found = as_measured(changed(factors), beside, known)
+    fitted = measured.fit_mounts(thought, found, damping=damping)
+    expected = factors * [1, 1, 1, 1 if damping == "viscous" else 0.1]
+    np.testing.assert_allclose(fitted.values, expected, rtol=1e-6)
+    assert len(fitted.measured.partner) == len(fitted.frequency) == 6
+    table = fitted.columns()
+    np.testing.assert_array_equal(np.column_stack([table["low [-]"], table["high [-]"]]), fitted.intervals)
+    np.testing.assert_allclose(fitted.frequency, real.natural_frequency, rtol=1e-7)
+
+    def scaled(logarithms):
+        one = foundation.modes(changed(factors * np.exp(logarithms)))
+        return np.r_[
+            np.log(one.natural_frequency) / np.hypot(known, 1e-3), one.damping_ratio / np.hypot(0.5 * known, 1e-3)
+        ]  # the model is trusted to 1e-3
+
+    slopes = np.column_stack([(scaled(1e-4 * unit) - scaled(-1e-4 * unit)) / 2e-4 for unit in np.eye(4)])
+    half = student.ppf(0.975, 12 - 4) * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
+    np.testing.assert_allclose(np.log(fitted.intervals / fitted.values[:, None]), np.outer(half, [-1, 1]), rtol=2e-3)
+
+
+def test_mounts_that_cannot_have_the_frequencies_are_told():
+    """Frequencies of mounts 30 times as stiff along y: the largest factor is 20."""
+    thought = standing()
+    stiff = with_mounts(thought, [replace(each, stiffness=np.multiply(each.stiffness, (1, 30, 1))) for each in thought.mounts])
+    with pytest.warns(PinpressWarning, match=r"stiffness of mounts along y rests on its bound, 20") as told:
+        fitted = measured.fit_mounts(thought, as_measured(stiff, foundation.modes(thought), np.full(6, 1e-3)))
+    assert len(told) == 1
+    assert fitted.values[1] == pytest.approx(20.0, rel=2e-3)
+
+
+def test_deviations_of_a_frequency_and_a_damping_ratio_are_those_of_their_root():
+    """Of 200 000 roots about -2 + 30i, whose parts are correlated; w = |root| and the ratio is minus the real part over it."""
+    covariance = np.array([[0.02, 0.007], [0.007, 0.01]])
+    parts = np.random.default_rng(0).multivariate_normal([-2.0, 30.0], covariance, 200_000)
+    sizes = np.hypot(*parts.T)
+    found = hit_modes._deviations(np.array([-2.0 + 30.0j]), covariance)
+    np.testing.assert_allclose(found[0], [sizes.std(), (-parts[:, 0] / sizes).std()], rtol=0.01)

@@ -140,6 +140,20 @@ def test_a_press_with_other_parameters_has_them(name):
     np.testing.assert_allclose(torques[1], 2 * torques[0], rtol=1e-9)
 
 
+def test_a_body_without_mass_gets_what_it_is_given():
+    """All links of a planar press, which had none: then they have the masses, first moments and tensors of the press as it was."""
+    press = press_of("zxn2_3000b")
+    values = inertial_equations(press).values
+    nothing = press.with_inertias([pin.Inertia(0.0, np.zeros(3), np.zeros((3, 3))) for _ in press.model.inertias])
+    equations = inertial_equations(nothing)
+    assert not equations.values.any()
+    again = equations.pressed(values)
+    np.testing.assert_allclose(inertial_equations(again).values, values, rtol=1e-12, atol=1e-12 * np.abs(values).max())
+    motion = any_motion(press)
+    torques = [pp.inverse_dynamics(each, motion).driving_torque for each in (press, again)]
+    np.testing.assert_allclose(torques[1], torques[0], rtol=1e-9)
+
+
 def test_losses_are_those_of_inverse_dynamics():
     """Pins and guide by their friction with the forces of a cylinder in the bearings; the cylinder by its force on the slide."""
     press = texts.shipped("jf75g_125")

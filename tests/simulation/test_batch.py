@@ -6,6 +6,7 @@ and its own run differ by rounding and that. 1e-9 rad is a hundred times as much
 
 import dataclasses
 import math
+import time
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from support.oracles import crank_slide_equation as equation
 from support.time_limit import LIMIT, within
 
 import pinpress as pp
+from pinpress.simulation import batch
 from pinpress.simulation.batch import RunBatch
 from pinpress.simulation.over_angle import collocation
 
@@ -36,6 +38,16 @@ def press():
 @pytest.fixture(scope="module")
 def textbook():
     return texts.shipped("crank_slide", gravity=(0, 0, -9.80665))
+
+
+@pytest.fixture
+def none_alone(monkeypatch):
+    """No scenario may be run on its own: that would put right whatever goes wrong where all are solved together."""
+
+    def refuse(*given, **named):
+        raise AssertionError("a scenario is run alone")
+
+    monkeypatch.setattr(batch, "simulate", refuse)
 
 
 def alike(linkage, duration, build, values, which=None, **options):
@@ -154,11 +166,16 @@ BUILDS = {
     ),
 }
 
+ALONE = ("damped dies", "slip clutches", "slip clutches with a lag", "a force in time")
+"""Those of which some or all scenarios are run on their own: for their states, their time, corners that only some of them pass."""
+
 
 @pytest.mark.one_in(7)
 @pytest.mark.parametrize("name", BUILDS)
-def test_each_is_its_own_run(press, name):
+def test_each_is_its_own_run(press, name, request):
     build, values = BUILDS[name]
+    if name not in ALONE:
+        request.getfixturevalue("none_alone")
     runs = alike(press, 0.7, build, values)
     assert runs.errors == (None,) * len(runs)
     spread = max(np.ptp(runs.crank_angle[-1]), np.ptp(runs.load_work), np.ptp(runs.drive_work))
@@ -193,6 +210,7 @@ def test_one_scenario_is_still_an_array(press, change):
     same(runs, 0, pp.simulate(press, 0.5, points=121, **blanked(press)))
 
 
+@pytest.mark.usefixtures("none_alone")
 @pytest.mark.parametrize("name", ["zxn2_3000b", "thin_wall", "jf75g_125_symmetric", "jf75g_125_two_point"])
 def test_other_presses(name):
     press = texts.shipped(name)
@@ -211,6 +229,7 @@ def test_other_presses(name):
     )
 
 
+@pytest.mark.usefixtures("none_alone")
 def test_more_than_fit_at_once(press):
     """130 scenarios, three arrays of panels: each sixteenth is compared, and their order is kept."""
     rng = np.random.default_rng(3)
@@ -224,6 +243,7 @@ def test_more_than_fit_at_once(press):
     assert np.all(runs.load_work[values["f"] > 0] > 0)
 
 
+@pytest.mark.usefixtures("none_alone")
 def test_neither_order_nor_company_matters(press):
     values = np.array([33.0, -28.0, 41.0, 25.0, -35.0, 30.0])
     whole = pp.simulate_batch(press, 0.6, **blanked(press, speed=values))
@@ -252,6 +272,7 @@ def potential(q):
     return total
 
 
+@pytest.mark.usefixtures("none_alone")
 def test_energy_in_plain_formulas(press):
     """(I + J) w^2 / 2 + V of all states is what the torque has put in, less a quarter sine a stroke; I from `crank_slide_equation`."""
     rng = np.random.default_rng(5)
@@ -287,6 +308,7 @@ def test_energy_in_plain_formulas(press):
     np.testing.assert_allclose(travelled, fine.crank_angle[-1], rtol=1e-8)
 
 
+@pytest.mark.usefixtures("none_alone")
 def test_many_motors_by_scipy(press):
     """Kloss's torque behind gears, and a blank with its stripping, for 2 of 70 scenarios: more than 64 are solved with
     corrections in single precision, and differ from their exact equations by no more than one."""
@@ -463,13 +485,30 @@ def test_a_press_without_a_slide(tmp_path):
         encoding="utf-8",
     )
     torque, speed = np.array([-2.0, 0.0, 5.0]), np.array([4.0, 5.0, 6.0])
+    began = time.perf_counter()
     runs = pp.simulate_batch(
         pp.load(file), 2.0, speed=speed, drive=pp.drives.ConstantTorque(torque), flywheel=pp.drives.Flywheel(2.0), points=21
     )
+    assert 0 < runs.wall_time <= time.perf_counter() - began
     assert runs.slide_position is None
-    time = runs.time[:, None]
-    np.testing.assert_allclose(runs.crank_speed, speed + torque / 5 * time, rtol=1e-10)
-    np.testing.assert_allclose(runs.crank_angle, speed * time + torque / 10 * time**2, rtol=1e-10, atol=1e-10)
+    t = runs.time[:, None]
+    np.testing.assert_allclose(runs.crank_speed, speed + torque / 5 * t, rtol=1e-10)
+    np.testing.assert_allclose(runs.crank_angle, speed * t + torque / 10 * t**2, rtol=1e-10, atol=1e-10)
+    table = runs.columns()
+    assert list(table) == ["scenario", "time [s]", "crank_angle [rad]", "crank_speed [rad/s]"]
+    for k in range(3):
+        mine = table["scenario"] == k
+        np.testing.assert_array_equal(table["time [s]"][mine], runs.time)
+        np.testing.assert_array_equal(table["crank_speed [rad/s]"][mine], runs.crank_speed[:, k])
+
+
+def test_more_periods_than_may_be_are_an_error(press, monkeypatch):
+    """Told with the time and angle reached; a drive may turn a press further than its first speed says."""
+    monkeypatch.setattr(batch, "MOST_PERIODS", 2)
+    with pytest.raises(pp.SimulationError, match="period") as raised:
+        pp.simulate_batch(press, 1.0, speed=[30.0, 28.0], flywheel=WHEEL)
+    assert raised.value.crank_angle == pytest.approx(4 * math.pi)
+    assert raised.value.time == pytest.approx(4 * math.pi / 28.0, rel=0.05)
 
 
 # ----------------------------------------------------------------------------------------------------------------------- bad arguments
@@ -484,6 +523,7 @@ BAD = {
     "angles": ({"speed": 30.0, "angle": [0.0, 1.0]}, "angle is an array"),
     "one angle in an array": ({"angle": np.array([0.0])}, "angle is an array"),
     "angle": ({"angle": math.nan}, "angle is nan"),
+    "far": ({"angle": 1e12}, "turns away"),
     "NaN": ({"speed": [30.0, math.nan]}, "speed is"),
     "infinite": ({"speed": [30.0, math.inf]}, "speed is"),
     "a table": ({"speed": [[30.0, 31.0]]}, "speed is"),
@@ -538,6 +578,9 @@ def test_no_inertia_in_one(press):
     runs = pp.simulate_batch(press, 0.2, speed=30.0, flywheel=pp.drives.Flywheel(np.array([100.0, -100.0])))
     assert runs.errors[0] is None
     assert "inertia" in str(runs.errors[1])
+    assert runs.drive_work[1] == runs.load_work[1] == runs.lost[1] == runs.energy_error[1] == 0
+    assert not runs.crank_angle[:, 1].any()
+    assert not runs.crank_speed[:, 1].any()
 
 
 @pytest.mark.filterwarnings("ignore:.*of the weight of the slide")
