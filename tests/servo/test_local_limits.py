@@ -1,0 +1,114 @@
+"""Limits that are not convex, of motions of any shape: what they measure is that of plain mechanics, and tangents touch them from within."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support import texts
+
+import pinpress as pp
+from pinpress import servo
+from pinpress.kinematics.motion import motion_through_change_points
+from pinpress.servo import optimum
+from pinpress.servo.conic import local_limits
+from pinpress.servo.conic.bounds import motion_problem
+from pinpress.simulation.reduced_model import energies
+
+PATHS = {
+    "turn": servo.Turn(),
+    "turn backwards": servo.Turn(backwards=True),
+    "stop": servo.Stop(bottom=0.3),
+    "pulses": servo.Pulse(heights=(0.03, 0.01), back=0.005, dwell=0.2),
+}
+DRIVE = servo.ServoDrive(inertia=0.4, ratio=20.0, peak_torque=900.0, viscous=0.6)
+POWER, RATE, RATIO, DRAG = 25e3, 4e4, 20.0, 0.6 * 20.0**2
+
+
+def problem_of(path, drive=DRIVE):
+    asked = optimum._asked(texts.shipped("crank_slide"), drive, [], "heat", 3.0, PATHS[path], [], {}, 120)
+    return motion_problem(asked.coefficients, drive, asked.limits, {"heat": 1.0}, asked.time)
+
+
+def any_motion(problem, seed):
+    """(N + 1,) squares of speeds at the nodes, 0 at rests; those of a turn end as they begin."""
+    grid = problem.coefficients.grid
+    b = np.random.default_rng(seed).uniform(1.0, 30.0, len(grid.angle))
+    b[-1] = b[0] if grid.legs.closed else b[-1]
+    return np.where(grid.rest, 0.0, b)
+
+
+def plain(problem, b):
+    """Mean torques with the drag (N,), mean speeds and times of segments, from energies at the nodes."""
+    grid, press = problem.coefficients.grid, texts.shipped("crank_slide")
+    kinetic, potential = energies(press, motion_through_change_points(press, grid.angle, 1.0))
+    whole = (kinetic + 0.5 * 0.4 * RATIO**2) * b + potential
+    mean_speed = 0.5 * (np.sqrt(b[1:]) + np.sqrt(b[:-1]))
+    step = np.diff(grid.angle)
+    return np.diff(whole) / step + DRAG * np.sign(step) * mean_speed, mean_speed, np.abs(step) / mean_speed
+
+
+def follow(grid):
+    """Pairs of segments without a dwell between them: a turn goes on with its first one."""
+    count = len(grid.step)
+    pairs = [(k, k + 1) for k in range(count - 1) if grid.leg[k] == grid.leg[k + 1] or grid.legs.dwells[grid.leg[k]] == 0]
+    return np.array([*pairs, *([(count - 1, 0)] if grid.legs.closed else [])]).T
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_power_and_rate_of_torque_are_those_of_energies(path):
+    """A rate goes from the middle of a segment to that of the next, through a stop without a dwell too, but not over a dwell."""
+    problem = problem_of(path)
+    b, grid = any_motion(problem, 1), problem.coefficients.grid
+    torque, speed, times = plain(problem, b)
+    np.testing.assert_allclose(local_limits.powers(problem, b), np.abs(torque) * speed, rtol=1e-6, atol=1e-6 * POWER)
+    alone, (first, second) = torque - DRAG * grid.way * speed, follow(grid)
+    rates = np.abs(alone[second] - alone[first]) / (0.5 * (times[first] + times[second]))
+    np.testing.assert_allclose(local_limits.torque_rates(problem, b), [*rates, 0.0], rtol=1e-6, atol=1e-6 * rates.max())
+
+
+CURVES = {"concave curve": ((0, 60, 140), (900, 800, 100)), "convex curve": ((0, 40, 90, 140), (900, 400, 150, 90))}
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize("which", ["power", "rate", *CURVES])
+def test_tangents_touch_limits_from_within(path, which):
+    """At the motion at which they are drawn they leave what the limit leaves, with the drag of its speeds; of other motions they leave no
+    more than that."""
+    speeds, torques = CURVES.get(which, (None, None))
+    problem = problem_of(path, replace(DRIVE, curve_speed=speeds, curve_torque=torques))
+    limits = local_limits.LocalLimits(POWER if which == "power" else None, RATE if which == "rate" else None)
+    grid, base = problem.coefficients.grid, any_motion(problem, 2)
+    rows = local_limits.tangents(problem, base, limits)
+    drag = DRAG * grid.way * plain(problem, base)[1]
+    first, second = follow(grid)
+
+    def left(b):
+        """Of the torque driving and braking, or of its rise and fall."""
+        torque, speed, times = plain(problem, b)
+        torque = torque - DRAG * grid.way * speed
+        if which == "rate":
+            change, allowed = torque[second] - torque[first], RATE * 0.5 * (times[first] + times[second])
+        else:
+            change, allowed = torque + drag, POWER / speed if which == "power" else RATIO * np.interp(RATIO * speed, speeds, torques)
+        return allowed - change, allowed + change
+
+    def left_by_tangents(b):
+        return [np.min([row.most - row.quantity.at(b) for row in rows[sign::2]], axis=0) for sign in range(2)]
+
+    scale = np.abs(left(base)).max()
+    np.testing.assert_allclose(left_by_tangents(base), left(base), rtol=0, atol=1e-6 * scale)
+    for other in (np.where(grid.rest, 0.0, 1.02 * base), *(any_motion(problem, seed) for seed in range(3, 8))):
+        assert (np.array(left_by_tangents(other)) <= np.array(left(other)) + 1e-6 * scale).all()
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_first_tangents_are_drawn_where_the_power_is_kept(path):
+    """At the torques that the motion had: a segment that exceeds it is slowed down at both ends, and no other."""
+    problem = problem_of(path)
+    b = any_motion(problem, 2)
+    slower, over = local_limits._slower(problem, b, POWER), local_limits.powers(problem, b) / POWER
+    kept = np.r_[True, over <= 1] & np.r_[over <= 1, True]
+    assert 0 < kept.sum() < len(b)
+    np.testing.assert_array_equal(slower[kept], b[kept])
+    for end in (slower[:-1] / np.maximum(b[:-1], 1e-300), slower[1:] / np.maximum(b[1:], 1e-300)):
+        assert (end <= 1 / np.maximum(over, 1.0) + 1e-12).all()
