@@ -151,6 +151,9 @@ def test_process_forces_beside_the_axis_and_turns_of_the_load():
     alone = guide_contact(press, point, guide)
     for name, each in alone.force.items():
         assert each[0] == pytest.approx(beside.force[name][worst], rel=1e-6, abs=1e-3)
+    assert abs(beside.rotation[worst, 0]) > 1e-6  # a tilt and its mirror image have the same forces
+    np.testing.assert_allclose(alone.rotation[0], beside.rotation[worst], rtol=1e-5, atol=1e-12)
+    np.testing.assert_allclose(alone.shift[0], beside.shift[worst], rtol=1e-5, atol=1e-12)
     mirrored = guide_contact(press, plain, guide, offset=(0.0, -0.06, 0.0))
     for name in beside.force:
         other = name.replace("front", "?").replace("back", "front").replace("?", "back")

@@ -1,4 +1,4 @@
-"""Limits that are not convex, of motions of any shape: what they measure is that of plain mechanics, and tangents touch them from within."""
+"""Limits that are not convex, of motions of any shape: what they measure is plain mechanics, and tangents touch them from within."""
 
 from dataclasses import replace
 
@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from support import texts
 
-import pinpress as pp
 from pinpress import servo
 from pinpress.kinematics.motion import motion_through_change_points
 from pinpress.servo import optimum

@@ -475,7 +475,9 @@ def test_no_such_scenario(three, k):
         three[k]
 
 
-def test_a_press_without_a_slide(tmp_path):
+@pytest.fixture
+def disc(tmp_path):
+    """A disc of 3 kg m2 that turns about its centre of mass."""
     file = tmp_path / "disc.urdf"
     file.write_text(
         """<robot name="disc"><link name="frame"/><link name="disc"><inertial><mass value="40"/>
@@ -484,11 +486,13 @@ def test_a_press_without_a_slide(tmp_path):
         <transmission name="drive"><joint name="O"/></transmission></robot>""",
         encoding="utf-8",
     )
+    return pp.load(file)
+
+
+def test_a_press_without_a_slide(disc):
     torque, speed = np.array([-2.0, 0.0, 5.0]), np.array([4.0, 5.0, 6.0])
     began = time.perf_counter()
-    runs = pp.simulate_batch(
-        pp.load(file), 2.0, speed=speed, drive=pp.drives.ConstantTorque(torque), flywheel=pp.drives.Flywheel(2.0), points=21
-    )
+    runs = pp.simulate_batch(disc, 2.0, speed=speed, drive=pp.drives.ConstantTorque(torque), flywheel=pp.drives.Flywheel(2.0), points=21)
     assert 0 < runs.wall_time <= time.perf_counter() - began
     assert runs.slide_position is None
     t = runs.time[:, None]
@@ -626,6 +630,23 @@ class Curve:
 
     def motor_speed(self, speed):
         return speed
+
+
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_torque_that_is_constant_but_near_rest(disc, way):
+    """It brakes with 5 N m down to 1 rad/s, and below with less, in proportion: constant at all speeds before, it would stop the crank.
+
+    With 5 kg m2: w = w0 - t down to 1, then exp(-t)."""
+    drive = Curve(np.array([-100.0, -1.0, 1.0, 100.0]), np.array([5.0, 5.0, -5.0, -5.0]))
+    first = np.array([4.0, 5.0, 3.0])
+    runs = pp.simulate_batch(disc, 6.0, speed=way * first, drive=drive, flywheel=pp.drives.Flywheel(2.0), points=31)
+    assert runs.errors == (None, None, None)
+    t = runs.time[:, None]
+    late = np.maximum(t - (first - 1), 0.0)
+    early = t - late
+    np.testing.assert_allclose(way * runs.crank_speed, (first - early) * np.exp(-late), rtol=1e-8)
+    np.testing.assert_allclose(way * runs.crank_angle, first * early - early**2 / 2 + 1 - np.exp(-late), rtol=1e-8, atol=1e-9)
 
 
 @dataclasses.dataclass(frozen=True)

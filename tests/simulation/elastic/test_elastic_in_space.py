@@ -9,12 +9,15 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
 from support.texts import FILES, shipped
 
 import pinpress as pp
 from pinpress.elasticity import vibration
+from pinpress.kinematics.motion import poses
 from pinpress.pin_table.templates import template
 from pinpress.simulation.elastic import simulate_elastic
+from pinpress.simulation.elastic.in_space import bodies, turning
 from pinpress.simulation.elastic.in_space.assembly import press_in_space
 
 SPEED = 100 * pp.RPM
@@ -88,6 +91,67 @@ def test_start_without_vibration_in_space():
         left.append(max(np.abs(run.bearing_force[name][0] - rigid.bearing_force[name][0]).max() for name in rssp().bearings))
     assert np.log2(left[0] / left[1]) == pytest.approx(1.0, abs=0.05)
     assert left[1] < 2e-3 * max(np.abs(rigid.bearing_force[name]).max() for name in rssp().bearings)
+
+
+def test_displacements_are_what_stretches_the_springs():
+    """A point of a link moves by its centre of mass and its turn. What is between the two sides of a bearing is its force by its stiffness;
+    at the universal joint the springs of both its pins stand in a row. A cross without mass moves with its carrier."""
+    press, stiffness = rssp(), 1e8
+    drive, elastic = pp.drives.PrescribedSpeed(SPEED), springs(press, stiffness)
+    run = simulated(press, 1e-3, angle=0.7, speed=SPEED, drive=drive, elastic=elastic, points=3)
+    placed = poses(press, run.joint_position)
+
+    def moved(joint, point):
+        if not joint:
+            return np.zeros((3, 3))
+        arm = placed.points(joint, point) - placed.points(joint, press.model.inertias[joint].lever)
+        return run.displacement[:, joint - 1, :3] + np.cross(run.displacement[:, joint - 1, 3:], arm)
+
+    (loop,), size = press.loops, max(np.abs(each).max() for each in run.bearing_force.values())
+    within = {"rtol": 0, "atol": 5e-4 * size}
+    stretched = moved(loop.joint2, loop.point2) - moved(loop.joint1, loop.point1)
+    np.testing.assert_allclose(-stiffness * stretched, run.bearing_force[loop.name], **within)
+    for name, springs_in_a_row in (("O", 1), ("B", 2)):
+        joint = press.model.getJointId(name)
+        carrier, place = press.model.parents[joint], press.model.jointPlacements[joint].translation
+        stretched = moved(joint, np.zeros(3)) - moved(carrier, place)
+        np.testing.assert_allclose(-stiffness * stretched / springs_in_a_row, run.bearing_force[name], **within)
+    cross = press.model.getJointId("B_cross")
+    np.testing.assert_allclose(run.displacement[:, cross - 1, :3], moved(1, press.model.jointPlacements[cross].translation), atol=1e-12)
+    np.testing.assert_array_equal(run.displacement[:, cross - 1, 3:], run.displacement[:, 0, 3:])
+
+
+def test_turns_and_their_derivatives_far_from_small():
+    """Gibbs's vector w is twice the tangent of half the angle along the axis, by SciPy's rotations; derivatives by central differences of
+    them along a line, and of each other, for turns of more than 90 degrees."""
+    random, step = np.random.default_rng(0), 1e-4
+    w, v = random.uniform(-2, 2, (2, 1, 40, 3))
+
+    def matrices(vectors):
+        halves = np.concatenate([0.5 * vectors, np.ones((*vectors.shape[:-1], 1))], axis=-1)
+        return Rotation.from_quat(halves.reshape(-1, 4)).as_matrix().reshape(*vectors.shape[:-1], 3, 3)
+
+    def small(vectors):
+        """(1, B, matrices, 3, 3): see `turning.SMALL`."""
+        return turning._small_turn(vectors, v, True).swapaxes(2, 3)
+
+    found, along = small(w), [matrices(w + share * step * v) for share in (-1, 0, 1)]
+    np.testing.assert_allclose(found[:, :, 0], along[1], atol=1e-14)
+    np.testing.assert_allclose(found[:, :, 13], (along[2] - along[0]) / (2 * step), atol=1e-6)
+    np.testing.assert_allclose(found[:, :, 17], (along[2] - 2 * along[1] + along[0]) / step**2, atol=1e-5)
+    for d in range(3):
+        more, less = (small(w + sign * step * np.eye(3)[d]) for sign in (1, -1))
+        slopes = (more - less) / (2 * step)
+        np.testing.assert_allclose(found[:, :, 1 + d], slopes[:, :, 0], atol=1e-6)
+        np.testing.assert_allclose(found[:, :, 4 + 3 * d : 7 + 3 * d], slopes[:, :, 1:4], atol=1e-6)
+        np.testing.assert_allclose(found[:, :, 14 + d], slopes[:, :, 13], atol=1e-6)
+        np.testing.assert_allclose(found[:, :, 18 + d], slopes[:, :, 17], atol=1e-5)
+
+
+def test_vectors_of_turns_are_those_of_rotations():
+    vectors = np.random.default_rng(1).normal(size=(50, 3)) * np.geomspace(1e-9, 1.0, 50)[:, None]
+    np.testing.assert_allclose(bodies._turn_of(Rotation.from_rotvec(vectors).as_matrix()), vectors, rtol=1e-7, atol=1e-15)
+    np.testing.assert_array_equal(bodies._turn_of(np.eye(3)[None]), np.zeros((1, 3)))
 
 
 @pytest.mark.exhaustive
