@@ -382,6 +382,7 @@ def test_doubts_are_those_that_are_known():
     plain = identifiability(press_of("zxn2_3000b"))
     assert (plain.rank, plain.columns_in_torque, plain.shaking_rank, plain.columns_in_shaking) == (10, 15, 14, 18)
     assert "these runs" not in str(plain)
+    assert (plain.learnt, plain.shaking_learnt, len(plain.parameters)) == (0.0, 0.0, 0)
 
 
 def test_the_spline_follows_the_angle_and_finds_its_noise():

@@ -146,6 +146,16 @@ def test_what_cannot_be_used_is_refused(column, change, words):
         changed(column, change)
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_press_that_turns_backwards_may_be_sampled_as_coarsely(way):
+    """Every 6 degrees; a jump of 30 more is refused in either direction."""
+    angle = way * np.radians(6.0) * np.arange(400)
+    run = MeasuredRun(TIME, angle, way * TORQUE)
+    assert run.strokes == pytest.approx(400 * 6 / 360, rel=0.01)
+    with pytest.raises(pp.PinpressError, match=f"jumps by {way * 36} deg after 1 s"):
+        MeasuredRun(TIME, angle + way * np.radians(30.0) * (TIME > 1.0), way * TORQUE)
+
+
 @pytest.mark.parametrize(
     ("column", "change", "words"),
     [

