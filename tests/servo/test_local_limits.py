@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from support import texts
 
+import pinpress as pp
 from pinpress import servo
 from pinpress.kinematics.motion import motion_through_change_points
 from pinpress.servo import optimum
@@ -65,7 +66,7 @@ def test_power_and_rate_of_torque_are_those_of_energies(path):
     np.testing.assert_allclose(local_limits.torque_rates(problem, b), [*rates, 0.0], rtol=1e-6, atol=1e-6 * rates.max())
 
 
-CURVES = {"concave curve": ((0, 60, 140), (900, 800, 100)), "convex curve": ((0, 40, 90, 140), (900, 400, 150, 90))}
+CURVES = {"concave curve": ((0, 60, 100, 140), (900, 900, 700, 100)), "convex curve": ((0, 40, 90, 140), (900, 400, 150, 90))}
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -111,3 +112,26 @@ def test_first_tangents_are_drawn_where_the_power_is_kept(path):
     np.testing.assert_array_equal(slower[kept], b[kept])
     for end in (slower[:-1] / np.maximum(b[:-1], 1e-300), slower[1:] / np.maximum(b[1:], 1e-300)):
         assert (end <= 1 / np.maximum(over, 1.0) + 1e-12).all()
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_nodes_stand_where_forces_begin_and_where_the_slide_turns_back(path):
+    """On every leg, in its direction, whichever that is; a turn back at a height is an end of a leg anyhow."""
+    press, blank = texts.shipped("crank_slide"), pp.loads.Blanking(1e5, 0.05, 0.02)
+    grid = optimum._asked(press, DRIVE, [blank], "heat", 3.0, PATHS[path], [], {}, 120).coefficients.grid
+    lowest = pp.dead_centres(press).bottom_position
+
+    def height(angle):
+        return np.abs(pp.servo_cycle(press, np.atleast_1d(angle), speed=1.0).slide_position - lowest)
+
+    for leg in range(grid.leg.max() + 1):
+        own = np.flatnonzero(grid.leg == leg)
+        nodes = grid.angle[own[0] : own[-1] + 2]
+        way = np.sign(nodes[-1] - nodes[0])
+        assert (way * np.diff(nodes) > 0).all()
+        heights, between = height(nodes), height(np.linspace(nodes[0], nodes[-1], 2001))
+        for wanted in (0.05, 0.02):
+            crossed = np.count_nonzero(np.diff(np.sign(between - wanted)))
+            assert np.count_nonzero(np.abs(heights - wanted) < 1e-9) >= crossed
+        turns = np.count_nonzero(np.diff(np.sign(np.diff(between))))
+        assert np.count_nonzero(heights < 1e-9) >= turns

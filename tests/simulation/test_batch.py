@@ -632,6 +632,30 @@ class Curve:
         return speed
 
 
+@dataclasses.dataclass(frozen=True)
+class Burst(Curve):
+    """A rotor that does not stand more than 62 rad/s, which is more than twice the speeds at which a run tries it first."""
+
+    def torque(self, speed, angle=0.0, time=0.0, state=()):
+        if np.any(speed > 62.0):
+            raise ValueError("the rotor bursts")
+        return np.interp(speed, self.speeds, self.torques)
+
+    motor_torque = torque
+
+
+def test_a_law_that_raises_is_told_with_where(press):
+    """At the start of the period in which it raises; what it raised is the cause."""
+    drive = Burst(np.array([0.0, 100.0]), np.array([2500.0, 2500.0]))
+    with pytest.raises(pp.SimulationError, match=r"Burst.*the rotor bursts") as raised:
+        pp.simulate_batch(press, 4.0, speed=[29.0, 30.0], drive=drive, flywheel=WHEEL)
+    assert isinstance(raised.value.__cause__, ValueError)
+    turns = raised.value.crank_angle / (2 * math.pi)
+    assert turns == pytest.approx(round(turns))
+    assert turns >= 1
+    assert 2 * math.pi * turns / 62 < raised.value.time < 2 * math.pi * turns / 29
+
+
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_torque_that_is_constant_but_near_rest(disc, way):

@@ -61,8 +61,8 @@ def curve_tangents(problem: MotionProblem, b: Array) -> list[Bounded]:
     drag = 0.5 * drive.crank_drag * problem.coefficients.grid.way * total
     found = []
     for torque, fall in _active_lines(drive, 0.5 * total):
-        with np.errstate(divide="ignore"):  # at a rest b is no variable
-            slopes = [np.where(each > 0, -0.25 * fall / each, 0.0) for each in (speed[:-1], speed[1:])]
+        # at a rest b is no variable
+        slopes = [np.divide(-0.25 * fall, each, out=np.zeros_like(each), where=each > 0) for each in (speed[:-1], speed[1:])]
         level = torque - 0.5 * fall * total - slopes[0] * b[:-1] - slopes[1] * b[1:]
         for sign in (1.0, -1.0):
             quantity = Affine(sign * mean.before - slopes[0], sign * mean.after - slopes[1], sign * (mean.fixed + drag), mean.segments)
