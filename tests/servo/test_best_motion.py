@@ -43,8 +43,9 @@ COINING = [pp.loads.ForceStroke([0.002, 0.001, 0.0005, 0.0], [0.0, 0.30e6, 0.70e
 # ------------------------------------------------------------------------------------------------------------------------ closed forms
 
 
-def test_constant_inertia_from_rest_to_rest():
-    """Least heat 12 J² L² / T³, by a parabola of the speed over time; the error falls with the square of the number of segments."""
+def test_constant_inertia_from_rest_to_rest(capfd):
+    """Least heat 12 J² L² / T³, by a parabola of the speed over time; the error falls with the square of the number of segments. Nothing is
+    printed."""
     press, drive = weightless("crank_slide"), servo.ServoDrive(inertia=HEAVY)
     exact = 12.0 * HEAVY**2 * FULL**2 / 2.0**3
     coarse, fine = (servo.best_motion(press, drive, time=2.0, path=servo.Stop(), points=n) for n in (120, 480))
@@ -54,6 +55,7 @@ def test_constant_inertia_from_rest_to_rest():
     assert 1.8 < order < 2.3
     x = fine.time / 2.0
     np.testing.assert_allclose(fine.speed, 6.0 * FULL / 2.0 * x * (1.0 - x), atol=2e-3 * FULL)
+    assert capfd.readouterr() == ("", "")
 
 
 def test_constant_inertia_in_least_time_and_with_least_peak():

@@ -185,8 +185,7 @@ class _Pairs:
         n = len(grid.step)
         first = np.arange(n if grid.legs.closed else n - 1)
         second = (first + 1) % n
-        dwells = grid.legs.dwells[grid.leg[first]] if not grid.legs.closed else np.zeros(n)
-        kept = (grid.leg[first] == grid.leg[second]) | (dwells == 0)
+        kept = (grid.leg[first] == grid.leg[second]) | (grid.legs.dwells[grid.leg[first]] == 0)
         self.first, self.second = first[kept], second[kept]
 
 
