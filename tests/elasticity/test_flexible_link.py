@@ -303,6 +303,23 @@ def test_refused(link, message):
         natural_frequencies(press, Elastic(stiffness_of(press), flexible_links=[link()]), angle=[0.0])
 
 
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_beam_is_no_link_whose_centre_of_mass_lies_beside_its_line(side):
+    """By more than a thousandth of its length, on either side."""
+    press = shipped(JF75G)
+    body = next(joint for joint in range(1, press.model.njoints) if press.link_of(joint) == "main_rod")
+
+    def with_centre(aside):
+        inertias = [each.copy() for each in press.model.inertias]
+        along = inertias[body].lever / np.linalg.norm(inertias[body].lever)
+        inertias[body].lever = inertias[body].lever + side * aside * LENGTH * np.cross(along, (0.0, 1.0, 0.0))
+        return flexible_beam(press.with_inertias(inertias), "main_rod", ("P2", "P4"), area=AREA, second_moment=BENDING)
+
+    assert with_centre(0.5e-3).link == "main_rod"
+    with pytest.raises(pp.PinpressError, match=r"its centre of mass lies -?0\.6 mm beside its line"):
+        with_centre(2e-3)
+
+
 def test_refused_beside_others():
     press, rod = shipped(JF75G), main_rod()
     for more, message in (

@@ -81,6 +81,24 @@ def test_least_time_below_a_curve_that_falls_with_the_speed():
     assert np.abs(quick.motion.speed).max() > 2.0
 
 
+def test_least_time_with_a_drag_that_takes_torque_and_helps_to_brake():
+    """J w' = T - c w, then J w' = -T - c w, in closed forms over the time; proved, because the time wants c to be the speed."""
+    most, by_speed = 4.0 * HEAVY, 0.4 * HEAVY
+    rate, fastest = by_speed / HEAVY, most / by_speed
+
+    def way(first):
+        speed = fastest * (1 - np.exp(-rate * first))
+        second = np.log(1 + speed / fastest) / rate
+        up, down = fastest * first - speed / rate, (speed + fastest) * (1 - np.exp(-rate * second)) / rate - fastest * second
+        return up + down, first + second
+
+    first = optimize.brentq(lambda time: way(time)[0] - FULL, 0.1, 10.0)
+    drive = servo.ServoDrive(inertia=HEAVY, peak_torque=most, viscous=by_speed)
+    found = servo.best_motion(weightless("crank_slide"), drive, minimise="time", path=servo.Stop(), points=480)
+    assert found.value == pytest.approx(way(first)[1], rel=1e-3)
+    assert found.bound == pytest.approx(way(first)[1], rel=1e-4)  # in the mean from node to node
+
+
 def test_a_curve_that_bends_upwards_is_kept_and_said_to_be_bounded_only():
     """A drive with the least torque of the curve everywhere has more heat, one with the curve's hull less."""
     speed, torque = [0.0, 84.0, 126.0, 209.0], [2080.0, 2080.0, 1440.0, 1040.0]
