@@ -26,6 +26,7 @@ from ..drives.protocol import Drive
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.motion import doubt_speeds, motion_through_change_points
+from ..linkage.assembly import refuse_far
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
@@ -167,6 +168,7 @@ def simulate_batch(
     if not _is_number(angle):
         raise PinpressError("angle is an array: scenarios start from the same crank angle; give one number [rad]")
     speeds, start = _speeds(speed, (drive, flywheel, *loads)), number("angle", angle)
+    refuse_far("angle", np.array(start), press.driver_coordinates)
     drive, loads = asked_drive(drive, float(np.abs(speeds).max())), caller_laws.asked_loads(loads)
     if isinstance(drive, PrescribedSpeed):
         raise PinpressError("a drive that prescribes the speed leaves nothing to simulate in scenarios: use simulate")
