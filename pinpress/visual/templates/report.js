@@ -283,7 +283,7 @@ function figures(parent, { figures }) {  // in rows of nearly equal numbers, eac
     return one;
   });
   const arrange = () => {
-    const most = Math.max(1, Math.floor(box.clientWidth / 138)), rows = Math.ceil(boxes.length / most);
+    const most = Math.max(1, Math.floor(box.clientWidth / 150)), rows = Math.ceil(boxes.length / most);
     for (let row = 0, i = 0; row < rows; row++)
       for (let end = Math.ceil((row + 1) * boxes.length / rows), count = end - i; i < end; i++) boxes[i].style.flex = `1 1 calc(${100 / count}% - 10px)`;
   };
