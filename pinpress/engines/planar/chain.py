@@ -130,7 +130,8 @@ class Chain:
     @cached_property
     def piece(self) -> int:
         """Number of states that are worked through at a time: fewer in long chains, and where idle forces of levers take memory, too."""
-        return min(PIECE // (1 + len(self.levers)), max(SMALLEST_PIECE, IN_CACHE // max(1, len(self.equations))))
+        most = max(1, PIECE // (1 + len(self.levers)))
+        return min(most, max(SMALLEST_PIECE, IN_CACHE // max(1, len(self.equations))))
 
     @cached_property
     def outer(self) -> tuple[int | None, ...]:
