@@ -3,7 +3,8 @@
     python docs/manual.py             # builds the site, and writes out/manual.pdf
     python docs/manual.py PDF SITE    # of a site that is built
 
-Chromium prints it, with `pip install -e '.[docs,video]'`, in some minutes. The changelog is looked things up in, on the site.
+Chromium prints it, with `pip install -e '.[docs,video]'`, in some minutes. The changelog is left out: in it readers look things up, on the
+site.
 """
 
 import os
