@@ -147,7 +147,7 @@ def _set_up(press: Linkage, options: argparse.Namespace) -> list[tuple[Linkage, 
         refuse_without_table(options.file, f"--setting {words}")
         own = table_parameters(words.split(","))
         others = [spec for spec in options.parameters if spec.partition("=")[0] not in own]
-        drawn_so = drawn(options.file, [*others, *words.split(",")], "--setting ").press()
+        drawn_so = drawn(options.file, [*others, *words.split(",")], "--setting ").press(slide=options.slide)
         found.append((with_zero(drawn_so, options.zero), words.replace(",", ", ")))
     return found or [(press, "")]
 

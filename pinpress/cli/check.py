@@ -43,16 +43,16 @@ def run(options: argparse.Namespace) -> int:
         PinpressError: There is no such file, driver or slide.
     """
     if names_table(options):
-        result = _of_table(options.file, options.parameters)
+        result = _of_table(options.file, options.parameters, options.slide)
     else:
         result = check(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open)
     print(result)
     return 1 if result.errors else 0
 
 
-def _of_table(file: str, parameters: Sequence[str]) -> CheckResult:
+def _of_table(file: str, parameters: Sequence[str], slide: str | None) -> CheckResult:
     try:
-        return drawn(file, parameters).check()
+        return drawn(file, parameters).check(slide)
     except PinTableError as error:
         if error.line is None:
             raise  # there is no such file, it is no table at all, or a value is none

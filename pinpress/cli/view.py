@@ -61,7 +61,9 @@ def run(options: argparse.Namespace) -> int:
     def opening() -> Opened:
         parameters = table_parameters(options.parameters) if table else {}
         with naming_values(parameters):
-            source = opened(options.file, lambda _: load_press(options), parameters, lambda press: with_zero(press, options.zero))
+            source = opened(
+                options.file, lambda _: load_press(options), parameters, options.slide, lambda press: with_zero(press, options.zero)
+            )
         press = source.press
         found = default_speed(press) if speed is None else speed.of(press.driver_coordinates[0])
         acting = forces(options, press)

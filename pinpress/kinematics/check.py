@@ -222,7 +222,7 @@ def _put_together(
         for k, each, joints in _in_order(press)
     )
     engine, data = None if errors else press.engine().name, main_data(press, moves=not errors)
-    return [*findings, *_turned_back(press, data)], Facts(
+    return [*findings, *_no_slide(press, description), *_turned_back(press, data)], Facts(
         press.drivers,
         press.slide,
         press.joints,
@@ -247,6 +247,16 @@ def _places(press: Linkage, description: reader.Urdf) -> Iterator[Place]:
         joint = joints[name]
         sliding = "guide" if press.model.parents[press.joints.index(name) + 1] == 0 else "slot"
         yield Place(name, "pin" if press.axes[press.joints.index(name)].turns else sliding, (joint.parent, joint.child))
+
+
+def _no_slide(press: Linkage, description: reader.Urdf) -> Iterator[Finding]:
+    """A note of several links that the frame guides, none of which is taken for the slide."""
+    guided = [each.between[1] for each in _places(press, description) if each.type == "guide"]
+    if press.slide is not None or len(guided) < 2:
+        return
+    problem = f"the frame guides {', '.join(guided)}, and none is called slide: stroke and dead centres are of none"
+    remedy = f"call the one that works slide, or name it: load(..., slide={guided[0]!r}), on the command line --slide {guided[0]}"
+    yield Finding("note", press.document.called("robot", press.name), None, problem, remedy)
 
 
 def _turned_back(press: Linkage, data: MainData) -> Iterator[Finding]:

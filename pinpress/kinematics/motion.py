@@ -28,7 +28,7 @@ from ..engines.planar.chain import Chain, ChainClosure, ChainStates, chain_of
 from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.engine import SpatialEngine
 from ..linkage.assembly import MANY_PERIODS, closed, followed_from, refuse_far
-from ..linkage.linkage import Linkage, SlideGuide
+from ..linkage.linkage import NAME_A_SLIDE, Linkage, SlideGuide
 from ..linkage.memo import per_linkage
 
 ENGINES = (PlanarEngine, SpatialEngine, PinocchioEngine)
@@ -220,7 +220,7 @@ class Motion(Tabular):
 
     def _slide(self) -> SlideGuide:
         if self._guide is None:
-            raise PinpressError(f"{self.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
+            raise PinpressError(f"{self.linkage} has no slide: {NAME_A_SLIDE}")
         return self._guide
 
 

@@ -30,6 +30,7 @@ from .urdf.document import Document
 if TYPE_CHECKING:
     from ..engines.pinocchio.forward_dynamics import ForwardDynamics
 
+NAME_A_SLIDE = "name a link that the frame guides: load(..., slide=...) or build(..., slide=...), on the command line --slide"
 UPRIGHT = 0.7  # cosine between the slide's axis and the vertical above which it goes up and down
 SHOWN = np.pi / 3  # crank angle at which a linkage is drawn in notebooks: a drawn pose is often a dead centre [rad]
 EVEN = 1e-9  # unbalance of a shaft that is rounding, as a share of its moment of inertia, or of its mass times the linkage's size
@@ -271,7 +272,7 @@ class Linkage(Frozen):
             PinpressError: the linkage has no slide.
         """
         if self.slide is None:
-            raise PinpressError(f"{self.name} has no slide: name a link that the frame guides, load(..., slide=...)")
+            raise PinpressError(f"{self.name} has no slide: {NAME_A_SLIDE}")
         frame = self.model.frames[self.model.getFrameId(self.slide, pin.BODY)]
         guide = frame.parentJoint - 1
         place = self.model.jointPlacements[frame.parentJoint]  # in the world, as the frame carries the guide

@@ -21,6 +21,8 @@ from .linkage import Linkage
 from .urdf import reader
 from .urdf.document import Document, check_command, read, refuse_errors
 
+MANY = 12  # names that a message lists
+
 
 def presses() -> tuple[str, ...]:
     """Names of the presses that come with pinpress; `load` takes them in place of a path."""
@@ -221,13 +223,12 @@ def _drivers(description: reader.Urdf, driver: str | Sequence[str] | None, calle
     if len(set(given)) < len(given):
         raise PinpressError(f"driver names a joint twice: {', '.join(given)}")
     if not given:
-        raise UrdfError(
-            description.file,
-            called("robot", description.name),
-            None,
-            "no driver",
-            'add <transmission name="drive"><joint name="..."/></transmission>, or load(..., driver=...)',
+        several = f"one of {', '.join(moving[:MANY])}{' and others' if len(moving) > MANY else ''}" if moving else "a joint that moves"
+        remedy = (
+            f'name what drives, {several}: in a URDF by <transmission name="drive"><joint name="..."/></transmission>, else by'
+            " load(..., driver=...), on the command line --driver"
         )
+        raise UrdfError(description.file, called("robot", description.name), None, "no driver", remedy)
     return given
 
 

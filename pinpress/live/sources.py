@@ -111,16 +111,17 @@ class TableSource(Source):
     _table: Entry
     _numbers: tuple[TableNumber, ...]
     _given: Mapping[tuple[str, ...], float]
+    _slide: str | None
     _finished: Callable[[Linkage], Linkage]
 
     @staticmethod
-    def of(path: str, parameters: Mapping[str, str], finished: Callable[[Linkage], Linkage]) -> Source:
-        """A table with these values of its parameters; ``finished``: what is done to each press that is made of it. One that is laid over
-        another one, where most numbers stand, is changed by its lengths and pivots."""
+    def of(path: str, parameters: Mapping[str, str], slide: str | None, finished: Callable[[Linkage], Linkage]) -> Source:
+        """A table with these values of its parameters and this slide; ``finished``: what is done to each press that is made of it. One that
+        is laid over another one, where most numbers stand, is changed by its lengths and pivots."""
         found = draft(path, **parameters)
         table = found._table
         text = files.read(path, LARGEST_FILE).decode("utf-8-sig")
-        press = finished(found.press())
+        press = finished(found.press(slide=slide))
         read = tuple(dict.fromkeys([path, *filter(os.path.exists, _files_of(table))]))  # parameters that are given are in none
         if len(read) > 1:
             return LinkageSource.of(press, *read)
@@ -131,11 +132,11 @@ class TableSource(Source):
         shown = tuple(_shown(each, values[each.path], found.unit, press.size / unit) for each in numbers)
         own = Path(path)
         suggested = f"{own.stem}_changed{own.suffix}"
-        return TableSource(press, shown, read, own.resolve().parent, suggested, TABLES, text, table, numbers, values, finished)
+        return TableSource(press, shown, read, own.resolve().parent, suggested, TABLES, text, table, numbers, values, slide, finished)
 
     def changed(self, values: Sequence[float]) -> Linkage:
         others = {path: value for path, value in self._by_path(values).items() if value != self._given[path]}
-        return self._finished(drawn_from(with_numbers(self._table, others)).press()) if others else self.press
+        return self._finished(drawn_from(with_numbers(self._table, others)).press(slide=self._slide)) if others else self.press
 
     def made_up(self, values: Sequence[float]) -> Collection[str]:
         return ()
@@ -231,6 +232,7 @@ def opened(
     path: str,
     load: Callable[[str], Linkage],
     parameters: Mapping[str, str],
+    slide: str | None = None,
     finished: Callable[[Linkage], Linkage] = lambda press: press,
 ) -> Source:
     """The press of a file, or a shipped one.
@@ -239,13 +241,14 @@ def opened(
         path: of the file, or the name of a shipped press.
         load: what loads a file that is no pin table.
         parameters: values of parameters of a pin table.
+        slide: of a pin table, as for `build`.
         finished: what is done to each press that is made of a pin table.
 
     Raises:
         PinpressError: what `load` raises, or `build` of a table.
     """
     if path.lower().endswith(TABLES):
-        return TableSource.of(path, parameters, finished)
+        return TableSource.of(path, parameters, slide, finished)
     press = load(path)
     shipped = path in presses() and not os.path.exists(path)
     return LinkageSource.of(press) if shipped else LinkageSource.of(press, path)

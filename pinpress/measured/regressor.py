@@ -29,7 +29,7 @@ from ..engines.planar.engine import PlanarEngine
 from ..engines.spatial.bodies import accelerations, build_bodies, cross, motion_axes, placements, turned_back, velocities
 from ..kinematics.motion import Motion, moved
 from ..kinematics.slide_path import dead_centres
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import NAME_A_SLIDE, Linkage
 from ..loads.link import Friction, Load, PointForce
 
 INERTIAL: tuple[str, ...] = (
@@ -339,7 +339,7 @@ def refuse_losses(press: Linkage, friction: Sequence[str], cylinder: bool) -> No
     if len(set(friction)) < len(friction):
         raise PinpressError(f"friction is {shown(friction)}: name each kind once")
     if press.slide is None and (cylinder or {"slide_guide", "gibs"} & set(friction)):
-        raise PinpressError(f"{press.name} has no slide: leave out its guide, gibs and cylinder, or name a slide, load(..., slide=...)")
+        raise PinpressError(f"{press.name} has no slide: leave out its guide, gibs and cylinder, or {NAME_A_SLIDE}")
 
 
 def loss_columns(

@@ -43,7 +43,7 @@ from ..common.results import Tabular
 from ..common.tables import Column
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
 from ..kinematics.motion import moved
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import NAME_A_SLIDE, Linkage
 from ..loads.link import Friction, PointForce
 from .estimates.prior import ZERO
 from .identification import IdentifiedPress, checked_inertia
@@ -261,7 +261,7 @@ def force_sensor(
         raise PinpressError("friction is given beside an identified press, which has its own: leave it out")
     equations = inertial_equations(press)
     if press.slide is None:
-        raise PinpressError(f"{press.name} has no slide, so that no process force acts: name it, load(..., slide=...)")
+        raise PinpressError(f"{press.name} has no slide, so that no process force acts: {NAME_A_SLIDE}")
     if press.period_turns is None:
         raise PinpressError(f"the crank of {press.name} does not turn fully: a sensor of forces needs whole strokes")
     coefficients = _coefficients_of(press, equations)

@@ -5,6 +5,7 @@ URDFs.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -156,7 +157,8 @@ def _strokes(name: str, parameter: str, of_stroke: Callable[[float], float]) -> 
     """A shipped press, and its conditions with the strokes that a parameter of its table sets."""
     conditions = []
     for stroke in STROKES:
-        press = build(name, gravity=DOWN, **{parameter: of_stroke(stroke)})
+        values: dict[str, Any] = {parameter: of_stroke(stroke)}
+        press = build(name, gravity=DOWN, **values)
         conditions.append(OperatingCondition(cycle(press, SPEED, points=POINTS), press=press, name=f"stroke of {stroke:g} mm"))
     return load(name, gravity=DOWN), conditions
 

@@ -82,20 +82,25 @@ class DrawnPress(Tabular):
     def _repr_html_(self) -> str:
         return f"<div>{self.sketch}{super()._repr_html_()}</div>"
 
-    def press(self, gravity: Sequence[float] = (0.0, 0.0, -9.81)) -> Linkage:
+    def press(self, gravity: Sequence[float] = (0.0, 0.0, -9.81), *, slide: str | None = None) -> Linkage:
         """The press, loaded from its URDF.
 
         Args:
             gravity: in world axes [m/s2].
+            slide: as for `load`.
 
         Raises:
             PinpressError: what `load` raises.
         """
-        return load_text(self._text(), self._file_as_urdf, gravity=gravity, command=self._check_command)
+        return load_text(self._text(), self._file_as_urdf, slide, gravity, command=self._check_command)
 
-    def check(self) -> CheckResult:
-        """How the press moves, and everything that is wrong with it, odd in it or worth knowing, as `pinpress.check` finds it."""
-        found = check_document(self.file, Document(self._file_as_urdf, self._text()))
+    def check(self, slide: str | None = None) -> CheckResult:
+        """How the press moves, and everything that is wrong with it, odd in it or worth knowing, as `pinpress.check` finds it.
+
+        Args:
+            slide: as for `load`.
+        """
+        found = check_document(self.file, Document(self._file_as_urdf, self._text()), slide=slide)
         findings = (replace(finding, line=None) for finding in found.findings)  # lines are of a URDF that nobody has seen
         return replace(found, findings=Records(Finding, findings))
 
@@ -197,7 +202,14 @@ class DrawnPress(Tabular):
                 yield f"  {link}: {words}"
 
 
-def build(table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[float] = (0.0, 0.0, -9.81), **values: Any) -> Linkage:
+def build(
+    table: str | os.PathLike[str] | None = None,
+    /,
+    *,
+    gravity: Sequence[float] = (0.0, 0.0, -9.81),
+    slide: str | None = None,
+    **values: Any,
+) -> Linkage:
     """Make a press from a pin table: pins by coordinates or lengths, links by their pins with masses, sections or estimates.
 
     In the picture x points right and z up; the drawn pose is crank angle 0. The page "A press from a table of
@@ -206,6 +218,7 @@ def build(table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[f
     Args:
         table: a YAML file, or the name of a shipped press, as in ``build("eccentric_blocks", r=10)``; None where ``values`` are the table.
         gravity: in world axes [m/s2].
+        slide: link whose motion and process force are meant, as for `load`.
         values: with a file, values of its ``parameters``, as in ``build("press.yaml", r=150)``. Without a file, the table itself, as in
             ``build(units="mm", frame="A D", pins={...}, links={...}, drive="A")``.
 
@@ -219,7 +232,7 @@ def build(table: str | os.PathLike[str] | None = None, /, *, gravity: Sequence[f
     Warns:
         PinpressWarning: what `load` warns of, and numbers that are hardly meant: another unit, a centre of mass far outside of its link.
     """
-    return draft(table, **values).press(gravity)
+    return draft(table, **values).press(gravity, slide=slide)
 
 
 def draft(table: str | os.PathLike[str] | None = None, /, **values: Any) -> DrawnPress:

@@ -73,7 +73,7 @@ def slide(motion: Motion, *, ax: Iterable[Axes] | None = None) -> Figure:
     """
     shown = [*charts.slide(motion)]
     if not shown:
-        raise PinpressError(f"{motion.linkage} has no slide: name a link that the frame guides, load(..., slide=...)")
+        _ = motion.slide_position  # raises, as there is no slide
     speed = charts.crank_speed(motion)
     return _stacked(motion, shown if speed is None else [*shown, speed], ax, 4.2)
 

@@ -43,6 +43,23 @@ def test_from_a_template_to_forces(folder, capsys):
     assert figures(capsys.readouterr().out) == figures(outputs[1])
 
 
+def test_the_slide_of_a_table_is_named(folder, capsys):
+    assert main(["new", "press.yaml", "--template", "crank-slide"]) == 0
+    text = (folder / "press.yaml").read_text(encoding="utf-8").replace("slide:", "ram:")
+    text = text.replace("links:", "  V: {P: 450, x: 0, side: down}\nlinks:")
+    more = "  arm: {pins: P V, mass: 9}\n  holder: {pins: V, guide: up, mass: 40}\ndrive:"
+    (folder / "press.yaml").write_text(text.replace("drive:", more), encoding="utf-8")
+    printed = {}
+    for name in ("ram", "holder"):
+        for words in (["check", "press.yaml"], ["analyse", "press.yaml", "--speed", "60", "--points", "60"]):
+            capsys.readouterr()
+            assert main([*words, "--slide", name]) == 0
+            printed[name, words[0]] = capsys.readouterr().out
+        assert f"Slide ({name})" in printed[name, "analyse"]
+    assert main(["check", "press.yaml"]) == 0
+    assert "on the command line --slide" in capsys.readouterr().out
+
+
 @pytest.mark.exhaustive
 def test_every_command_takes_other_values_of_a_tables_parameters(folder, capsys):
     assert main(["new", "press.yaml", "--template", "knuckle"]) == 0
@@ -96,7 +113,7 @@ def test_every_template_builds(folder, capsys, name):
         (["build", "there.yaml", "--set", "r=95"], "build takes values behind the table: pinpress build press.yaml r=150"),
         (["check", "there.yaml", "--zero", "tdc"], "pinpress analyse counts from them"),
         (["build", "there.yaml", "--out", "mine.urdf"], "no pin table made it"),
-        (["analyse", "there.yaml", "--speed", "60", "--driver", "O"], "leave out --driver"),
+        (["analyse", "there.yaml", "--speed", "60", "--driver", "O"], "leave out --driver and --allow-open"),
         (["build", "there.yaml", "l=20"], "drawn in there.svg"),
     ],
 )
@@ -145,4 +162,4 @@ def test_tables_are_checked(folder, capsys):
     line = 1 + next(k for k, line in enumerate(text.splitlines()) if line.startswith("drive"))
     assert f"press.yaml:{line}: error: drive: " in said
     assert main(["check", "missing.yaml"]) == 2
-    assert main(["check", "press.yaml", "--slide", "slide"]) == 2
+    assert main(["check", "press.yaml", "--driver", "O"]) == 2

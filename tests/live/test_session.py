@@ -57,6 +57,19 @@ def series(text: str, columns: int = 1) -> Any:
     return np.frombuffer(base64.b64decode(text), "<f4").reshape(-1, columns).squeeze()
 
 
+def test_a_window_keeps_the_slide_that_is_named(tmp_path: Path) -> None:
+    """That of a table with two slides, also when a slider has changed it."""
+    file = tmp_path / "press.yaml"
+    text = (TEMPLATES / "crank-slide.yaml").read_text(encoding="utf-8").replace("slide:", "ram:")
+    text = text.replace("links:", "  V: {P: 450, x: 0, side: down}\nlinks:")
+    more = "  arm: {pins: P V, mass: 9}\n  holder: {pins: V, guide: up, mass: 40}\ndrive:"
+    file.write_text(text.replace("drive:", more), encoding="utf-8")
+    source = opened(str(file), pp.load, {}, "holder")
+    changed = source.changed([1.01 * each.value for each in source.dimensions])
+    assert (source.press.slide, changed.slide) == ("holder", "holder")
+    assert opened(str(file), pp.load, {}).press.slide is None
+
+
 def test_a_picture_has_the_numbers_of_the_mechanics() -> None:
     load = pp.loads.DeepDrawing(force=1e6, start=0.040)
     session = of_press("zxn2_3000b", loads=[load])

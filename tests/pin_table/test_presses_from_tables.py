@@ -351,3 +351,30 @@ def test_a_travel_that_is_not_given_is_listed(tmp_path):
     assert not any("travel" in words for _, words in draft(path).estimates())
     path.write_bytes(template("toggle").replace(b"travel: [-80, 195], ", b""))
     assert [link for link, words in draft(path).estimates() if "give travel" in words] == ["piston"]
+
+
+def test_of_several_slides_one_is_named():
+    """A punch and a blank holder on one crank: the stroke of each is twice the radius of its pin, as both go through the shaft's line."""
+    table = crank_slide()
+    table["pins"] |= {"Q": {"from": "O", "length": 40, "angle": 0}, "V": {"Q": 300, "x": 0, "side": "down"}}
+    table["links"] = {
+        "crank": {"pins": "O P Q", "mass": 20},
+        "rod": table["links"]["rod"],
+        "punch": {"pins": "W", "guide": "up", "mass": 100},
+        "arm": {"pins": "Q V", "mass": 10},
+        "holder": {"pins": "V", "guide": "up", "mass": 60},
+    }
+    assert pp.build(**table).slide is None
+    with pytest.raises(
+        pp.PinpressError, match=r"name a link that the frame guides: .* build\(..., slide=...\), on the command line --slide"
+    ):
+        pp.dead_centres(pp.build(**table))
+    (note,) = (each for each in draft(**table).check().notes if "guides" in each.problem)
+    assert note.problem == "the frame guides punch, holder, and none is called slide: stroke and dead centres are of none"
+    for name, radius in (("punch", 0.1), ("holder", 0.04)):
+        assert pp.dead_centres(pp.build(**table, slide=name)).stroke == pytest.approx(2 * radius, rel=1e-12)
+        checked = draft(**table).check(slide=name)
+        assert checked.facts.slide == name
+        assert not any("guides" in each.problem for each in checked.notes)
+    with pytest.raises(pp.UnknownNameError, match=r"no link 'puch'.*punch"):
+        pp.build(**table, slide="puch")

@@ -90,8 +90,8 @@ def names_table(options: argparse.Namespace) -> bool:
         if not options.parameters:
             return False
         refuse_without_table(options.file, f"--set {options.parameters[0]}")
-    if options.driver is not None or options.slide is not None or options.allow_open:
-        raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver, --slide and --allow-open")
+    if options.driver is not None or options.allow_open:
+        raise PinpressError(f"{options.file} is a pin table, which says what drives: leave out --driver and --allow-open")
     return True
 
 
@@ -109,7 +109,7 @@ def load_press(options: argparse.Namespace, **more: Any) -> Linkage:
 def load_as_drawn(options: argparse.Namespace, **more: Any) -> Linkage:
     """The press that the options name, built from a pin table or loaded from a file in another format; ``more`` goes to `load`."""
     if names_table(options):
-        return drawn(options.file, options.parameters).press(**more)
+        return drawn(options.file, options.parameters).press(slide=options.slide, **more)
     return load(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open, **more)
 
 
