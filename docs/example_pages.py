@@ -128,7 +128,7 @@ def page(name: str, printed: str) -> str:
     lines += [f"![{question}]({name}.svg)", ""]
     if name in BESIDE:
         read = (FOLDER / BESIDE[name]).read_text(encoding="utf-8").rstrip()
-        lines += [f"`{BESIDE[name]}`:", "", "```xml", read, "```", ""]
+        lines += [f"[`{BESIDE[name]}`]({BESIDE[name]}), which the notebook reads from its own folder:", "", "```xml", read, "```", ""]
     return "\n".join([*lines, f"[Notebook]({name}.ipynb) · `docs/examples/{name}.py` · [all examples](../examples.md)", ""])
 
 
