@@ -1,4 +1,4 @@
-"""The public names of a room: each is imported when it is first used; of one that is not there it is said where it is, or what it is now.
+"""The public names of a room. Each is imported when it is first used; a message says where one that is missing is, or its new name.
 
 A room's `__init__.pyi` is the list of its names. A name that has been in a release and is renamed stands in its `__init__.py`:
 

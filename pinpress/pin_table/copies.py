@@ -10,7 +10,7 @@ import numpy as np
 from ..common.errors import suggestion
 from ..common.quantities import Array
 from .formulas import number
-from .links import Link, turned
+from .links import Link, axes_along
 from .placement import AXES, Pin
 from .reading import Entry
 
@@ -86,7 +86,7 @@ class _Copying:
             carrier = guide.carrier + suffix if guide.carrier in self.named else guide.carrier
             guide = replace(guide, name=guide.name + suffix, carrier=carrier, direction=move.turn @ guide.direction)
         still = np.array_equal(move.turn, np.eye(3)) or np.array_equal(link.rotation, np.eye(3))
-        rotation = link.rotation if still else turned(move.turn @ link.rotation[:, 0])
+        rotation = link.rotation if still else axes_along(move.turn @ link.rotation[:, 0])
         return replace(
             link,
             name=link.name + suffix,

@@ -177,9 +177,9 @@ class _Reader:
         if any(self.pins[name].in_space for name in pins) or (guide is not None and guide.carrier == FRAME):
             return np.eye(3)
         if guide is not None:
-            return turned(guide.direction)
+            return axes_along(guide.direction)
         apart = next((p - points[0] for p in points[1:] if np.linalg.norm((p - points[0])[[0, 2]]) > 0), None)
-        return np.eye(3) if apart is None else turned(apart)
+        return np.eye(3) if apart is None else axes_along(apart)
 
     def _guide(self, link: str, entry: Entry) -> Guide:
         name = f"{link}_guide"
@@ -493,7 +493,7 @@ class _Masses:
         beyond = number(self.items["overhang"], self.space.reader.parameters) * self.space.reader.unit if "overhang" in self.items else 0.0
         if length + 2 * beyond <= 0:
             self.items["overhang"].refuse("nothing is left of the link", "write a larger overhang")
-        return _Solid("box", (length + 2 * beyond, width, height), (points[0] + points[1]) / 2, turned(way))
+        return _Solid("box", (length + 2 * beyond, width, height), (points[0] + points[1]) / 2, axes_along(way))
 
     def _solid(self, kind: str, entry: Entry, centre: Array) -> _Solid:
         if kind == "box":
@@ -522,7 +522,7 @@ class _Masses:
         return _Body(mass, centre, inertia)
 
 
-def turned(way: Array) -> Array:
+def axes_along(way: Array) -> Array:
     """Axes (3, 3) with x along a direction and, where that is in the picture's plane, y the world's and z to the left of it."""
     x = way / np.linalg.norm(way)
     y = np.array([0.0, 1.0, 0.0]) - x[1] * x

@@ -14,7 +14,7 @@ from ..common.quantities import Array
 from ..visual.shapes.appearance import STAND_IN, ShownLink
 from ..visual.shapes.solids import Box, Cylinder, Part, Plate, Shape, Sphere
 from .copies import Parts
-from .links import FRAME, Link, turned
+from .links import FRAME, Link, axes_along
 from .placement import Pin
 from .tree import Joint, Tree
 
@@ -133,7 +133,7 @@ class _Writer:
         others = [self.parts.pins[name] for name in link.pins if name != joint.pin]
         rod = len(others) == 1 and others[0].axis is None
         way = others[0].point - at.point if others else np.array([0.0, 0.0, 1.0])
-        along = turned(way)
+        along = axes_along(way)
         axes = [along[:, 1], along[:, 2]] if rod else [along[:, 1], along[:, 2], along[:, 0]]
         lines, parent, place = [], joint.parent, None
         for k, axis in enumerate(axes[:-1]):

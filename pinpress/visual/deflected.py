@@ -34,14 +34,14 @@ def displaced(press: Linkage, at: Poses, displacement: Array) -> Poses:
         shift, turn = to_world(plane, displacement[..., 0] + 1j * displacement[..., 1]), displacement[..., 2:3] * normal
     for body in range(press.model.nv):
         centre = at.points(body + 1, press.model.inertias[body + 1].lever)
-        rotations = turned(turn[:, body])
+        rotations = rotation_matrices(turn[:, body])
         rotation[body + 1] = rotations @ at.rotation[body + 1]
         arm = at.position[body + 1] - centre
         position[body + 1] = centre + shift[:, body] + (rotations @ arm[:, :, None])[:, :, 0]
     return Poses(rotation, position)
 
 
-def turned(turn: Array) -> Array:
+def rotation_matrices(turn: Array) -> Array:
     """Rotations (k, 3, 3) about the axes of vectors (k, 3) by their lengths (Rodrigues)."""
     angle = np.linalg.norm(turn, axis=1)
     axis = turn / np.where(angle > 0, angle, 1.0)[:, None]

@@ -18,7 +18,7 @@ from ..foundation.mounted_press import MountedPress, VibrationModes
 from ..foundation.whirl_modes import WhirlDiagram
 from ..kinematics.motion import Poses, motion_through_change_points, poses
 from ..linkage.linkage import Linkage, is_same_press, told_apart
-from .deflected import SEEN, turned
+from .deflected import SEEN, rotation_matrices
 from .pages import packed
 from .recording import KeyFrames, moving, shapes
 from .shapes.appearance import bodies
@@ -106,7 +106,7 @@ def _film(system: MountedPress, still: Poses, lines: list[FrameLine], mode: _Mod
     amplitude = max(float(np.linalg.norm(np.abs(line.rows @ mode.shape), axis=1).max()) for line in lines)
     coordinates = seen / amplitude * np.real(mode.shape * np.exp(1j * phase)[:, None])
     carried = coordinates @ system.parts[system.carrier].T
-    turn, shift = turned(carried[:, 3:]), carried[:, :3]
+    turn, shift = rotation_matrices(carried[:, 3:]), carried[:, :3]
     at = Poses(turn @ still.rotation, (turn @ still.position[..., None])[..., 0] + shift)
     return at, [line.places + np.einsum("kin,sn->ski", line.rows, coordinates) for line in lines]
 

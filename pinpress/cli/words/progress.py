@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 LEFT = "{percentage:3.0f} % |{bar}| {remaining} to go"
-SHORT = 1.0  # work of no more gets no bar [s]
+SHORT = 1.0  # shorter work gets no bar [s]
 MINUTE = 60.0  # between two lines [s]
 STEADY = 0.03  # tqdm's weight of the newest speed: what comes in parts, one now and two then, goes at the speed of some thirty of them
 WIDTH = 80  # of a line
@@ -16,14 +16,14 @@ WIDTH = 80  # of a line
 def progress(total: float, shape: str = LEFT) -> Iterator[Callable[[float], None]]:
     """Show on standard error how far work has come.
 
-    What the first call tells may be what an earlier run had reached: the time left follows from what comes after it.
+    What the first call tells may be from an earlier run: the time left follows from what comes after it.
 
     Args:
         total: what is reached at the end.
         shape: tqdm's ``bar_format``.
 
     Yields:
-        What is to be told how much has been reached.
+        A function that is told how much has been reached.
     """
     if not sys.stderr.isatty():
         yield _line_a_minute(total, shape)

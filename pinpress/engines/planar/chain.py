@@ -25,7 +25,7 @@ from ..branch import SUBDIVISION, Branch, nodes_before, predict
 from ..engine import ClosedStates
 from ..joints import plain, product
 from . import kinematics
-from .dyads import ONE, ZERO, Along, Dyad, Guide, GuidedLink, I, Inverses, Lever, SwingingGuide, TwoGuides, TwoLinks, turned
+from .dyads import ONE, ZERO, Along, Dyad, Guide, GuidedLink, I, Inverses, Lever, SwingingGuide, TwoGuides, TwoLinks, rotor_rate
 from .model import Plane
 
 CLEAR = 1e-3  # smallest margin of a dyad's equations, see `Closure.margins`: nearer to a dead centre Newton's method closes
@@ -225,7 +225,7 @@ def rate_of(chain: Chain, closed: Closed, row: int) -> ComplexArray:
     if row in along.rates:
         return along.rates[row]
     if row not in chain.guides:
-        return turned(along.first[row], along.functions[row])
+        return rotor_rate(along.first[row], along.functions[row])
     rotor, speed = chain.guides[row], along.first[row]
     if rotor is None:
         return np.asarray(speed + 0j)

@@ -162,11 +162,11 @@ def _started(rotor: int, rate: ComplexArray, along: Along) -> ComplexArray:
     bent = np.zeros(rate.shape, complex)
     np.multiply(speed, speed, bent.real)
     if rotor in along.rates:
-        along.rates[rotor] = turned(speed, along.functions[rotor])
+        along.rates[rotor] = rotor_rate(speed, along.functions[rotor])
     return bent
 
 
-def turned(speed: Array, rotor: ComplexArray) -> ComplexArray:
+def rotor_rate(speed: Array, rotor: ComplexArray) -> ComplexArray:
     """The derivative (n,) of a rotor with this angular velocity."""
     rate = np.zeros(rotor.shape, complex)
     rate.imag = speed
@@ -371,7 +371,7 @@ class SwingingGuide:
         moving *= rotor
         np.add(moving, along.inward[one] * way, along.inward[other])
         if other in along.rates:
-            along.rates[other] = speed * rotor + way * turned(turning, rotor)
+            along.rates[other] = speed * rotor + way * rotor_rate(turning, rotor)
         return e1, e2
 
     def asked(self, along: Along, work: list[ComplexArray]) -> tuple[Array, Array]:

@@ -25,7 +25,7 @@ from ..engine import ACCEPTED, MOST_NEWTON_STEPS, PIECE, ClosedStates, Closure, 
 from ..forces import RANK
 from ..joints import product
 from .model import Block, Plane, to_world
-from .tree import turned
+from .tree import absolute_turns
 
 NO_SLIPS = np.empty((0, 1))
 
@@ -90,7 +90,7 @@ def _opened_by_turning(plane: Plane, basis: ComplexArray, v: Array) -> ComplexAr
     """Second derivatives (nl, n) of the gaps by time at joint rates (nv, n) without accelerations."""
     if any(plane.guide_rotors):
         return np.asarray(product(plane.gap_rows, basis_acceleration(plane, basis, v, None)))
-    spin = turned(plane, v)
+    spin = absolute_turns(plane, v)
     spin *= spin
     return np.asarray(product(plane.centripetal, basis[1 : 1 + len(plane.revolute)] * spin))
 
@@ -109,7 +109,7 @@ def basis_at(plane: Plane, x: Array) -> ComplexArray:
     turning = len(plane.revolute)
     basis = np.empty((1 + len(x), x.shape[1]), complex)
     basis[0] = 1.0
-    absolute, rotors = turned(plane, x), basis[1 : 1 + turning]
+    absolute, rotors = absolute_turns(plane, x), basis[1 : 1 + turning]
     np.cos(absolute, out=rotors.real)
     np.sin(absolute, out=rotors.imag)
     for row, joint, rotor in plane.guides:
@@ -144,7 +144,7 @@ def basis_velocity(plane: Plane, basis: ComplexArray, v: Array) -> ComplexArray:
     turning = len(plane.revolute)
     rate = np.empty_like(basis)
     rate[0] = 0.0
-    spin = turned(plane, v)
+    spin = absolute_turns(plane, v)
     np.multiply(basis[1 : 1 + turning], 1j * spin, out=rate[1 : 1 + turning])
     for row, joint, rotor in plane.guides:
         rate[row] = v[joint] * basis[rotor] + 1j * spin[rotor - 1] * basis[row] if rotor else v[joint]
@@ -157,9 +157,9 @@ def basis_acceleration(plane: Plane, basis: ComplexArray, v: Array, a: Array | N
     turning = slice(1, 1 + len(plane.revolute))
     result = np.empty(basis.shape, complex)
     result[0] = 0.0
-    spin, factor = turned(plane, v), result[turning]
+    spin, factor = absolute_turns(plane, v), result[turning]
     np.multiply(spin, -spin, out=factor.real)
-    factor.imag = 0.0 if a is None else turned(plane, a)
+    factor.imag = 0.0 if a is None else absolute_turns(plane, a)
     for row, joint, rotor in plane.guides:
         along = 0.0 if a is None else a[joint]
         if rotor:
@@ -189,7 +189,7 @@ def block_matrix(plane: Plane, block: Block, rows: ComplexArray) -> Array:
     return matrix
 
 
-class Dyad(NamedTuple):
+class DyadFactor(NamedTuple):
     """The loop equation of a dyad at n configurations, ready to be solved; the terms are those of the module.
 
     Attributes:
@@ -219,7 +219,7 @@ class Solvable(NamedTuple):
     matrix: Any
 
 
-Factor = Dyad | Solvable
+Factor = DyadFactor | Solvable
 Opening = Sequence[ComplexArray | Array | None] | ComplexArray
 """Rate (n,) at which the gap of every loop would open, complex, then that of every coupling; None for zero."""
 
@@ -234,7 +234,7 @@ def factored(plane: Plane, rows: ComplexArray) -> tuple[Factor, ...]:
             if (row := plane.driven[loop]) is not None:
                 driven = (inverse * rows[row]).imag
             transfers = [(joint, (inverse * rows[row]).imag) for joint, row in block.known[0]]
-            result.append(Dyad(loop, block.pair, inverse, transfers, driven))
+            result.append(DyadFactor(loop, block.pair, inverse, transfers, driven))
         elif block.kind == "lever":
             a = rows[block.own[0][0][1]]
             result.append(Solvable(block, a.conj() / -(a.real * a.real + a.imag * a.imag)))
@@ -246,7 +246,7 @@ def factored(plane: Plane, rows: ComplexArray) -> tuple[Factor, ...]:
 
 
 def _inverses(plane: Plane, rows: ComplexArray) -> Iterator[ComplexArray]:
-    """`Dyad.inverse` of all dyads, found for as many at a time as stay in the cache."""
+    """`DyadFactor.inverse` of all dyads, found for as many at a time as stay in the cache."""
     together = max(1, PIECE // rows.shape[1])
     for start in range(0, len(plane.dyad_columns), together):
         columns = rows.take(plane.dyad_columns[start : start + together], axis=0)  # b and a
@@ -262,7 +262,7 @@ def drive(plane: Plane, rows: ComplexArray, factors: Sequence[Factor], x: Array)
     driven: Opening | None = None
     x[plane.driver] = 1.0
     for factor in factors:
-        if isinstance(factor, Dyad):
+        if isinstance(factor, DyadFactor):
             _add_transfers(factor, factor.driven, x)
         else:
             driven = driven or _opened_by_driver(plane, rows)
@@ -286,14 +286,14 @@ def solve(plane: Plane, rows: ComplexArray, factors: Sequence[Factor], opening: 
         x: (nv, n) joint rates to be filled in.
     """
     for factor in factors:
-        if isinstance(factor, Dyad):
+        if isinstance(factor, DyadFactor):
             opened = opening[factor.loop]
             _add_transfers(factor, None if opened is None else (factor.inverse * opened).imag, x)
         else:
             _solve_block(plane, rows, factor, opening, x)
 
 
-def _add_transfers(dyad: Dyad, rates: Array | None, x: Array) -> None:
+def _add_transfers(dyad: DyadFactor, rates: Array | None, x: Array) -> None:
     """Fill in the rates of a dyad's joints: these (2, n), and what the joints of earlier blocks add."""
     for joint, transfer in dyad.transfers:
         moved = transfer * x[joint]

@@ -5,7 +5,7 @@ rate of the joint with the column c in the loop Jacobian. The two joints of a dy
 
     Re(conj(a) p) = s,  Re(conj(b) p) = t    have the solution    p = i (t a - s b) / D,   D = Im(conj(a) b)
 
-The inverse of its `kinematics.Dyad`, conj(b) / D and -conj(a) / D, gives conj(p) as i times their sum, multiplied by s and t. What the
+The inverse of its `kinematics.DyadFactor`, conj(b) / D and -conj(a) / D, gives conj(p) as i times their sum, times s and t. What the
 force of its pin asks of a joint of an earlier block are s and t times the dyad's transfer from that joint.
 
 The redundant equations of a block leave idle forces open, which earlier blocks balance. `engines.forces` says which multiples of them are
@@ -22,7 +22,7 @@ import numpy as np
 from ...common.quantities import Array, ComplexArray
 from ..forces import Objective, lexicographic_least_squares
 from ..joints import Matrix, product
-from .kinematics import Dyad, Factor
+from .kinematics import DyadFactor, Factor
 from .model import Block, Plane
 
 
@@ -120,7 +120,7 @@ def _balance(
 ) -> None:
     """Fill in the forces of the first ``blocks`` blocks, in reverse order."""
     for factor in reversed(factors[:blocks]):
-        if isinstance(factor, Dyad):
+        if isinstance(factor, DyadFactor):
             efforts, pin = joint_efforts[factor.pair], pins[factor.loop]
             parts = factor.inverse * efforts
             np.add(parts[0], parts[1], out=pin)
@@ -187,7 +187,7 @@ def _idle(plane: Plane, rows: ComplexArray, factors: Sequence[Factor]) -> Iterat
     blocks balance them."""
     n = rows.shape[1]
     for place, (block, factor) in enumerate(zip(plane.blocks, factors, strict=True)):
-        if not block.redundant or isinstance(factor, Dyad):  # a dyad has as many equations as joints
+        if not block.redundant or isinstance(factor, DyadFactor):  # a dyad has as many equations as joints
             continue
         own = None if block.kind == "lever" else np.linalg.qr(factor.matrix, mode="complete")[0][:, :, len(block.joints) :]
         for k in range(block.redundant):

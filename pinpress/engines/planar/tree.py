@@ -31,7 +31,7 @@ def _add(rows: list[Any], steps: Iterable[tuple[int, int]]) -> None:
         rows[to] += rows[by]
 
 
-def turned(plane: Plane, x: Array) -> Array:
+def absolute_turns(plane: Plane, x: Array) -> Array:
     """Absolute angles (nr, n) of the rotors at joint coordinates (nv, n), or their rates; see `Plane.turn`."""
     if not plane.deep:
         return np.asarray(product(plane.turn, x))
