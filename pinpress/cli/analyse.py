@@ -40,6 +40,8 @@ from .words.options import (
 )
 from .words.units import driver_speed, quantity
 
+EXAMPLE = "e.g. pinpress analyse zxn2_3000b --speed 70 --load drawing:force=1500kN,start=40mm --out out --report"
+
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Put `analyse` among the subcommands; parsed options have ``run``, see `run`."""
@@ -50,7 +52,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "until the press repeats itself. Prints a summary; with --out also writes cycle.csv (every quantity at every crank angle, units\n"
         "in the header) and recording.html (the press turning with its forces, a page to open by double click); with --report also\n"
         "report.html, which has charts beside the press.",
-        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor')}\n{SIGNS}",
+        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor')}\n{SIGNS}\n\n{EXAMPLE}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument

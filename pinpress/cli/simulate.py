@@ -40,6 +40,9 @@ from .words.units import driver_position, driver_speed, quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
 STEADY_POINTS = 720  # states of a turn of the steady state, as of `analyse`: at fewer, peaks of short blows are missed
+EXAMPLE = """\
+e.g. pinpress simulate zxn2_3000b --speed 70 --duration 3 --motor induction:rated_power=75kW,rated_speed=1485,inertia=1.2,ratio=20.7
+     --flywheel 6000 --load drawing:force=1000kN,start=10mm --out out --report"""
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -51,7 +54,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         "motor's torque, the strokes and the peak force of every bearing, with --stiffness of the press on its springs; with --out also\n"
         "writes simulation.csv (every quantity at every instant), strokes.csv (one line a stroke, SI units) and recording.html (the press\n"
         "turning with its forces, a page to open by double click).",
-        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor', 'clutch', 'elastic', 'mount')}\n{SIGNS}",
+        epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor', 'clutch', 'elastic', 'mount')}\n{SIGNS}\n\n{EXAMPLE}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument

@@ -1,6 +1,8 @@
 """The command line, run as a user runs it."""
 
 import csv
+import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -11,13 +13,28 @@ from support import texts
 from support.in_browser import data_in
 
 import pinpress as pp
-from pinpress.cli.main import main
+from pinpress.cli.main import _parser, main
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 def run(*arguments: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-m", "pinpress", *map(str, arguments)], capture_output=True, text=True, cwd=ROOT, timeout=60)
+
+
+COMMANDS = "report analyse simulate balance servo ratings tolerances sweep identify force vibration record view accuracy"
+
+
+@pytest.mark.parametrize("command", COMMANDS.split())
+def test_the_examples_of_a_commands_help_are_read(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """The parser knows all options of the commands that stand behind "e.g.", the later lines of which are indented."""
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    first = re.split(r"\n(?!     )", capsys.readouterr().out.partition("e.g. pinpress ")[2])[0]
+    for example in first.split("\n     pinpress "):
+        name, *words = shlex.split(example)
+        assert name == command
+        assert _parser().parse_args([name, *words]).run
 
 
 def test_analyse_prints_a_summary_and_writes_both_files(tmp_path: Path) -> None:
