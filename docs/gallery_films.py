@@ -48,8 +48,8 @@ class Shown:
 
     @property
     def file(self) -> str:
-        """Name of the table for the commands."""
-        return f"urdf/{self.table}.yaml" if self.shipped else "press.yaml"
+        """The press for the commands, which run one after the other in one folder: its name, or a file of the template."""
+        return self.table if self.shipped else f"{self.table}.yaml"
 
 
 PRESSES = (
@@ -111,7 +111,7 @@ def _entry(shown: Shown) -> str:
     speed = f"--speed {shown.rate:g}{'' if shown.table != 'toggle' else 'mm/s'}"
     force, start = shown.load
     commands = [] if shown.shipped else [f"pinpress new {shown.file} --template {shown.table}"]
-    commands.append(f"pinpress record {shown.file} {speed} --load drawing:force={force:g}kN,start={start:g}mm --out press.html")
+    commands.append(f"pinpress record {shown.file} {speed} --load drawing:force={force:g}kN,start={start:g}mm --out {shown.table}.html")
     base = " more than the press that it is based on" if b"\nbase:" in b"\n" + _table(shown) else ""
     return (
         f"\n## {shown.title}\n\n![{shown.title}, one stroke under load](gallery/{shown.table}.webp)\n\n"
@@ -120,7 +120,7 @@ def _entry(shown: Shown) -> str:
 
 
 def _table(shown: Shown) -> bytes:
-    return (ROOT / shown.file).read_bytes() if shown.shipped else template(shown.table)
+    return (ROOT / "urdf" / f"{shown.table}.yaml").read_bytes() if shown.shipped else template(shown.table)
 
 
 def film(shown: Shown, folder: Path) -> Path:
