@@ -5,6 +5,7 @@ import importlib.util
 import inspect
 import re
 import runpy
+import shlex
 from operator import attrgetter
 from pathlib import Path
 from types import ModuleType
@@ -16,6 +17,7 @@ from support import mistakes, page_blocks
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
+from pinpress.cli.main import _parser
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -185,6 +187,16 @@ def test_mistakes_are_named_in_their_files_and_nothing_is_said_to_what_is_right(
         named = re.search(r"Mistake: (?:an? |the )?(.*?)(?: -->)?\n", file.read_text(encoding="utf-8"))
         assert named is not None, file
         assert re.sub(r"\W+", "-", named[1].replace("'s", "")).lower() == file.stem
+
+
+@pytest.mark.parametrize("page", sorted([*DOCS.glob("*.md"), ROOT / "README.md"]), ids=lambda page: page.stem)
+def test_commands_of_pages_are_read(page: Path) -> None:
+    """The parser knows the options of every command that stands whole in a block; those with ... are not looked at."""
+    blocks = re.findall(r"^```.*?\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    lines = (line.removeprefix("$ ") for block in blocks for line in block.replace("\\\n", "").splitlines())
+    for line in lines:
+        if line.startswith("pinpress ") and "..." not in line:
+            assert _parser().parse_args(shlex.split(line, comments=True)[1:]).run
 
 
 def test_the_gallery_is_what_its_script_writes() -> None:
