@@ -287,7 +287,9 @@ def two_assemblies() -> Figure:
             panel.plot(*corners.T, color=colour, linewidth=3)
         for name, place in shown.items():
             panel.plot(*place, "o", color="white", markeredgecolor="black", markersize=5)
-            panel.annotate(name, tuple(place), (5, 4), textcoords="offset points")
+            here = [each for each, at in shown.items() if np.allclose(at, place, rtol=0, atol=1e-9)]  # F is on D in the other assembly
+            aside: dict[str, Any] = {"xytext": (5, 4)} if len(here) == 1 else {"xytext": (-6, -3), "ha": "right"}
+            panel.annotate(", ".join(here) if name == here[0] else "", tuple(place), textcoords="offset points", **aside)
         panel.axvline(0.0, color="#7a7a7a", linewidth=0.6, linestyle="--")
         panel.set_aspect("equal")
         panel.set_title(words)
