@@ -342,6 +342,15 @@ def test_pieces_join(monkeypatch):
     np.testing.assert_allclose(found.driving_torque, expected.driving_torque, rtol=0, atol=1e-14 * peak)
 
 
+def test_a_chain_with_more_levers_than_states_in_a_piece(monkeypatch):
+    expected = pp.cycle(pp.load("jf75g_125_two_point"), 7.0, points=5)
+    monkeypatch.setattr(chains, "PIECE", 1)
+    press = pp.load("jf75g_125_two_point")
+    found = pp.cycle(press, 7.0, points=5)
+    assert chain_of(press).levers
+    np.testing.assert_allclose(found.slide_position, expected.slide_position, rtol=1e-15)
+
+
 def test_speeds_too_large_are_refused():
     press = pp.load("crank_slide")
     for speed in (1e155, 1e300):
