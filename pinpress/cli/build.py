@@ -14,7 +14,7 @@ from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..kinematics.check import check, said_in_a_line
 from ..linkage.urdf.document import MOST_BYTES
 from ..pin_table.templates import TEMPLATES, template
-from .words.options import add_refused_option, drawn
+from .words.options import add_refused_option, add_slide_option, drawn
 
 if TYPE_CHECKING:
     from ..pin_table.building import DrawnPress
@@ -32,6 +32,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option = parser.add_argument
     option("file", metavar="TABLE", help="pin table (.yaml); `pinpress new` writes one to start from")
     option("parameters", metavar="NAME=VALUE", nargs="*", help="another value of a parameter of the table, such as r=150")
+    add_slide_option(parser)
     add_refused_option(parser, "--set", "build takes values behind the table: pinpress build press.yaml r=150")
     option("--out", type=Path, metavar="FILE", help="the URDF; default: the table's name with .urdf. The sketch has its name with .svg")
     parser.set_defaults(run=run)
@@ -94,32 +95,32 @@ def run(options: argparse.Namespace) -> int:
         raise PinpressError(f"{out} is there already, and no pin table made it: give another name by --out")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PinpressWarning)  # `check` says them, with lines of the URDF that is written
-        press = draft.press()
+        press = draft.press(slide=options.slide)
         files.write(out, draft.urdf)
     files.write(sketch, draft.sketch.encode())
-    print(check(out))
-    print("\n".join([*_other_places(draft), *_estimates(draft)]))
+    print(check(out, slide=options.slide))
+    print("\n".join([*_other_places(draft, options.slide), *_estimates(draft)]))
     print(f"wrote {out} and {sketch} of {press.name}")
     return 0
 
 
-def _other_places(draft: DrawnPress) -> list[str]:
+def _other_places(draft: DrawnPress, slide: str | None) -> list[str]:
     """What another side would have given, for each pin that lengths allow to be elsewhere."""
     if not (others := list(draft.other_places())):
         return []
     rows = [["", f"is at [{draft.unit}]", "might be at", "with that"]]
     for name, here, there in others:
         places = [f"({x:.6g}, {z:.6g})" for x, z in np.round((here, there), 9) + 0.0]
-        rows.append([name, *places, _with_other_place(draft, name)])
+        rows.append([name, *places, _with_other_place(draft, name, slide)])
     return ["", "Other places that the lengths of pins allow, and the press that another side would make", *tables.fitted_words(rows)]
 
 
-def _with_other_place(draft: DrawnPress, pin: str) -> str:
+def _with_other_place(draft: DrawnPress, pin: str, slide: str | None) -> str:
     """Stroke and least transmission angle with a pin in its other place, or why there are none."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", PinpressWarning)
         try:
-            facts = draft.with_other_place(pin).check().facts
+            facts = draft.with_other_place(pin).check(slide).facts
         except PinTableError as error:
             return error.problem
     return "no press" if facts is None else said_in_a_line(facts)

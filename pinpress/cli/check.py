@@ -7,7 +7,7 @@ from ..common.errors import PinTableError
 from ..common.results import Records
 from ..kinematics.check import CheckResult, check
 from ..linkage.urdf.document import Finding
-from .words.options import FILE, add_open_option, add_refused_option, add_set_option, drawn, names_table
+from .words.options import FILE, add_open_option, add_refused_option, add_set_option, add_slide_option, drawn, names_table
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -24,7 +24,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option = parser.add_argument
     option("file", metavar="FILE", help=FILE)
     option("--driver", metavar="JOINT", action="append", help="driven joint; may be given several times")
-    option("--slide", metavar="LINK", help="slide, where it is not the link called slide")
+    add_slide_option(parser)
     add_open_option(parser)
     add_set_option(parser)
     add_refused_option(

@@ -322,7 +322,7 @@ def permissible(press: Linkage, options: argparse.Namespace) -> PressRatings | N
 
 def press_before(options: argparse.Namespace) -> Reactions:
     """Another press at the same speed, under the same forces."""
-    press = load_other(options, options.before)
+    press = load_other(options, options.before, options.slide)
     motion = cycle(press, speed=options.speed.of(press.driver_coordinates[0]), points=states(press, options))
     return inverse_dynamics(press, motion, **forces(options, press))
 

@@ -56,6 +56,11 @@ def test_the_slide_of_a_table_is_named(folder, capsys):
             assert main([*words, "--slide", name]) == 0
             printed[name, words[0]] = capsys.readouterr().out
         assert f"Slide ({name})" in printed[name, "analyse"]
+        assert main(["build", "press.yaml", "--slide", name]) == 0
+        assert capsys.readouterr().out.splitlines()[1:9] == printed[name, "check"].splitlines()[1:9]  # stroke and dead centres
+    assert printed["ram", "check"] != printed["holder", "check"]
+    loaded = ["report", "press.yaml", "--speed", "60", "--load", "drawing:force=10kN,start=5mm", "--out", "report.html"]
+    assert main([*loaded, "--slide", "ram", "--before", "press.urdf"]) == 0  # of which the same link is the slide
     assert main(["check", "press.yaml"]) == 0
     assert "on the command line --slide" in capsys.readouterr().out
 

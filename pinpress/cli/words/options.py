@@ -42,7 +42,7 @@ def add_press_options(parser: argparse.ArgumentParser) -> None:
     """Options of `load_press`: file, driver, slide, whether loops may be drawn far open, and where crank angles are 0."""
     parser.add_argument("file", metavar="FILE", help=FILE)
     parser.add_argument("--driver", metavar="JOINT", help="driven joint, where the URDF has no <transmission> or another is meant")
-    parser.add_argument("--slide", metavar="LINK", help="slide, where it is not the link called slide")
+    add_slide_option(parser)
     add_open_option(parser)
     add_set_option(parser)
     parser.add_argument(
@@ -53,6 +53,11 @@ def add_press_options(parser: argparse.ArgumentParser) -> None:
         help="where crank angles are 0, those given, printed and written: as drawn, or at top or bottom dead centre; they rise where the"
         " driver turns positively (default: %(default)s)",
     )
+
+
+def add_slide_option(parser: argparse.ArgumentParser) -> None:
+    """Option --slide, the link whose motion and process force are meant."""
+    parser.add_argument("--slide", metavar="LINK", help="slide, where it is not the link called slide")
 
 
 def add_open_option(parser: argparse.ArgumentParser) -> None:
@@ -113,9 +118,15 @@ def load_as_drawn(options: argparse.Namespace, **more: Any) -> Linkage:
     return load(options.file, driver=options.driver, slide=options.slide, allow_open=options.allow_open, **more)
 
 
-def load_other(options: argparse.Namespace, file: str) -> Linkage:
-    """Another press than that of `load_press`, as its own file has it, with crank angles counted as the options say."""
-    return with_zero(drawn(file).press() if _is_table(file) else load(file), options.zero)
+def load_other(options: argparse.Namespace, file: str, slide: str | None = None) -> Linkage:
+    """Another press than that of `load_press`, as its own file has it, with crank angles counted as the options say.
+
+    ``slide`` names its slide where its file leaves that open.
+    """
+    press = drawn(file).press() if _is_table(file) else load(file)
+    if press.slide is None and slide is not None:
+        press = drawn(file).press(slide=slide) if _is_table(file) else load(file, slide=slide)
+    return with_zero(press, options.zero)
 
 
 def _is_table(file: str) -> bool:
