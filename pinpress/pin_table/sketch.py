@@ -27,6 +27,8 @@ def sketch_of_parts(name: str, parts: Parts, unit: float, unit_name: str) -> str
     sheet = _Sheet([pin.point[[0, 2]] for pin in parts.pins.values()], f"{name}: drawn pose, lengths in {unit_name}")
     for k, link in enumerate(parts.links):
         sheet.link(link, parts.pins, COLOURS[k % len(COLOURS)])
+    for k, link in enumerate(parts.links):  # a block that is drawn later would cover the name of the crank below it
+        sheet.name(link, parts.pins, COLOURS[k % len(COLOURS)])
     for link in parts.links:
         sheet.dimensions(link, parts.pins, unit)
     sheet.pins(parts.pins.values(), parts.frame)
@@ -87,6 +89,9 @@ class _Sheet:
         elif len(corners) == 1:
             x, y = corners[0]
             SubElement(self.root, "circle", {"cx": f"{x:.1f}", "cy": f"{y:.1f}", "r": "20", **shape})
+
+    def name(self, link: Link, pins: Mapping[str, Pin], colour: str) -> None:
+        """The name of a link, beside the middle of its pins."""
         centre = np.mean([pins[name].point[[0, 2]] for name in link.pins], axis=0)
         x, y = self.at(centre)
         self._label(x + (26 if link.guide is not None else 8), y + (24 if link.guide is not None else -10), link.name, colour)
