@@ -52,6 +52,20 @@ def test_analysis_under_everything(tmp_path: Path, capsys: pytest.CaptureFixture
     assert np.ptp(expected.driving_torque - pp.inverse_dynamics(press, motion).driving_torque) > 1e3
 
 
+def test_stiffness_of_all_bearings_but_one(tmp_path: Path) -> None:
+    """The lower pin of the front rod is twice as stiff: with the upper one, the rods share as 1 / (1 + 1/2) and 1 / (1 + 1)."""
+    words = ["analyse", "jf75g_125_two_point", "--speed", "70", "--points", "36", "--load", "drawing:force=100kN,start=10mm"]
+    assert main([*words, "--stiffness", "all=1GN/m", "--stiffness", "P4_front=2GN/m", "--out", str(tmp_path)]) == 0
+    press, motion = shipped("jf75g_125_two_point", 36)
+    stiffness = dict.fromkeys(press.bearings, 1e9) | {"P4_front": 2e9}
+    expected = pp.inverse_dynamics(press, motion, [pp.loads.DeepDrawing(1e5, 0.01)], stiffness=stiffness)
+    found = table(tmp_path / "cycle.csv")
+    for name, values in expected.columns().items():
+        np.testing.assert_array_equal(found[name], values, err_msg=name)
+    front, back = (np.linalg.norm(expected.bearing_force[name], axis=1).max() for name in ("P4_front", "P4_back"))
+    assert 1.3 < front / back < 1.4  # 4/3 of a force from the slide
+
+
 @pytest.mark.exhaustive
 def test_process_beside_what_is_permitted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     limits = ["--nominal-force", "3000kN", "--nominal-height", "13mm", "--out", str(tmp_path), "--report"]

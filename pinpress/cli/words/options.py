@@ -196,7 +196,8 @@ def add_force_options(parser: argparse.ArgumentParser, *, friction: bool = True,
             metavar="NAME=N/m",
             action="append",
             default=[],
-            help="stiffness of a bearing, by which forces are shared that rigid mechanics leaves open; may be given several times",
+            help=f"stiffness of a bearing, or with {ALL}= of those not named otherwise, by which forces are shared that rigid mechanics"
+            " leaves open; may be given several times",
         )
 
 
@@ -316,10 +317,11 @@ def forces(options: argparse.Namespace, press: Linkage) -> Forces:
     Raises:
         PinpressError: Words that are none; see `part_specs`.
     """
+    stiffness = part_specs.by_bearing("--stiffness", options.stiffness, "N/m", "stiffness", "1e9")
     return {
         "loads": loads(options),
         "friction": part_specs.frictions(options.friction, press),
-        "stiffness": part_specs.by_bearing("--stiffness", options.stiffness, "N/m", "stiffness", "1e9"),
+        "stiffness": _with_others(stiffness, press.bearings),
     }
 
 
@@ -362,15 +364,22 @@ def springs(options: argparse.Namespace, press: Linkage) -> Elastic | None:
 
 def _of_all(option: str, given: dict[str, float], names: Sequence[str], example: str) -> dict[str, float]:
     """Numbers by all names; those that are not given take that of `ALL`."""
-    every = given.pop(ALL) if ALL in given and ALL not in names else None
-    for name in given:
+    found = _with_others(given, names)
+    for name in found:
         if name not in names:
             raise UnknownNameError("bearing", name, (*names, ALL))
-    missing = [] if every is not None else [repr(name) for name in names if name not in given]
+    missing = [repr(name) for name in names if name not in found]
     if missing:
         lacks = f"{option} lacks {', '.join(missing)}: all of them yield in an elastic motion"
         raise PinpressError(f"{lacks}; give e.g. {option} {ALL}={example} for the rest")
-    return {name: given.get(name, every or 0.0) for name in names}
+    return {name: found[name] for name in names}
+
+
+def _with_others(given: dict[str, float], names: Sequence[str]) -> dict[str, float]:
+    """Numbers by names, with that of `ALL` for those of ``names`` that are not given."""
+    if ALL not in given or ALL in names:
+        return given
+    return dict.fromkeys(names, given[ALL]) | {name: number for name, number in given.items() if name != ALL}
 
 
 def add_out_option(parser: argparse.ArgumentParser, files: str) -> None:
