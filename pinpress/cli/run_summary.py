@@ -34,8 +34,8 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: b
         reactions: inverse dynamics of this run under its loads; their driving torque is that of flywheel, drive, clutch and brake together.
         steady: whether the run is one period of a steady state.
 
-    Extremes of speed and of the motor's torque are those of 720 states a turn, works are exact; torques and forces of the crank and the
-    bearings are the largest of the run's states. Signs as in `Reactions`.
+    Works and extremes of speed and of the motor's torque are those of `duty_cycle`; torques and forces of the crank and the bearings are
+    the largest of the run's states. Signs as in `Reactions`.
     """
     whole = duty_cycle(run)
     lines = [

@@ -44,7 +44,7 @@ ROUNDED = 1e-6  # least size that energies are compared with, as a share of the 
 ROUNDINGS, EPS = 8.0, float(np.finfo(float).eps)  # roundings of a stiff drive's angle and speed that may show in the energy
 ROUND = 1 + 1e-12  # rounding of times and turns
 BEYOND = 1e-9  # travel of a driver that slides, beyond its end, that is rounding [lengths of the linkage]
-STATES = 720  # states of a stroke in which extremes are looked for
+STATES = 720  # states of a turn in which extremes are looked for, beside the edges of what is smooth
 
 
 @dataclass(frozen=True, repr=False)
@@ -381,7 +381,7 @@ class ForceDuty(MotorDuty, units=OVER_TRAVEL | {"motor_rms": "N", "motor_peak": 
 def duty_cycle(run: Run, start: float = 0.0, end: float | None = None) -> MotorDuty:
     """The duty of motor and flywheel of a run.
 
-    Extremes are those of 720 states a turn; works and means are exact.
+    Extremes are those of 720 states a turn, and of the edges at which a load or the drive is not smooth; works and means are exact.
 
     Args:
         run: of a press with one driver.
@@ -506,7 +506,9 @@ def _duties(run: Run, times: Array) -> list[MotorDuty]:
 def _duty(run: Run, start: float, end: float, angle: float, gained: Array) -> MotorDuty:
     """The duty from one time to another; ``angle``: that the crank turns [rad], ``gained``: (4,) growth of the `INTEGRALS`."""
     drive, inertia = run.problem.driven.drive, run.problem.driven.inertia
-    inner = np.linspace(start, end, STATES * max(1, math.ceil(angle / (2 * np.pi) - 1e-9)) + 1)
+    even, edges = np.linspace(start, end, STATES * max(1, math.ceil(angle / (2 * np.pi) - 1e-9)) + 1), run.trajectory.borders
+    # the crank is slowest where a blank breaks through, which is on an edge
+    inner = np.union1d(even, edges[edges.searchsorted(start, "right") : edges.searchsorted(end)])
     sample = run.trajectory.at(inner, complete=False)
     speed, own = np.abs(_crank(run, sample)[1]), np.abs(sample.drive_speed)
     highest, lowest = int(speed.argmax()), int(speed.argmin())

@@ -154,6 +154,19 @@ def potential(q):
     return 0.5 * local * sum(w * equation.coefficients(0.5 * local * (1 + x)).weight for x, w in zip(nodes, weights, strict=True))
 
 
+def test_the_lowest_speed_is_that_at_break_through(press):
+    """A kink, which even steps in time miss. The torque is as large as it takes for the crank to be faster before and behind it."""
+    torque, blanking = 2e3, LOADS["blanking_1250kN"]
+    run = zhang(press, 0.195, drive=pp.drives.ConstantTorque(torque), loads=[blanking])
+    place = 2 * math.pi - equation.angle_of(blanking.end)
+    gained = torque * place - potential(place) - 2 / math.pi * blanking.force * (blanking.start - blanking.end)
+    energy = 0.5 * (equation.coefficients(0.0).inertia + J0) * W0**2 + gained
+    lowest = math.sqrt(2 * energy / (equation.coefficients(place).inertia + J0))
+    duty = pp.measures.duty_cycle(run, start=0.15)
+    assert duty.lowest_speed == pytest.approx(lowest, rel=1e-10)
+    assert duty.flywheel_work == pytest.approx(0.5 * J0 * (duty.highest_speed**2 - lowest**2), rel=1e-7)
+
+
 # ----------------------------------------------------------------------------------------------- order of the Runge-Kutta method
 
 

@@ -615,20 +615,23 @@ def two_discs(tmp_path):
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["slip_clutch", "lossy_induction"])
 def test_duty_of_a_stroke(press, name):
-    """From states at the very instants that are looked at, and works and means by Simpson's rule over a finer grid."""
+    """From a finer grid in time, works and means by Simpson's rule."""
     case = CASES[name]()
-    run = pp.steady_state(press, SPEED, drive=case.drive, flywheel=WHEEL, loads=[BLANK], points=721)
+    run = pp.steady_state(press, SPEED, drive=case.drive, flywheel=WHEEL, loads=[BLANK])
     fine = pp.steady_state(press, SPEED, drive=case.drive, flywheel=WHEEL, loads=[BLANK], points=40001)
     duty, ratio = pp.measures.duty_cycle(run), case.drive.ratio
     assert (duty.start, duty.duration) == (0.0, run.time[-1])
-    speed, motor = run.crank_speed, np.abs(case.drive.motor_torque(run.crank_speed))
+    speed = fine.crank_speed
     assert duty.mean_speed == pytest.approx(2 * math.pi / run.time[-1], rel=1e-12)
-    assert duty.mean_speed == pytest.approx(simpson(fine.crank_speed, x=fine.time) / fine.time[-1], rel=1e-9)
-    assert duty.highest_speed == pytest.approx(speed.max(), rel=1e-12)
-    assert duty.lowest_speed == pytest.approx(speed.min(), rel=1e-12)
-    assert duty.speed_drop == pytest.approx((speed.max() - speed.min()) / duty.mean_speed, rel=1e-10)
-    assert duty.flywheel_work == pytest.approx(0.5 * (J0 + case.inertia) * (speed.max() ** 2 - speed.min() ** 2), rel=1e-10)
-    assert duty.recovery_time == pytest.approx((run.time[speed.argmax()] - run.time[speed.argmin()]) % run.time[-1], rel=1e-10)
+    assert duty.mean_speed == pytest.approx(simpson(speed, x=fine.time) / fine.time[-1], rel=1e-9)
+    # the speed is highest where it is smooth, and lowest at break-through, on an edge: 720 states and this grid miss 1e-5
+    highest, lowest = duty.highest_speed, duty.lowest_speed
+    assert speed.max() * (1 - 1e-5) < highest <= speed.max() * (1 + 1e-9)
+    assert speed.min() * (1 - 1e-5) < lowest <= speed.min()
+    assert duty.speed_drop == pytest.approx((highest - lowest) / duty.mean_speed, rel=1e-12)
+    assert duty.flywheel_work == pytest.approx(0.5 * (J0 + case.inertia) * (highest**2 - lowest**2), rel=1e-10)
+    recovery = (fine.time[speed.argmax()] - fine.time[speed.argmin()]) % run.time[-1]
+    assert duty.recovery_time == pytest.approx(recovery, abs=run.time[-1] / 1440 + 1e-5)
     assert duty.drive_work == pytest.approx(simpson(fine.drive_torque * fine.crank_speed, x=fine.time), rel=1e-7)  # corners: h^2 there
     assert duty.load_work == pytest.approx(WORK, rel=1e-9)
     assert duty.lost == 0.0
@@ -636,9 +639,8 @@ def test_duty_of_a_stroke(press, name):
     if name == "slip_clutch":
         np.testing.assert_allclose(own, fine.drive_torque / ratio, rtol=0, atol=1e-9)
     assert duty.motor_rms == pytest.approx(math.sqrt(simpson(own**2, x=fine.time) / fine.time[-1]), rel=1e-6)
-    assert duty.motor_peak == pytest.approx(motor.max(), rel=1e-9)
-    # nothing is found above the largest; next to a sharp peak half an interval, 1/1440 of the stroke, is missed at most
-    assert np.abs(own).max() * 0.99 < duty.motor_peak <= np.abs(own).max() * (1 + 1e-9)
+    peak = np.abs(own).max()
+    assert peak * (1 - 1e-5) < duty.motor_peak < peak * (1 + 2e-3)  # on the same edge; near it a stiff motor's torque is steep
     rated = 189.0 if name == "slip_clutch" else 3e4 / (1465 * RPM)
     assert duty.utilisation == pytest.approx(duty.motor_rms / rated, rel=1e-12)
 
