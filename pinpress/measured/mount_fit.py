@@ -173,7 +173,7 @@ def _least_squares(system: MountedPress, measured: MeasuredModes, unknowns: tupl
     def calculated(logarithms: Array) -> tuple[Array, Array]:
         """Frequencies and damping ratios of the modes whose shapes are nearest to those first laid beside the measured ones."""
         found = modes(_changed(system, names, np.exp(logarithms)))
-        products = np.abs(found.shapes.T @ system.mass @ shapes)
+        products = found.shapes.T @ system.mass @ shapes
         mine, theirs = linear_sum_assignment(-(products**2))
         places = mine[np.argsort(theirs)]
         return found.natural_frequency[places], found.damping_ratio[places]

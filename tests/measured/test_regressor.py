@@ -1,5 +1,6 @@
 """Columns by inertial parameters against inverse dynamics and Pinocchio's own regressors, and the ranks that presses are known to have."""
 
+import re
 from functools import cache
 from pathlib import Path
 
@@ -7,12 +8,14 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from hypothesis import assume, given
+from scipy.linalg import null_space
 from support import texts
 from support.generators.random_linkages import Group, Spec, drawn, linkages, loaded, servo
 from support.generators.spatial_linkages import bennett
 from support.presses.two_servos import TWO_SERVOS
 
 import pinpress as pp
+from pinpress.measured.estimates.base_parameters import base_parameters
 from pinpress.measured.regressor import inertial_equations, loss_columns
 from pinpress.pin_table import templates
 
@@ -127,6 +130,31 @@ def count(columns):
     there = sizes > 1e-12 * sizes.max()
     values = np.linalg.svd(columns[:, there] / sizes[there], compute_uv=False)
     return there.sum(), (values > 1e-9 * values[0]).sum()
+
+
+@pytest.mark.parametrize("name", ["zxn2_3000b", "rssp"])
+def test_sums_in_words_are_the_sums_that_torque_determines(name):
+    """Read as a formula, each name has the value of its row, to the four digits of its numbers; and other masses with the same sums need
+    the same torque."""
+    press = press_of(name)
+    equations = inertial_equations(press)
+    found, values = base_parameters(equations), equations.values
+    named = dict(zip([each.name for each in equations.parameters], values, strict=True))
+    for words, row in zip(found.names, found.matrix, strict=True):
+        first, *others = re.split(r" ([+-]) (?=\d)", words)
+        terms = [named[first]]
+        for sign, term in zip(others[::2], others[1::2], strict=True):
+            factor, _, parameter = term.partition(" ")
+            terms.append(float(sign + factor) * named[parameter])
+        assert len(terms) == np.count_nonzero(row)
+        assert sum(terms) == pytest.approx(row @ values, abs=1e-3 * np.abs(terms).max() + 1e-12)
+    heavy = np.flatnonzero([each.size > 0 for each in equations.parameters])  # the cross of a universal joint has no mass
+    free, other = null_space(found.matrix[:, heavy]), values.copy()
+    assert free.shape[1] >= 4
+    other[heavy] += free @ np.random.default_rng(0).normal(size=free.shape[1])
+    motion = any_motion(press)
+    columns = equations.columns(motion, "torque")
+    np.testing.assert_allclose(columns @ other, columns @ values, rtol=0, atol=1e-9 * np.abs(columns @ values).max())
 
 
 @pytest.mark.parametrize("name", ["zxn2_3000b", "rssp"])

@@ -150,6 +150,9 @@ def test_a_brake_that_grips_comes_before_all_else_that_happens_at_rest(press):
     assert when == pytest.approx(0.1, rel=1e-12)
 
 
+PERIODIC = {"motor": (True, False), "stiff motor": (False, True), "damper": (True, False), "friction": (False, True)}
+
+
 def newton_case(press, name):
     """A press near the speed at which a stroke repeats itself, on panels that resolve it."""
     power, inertia, loads, friction = {
@@ -164,8 +167,11 @@ def newton_case(press, name):
     return driven, build_mesh(driven, 0.3, 1, np.sort(np.concatenate([borders, borders[1:] - 0.5 * np.diff(borders)])))
 
 
-@pytest.mark.parametrize("periodic", [False, True])
-@pytest.mark.parametrize("name", ["motor", "stiff motor", "damper", "friction"])
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize(
+    ("name", "periodic"),
+    [(name, way) for name, ways in PERIODIC.items() for way in ways],
+)
 def test_each_round_of_newtons_method_squares_the_error(press, name, periodic, monkeypatch):
     """Else it would get there too, later. Corrections of many scenarios are in single precision, which leaves 1e-6 of the error. Many at
     once are what one is; work and forces are those of the speeds found; and a disturbance grows as two solutions tell."""
