@@ -37,6 +37,24 @@ def test_a_brake_stops_a_crank_and_holds_it():
     assert run.stats.energy_error < 1e-12
 
 
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("way", [1, -1])
+def test_couplings_that_are_closed_from_the_start(way):
+    """A brake of 1500 N m stops 100 kg m2 at 30 rad/s after 2 s whichever way it turns; a clutch of 300 N m joins a slower or faster wheel."""
+    elastic = springs(pendulum(0.3), 1e7)
+    run: Any = pp.simulate(pendulum(0.3), 2.2, speed=30.0 * way, brake=Brake(1500.0), elastic=elastic, points=23)
+    assert run.crank_speed[10] == pytest.approx(way * (30.0 - 15.0 * run.time[10]), rel=1e-3)
+    assert run.events[-1][0] == pytest.approx(2.0, abs=1e-3)
+    assert run.lost[-1] == pytest.approx(0.5 * 100 * 900, rel=1e-3)
+    assert np.abs(run.crank_speed[-2:]).max() < 1e-12
+    wheel = Flywheel(50.0, speed=7.5 + 4.5 * way)
+    run = pp.simulate(pendulum(0.3), 1.4, speed=7.5 - 4.5 * way, flywheel=wheel, clutch=Clutch(300.0), elastic=elastic, points=15)
+    assert run.events[-1][0] == pytest.approx(9.0 / (300.0 * (1 / 50 + 1 / 100)), abs=1e-3)
+    assert run.crank_speed[5] == pytest.approx(7.5 - 4.5 * way + way * 3.0 * run.time[5], rel=1e-3)
+    together = (50 * (7.5 + 4.5 * way) + 100 * (7.5 - 4.5 * way)) / 150
+    assert (run.crank_speed[-1], run.drive_speed[-1]) == pytest.approx((together, together), rel=1e-4)
+
+
 STROKE = {
     "drive": induction(),
     "flywheel": Flywheel(40.0, speed=SPEED),
