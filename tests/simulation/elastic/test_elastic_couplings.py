@@ -40,7 +40,7 @@ def test_a_brake_stops_a_crank_and_holds_it():
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("way", [1, -1])
 def test_couplings_that_are_closed_from_the_start(way):
-    """A brake of 1500 N m stops 100 kg m2 at 30 rad/s after 2 s whichever way it turns; a clutch of 300 N m joins a slower or faster wheel."""
+    """A brake of 1500 N m stops 100 kg m2 at 30 rad/s after 2 s, both ways; a clutch of 300 N m joins a slower wheel or a faster one."""
     elastic = springs(pendulum(0.3), 1e7)
     run: Any = pp.simulate(pendulum(0.3), 2.2, speed=30.0 * way, brake=Brake(1500.0), elastic=elastic, points=23)
     assert run.crank_speed[10] == pytest.approx(way * (30.0 - 15.0 * run.time[10]), rel=1e-3)
