@@ -29,6 +29,7 @@ from .dynamics.inverse_dynamics import inverse_dynamics as inverse_dynamics
 from .kinematics.check import check as check
 from .kinematics.motion import Motion as Motion
 from .kinematics.motion import cycle as cycle
+from .kinematics.motion_table import read_motion as read_motion
 from .kinematics.servo_motion import servo_cycle as servo_cycle
 from .kinematics.slide_path import dead_centres as dead_centres
 from .linkage.linkage import Linkage as Linkage

@@ -1,4 +1,4 @@
-"""`pinpress analyse`: one period at constant speed."""
+"""`pinpress analyse`: one period at constant speed, or a motion from a table."""
 
 import argparse
 import time
@@ -16,29 +16,30 @@ from ..dynamics.driving_energy import driving_energy
 from ..dynamics.inputs import described, inputs
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import summary
-from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..ratings.permissible_force import capacities_in_words
 from ..simulation.run import Run
 from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
-from .report import add_before_option, add_nominal_options, add_points_option, permissible, press_before, states
+from .report import POINTS, add_before_option, add_nominal_options, add_points_option, permissible, press_before
 from .run_summary import duty_summary
 from .words import part_specs
 from .words.options import (
     SIGNS,
-    SPEED,
     add_flywheel_option,
     add_force_options,
+    add_motion_options,
     add_page_options,
     add_press_options,
     forces,
     load_press,
+    motion_of,
     print_inputs,
+    refuse_beside_motion,
     refuse_pages_without_folder,
     write_pages,
 )
-from .words.units import driver_speed, quantity
+from .words.units import quantity
 
 EXAMPLE = "e.g. pinpress analyse zxn2_3000b --speed 70 --load drawing:force=1500kN,start=40mm --out out --report"
 
@@ -47,16 +48,16 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     """Put `analyse` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "analyse",
-        help="one period at constant speed: motion, driving torque, every bearing force, under loads, springs and friction",
+        help="one period at constant speed, or a motion from a table: driving torque, every bearing force, under loads and friction",
         description="Turn a press through one period at constant speed: one turn of the crank, or with gears as many turns as it takes\n"
-        "until the press repeats itself. Prints a summary; with --out also writes cycle.csv (every quantity at every crank angle, units\n"
-        "in the header) and recording.html (the press turning with its forces, a page to open by double click); with --report also\n"
-        "report.html, which has charts beside the press.",
+        "until the press repeats itself; or with --motion move one driver or several as a table says. Prints a summary;\n"
+        "with --out also writes cycle.csv (every quantity in every state, units in the header) and recording.html (the press turning\n"
+        "with its forces, a page to open by double click); with --report also report.html, which has charts beside the press.",
         epilog=f"{part_specs.explained('load', 'spring', 'friction', 'motor')}\n{SIGNS}\n\n{EXAMPLE}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
+    add_motion_options(parser)
     add_force_options(parser)
     add_nominal_options(parser)
     add_flywheel_option(parser, "its drop of speed at an even motor torque is printed")
@@ -86,6 +87,7 @@ def run(options: argparse.Namespace) -> int:
     refuse_pages_without_folder(options)
     if options.before is not None and not options.report:
         raise PinpressError("--before is for the report: give --report too")
+    refuse_beside_motion(options, "nominal_force", "nominal_height", "flywheel", "speed_drop", "motor")
     press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
     flywheel, motor = _driving(press, options)
@@ -99,7 +101,8 @@ def run(options: argparse.Namespace) -> int:
         steady, words = _of_motor(reactions, motor, flywheel)
         more += words
         results += [] if steady is None else [steady]
-    print(summary(press, reactions.motion, reactions, None if ratings is None else ratings.utilisation(reactions)))
+    utilisation = None if ratings is None else ratings.utilisation(reactions)
+    print(summary(press, reactions.motion, reactions, utilisation, prescribed=options.motion is not None))
     print("\n".join([times, *more]))
     driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]
     capacities = [] if ratings is None else capacities_in_words(ratings.capacities, ratings.driver_coordinate)
@@ -127,11 +130,12 @@ def _driving(press: Linkage, options: argparse.Namespace) -> tuple[Flywheel | No
 
 def _computed(press: Linkage, options: argparse.Namespace) -> tuple[Reactions, str]:
     """Reactions to the period that the options ask for, and a line with the times that this took."""
-    acting, speed = forces(options, press), options.speed.of(press.driver_coordinates[0])
+    acting = forces(options, press)
     began = [time.perf_counter()]
-    _ = press.branch  # followed here, so that the next times are those of any further motion
+    if len(press.drivers) == 1:
+        _ = press.branch  # followed here, so that the next times are those of any further motion
     began.append(time.perf_counter())
-    motion = cycle(press, speed=speed, points=states(press, options), engine=options.engine)
+    motion = motion_of(press, options, options.speed, POINTS, options.engine)
     began.append(time.perf_counter())
     reactions = inverse_dynamics(press, motion, **acting, engine=options.engine)
     took = 1e3 * np.diff([*began, time.perf_counter()])

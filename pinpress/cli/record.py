@@ -1,6 +1,7 @@
 """`pinpress record`: one period of a press as a page, a film or a picture."""
 
 import argparse
+import contextlib
 import math
 import tempfile
 from pathlib import Path
@@ -8,21 +9,23 @@ from pathlib import Path
 import numpy as np
 
 from ..common.errors import PinpressError
+from ..common.quantities import CRANK, RAM
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import Motion, cycle
+from ..kinematics.motion import Motion
 from .words import part_specs
 from .words.options import (
     SIGNS,
-    SPEED,
     add_force_options,
+    add_motion_options,
     add_press_options,
     add_refused_option,
     add_trace_option,
     forces,
     load_press,
+    motion_of,
 )
 from .words.progress import progress
-from .words.units import driver_position, driver_speed
+from .words.units import OfDriver, driver_position, read_quantity
 
 EPILOG = f"""\
 {part_specs.explained("load", "spring", "friction")}
@@ -37,22 +40,22 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "record",
         help="a page, film or picture of a press turning, with its forces",
-        description="Turn a press through one period at constant speed and write it as a page to open by\n"
-        "double click (--out), a film (--video) or a picture (--png). Process force, bearing forces and shaking force are drawn as arrows.",
+        description="Turn a press through one period at constant speed, or with --motion as a table says, and write it as a page to open\n"
+        "by double click (--out), a film (--video) or a picture (--png). Process, bearing and shaking forces are drawn as arrows.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
+    add_motion_options(parser)
     option("--out", type=Path, metavar="HTML", help="write this page")
     option("--video", type=Path, metavar="MP4", help="write this film, .mp4 or .gif")
     option("--png", type=Path, metavar="PNG", help="write this picture")
     option(
         "--at",
-        type=driver_position,
+        type=_place,
         default="0",
         metavar="DEG",
-        help="crank angle of the picture, position in mm of a driver that slides (default: 0)",
+        help="crank angle of the picture, position in mm of a driver that slides; with --motion the time in s from the start (default: 0)",
     )
     option("--size", type=_size, metavar="WxH", help="size of film and picture, in pixels (default: 1280x720 and 1280x960)")
     option("--fps", type=int, default=30, metavar="N", help="frames per second of the film (default: %(default)s)")
@@ -65,7 +68,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option("--repeats", type=int, default=1, metavar="N", help="periods in the film (default: %(default)s)")
     add_force_options(parser)
     for name in ("--motor", "--flywheel"):
-        add_refused_option(parser, name, "a recording is at constant speed: pinpress simulate ... --out DIR records a run under a motor")
+        add_refused_option(parser, name, "a recording is of a given motion: pinpress simulate ... --out DIR records a run under a motor")
     add_trace_option(parser)
     option("--no-forces", dest="forces", action="store_false", help="leave the forces out")
     option("--points", type=int, metavar="N", help="number of crank angles of the period (default: 360 a turn)")
@@ -92,17 +95,17 @@ def run(options: argparse.Namespace) -> int:
     press = load_press(options)
     acting = forces(options, press)
     coordinate = press.driver_coordinates[0]
-    at = options.at.of(coordinate)
-    if not math.isfinite(at):
+    if options.motion is None and not math.isfinite(options.at.of(coordinate)):
         raise PinpressError(f"--at is {options.at.text}: give a crank angle in degrees")
-    motion = cycle(press, speed=options.speed.of(coordinate), points=options.points)
+    motion = motion_of(press, options, options.speed)
+    instant = _time(motion, options.at.of(coordinate)) if options.motion is None else _instant(motion, options.at.text)
     reactions = inverse_dynamics(press, motion, **acting) if options.forces else None
     with tempfile.TemporaryDirectory() as folder:
         page = options.out or Path(folder, "recording.html")
         record(press, motion, page, reactions=reactions, traces=options.trace)
         size = {} if options.size is None else {"size": options.size}
         if options.png is not None:
-            image(page, options.png, time=_time(motion, at), **size)
+            image(page, options.png, time=instant, **size)
         if options.video is not None:
             shown = {"frames_per_second": options.fps, "slowdown": options.slowdown, "repeats": options.repeats}
             with progress(1.0) as tell:
@@ -117,6 +120,28 @@ def _time(motion: Motion, at: float) -> float:
     if motion.period_turns is None:
         return float(motion.time[np.abs(motion.crank_angle - at).argmin()])
     return float(at / motion.crank_speed[0] % (2 * math.pi * motion.period_turns / abs(motion.crank_speed[0])))
+
+
+def _instant(motion: Motion, text: str) -> float:
+    """Time [s] from the first state of a motion that is not at constant speed, in words."""
+    try:
+        instant = read_quantity(text, "s")
+    except ValueError:
+        instant = math.nan
+    if not 0 <= instant <= (duration := float(motion.time[-1] - motion.time[0])):
+        raise PinpressError(f"--at {text}: with --motion give a time from its first state, from 0 to {duration:g} s")
+    return instant
+
+
+def _place(text: str) -> OfDriver:
+    """Reads an option of `argparse`: the position of a driver, or a time."""
+    try:
+        return driver_position(text)
+    except argparse.ArgumentTypeError:
+        with contextlib.suppress(ValueError):
+            read_quantity(text, "s")
+            return OfDriver(text, CRANK.shown_unit, RAM.shown_unit)
+        raise
 
 
 def _size(words: str) -> tuple[int, int]:

@@ -26,19 +26,21 @@ from . import balance, ratings
 from .words import part_specs
 from .words.options import (
     SIGNS,
-    SPEED,
     Forces,
     add_flywheel_option,
     add_force_options,
     add_joint_option,
+    add_motion_options,
     add_mount_options,
     add_press_options,
     add_trace_option,
     forces,
     load_other,
     load_press,
+    motion_of,
     mounted_press,
     named_point,
+    refuse_beside_motion,
 )
 from .words.units import OfDriver, driver_speed, quantity
 
@@ -75,13 +77,13 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "report",
         help="one page with all that a press does: it moves beside the charts of its motion, forces and ratings",
-        description="Turn a press through one period at constant speed and write a page to open by double click: the press turning with\n"
-        "its forces, charts that follow it, and all that it was computed from.",
+        description="Turn a press through one period at constant speed, or with --motion as a table says, and write a page to open by\n"
+        "double click: the press turning with its forces, charts that follow it, and all that it was computed from.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
+    add_motion_options(parser)
     option("--out", type=Path, metavar="HTML", help="write this page")
     option("--pdf", type=Path, metavar="PDF", help="print it to this file (needs Chromium and pip install 'pinpress[video]')")
     add_force_options(parser)
@@ -126,7 +128,7 @@ def run(options: argparse.Namespace) -> int:
     if options.frame is not None:
         press.refuse_sliding_driver("--frame shows the vibration over turns of a crank: leave it out")
     acting, system = forces(options, press), mounted_press(options, press, options.pad)
-    motion = cycle(press, speed=options.speed.of(press.driver_coordinates[0]), points=states(press, options))
+    motion = motion_of(press, options, options.speed, POINTS)
     reactions = inverse_dynamics(press, motion, **acting)
     results = [*_results(press, reactions, acting, system, options)]
     before = None if options.before is None else press_before(options)
@@ -159,6 +161,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
     """Raise PinpressError where an option is given without the one that it belongs to."""
+    refuse_beside_motion(options, "nominal_force", "flywheel", "motor", "frame", "mount")
     beside = ratings.capacities_given(options)
     if options.nominal_force is None and beside:
         raise PinpressError(f"{beside[0]} is for the ratings: give --nominal-force too, the largest process force at any height")
@@ -307,7 +310,7 @@ def add_before_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_points_option(parser: argparse.ArgumentParser) -> None:
-    """Option of `states`."""
+    """Option --points, of `motion_of`."""
     parser.add_argument("--points", type=int, metavar="N", help=f"number of crank angles of the period (default: {POINTS} a turn)")
 
 
@@ -323,12 +326,5 @@ def permissible(press: Linkage, options: argparse.Namespace) -> PressRatings | N
 def press_before(options: argparse.Namespace) -> Reactions:
     """Another press at the same speed, under the same forces."""
     press = load_other(options, options.before, options.slide)
-    motion = cycle(press, speed=options.speed.of(press.driver_coordinates[0]), points=states(press, options))
+    motion = motion_of(press, options, options.speed, POINTS)
     return inverse_dynamics(press, motion, **forces(options, press))
-
-
-def states(press: Linkage, options: argparse.Namespace) -> int:
-    """Number of states of a period."""
-    if options.points is not None:
-        return int(options.points)
-    return POINTS * (press.period_turns if press.driver_coordinates[0].turns else 1)

@@ -41,7 +41,8 @@ class ExtremeValues(Record, units={"smallest_at": "deg", "largest_at": "deg"}):
         quantity: its name, for example "shaking force, x".
         unit: its unit.
         smallest: smallest value.
-        smallest_at: crank angle of the smallest value, see `Motion.shown_position` [deg; of a driver that slides mm].
+        smallest_at: crank angle of the smallest value, see `Motion.shown_position` [deg; of a driver that slides mm; of
+            several drivers its time, s].
         largest: largest value.
         largest_at: crank angle of the largest value [deg or mm].
         range: largest value less the smallest.
@@ -63,6 +64,11 @@ class ExtremesOverTravel(ExtremeValues, units={"smallest_at": "mm", "largest_at"
     """Extremes of one quantity over a motion of a driver that slides; attributes as of `ExtremeValues`, places in mm."""
 
 
+@dataclass(frozen=True, repr=False)
+class ExtremesOverTime(ExtremeValues, units={"smallest_at": "s", "largest_at": "s"}):
+    """Extremes of one quantity over a motion of several drivers; attributes as of `ExtremeValues`, times in s."""
+
+
 @typed
 def extremes(reactions: Reactions) -> Records[ExtremeValues]:
     """Extremes of slide motion, torques, bearing forces and moments, shaking force and shaking moment, and of a crank speed that varies.
@@ -77,10 +83,11 @@ def extremes(reactions: Reactions) -> Records[ExtremeValues]:
         PinpressError: A value is not finite, or bearings were left out.
     """
     motion = reactions.motion
-    angle = finite("crank angle", motion.shown_position)
+    kind, places = ExtremeValues if motion.driver_coordinates[0].turns else ExtremesOverTravel, finite("crank angle", motion.shown_position)
+    if len(motion.drivers) > 1 and motion._time is not None:  # no one of them tells the states apart
+        kind, places = ExtremesOverTime, motion.time
     series = _series(reactions)
-    kind = ExtremeValues if motion.driver_coordinates[0].turns else ExtremesOverTravel
-    return Records(kind, (_extreme_values(kind, quantity, unit, finite(quantity, values), angle) for quantity, unit, values in series))
+    return Records(kind, (_extreme_values(kind, quantity, unit, finite(quantity, values), places) for quantity, unit, values in series))
 
 
 def _series(reactions: Reactions) -> Iterator[tuple[str, str, Array]]:

@@ -88,8 +88,21 @@ def motion_in_words(motion: Motion) -> str:
     if motion.crank_speed.ndim == 1 and first.turns and is_constant(motion.crank_speed):
         speed = written(motion.crank_speed[0], unit)
         return f"one period at {speed}, {states}" if is_cycle(motion) else f"constant speed, {speed}, {states}"
-    fastest = f"prescribed, {first.part} at up to {written(np.abs(motion.crank_speed).max(), unit, 6)}"
+    fastest = f"prescribed, {_speeds_in_words(motion)}"
     return f"{fastest}, {states}" if motion._time is None else f"{fastest}, over {motion.time[-1] - motion.time[0]:.6g} s, {states}"
+
+
+def _speeds_in_words(motion: Motion) -> str:
+    """How fast every driver is; of many the fastest of those that are like the first."""
+    coordinates = motion.driver_coordinates
+    first, fastest = coordinates[0], np.reshape(np.abs(motion.crank_speed), (-1, len(coordinates))).max(axis=0)
+    if len(coordinates) == 1:
+        return f"{first.part} at up to {written(fastest[0], f'{first.unit}/s', 6)}"
+    if len(coordinates) > FEW:
+        alike = [speed for speed, each in zip(fastest, coordinates, strict=True) if each.unit == first.unit]
+        return f"{len(coordinates)} drivers, {first.part}s at up to {written(max(alike), f'{first.unit}/s', 6)}"
+    parts = zip(motion.drivers, fastest, coordinates, strict=True)
+    return ", ".join(f"{name} at up to {written(speed, f'{each.unit}/s', 6)}" for name, speed, each in parts)
 
 
 def of_loads(loads: Sequence[object]) -> Inputs:

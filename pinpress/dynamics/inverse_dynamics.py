@@ -25,7 +25,7 @@ from ..engines.branch import Branch
 from ..engines.change_points import at_change_point
 from ..engines.engine import Engine
 from ..engines.forces import AppliedConditions, AppliedForce, SomeVectors, Wrenches, compliances
-from ..kinematics.motion import Motion, refuse_other_joints
+from ..kinematics.motion import MOST_IN_TITLE, Motion, refuse_other_joints
 from ..linkage.linkage import Linkage
 from ..linkage.memo import per_linkage
 from ..linkage.mobility import own_axes
@@ -94,9 +94,19 @@ class Reactions(Tabular):
         sizes = {name: float(np.linalg.norm(force, axis=1).max()) for name, force in self.bearing_force.items()}
         worst = max(sizes, key=lambda name: sizes[name], default=None)
         force = "bearings left out" if worst is None else f"largest bearing force {sizes[worst]:.6g} N in {worst}"
-        low, high, effort = self.driving_torque.min(), self.driving_torque.max(), self.motion.driver_coordinates[0]
-        driving = f"driving {effort.effort} {low:.6g} to {high:.6g} {effort.effort_unit}"
-        return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {driving}, {force}"
+        return f"Reactions of {self._press.name}: {len(self.driving_torque)} states, {self._driving_in_words()}, {force}"
+
+    def _driving_in_words(self) -> str:
+        """Between which torques or forces every driver is driven; of many drivers how many there are."""
+        coordinates, drivers = self.motion.driver_coordinates, self.motion.drivers
+        if len(drivers) > MOST_IN_TITLE:
+            return f"{len(drivers)} drivers"
+        efforts = np.reshape(self.driving_torque, (-1, len(drivers))).T
+        of = [f" of {driver}" for driver in drivers] if len(drivers) > 1 else [""]
+        return ", ".join(
+            f"driving {each.effort}{name} {effort.min():.6g} to {effort.max():.6g} {each.effort_unit}"
+            for each, name, effort in zip(coordinates, of, efforts, strict=True)
+        )
 
     @cached_property
     def coupling_torque(self) -> NamedArrays[np.float64]:

@@ -1,6 +1,9 @@
 """The main results over one period of a press, as text."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,23 +21,65 @@ AXES = "xyz"
 CLOSED = 1e-12  # gap [lengths of the linkage] or residual that is rounding
 
 
-def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None = None) -> str:
+@dataclass(frozen=True)
+class Places:
+    """Where a press is in the states of a motion, as tables of peaks say it.
+
+    Attributes:
+        of_what: what tells the states apart: the crank or driver, or the time where there are several drivers.
+        unit: of that.
+        digits: behind the point, in tables.
+        values: (n,) of that [unit].
+        heights: (n,) of the slide above bottom dead centre, or above the lowest state where several drivers move it [m]; None without.
+        bottom: bottom dead centre as a position of the slide [m]; None where there is none.
+    """
+
+    of_what: str
+    unit: str
+    digits: int
+    values: Array
+    heights: Array | None
+    bottom: float | None
+
+    @staticmethod
+    def of(press: Linkage, motion: Motion) -> Places:
+        """The places in the states of a motion."""
+        first, several, ends = motion.driver_coordinates[0], len(motion.drivers) > 1, _dead_centres(press)
+        bottom = None if ends is None else ends.bottom_position
+        heights = None
+        if press.slide is not None and (several or bottom is not None):
+            heights = motion.slide_position - (motion.slide_position.min() if bottom is None else bottom)
+        if several and motion._time is not None:
+            return Places("time", "s", 4, motion.time, heights, bottom)
+        return Places(first.part, first.shown_unit, 2, motion.shown_position, heights, bottom)
+
+    def shown(self, at: int) -> str:
+        """Where it is in a state, in a cell of a table."""
+        return f"{self.values[at]:.{self.digits}f}"
+
+    def said(self, at: int) -> str:
+        """Where it is in a state, in words: "at 30.000 deg, 12.000 mm"."""
+        height = "" if self.heights is None else f", {1e3 * self.heights[at]:9.3f} mm"
+        return f"at {self.values[at]:8.{self.digits + 1}f} {self.unit}{height}"
+
+
+def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None = None, *, prescribed: bool = False) -> str:
     """Stroke, peaks and ranges over the period, with units, crank angles and heights, and how well the equations are fulfilled.
 
-    Peaks are the largest values among the motion's states; dead centres are exact. Heights of the slide are above bottom dead centre. Signs
-    are those of `inverse_dynamics`.
+    Peaks are the largest values among the motion's states; dead centres are exact. Heights of the slide are above bottom dead centre; of a
+    press with several drivers, which has none, above the lowest state. Several drivers have no one crank angle: in its place stand times.
+    Signs are those of `inverse_dynamics`.
 
     Args:
         press: The press.
-        motion: One period at constant speed.
+        motion: The motion, with times.
         reactions: Reactions to this motion.
         utilisation: (n,) process force divided by the permissible force [-]; None: it is not known.
+        prescribed: Whether the motion is any one over time, of one driver or several, and not a period of `cycle`.
     """
     lines = [
-        f"{press.name}: {_speed(press, motion)}",
-        f"  {len(motion.crank_angle)} {motion.driver_coordinates[0].position}s{f' from {press.zero}' if press.zero else ''},"
-        f" engine {reactions.engine!r}",
-        *_slide(press, motion),
+        *(_drivers(press, motion, reactions) if prescribed else _turning_press(press, motion, reactions)),
+        *(_prescribed_slide(press, motion) if prescribed else _slide(press, motion)),
         *process_summary(press, motion, reactions, utilisation),
         *_torque(motion, reactions),
         *_gear_pairs(motion, reactions),
@@ -45,6 +90,31 @@ def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: A
         *checks(press, float(motion.closure_error.max()), reactions),
     ]
     return "\n".join(lines)
+
+
+def _turning_press(press: Linkage, motion: Motion, reactions: Reactions) -> list[str]:
+    """Lines with the speed of a period, and its number of states."""
+    counted = f"{motion.driver_coordinates[0].position}s{f' from {press.zero}' if press.zero else ''}"
+    return [f"{press.name}: {_speed(press, motion)}", f"  {len(motion.crank_angle)} {counted}, engine {reactions.engine!r}"]
+
+
+def _drivers(press: Linkage, motion: Motion, reactions: Reactions) -> list[str]:
+    """Lines with the duration of a prescribed motion, its number of states, and how far and how fast every driver moves."""
+    coordinates, count = motion.driver_coordinates, len(motion.drivers)
+    angles, speeds = (np.reshape(values, (-1, count)).T for values in (motion.crank_angle, motion.crank_speed))
+    rows = [["", "first", "last", "lowest", "highest", "", "fastest", ""]]
+    for name, each, angle, speed in zip(motion.drivers, coordinates, angles, speeds, strict=True):
+        places = (f"{each.scale * place + 0.0:.3f}" for place in (angle[0], angle[-1], angle.min(), angle.max()))
+        unit, size = each.shown_speed
+        rows.append([name, *places, each.shown_unit, f"{speed[np.abs(speed).argmax()] / size:.3f}", unit])
+    counted = f", counted from {press.zero}" if press.zero else ""
+    return [
+        f"{press.name}: a motion of {motion.time[-1] - motion.time[0]:.6g} s",
+        f"  {len(motion.time)} states, engine {reactions.engine!r}",
+        "",
+        f"{'Driver' if count == 1 else 'Drivers'}{counted}",
+        *tables.fitted(rows),
+    ]
 
 
 def _speed(press: Linkage, motion: Motion) -> str:
@@ -65,21 +135,42 @@ def _slide(press: Linkage, motion: Motion) -> list[str]:
         ends = dead_centres(press)
     except PinpressError as error:
         return ["", f"Slide ({press.slide}): {error}"]
-    velocity, acceleration = motion.slide_velocity, motion.slide_acceleration
     coordinate, (down, up) = motion.driver_coordinates[0], directions(press)
-
-    def extreme(name: str, values: Array, unit: str) -> str:
-        return _extreme(name, values, motion, unit, np.argmax, ends)
-
     return [
         "",
         f"Slide ({press.slide}), heights above bottom dead centre",
         tables.entry("stroke", f"{1e3 * ends.stroke:.3f}", "mm"),
         *(_turning(press, motion, ends, down, up) if coordinate.turns else _sliding(coordinate, ends)),
-        extreme("fastest, working stroke", -velocity, "m/s"),
-        extreme("fastest, return stroke", velocity, "m/s"),
-        extreme("largest acceleration up" if up == "up" else "acceleration towards top", acceleration, "m/s2"),
-        extreme("largest acceleration down" if down == "down" else "... towards bottom", -acceleration, "m/s2"),
+        *_fastest(press, motion, Places.of(press, motion)),
+    ]
+
+
+def _fastest(press: Linkage, motion: Motion, places: Places) -> list[str]:
+    """Lines with the largest speeds and accelerations of the slide both ways."""
+    velocity, acceleration, (down, up) = motion.slide_velocity, motion.slide_acceleration, directions(press)
+    quantities = [
+        ("fastest, working stroke", -velocity, "m/s"),
+        ("fastest, return stroke", velocity, "m/s"),
+        ("largest acceleration up" if up == "up" else "acceleration towards top", acceleration, "m/s2"),
+        ("largest acceleration down" if down == "down" else "... towards bottom", -acceleration, "m/s2"),
+    ]
+    return [_extreme(name, values, unit, np.argmax, places) for name, values, unit in quantities]
+
+
+def _prescribed_slide(press: Linkage, motion: Motion) -> list[str]:
+    """Lines with where the slide is in a prescribed motion, and how fast."""
+    if press.slide is None:
+        return []
+    places, position = Places.of(press, motion), motion.slide_position
+    low, high = int(position.argmin()), int(position.argmax())
+    above = "its lowest place in this motion" if places.bottom is None else "bottom dead centre"
+    return [
+        "",
+        f"Slide ({press.slide}), heights above {above}",
+        tables.entry("way", f"{1e3 * (position[high] - position[low]):.3f}", "mm"),
+        tables.entry("lowest position", f"{1e3 * position[low]:.3f}", "mm", places.said(low)),
+        tables.entry("highest position", f"{1e3 * position[high]:.3f}", "mm", places.said(high)),
+        *_fastest(press, motion, places),
     ]
 
 
@@ -87,19 +178,21 @@ def process_summary(press: Linkage, motion: Motion, reactions: Reactions, utilis
     """Lines with the largest force and the work of the process; none without a process. Arguments as of `summary`."""
     if not reactions.process_force.any():
         return []
-    ends, work = _dead_centres(press), reactions.process_work
+    ends, work, places = _dead_centres(press), reactions.process_work, Places.of(press, motion)
     turns = motion.period_turns if ends is None or motion.period_turns is None else ends.turns
     work *= (turns or 1) / (motion.period_turns or 1)
     scale = tables.scale("J", [work])
     lines = [
         "",
         "Process (force of the loads between slide and frame)",
-        _extreme("largest force", reactions.process_force, motion, "N", np.argmax, ends),
-        tables.entry("work", scale.shown(work), scale.unit, "a stroke" if ends else "a period"),
+        _extreme("largest force", reactions.process_force, "N", np.argmax, places),
+        tables.entry(
+            "work", scale.shown(work), scale.unit, "a stroke" if ends else "a period" if motion.period_turns else "in this motion"
+        ),
     ]
     if utilisation is not None:
         at = int(np.argmax(utilisation))
-        lines.append(tables.entry("of the permissible force", f"{100 * utilisation[at]:.2f}", "%", _place(motion, at, ends)))
+        lines.append(tables.entry("of the permissible force", f"{100 * utilisation[at]:.2f}", "%", places.said(at)))
     return lines
 
 
@@ -129,24 +222,29 @@ def _sliding(coordinate: DriverCoordinate, ends: DeadCentres) -> list[str]:
 
 
 def _torque(motion: Motion, reactions: Reactions) -> list[str]:
-    torque, coordinate = reactions.driving_torque, motion.driver_coordinates[0]
-    rms = float(np.sqrt(np.mean(torque**2)))
-    scale = tables.scale(coordinate.effort_unit, [float(np.abs(torque).max())])
-    return [
-        "",
-        f"Driving {coordinate.effort} (on the driver, along its axis)",
-        _extreme("largest", torque, motion, coordinate.effort_unit, np.argmax),
-        _extreme("smallest", torque, motion, coordinate.effort_unit, np.argmin),
-        tables.entry("rms", scale.shown(rms), scale.unit),
-        _extreme("largest power", torque * motion.crank_speed, motion, "W", np.argmax),
-    ]
+    coordinates, places = motion.driver_coordinates, replace(Places.of(reactions._press, motion), heights=None)
+    torques, speeds = (np.reshape(values, (-1, len(coordinates))).T for values in (reactions.driving_torque, motion.crank_speed))
+    lines: list[str] = []
+    for driver, coordinate, torque, speed in zip(motion.drivers, coordinates, torques, speeds, strict=True):
+        scale = tables.scale(coordinate.effort_unit, [float(np.abs(torque).max())])
+        of = f" of {driver}" if len(coordinates) > 1 else ""
+        lines += [
+            "",
+            f"Driving {coordinate.effort}{of} (on the driver, along its axis)",
+            _extreme("largest", torque, coordinate.effort_unit, np.argmax, places),
+            _extreme("smallest", torque, coordinate.effort_unit, np.argmin, places),
+            tables.entry("rms", scale.shown(float(np.sqrt(np.mean(torque**2)))), scale.unit),
+            _extreme("largest power", torque * speed, "W", np.argmax, places),
+        ]
+    return lines
 
 
 def _gear_pairs(motion: Motion, reactions: Reactions) -> list[str]:
     lines = ["", "Gear pairs (torque on the joint that mimics, along its axis)"] if reactions.coupling_torque else []
+    places = replace(Places.of(reactions._press, motion), heights=None)
     for name, torque in reactions.coupling_torque.items():
-        lines += [_extreme(f"{name}, largest", torque[:, 0], motion, "N m", np.argmax)]
-        lines += [_extreme(f"{name}, smallest", torque[:, 0], motion, "N m", np.argmin)]
+        lines += [_extreme(f"{name}, largest", torque[:, 0], "N m", np.argmax, places)]
+        lines += [_extreme(f"{name}, smallest", torque[:, 0], "N m", np.argmin, places)]
     return lines
 
 
@@ -161,14 +259,17 @@ def bearing_table(reactions: Reactions) -> list[str]:
     forces = tables.scale("N", [largest], ROUNDING * largest)
     turning = tables.scale("N m", moments, ROUNDING * largest * press.size)
     axes = [i for i in range(3) if any(np.abs(reactions.bearing_force[name][:, i]).max() > forces.least for name in names)]
-    ends = _dead_centres(press)
-    first = motion.driver_coordinates[0]
-    heads = [f"peak force [{forces.unit}]", f"at {first.part} [{first.shown_unit}]", *(["height [mm]"] if ends else [])]
+    places = Places.of(press, motion)
+    heads = [
+        f"peak force [{forces.unit}]",
+        f"at {places.of_what} [{places.unit}]",
+        *(["height [mm]"] if places.heights is not None else []),
+    ]
     heads += [*(f"range {AXES[i]} [{forces.unit}]" for i in axes), f"peak moment [{turning.unit}]"]
     rows = [["", *heads]]
     for name, moment in zip(names, moments, strict=True):
         at = int(sizes[name].argmax())
-        place = [f"{_shown(motion, at):.2f}", *([f"{1e3 * (motion.slide_position[at] - ends.bottom_position):.3f}"] if ends else [])]
+        place = [places.shown(at), *([] if places.heights is None else [f"{1e3 * places.heights[at]:.3f}"])]
         if sizes[name][at] <= forces.least:
             place = ["-"] * len(place)
         ranges = [forces.shown(float(np.ptp(reactions.bearing_force[name][:, i]))) for i in axes]
@@ -206,19 +307,7 @@ def _dead_centres(press: Linkage) -> DeadCentres | None:
         return None
 
 
-def _extreme(
-    name: str, values: Array, motion: Motion, unit: str, choose: Callable[[Array], np.intp], ends: DeadCentres | None = None
-) -> str:
-    """A line with an extreme of a quantity [SI unit] and the crank angle where it is reached, with dead centres the slide's height too."""
+def _extreme(name: str, values: Array, unit: str, choose: Callable[[Array], np.intp], places: Places) -> str:
+    """A line with an extreme of a quantity [SI unit] and where the press is then."""
     at, scale = int(choose(values)), tables.scale(unit, [float(np.abs(values).max())])
-    return tables.entry(name, scale.shown(float(values[at])), scale.unit, _place(motion, at, ends))
-
-
-def _place(motion: Motion, at: int, ends: DeadCentres | None) -> str:
-    """The crank angle of a state, with dead centres the slide's height too."""
-    height = "" if ends is None else f", {1e3 * (motion.slide_position[at] - ends.bottom_position):9.3f} mm"
-    return f"at {_shown(motion, at):8.3f} {motion.driver_coordinates[0].shown_unit}{height}"
-
-
-def _shown(motion: Motion, at: int) -> float:
-    return float(motion.shown_position[at])
+    return tables.entry(name, scale.shown(float(values[at])), scale.unit, places.said(at))

@@ -335,6 +335,8 @@ def said_in_a_line(facts: Facts) -> str:
     data = facts.data
     if facts.mobility != len(facts.drivers):
         return f"mobility {facts.mobility}"
+    if len(facts.drivers) > 1 and data.no_stroke is not None:
+        return data.no_stroke
     if data.turns_between is not None:
         low, high = (data.coordinate.shown(end, ".2f") for end in data.turns_between)
         return f"locks: {facts.drivers[0]} moves only from {low} to {high}"

@@ -44,6 +44,7 @@ TOO_FAST = 1e300  # rates of joints from which on their sums may be too large fo
 POINTS = 360  # states of a turn by default
 GRIDS_KEPT = 4  # grids of crank angles whose closures stay with a linkage
 MOST_KEPT = 2**15  # joint coordinates of such a grid: some 10 megabytes with all that belongs to them, 15 in space
+MOST_IN_TITLE = 3  # drivers whose ranges are written out in a title
 MOST_POINTS = 10**7  # most states of one period: half a gigabyte for every quantity of a six-bar press
 
 
@@ -106,10 +107,19 @@ class Motion(Tabular):
 
     @property
     def title(self) -> str:
-        first = self.driver_coordinates[0]
-        low, high = (f"{end(self.crank_angle) * first.scale:.6g}" for end in (np.min, np.max))
         slide = "" if self._guide is None else f", slide at {self.slide_position.min():.6g} to {self.slide_position.max():.6g} m"
-        return f"Motion of {self.linkage}: {len(self.crank_angle)} states, {first.part} at {low} to {high} {first.shown_unit}{slide}"
+        return f"Motion of {self.linkage}: {len(self.crank_angle)} states, {self._drivers_in_words()}{slide}"
+
+    def _drivers_in_words(self) -> str:
+        """Between which places every driver moves; of many drivers how many there are."""
+        coordinates, several = self.driver_coordinates, len(self.drivers) > 1
+        if len(coordinates) > MOST_IN_TITLE:
+            return f"{len(coordinates)} drivers"
+        places = np.reshape(self.crank_angle, (-1, len(coordinates))).T
+        ranges = (f"{at.min() * each.scale:.6g} to {at.max() * each.scale:.6g}" for at, each in zip(places, coordinates, strict=True))
+        names = self.drivers if several else (coordinates[0].part,)
+        parts = zip(names, ranges, coordinates, strict=True)
+        return ", ".join(f"{name} at {ends} {each.shown_unit}" for name, ends, each in parts)
 
     def states(self, press: Linkage) -> ClosedStates:
         """The states as an engine takes them, with what it kept when it closed them for this very linkage."""

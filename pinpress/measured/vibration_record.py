@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..common import tables
 from ..common.arguments import expect, number, numbers, typed, whole_number
+from ..common.column_files import parted
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import RPM
 from ..common.results import Tabular
@@ -25,7 +26,6 @@ from ..foundation.free_decay import logarithmic_decrement
 from ..foundation.mounted_press import VibrationModes
 from .accelerometers import Accelerometer, Source, VibrationRun, points_of, run_of
 from .hit_modes import MeasuredModes, hit_modes
-from .record_files import parted
 from .vibration_spectra import OrderSpectra, Spectra, order_spectra, spectra
 
 

@@ -283,7 +283,9 @@ def drawn_from(entries: Entry) -> DrawnPress:
 
 
 def _positions(press: Linkage) -> Array:
-    """Joint positions (n, nv) over a turn, or in the drawn pose where the press cannot turn round."""
+    """Joint positions (n, nv) over a turn, or in the drawn pose where the press cannot turn round or has several drivers."""
+    if len(press.drivers) > 1:
+        return press.closed[None]
     try:
         return cycle(press, speed=1.0, points=24).joint_position
     except (AssemblyError, SingularityError):

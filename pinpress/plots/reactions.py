@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,6 +16,7 @@ from ..dynamics.extremes import AXES
 from ..dynamics.harmonics import HarmonicAnalysis, harmonics, last_period
 from ..dynamics.inverse_dynamics import Reactions
 from ..kinematics.motion import Motion
+from ..simulation.run import Run
 from ..visual import charts
 from ..visual.charts import Chart, ChartCurve, Locus
 from .style import (
@@ -61,11 +62,12 @@ LARGEST = 8.0  # longest side of a diagram [cm]
 
 @typed
 def slide(motion: Motion, *, ax: Iterable[Axes] | None = None) -> Figure:
-    """Draw position, velocity and acceleration of the slide, and the speed of the crank where it is not constant.
+    """Draw position, velocity and acceleration of the slide, and the speed of the crank, or of several drivers, where it is not constant.
 
     Args:
         motion: result of `cycle`, `simulate` or `steady_state`.
-        ax: the caller's axes, three, and one more for a speed that is not constant; by default those of a new figure.
+        ax: the caller's axes, three, and one more for speeds that are not constant, of drivers that turn and of those that slide; by
+            default those of a new figure.
 
     Raises:
         PinpressError: the linkage has no slide, a value is not finite, ``ax`` are not as many axes as charts, or Matplotlib is not
@@ -74,22 +76,21 @@ def slide(motion: Motion, *, ax: Iterable[Axes] | None = None) -> Figure:
     shown = [*charts.slide(motion)]
     if not shown:
         _ = motion.slide_position  # raises, as there is no slide
-    speed = charts.crank_speed(motion)
-    return _stacked(motion, shown if speed is None else [*shown, speed], ax, 4.2)
+    return _stacked(motion, [*shown, *charts.driver_speeds(motion)], ax, 4.2)
 
 
 @typed
-def torque(reactions: Reactions, *, ax: Axes | None = None) -> Figure:
-    """Draw the driving torque of every driver, and for a run also the torque of its drive.
+def torque(reactions: Reactions, *, ax: Axes | Iterable[Axes] | None = None) -> Figure:
+    """Draw the driving torque of every driver, and for a run also the torque of its drive; of drivers that slide the forces.
 
     Args:
         reactions: result of `inverse_dynamics`.
-        ax: the caller's axes; by default those of a new figure.
+        ax: the caller's axes, two where some drivers turn and some slide; by default those of a new figure.
 
     Raises:
         PinpressError: a value is not finite, ``ax`` are no axes, or Matplotlib is not installed.
     """
-    return _stacked(reactions.motion, [charts.torque(reactions)], ax, 6.0)
+    return _stacked(reactions.motion, [*charts.driving(reactions)], ax, 6.0)
 
 
 @typed
@@ -296,15 +297,20 @@ class _Pair(NamedTuple):
 
 
 def _torques(before: Reactions, after: Reactions) -> list[_Pair]:
-    """Driving torques of the drivers that both have."""
-    first, second = (_without_drive(reactions) for reactions in (before, after))
-    several = len(first.curves) > 1
-    return [pair._replace(title=f"{first.title} {pair.title}" if several else first.title) for pair in _pairs(first, second)]
+    """Driving torques and forces of the drivers that both have."""
+    known, several = {chart.title: chart for chart in _without_drives(after)}, len(before.motion.drivers) > 1
+    return [
+        pair._replace(title=f"{first.title} {pair.title}" if several else first.title)
+        for first in _without_drives(before)
+        if first.title in known
+        for pair in _pairs(first, known[first.title])
+    ]
 
 
-def _without_drive(reactions: Reactions) -> Chart:
-    chart = charts.torque(reactions)
-    return replace(chart, curves=chart.curves[: len(reactions.motion.drivers)])
+def _without_drives(reactions: Reactions) -> Iterator[Chart]:
+    for chart in charts.driving(reactions):
+        with_drives = isinstance(reactions.motion, Run)  # a curve of the drive behind each of a driver
+        yield replace(chart, curves=chart.curves[: len(chart.curves) // 2]) if with_drives else chart
 
 
 def _shaking(before: Reactions, after: Reactions) -> list[_Pair]:

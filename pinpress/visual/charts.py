@@ -13,7 +13,7 @@ import numpy as np
 from ..common.arguments import expect
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import read_only
-from ..common.quantities import RPM, Array
+from ..common.quantities import RPM, Array, DriverCoordinate
 from ..dynamics.applied_loads import turning_points
 from ..dynamics.extremes import AXES, ROUNDING, finite, finite_forces, held_moments, is_constant, rounding, torque_without_rounding
 from ..dynamics.inverse_dynamics import Reactions
@@ -161,25 +161,27 @@ def slide(motion: Motion, bottom: float | None = None) -> tuple[Chart, ...]:
     return position, *(_chart(f"Slide {quantity}", quantity, {quantity: values}) for quantity, values in series)
 
 
-def crank_speed(motion: Motion) -> Chart | None:
-    """Chart of the speed of every driver that turns, or slides, as the first does, where one is not constant; else None."""
-    first = motion.driver_coordinates[0]
-    curves = _by_driver(f"{first.part} speed", motion, motion.crank_speed)
-    if all(is_constant(finite("crank speed", values)) for values in curves.values()):
-        return None
-    return _chart(f"{first.part.capitalize()} speed", "speed" if first.turns else "velocity", curves)
+def driver_speeds(motion: Motion) -> tuple[Chart, ...]:
+    """Charts of the speeds of the drivers that turn and of those that slide, a curve a driver, where one of them is not constant."""
+    found = []
+    for kind in _kinds(motion):
+        curves = _by_driver(f"{kind.part} speed", motion, motion.crank_speed, kind)
+        if not all(is_constant(finite("crank speed", values)) for values in curves.values()):
+            found.append(_chart(f"{kind.part.capitalize()} speed", "speed" if kind.turns else "velocity", curves))
+    return tuple(found)
 
 
-def torque(reactions: Reactions) -> Chart:
-    """Chart of the driving torque, a curve a driver; for a `Run` also the torque of its drive, which turns the flywheel too. Where the
-    first driver slides, it is the driving force."""
-    motion = _motion_of(reactions)
-    effort = motion.driver_coordinates[0].effort
-    curves = _by_driver(f"driving {effort}", motion, torque_without_rounding(reactions))
-    if isinstance(motion, Run):
-        drives = _by_driver("drive", motion, motion.drive_torque)
-        curves |= {name if name == "drive" else f"drive of {name}": values for name, values in drives.items()}
-    return _chart(f"Driving {effort}", effort, curves)
+def driving(reactions: Reactions) -> tuple[Chart, ...]:
+    """Charts of the driving torques of the drivers that turn, and of the driving forces of those that slide, a curve a driver; for a `Run`
+    also of the torques and forces of its drives, which turn the flywheels too."""
+    motion, found = _motion_of(reactions), []
+    for kind in _kinds(motion):
+        curves = _by_driver(f"driving {kind.effort}", motion, torque_without_rounding(reactions), kind)
+        if isinstance(motion, Run):
+            drives = _by_driver("drive", motion, motion.drive_torque, kind)
+            curves |= {name if name == "drive" else f"drive of {name}": values for name, values in drives.items()}
+        found.append(_chart(f"Driving {kind.effort}", kind.effort, curves))
+    return tuple(found)
 
 
 def _motion_of(reactions: Reactions) -> Motion:
@@ -312,12 +314,16 @@ def _clean(vector: Array, least: float) -> Array:
     return np.where(np.abs(vector).max(axis=0) > least, vector, 0.0)
 
 
-def _by_driver(name: str, motion: Motion, values: Array) -> dict[str, Array]:
-    """A curve (n,) by its name; for several drivers (n, drivers) curves by the names of those that turn, or slide, as the first does."""
+def _kinds(motion: Motion) -> list[DriverCoordinate]:
+    """The kinds of drivers that there are, that of the first one first."""
+    return list(dict.fromkeys(motion.driver_coordinates))
+
+
+def _by_driver(name: str, motion: Motion, values: Array, kind: DriverCoordinate) -> dict[str, Array]:
+    """A curve (n,) by its name; for several drivers (n, drivers) curves by the names of those of one kind."""
     if values.ndim == 1:
         return {name: values}
-    kinds = motion.driver_coordinates
-    return {driver: values[:, i] for i, driver in enumerate(motion.drivers) if kinds[i] == kinds[0]}
+    return {driver: values[:, i] for i, driver in enumerate(motion.drivers) if motion.driver_coordinates[i] == kind}
 
 
 def _chart(title: str, quantity: str, series: Mapping[str, Array]) -> Chart:

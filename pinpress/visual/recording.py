@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 PER_TURN = 360  # key frames a turn; between keys 1 degree apart a crank pin leaves its circle by 0.004 % of the crank radius
 FEWEST_PER_TURN = 36  # key frames a turn of a long motion; the pin leaves its circle by 0.4 %
-BACK = 1e-2  # share of travel and speed by which a driver that slides may miss its first state, one step after the last
+BACK = 1e-2  # share of the largest travel and speed by which joints may miss their first state, one step after the last
 FARTHEST = np.pi / 2  # largest angle between states, which are joined by straight lines [rad]
 MOST = 20_000  # key frames; they keep the page of a long run below 20 MB
 BEHIND = 0.01  # share of the linkage's size by which links must stand behind the frame to be seen from there
@@ -251,13 +251,13 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     refuse_motion_of_another(press, motion)
     time = motion.time - motion.time[0]
     crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
-    period = _period(press, motion)
-    last = _time_back(motion, time) if period is None else _closing_time(time, crank, period)
+    period, first = _period(press, motion), motion.driver_coordinates[0]  # there and back is the turn of a driver that slides
+    last = _time_back(press, motion, time) if period is None else _closing_time(time, crank, period)
     order = np.arange(len(time))
     if last is not None:  # the first state once more, so that the loop has no jump
         order, time = np.append(order, 0), np.append(time, last)
-        crank = np.append(crank, crank[0] + np.sign(crank[-1] - crank[0]) * (period or 0.0))
-    first = motion.driver_coordinates[0]  # there and back is the turn of a driver that slides
+        whole = 0.0 if not first.turns else 2 * np.pi * np.rint((crank[-1] - crank[0]) / (2 * np.pi))
+        crank = np.append(crank, crank[0] + (whole if period is None else np.sign(crank[-1] - crank[0]) * period))
     turns = float(np.abs(np.diff(crank)).sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))
     if turns * FEWEST_PER_TURN > MOST:
         raise PinpressError(
@@ -321,14 +321,21 @@ def _closing_time(time: Array, crank: Array, period: float) -> float | None:
     return float(time[-1] * (1 + gap / turned)) if len(time) > 2 and 1e-6 * step < gap <= 1.001 * step else None
 
 
-def _time_back(motion: Motion, time: Array) -> float | None:
-    """Time at which the first state comes again [s], one step after the last, if one driver slides and is back then; else None."""
-    x, v, a = motion.crank_angle, motion.crank_speed, motion.crank_acceleration
-    if motion.driver_coordinates[0].turns or x.ndim > 1 or len(time) < 3:
+def _time_back(press: Linkage, motion: Motion, time: Array) -> float | None:
+    """Time at which the first state comes again [s], one step after the last, if several drivers move, or one that slides, and all joints
+    are back then, those that turn after whole turns; else None."""
+    x, v, a = motion.joint_position, motion.v, motion.a
+    if (len(motion.drivers) == 1 and motion.driver_coordinates[0].turns) or len(time) < 3 or not motion.crank_speed.any():
         return None
     step = float(time[-1] - time[-2])
-    missed = x[0] - x[-1] - 0.5 * step * (v[0] + v[-1]), v[0] - v[-1] - 0.5 * step * (a[0] + a[-1])
-    back = abs(missed[0]) <= BACK * np.ptp(x) and abs(missed[1]) <= BACK * np.abs(v).max() and v.any()
+    short, slow = x[0] - x[-1] - 0.5 * step * (v[0] + v[-1]), v[0] - v[-1] - 0.5 * step * (a[0] + a[-1])
+    turning = np.array([axis.turns for axis in press.axes])
+    short = np.where(turning, (short + np.pi) % (2 * np.pi) - np.pi, short)
+    back = all(
+        np.all(np.abs(missed[kind]) <= BACK * np.max(size[kind], initial=0.0))
+        for missed, size in ((short, np.ptp(x, axis=0)), (slow, np.abs(v).max(axis=0)))
+        for kind in (turning, ~turning)
+    )
     return float(time[-1]) + step if back else None
 
 

@@ -288,10 +288,10 @@ def test_values_are_those_of_the_arrays():
     assert [(c.title, c.unit) for c in slide] == [("Slide position", "mm"), ("Slide velocity", "m/s"), ("Slide acceleration", "m/s²")]
     np.testing.assert_allclose(slide[0].curves[0].values, 1e3 * motion.slide_position, rtol=1e-15)
     np.testing.assert_array_equal(slide[2].curves[0].values, motion.slide_acceleration)
-    np.testing.assert_allclose(raw(charts.torque(result))["driving torque"], result.driving_torque, rtol=1e-15)
+    np.testing.assert_allclose(raw(charts.driving(result)[0])["driving torque"], result.driving_torque, rtol=1e-15)
     for name, values in raw(charts.bearing(result)).items():
         np.testing.assert_allclose(values, np.linalg.norm(result.bearing_force[name], axis=1), rtol=1e-12)
-    assert charts.torque(result).unit == "kN m"
+    assert charts.driving(result)[0].unit == "kN m"
     assert charts.bearing(result).unit == "kN"
     for chart, vector in (
         (charts.components(result, "D"), result.bearing_force["D"]),
@@ -302,7 +302,7 @@ def test_values_are_those_of_the_arrays():
         assert list(shown) == (["y"] if "moment" in chart.title else ["x", "z"])  # a planar press; what is left out is zero
         for axis, values in shown.items():
             np.testing.assert_allclose(values, vector[:, "xyz".index(axis)], rtol=1e-14)
-    assert charts.crank_speed(motion) is None
+    assert charts.driver_speeds(motion) == ()
 
 
 @pytest.mark.parametrize(("size", "unit"), [(0.0, "N"), (5e4, "kN"), (1e8, "MN")])
@@ -318,10 +318,10 @@ def test_units_by_size(size, unit):
 @pytest.mark.exhaustive
 def test_a_run_has_its_drive_and_speed():
     result = loaded_run()
-    chart = charts.torque(result)
+    (chart,) = charts.driving(result)
     assert [curve.name for curve in chart.curves] == ["driving torque", "drive"]
     np.testing.assert_allclose(raw(chart)["drive"], result.motion.drive_torque, rtol=1e-14)
-    speed = charts.crank_speed(result.motion)
+    (speed,) = charts.driver_speeds(result.motion)
     assert speed.unit == "r/min"
     np.testing.assert_allclose(raw(speed)["crank speed"], result.motion.crank_speed, rtol=1e-14)
 
@@ -329,11 +329,11 @@ def test_a_run_has_its_drive_and_speed():
 def test_several_drivers(legs):
     run = pp.simulate(legs, 0.01, points=5, method="constraint", drive={legs.drivers[3]: pp.drives.ConstantTorque(2.0)})
     result = pp.inverse_dynamics(legs, run)
-    shown = raw(charts.torque(result))
+    shown = raw(charts.driving(result)[0])
     assert list(shown) == [*legs.drivers, *(f"drive of {name}" for name in legs.drivers)]
     np.testing.assert_array_equal(shown[f"drive of {legs.drivers[3]}"], 2.0)
     np.testing.assert_allclose(shown[legs.drivers[3]], result.driving_torque[:, 3], rtol=1e-15)
-    assert [curve.name for curve in charts.crank_speed(run).curves] == list(legs.drivers)
+    assert [curve.name for curve in charts.driver_speeds(run)[0].curves] == list(legs.drivers)
     assert charts.slide(run) == ()
     table = {row.quantity: row for row in extremes(result)}
     assert table[f"drive torque of {legs.drivers[3]}"].smallest == 2.0
@@ -541,10 +541,10 @@ def test_not_finite():
             lambda: charts.abscissa(replace(motion, crank_speed=np.arange(8.0), _time=spoiled(motion.time, 5))),
             "time is not finite at index 5",
         ),
-        (lambda: charts.crank_speed(replace(motion, crank_speed=spoiled(motion.crank_speed, 2))), "crank speed is not finite at index 2"),
+        (lambda: charts.driver_speeds(replace(motion, crank_speed=spoiled(motion.crank_speed, 2))), "crank speed is not finite at index 2"),
     ]
     bad = replace(result, driving_torque=spoiled(result.driving_torque, 4))
-    cases += [(lambda: charts.torque(bad), "driving torque is not finite at index 4")]
+    cases += [(lambda: charts.driving(bad), "driving torque is not finite at index 4")]
     cases += [(lambda: extremes(bad), "driving torque is not finite at index 4")]
     force = {name: spoiled(values, 6) if name == "P" else values for name, values in result.bearing_force.items()}
     worse = replace(result, bearing_force=force)

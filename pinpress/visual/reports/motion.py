@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 MOST_POINTS = 5000  # states of which each is a point of the process force over the height
 HEIGHT = "slide height"
+DIGITS = {"deg": 1, "mm": 1, "s": 4}  # behind the point, of places by their unit
 
 
 def sections(shown: Shown, before: Shown | None, ratings: PressRatings | None) -> list[Section]:
@@ -43,7 +44,7 @@ def sections(shown: Shown, before: Shown | None, ratings: PressRatings | None) -
     named: list[tuple[str, list[Block]]] = [
         ("Slide", drawn(*charts.slide(motion, shown.bottom))),
         ("Process", [*drawn(charts.process(reactions)), *heights]),
-        ("Drive", [*drawn(charts.torque(reactions), charts.crank_speed(motion)), *run, *driving.energy(reactions)]),
+        ("Drive", [*drawn(*charts.driving(reactions), *charts.driver_speeds(motion)), *run, *driving.energy(reactions)]),
         ("Bearings and guides", [*drawn(charts.bearing(reactions), charts.bearing_moment(reactions)), *bearings]),
         ("Foundation", [*drawn(charts.shaking(reactions), charts.shaking_moment(reactions)), *([] if found is None else [found])]),
     ]
@@ -56,8 +57,8 @@ def _charts(shown: Shown) -> list[Chart]:
     some = [
         *charts.slide(reactions.motion, shown.bottom),
         charts.process(reactions),
-        charts.torque(reactions),
-        charts.crank_speed(reactions.motion),
+        *charts.driving(reactions),
+        *charts.driver_speeds(reactions.motion),
         charts.bearing(reactions),
         charts.bearing_moment(reactions),
         charts.shaking(reactions),
@@ -174,14 +175,17 @@ def figures(shown: Shown) -> list[Figure]:
     found = []
     if travel := by_name.get(HEIGHT) or by_name.get("slide position"):
         found.append(Figure("slide travel", with_prefix(1e-3 * travel.range, "m")))
-    torques = [value for value in values if value.quantity.startswith("driving ")]
+    efforts = [f"driving {kind}" for kind in dict.fromkeys(each.effort for each in shown.motion.driver_coordinates)]
+    of_drivers = [(f"largest {effort}", [value for value in values if value.quantity.startswith(effort)]) for effort in efforts]
     forces = [value for value in values if value.quantity.startswith("force in ") and value.quantity.endswith(", magnitude")]
-    for name, some in ((f"largest {torques[0].quantity}" if torques else "", torques), ("largest bearing force", forces)):
+    for name, some in (*of_drivers, ("largest bearing force", forces)):
         if some:
             most = max(some, key=lambda value: max(abs(value.smallest), abs(value.largest)))
             size, at = max((abs(most.smallest), most.smallest_at), (abs(most.largest), most.largest_at))
-            where = most.quantity.removeprefix("force in ").removesuffix(", magnitude") + ", " if "bearing" in name else ""
-            found.append(Figure(name, with_prefix(size, most.unit), f"{where}at {at:.1f}{'°' if unit == 'deg' else f' {unit}'}"))
+            whose = most.quantity.removeprefix("force in ").removesuffix(", magnitude")
+            whose = whose if some is forces else whose.partition(" of ")[2]
+            place = f"at {at:.{DIGITS[unit]}f}{'°' if unit == 'deg' else f' {unit}'}"
+            found.append(Figure(name, with_prefix(size, most.unit), f"{whose}, {place}" if whose else place))
     for axis in "xyz":
         if value := by_name.get(f"shaking force, {axis}"):
             found.append(Figure(f"shaking force {axis}, range", with_prefix(value.range, value.unit)))
@@ -223,7 +227,8 @@ def table_of_extremes(shown: Shown, before: Shown | None) -> Section:
         others = [] if before is None or value.quantity not in known else [known[value.quantity].range]
         numbers = alike([factor * each for each in (value.smallest, value.largest, value.range, value.rms, *others)])
         beside = [] if before is None else [*numbers[4:], _change(value, *others)] if others else ["", ""]
-        places = (f"{value.smallest_at:.1f}", f"{value.largest_at:.1f}")
+        digits = DIGITS[value.units["smallest_at"]]
+        places = (f"{value.smallest_at:.{digits}f}", f"{value.largest_at:.{digits}f}")
         rows.append([f"{value.quantity} [{unit}]", numbers[0], places[0], numbers[1], places[1], numbers[2], *beside, numbers[3]])
     return Section("Extremes", [Table("", heads, rows)])
 
@@ -241,9 +246,9 @@ def _units(shown: Shown) -> dict[str, tuple[str, float]]:
         if chart is not None and chart.quantity in ("force", "torque", "moment"):
             found.update(dict.fromkeys(names, (chart.unit, charts.factor(chart.quantity, chart.unit))))
 
-    drivers, torque = reactions.motion.drivers, charts.torque(reactions)
-    efforts = [f"{what} {torque.quantity}" for what in ("driving", "drive")]
-    take(torque, *efforts, *(f"{effort} of {driver}" for effort in efforts for driver in drivers))
+    for chart in charts.driving(reactions):
+        efforts = [f"{what} {chart.quantity}" for what in ("driving", "drive")]
+        take(chart, *efforts, *(f"{effort} of {driver}" for effort in efforts for driver in reactions.motion.drivers))
     take(charts.bearing(reactions), *(f"force in {name}" for name in reactions.bearing_force))
     take(charts.bearing_moment(reactions), *(f"moment in {name}" for name in reactions.bearing_force))
     take(charts.shaking(reactions), "shaking force")

@@ -80,7 +80,7 @@ def in_words(motion: Motion) -> str:
     """What the motion is."""
     if isinstance(motion, Run):
         return f"simulated run of {motion.time[-1]:.6g} s"
-    if motion.crank_speed.ndim == 1 and charts.crank_speed(motion) is None:
+    if motion.crank_speed.ndim == 1 and not charts.driver_speeds(motion):
         speed = float(motion.crank_speed[0])
         moving = f"crank at {speed / RPM:.6g} r/min" if motion.driver_coordinates[0].turns else f"driver at {1e3 * speed:.6g} mm/s"
         return moving.replace("-", "\u2212")

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..common import files
-from ..common.errors import PinpressError, UnknownNameError, said, shown
-from ..common.quantities import Array
+from . import files
+from .errors import PinpressError, UnknownNameError, said, shown
+from .quantities import Array
 
 LARGEST_FILE = 2 * 10**9  # bytes
 TIMES = ("time", "t", "zeit", "timestamp", "timestamps")  # names of the column of the time, without its unit
@@ -88,7 +88,7 @@ def read(file: str | os.PathLike[str], wanted: Iterable[str]) -> Channels:
     readers = {".csv": _csv, ".txt": _csv, ".parquet": _parquet, ".mat": _mat, ".mf4": _mdf}
     ending = Path(path).suffix.lower()
     if ending not in readers:
-        raise PinpressError(f"{path} ends in {ending or 'nothing'}: records are read from {', '.join(readers)}; export it as one of these")
+        raise PinpressError(f"{path} ends in {ending or 'nothing'}: columns are read from {', '.join(readers)}; export it as one of these")
     try:
         content = files.read(path, LARGEST_FILE)
     except (OSError, ValueError) as error:
