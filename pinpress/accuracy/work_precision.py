@@ -116,8 +116,7 @@ def compare(
 
 def _checked(press: Linkage, speed: object, points: object, repeats: object, scenes: Sequence[str]) -> float:
     """The speed as a number, after all arguments are checked [rad/s]."""
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: accuracy is measured of a linkage with one")
+    press.refuse_several_drivers("accuracy is measured of a linkage with one")
     press.refuse_sliding_driver("accuracy is measured of a crank that turns under a flywheel")
     turning = number("speed", speed)
     if not SMALLEST <= abs(turning) <= LARGEST:

@@ -241,7 +241,7 @@ def unit_tensor(press: Linkage, joint: int) -> Array:
 
     In a planar press it is a lamina in the plane, turned about the plane's normal; in any other press a ball.
     """
-    axes = press.engine().turning_axes(joint)
+    axes = press.engine_of_one_driver.turning_axes(joint)
     return np.asarray(0.5 * (np.eye(3) + axes.T @ axes))
 
 

@@ -17,26 +17,26 @@ from ..common.errors import PinpressError, suggestion
 from ..common.files import make_folder
 from ..dynamics.inputs import Inputs, motion_in_words, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import inverse_dynamics
-from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..linkage.writing import write_urdf
 from .words import part_specs
 from .words.options import (
-    SPEED,
     add_force_options,
+    add_motion_options,
     add_out_option,
     add_press_options,
     add_refused_option,
     drawn,
     load_as_drawn,
     loads,
+    motion_of,
     print_inputs,
     refuse_without_table,
     say_written,
     table_parameters,
     with_zero,
 )
-from .words.units import driver_speed, quantity, read_quantity
+from .words.units import quantity, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
 MASS = "added_mass"
@@ -64,22 +64,15 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     parser = commands.add_parser(
         "balance",
         help="find the counterweights that make shaking forces, torque or bearing forces least",
-        description="Find the best counterweights of a press that turns at constant speed, and prove that none are better. Prints them,\n"
-        "the limits that hold the optimum back, and all forces before and after. With --out it also writes balanced.urdf, balance.csv\n"
-        "(forces before and after, SI units) and counterweights.csv; with --report also report.html, the balanced press with its curves,\n"
-        "those before balancing dashed.",
+        description="Find the best counterweights of a press that turns at constant speed, or with --motion as a table says, and prove\n"
+        "that none are better. Prints them, the limits that hold the optimum back, and all forces before and after. With --out it also\n"
+        "writes balanced.urdf, balance.csv (forces before and after, SI units) and counterweights.csv; with --report also report.html,\n"
+        "the balanced press with its curves, those before balancing dashed.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option(
-        "--speed",
-        type=driver_speed,
-        action="append",
-        required=True,
-        metavar="RPM",
-        help=f"{SPEED}; may be given several times: each criterion then counts at its worst speed",
-    )
+    add_motion_options(parser, several=True)
     option(
         "--die",
         type=quantity("kg"),
@@ -121,9 +114,9 @@ def run(options: argparse.Namespace) -> int:
     acting = loads(options)
     as_drawn = load_as_drawn(options)
     press = with_zero(as_drawn, options.zero)
-    speeds = [speed.of(press.driver_coordinates[0]) for speed in options.speed]
+    speeds = options.speed or [None]
     conditions = [
-        OperatingCondition(cycle(each, speed, points=options.points), acting, each if setting or die else None, setting + die)
+        OperatingCondition(motion_of(each, options, speed), acting, each if setting or die else None, setting + die)
         for set_up, setting in _set_up(press, options)
         for each, die in _with_dies(set_up, options.die, ", " if setting else "")
         for speed in speeds

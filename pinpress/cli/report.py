@@ -204,7 +204,8 @@ def _results(
         joints = part_specs.joints(options.preloaded_joint, press)
         frame = joints.pop(part_specs.COLUMNS, None)
         stiffness = Stiffness(bearings={**acting["stiffness"], **joints}, frame=frame)
-        yield compliance(press, stiffness)
+        if len(press.drivers) == 1:  # it is over the crank angle
+            yield compliance(press, stiffness)
         yield slide_deflection(press, reactions.motion, stiffness, loads=loads)
     if options.region:
         yield balance.balanced_by(press, [OperatingCondition(reactions.motion, loads)], options)

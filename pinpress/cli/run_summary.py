@@ -11,7 +11,7 @@ from ..common import tables
 from ..common.quantities import RPM
 from ..drives.transmission import Geared
 from ..dynamics.inverse_dynamics import Reactions
-from ..dynamics.summary import bearing_table, checks
+from ..dynamics.summary import bearing_table, checks, driver_table, driving_lines
 from ..kinematics.slide_path import dead_centres, stroke_turns
 from ..linkage.linkage import Linkage
 from ..simulation.elastic.elastic_run import ElasticRun
@@ -30,17 +30,18 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: b
 
     Args:
         press: the linkage.
-        run: of one driver.
+        run: the run.
         reactions: inverse dynamics of this run under its loads; their driving torque is that of flywheel, drive, clutch and brake together.
         steady: whether the run is one period of a steady state.
 
     Works and extremes of speed and of the motor's torque are those of `duty_cycle`; torques and forces of the crank and the bearings are
     the largest of the run's states. Signs as in `Reactions`.
     """
+    if len(run.drivers) > 1:
+        return "\n".join([_title(press, run), *_of_several(run, reactions), *bearing_table(reactions), "", *_checks(press, run, reactions)])
     whole = duty_cycle(run)
     lines = [
-        f"{press.name}: {'a period of its steady state, ' if steady else ''}{run.time[-1]:.6g} s, {len(run.crank_angle)} states,"
-        f" method {run.stats.method!r}",
+        _title(press, run, steady),
         *_end(run, steady),
         *_speeds(run, whole, steady),
         *_work(run, whole),
@@ -49,12 +50,47 @@ def simulation_summary(press: Linkage, run: Run, reactions: Reactions, steady: b
         *(_strokes(stroke_duties(run), stroke_turns(run.problem.driven.press)) if run.driver_coordinates[0].turns else []),
         *(_on_springs(press, run, reactions) if isinstance(run, ElasticRun) else bearing_table(reactions)),
         "",
+        *_checks(press, run, reactions),
+    ]
+    return "\n".join(lines)
+
+
+def _title(press: Linkage, run: Run, steady: bool = False) -> str:
+    of = "a period of its steady state, " if steady else ""
+    return f"{press.name}: {of}{run.time[-1]:.6g} s, {len(run.crank_angle)} states, method {run.stats.method!r}"
+
+
+def _of_several(run: Run, reactions: Reactions) -> list[str]:
+    """Lines of a run with several drivers: how they move, works, the efforts of the drives, and those on the drivers."""
+    works = [("drives", float(run.drive_work[-1]), "on the drivers"), ("loads", float(run.load_work[-1]), "taken")]
+    scale = tables.scale("J", [work for _, work, _ in works])
+    lines = [
+        "",
+        "Drivers",
+        *driver_table(run),
+        "",
+        "Work",
+        *(tables.entry(name, scale.shown(work), scale.unit, to) for name, work, to in works),
+    ]
+    for driver, coordinate, effort in zip(run.drivers, run.driver_coordinates, run.drive_torque.T, strict=True):
+        if effort.any():
+            of_drive = tables.scale(coordinate.effort_unit, [float(np.abs(effort).max())])
+            lines += [
+                "",
+                f"Drive of {driver}, {coordinate.effort} on the driver",
+                tables.entry("largest", of_drive.shown(float(effort.max())), of_drive.unit),
+                tables.entry("smallest", of_drive.shown(float(effort.min())), of_drive.unit),
+            ]
+    return [*lines, *driving_lines(run, reactions)]
+
+
+def _checks(press: Linkage, run: Run, reactions: Reactions) -> list[str]:
+    return [
         "Checks",
         *checks(press, run.stats.closure_error, reactions),
         tables.entry("energy error", f"{run.stats.energy_error:.2g}", "", "of the largest energy, over the whole run"),
         tables.entry("steps", f"{run.stats.steps}", "", f"{run.stats.evaluations} evaluations"),
     ]
-    return "\n".join(lines)
 
 
 def duty_summary(run: Run) -> list[str]:

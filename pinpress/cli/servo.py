@@ -124,6 +124,7 @@ def run(options: argparse.Namespace) -> int:
 
     _refuse_what_does_not_go_together(options)
     press, acting = load_press(options), loads(options)
+    press.refuse_several_drivers("the best motion is that of one crank; give the motion of all to pinpress analyse, --motion FILE")
     path, limits = servo_path(options.path), [limit(words) for words in options.limit]
     choice = _choice(press, acting, path, limits, options) if options.motors is not None else None
     if choice is not None and choice.best is None:

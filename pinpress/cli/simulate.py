@@ -21,6 +21,7 @@ from ..visual.recording import traced
 from ..visual.reports.elastic_motion import elastic_in_words
 from .run_summary import journals, simulation_summary
 from .words import part_specs
+from .words.by_driver import by_driver, named, parted
 from .words.options import (
     SIGNS,
     add_flywheel_option,
@@ -36,7 +37,7 @@ from .words.options import (
     write_pages,
 )
 from .words.progress import progress
-from .words.units import driver_position, driver_speed, quantity
+from .words.units import OfDriver, driver_position, driver_speed, quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"
 STEADY_POINTS = 720  # states of a turn of the steady state, as of `analyse`: at fewer, peaks of short blows are missed
@@ -60,23 +61,28 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
     option = parser.add_argument
     option(
         "--speed",
-        type=driver_speed,
-        default="0",
+        type=named(driver_speed),
+        action="append",
+        default=[],
         metavar="RPM",
-        help="crank speed at the start, or near that of the steady state, in r/min; of a driver that slides in mm/s",
+        help="crank speed at the start, or near that of the steady state, in r/min; of a driver that slides in mm/s; of several drivers"
+        " A=30, once for each that moves (default: 0)",
     )
     option(
         "--angle",
-        type=driver_position,
-        default="0",
+        type=named(driver_position),
+        action="append",
+        default=[],
         metavar="DEG",
-        help="crank angle at the start, position in mm of a driver that slides (default: 0)",
+        help="crank angle at the start, position in mm of a driver that slides; of several drivers A=30 (default: 0)",
     )
     until = parser.add_mutually_exclusive_group(required=True)
     until.add_argument("--duration", type=quantity("s"), metavar="S", help="length of the run, in s")
     until.add_argument("--steady", action="store_true", help="find one period of the steady state near --speed")
-    option("--motor", metavar="KIND:KEYS", help="motor or other drive of the crank, see below (default: none)")
-    add_flywheel_option(parser, "inertia=J,speed=RPM where it turns before a clutch closes")
+    help = "motor or other drive of the crank, see below (default: none); of several drivers A:KIND:KEYS, once for each that has one"
+    option("--motor", metavar="KIND:KEYS", action="append", default=[], help=help)
+    more = "inertia=J,speed=RPM where it turns before a clutch closes; of several drivers A:J, once for each that has one"
+    add_flywheel_option(parser, more, several=True)
     add_force_options(parser, stiffness=False)
     option("--clutch", metavar="KEYS", help="clutch between flywheel and crank, see below")
     option("--brake", metavar="KEYS", help="brake on the crank, see below")
@@ -106,8 +112,6 @@ def run(options: argparse.Namespace) -> int:
     refuse_pages_without_folder(options)
     press = load_press(options, gravity=(0.0, 0.0, -options.gravity))
     _ = traced(press, options.trace)  # a wrong one is found before the work
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the command takes one; simulate it in Python")
     acting, friction = loads(options), part_specs.frictions(options.friction, press)
     elastic = springs(options, press)
     done = _run(press, acting, friction, elastic, options)
@@ -124,8 +128,11 @@ def run(options: argparse.Namespace) -> int:
     if options.out is not None:
         written = reactions if elastic is None else done
         written.to_csv(options.out / "simulation.csv")
-        stroke_duties(done).to_csv(options.out / "strokes.csv")
-        write_pages(press, reactions, options, ["simulation.csv", "strokes.csv"], results=_beside(press, done, options))
+        names = ["simulation.csv"]
+        if len(press.drivers) == 1:  # several have no strokes of one crank
+            stroke_duties(done).to_csv(options.out / "strokes.csv")
+            names.append("strokes.csv")
+        write_pages(press, reactions, options, names, results=_beside(press, done, options))
     return 0
 
 
@@ -144,11 +151,17 @@ def _run(
     press: Linkage, acting: Sequence[Load], friction: Mapping[str, Friction], elastic: Elastic | None, options: argparse.Namespace
 ) -> Run:
     """The run, or one period of the steady state, that the options ask for."""
-    coordinate = press.driver_coordinates[0]
-    speed, angle = options.speed.of(coordinate), options.angle.of(coordinate)
+    speeds, angles = _start(press, "--speed", options.speed), _start(press, "--angle", options.angle)
+    coordinates = dict(zip(press.drivers, press.driver_coordinates, strict=True))
+    motors = by_driver(press, "--motor", [parted(press, words) for words in options.motor], ":constant:value=567")
+    flywheels = by_driver(press, "--flywheel", [parted(press, words) for words in options.flywheel], ":2000")
+    drives = {name: part_specs.motor(words, coordinates[name]) for name, words in motors.items()}
+    wheels = {name: part_specs.flywheel(words) for name, words in flywheels.items()}
+    one = len(press.drivers) == 1
+    speed, angle = (speeds[0], angles[0]) if one else (speeds, angles)
     parts: dict[str, Any] = {
-        "drive": part_specs.motor(options.motor, coordinate),
-        "flywheel": part_specs.flywheel(options.flywheel),
+        "drive": drives.get(press.driver) if one else drives,
+        "flywheel": wheels.get(press.driver) if one else wheels,
         "loads": acting,
         "friction": friction,
         "points": options.points,
@@ -160,7 +173,7 @@ def _run(
     brake = None if options.brake is None else part_specs.part("--brake", part_specs.BRAKE, options.brake)
     if options.steady:
         press.refuse_sliding_driver("--steady finds the stroke that repeats itself over turns of a crank; give --duration in its place")
-        _refuse_beside_steady(options, speed)
+        _refuse_beside_steady(press, options, speeds)
     if elastic is not None and (options.method != "auto" or options.step is not None):
         option = "--step" if options.method == "auto" else "--method"
         raise PinpressError(f"{option} does not go with --stiffness: a press on springs has a method and steps of its own; leave it out")
@@ -176,11 +189,19 @@ def _run(
     return run
 
 
-def _refuse_beside_steady(options: argparse.Namespace, speed: float) -> None:
+def _start(press: Linkage, option: str, given: Sequence[tuple[str, OfDriver]]) -> list[float]:
+    """Speed or position of every driver at the start [rad/s or m/s; rad or m]."""
+    found = by_driver(press, option, given, "=30")
+    coordinates = zip(press.drivers, press.driver_coordinates, strict=True)
+    return [found[name].of(coordinate) if name in found else 0.0 for name, coordinate in coordinates]
+
+
+def _refuse_beside_steady(press: Linkage, options: argparse.Namespace, speeds: Sequence[float]) -> None:
+    press.refuse_several_drivers("they have no one stroke that repeats itself; give --duration in place of --steady")
     for name, absent in (("clutch", None), ("brake", None), ("step", None), ("method", "auto")):
         if getattr(options, name) != absent:
             raise PinpressError(f"--{name} does not go with --steady: leave it out, or give --duration in place of --steady")
-    if options.motor is None:
+    if not options.motor:
         raise PinpressError("--steady needs a --motor, which keeps the press running, see --help for its kinds")
-    if speed == 0:
+    if speeds[0] == 0:
         raise PinpressError("--steady needs a --speed other than 0, about which the press runs, e.g. --speed 70")

@@ -12,10 +12,21 @@ from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..dynamics.inputs import Inputs, of_press, stated
-from .words.options import add_out_option, add_press_options, load_press, print_inputs, say_written
+from ..kinematics.motion_table import read_motion
+from .words.options import (
+    MOTION,
+    add_out_option,
+    add_period_option,
+    add_press_options,
+    load_press,
+    print_inputs,
+    refuse_without_motion,
+    say_written,
+)
 from .words.units import quantity, read_quantity
 
 if TYPE_CHECKING:
+    from ..kinematics.motion import Motion
     from ..linkage.linkage import Linkage
     from ..tolerances.accuracy_budget import AccuracyBudget
     from ..tolerances.allocation import AllocatedTolerances
@@ -79,6 +90,9 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
         help="largest deviation for 3 standard deviations of height (bottom dead centre), top or stroke: the cheapest tolerances; may be"
         " given once for each",
     )
+    help = f"a motion whose lowest and highest state take the place of the dead centres, as of a press with several drivers: {MOTION}"
+    option("--motion", metavar="FILE", help=help)
+    add_period_option(parser)
     _add_budget_options(parser)
     option("--samples", type=int, default=SAMPLES, metavar="N", help="number of presses (default: %(default)s)")
     option("--seed", type=int, default=0, metavar="N", help="of the random numbers (default: %(default)s)")
@@ -114,9 +128,11 @@ def run(options: argparse.Namespace) -> int:
     targets = _named("--target", options.target, _quantity, "m", 1.0, "height=50um")
     press = load_press(options)
     table = read_dimensions(press, options.dimensions)
-    found = bottom_dead_centre(press, table.parts, forces=forces, speeds=speeds, samples=options.samples, seed=options.seed)
+    motion = _motion(press, options)
+    sampled = {"samples": options.samples, "seed": options.seed}
+    found = bottom_dead_centre(press, table.parts, forces=forces, speeds=speeds, motion=motion, **sampled)
     budgeted = _budgeted(press, found, options)
-    allocated = allocate(press, table.parts, table.costs, targets, table.bounds) if targets else None
+    allocated = allocate(press, table.parts, table.costs, targets, table.bounds, motion=motion) if targets else None
     within = None if options.within is None else found.within(options.within)
     if options.out is not None:
         make_folder(options.out)
@@ -131,6 +147,23 @@ def run(options: argparse.Namespace) -> int:
     if options.out is not None:
         _write(found, allocated, budgeted, options)
     return 0
+
+
+def _motion(press: Linkage, options: argparse.Namespace) -> Motion | None:
+    """The motion that the options give; None where the press turns through its dead centres.
+
+    Raises:
+        PinpressError: a press with several drivers has none, an option does not go with one, or as `read_motion`.
+    """
+    if options.motion is None:
+        if options.period is not None:
+            raise PinpressError("--period is that of --motion: give it too, or leave --period out")
+        refuse_without_motion(press, "alone they have no dead centre")
+        return None
+    for option in ("force", "speed", "budget"):
+        if getattr(options, option):
+            raise PinpressError(f"--{option} is for a crank that turns through its dead centres: leave it or --motion out")
+    return read_motion(press, options.motion, period=options.period)
 
 
 def _budgeted(press: Linkage, machining: DeadCentreScatter, options: argparse.Namespace) -> AccuracyBudget | None:
@@ -175,6 +208,7 @@ def _in_words(options: argparse.Namespace, table: DimensionTable) -> Inputs:
     return [
         ("dimensions", f"{len(table.parts)} of {options.dimensions}"),
         ("sample", f"{options.samples} presses, seed {options.seed}"),
+        *([("motion", options.motion)] if options.motion is not None else []),
         *((option, ", ".join(given)) for option in asked if (given := getattr(options, option))),
         *([("budget at", f"{options.budget} r/min, process {options.process:g} N")] if options.budget else []),
     ]

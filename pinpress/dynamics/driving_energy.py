@@ -98,7 +98,8 @@ def driving_energy(reactions: Reactions) -> PeriodEnergy:
     expect("reactions", reactions, Reactions, "inverse_dynamics")
     motion = reactions.motion
     reactions._press.refuse_sliding_driver("flywheels and their energy are those of a crank; simulate runs it under a drive")
-    if motion.crank_speed.ndim > 1 or not is_cycle(motion) or not is_constant(motion.crank_speed):
+    reactions._press.refuse_several_drivers("what they give is driving_torque * crank_speed, over time")
+    if not is_cycle(motion) or not is_constant(motion.crank_speed):
         raise PinpressError("the motion is not one period of a crank at constant speed: give reactions to cycle(press, speed=...)")
     torque, speed = reactions.driving_torque, float(motion.crank_speed[0])
     step = float(motion.crank_angle[1] - motion.crank_angle[0])

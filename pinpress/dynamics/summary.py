@@ -81,7 +81,7 @@ def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: A
         *(_drivers(press, motion, reactions) if prescribed else _turning_press(press, motion, reactions)),
         *(_prescribed_slide(press, motion) if prescribed else _slide(press, motion)),
         *process_summary(press, motion, reactions, utilisation),
-        *_torque(motion, reactions),
+        *driving_lines(motion, reactions),
         *_gear_pairs(motion, reactions),
         *bearing_table(reactions),
         *_shaking(reactions),
@@ -100,6 +100,18 @@ def _turning_press(press: Linkage, motion: Motion, reactions: Reactions) -> list
 
 def _drivers(press: Linkage, motion: Motion, reactions: Reactions) -> list[str]:
     """Lines with the duration of a prescribed motion, its number of states, and how far and how fast every driver moves."""
+    counted = f", counted from {press.zero}" if press.zero else ""
+    return [
+        f"{press.name}: a motion of {motion.time[-1] - motion.time[0]:.6g} s",
+        f"  {len(motion.time)} states, engine {reactions.engine!r}",
+        "",
+        f"{'Driver' if len(motion.drivers) == 1 else 'Drivers'}{counted}",
+        *driver_table(motion),
+    ]
+
+
+def driver_table(motion: Motion) -> list[str]:
+    """Lines with how far and how fast every driver moves."""
     coordinates, count = motion.driver_coordinates, len(motion.drivers)
     angles, speeds = (np.reshape(values, (-1, count)).T for values in (motion.crank_angle, motion.crank_speed))
     rows = [["", "first", "last", "lowest", "highest", "", "fastest", ""]]
@@ -107,14 +119,7 @@ def _drivers(press: Linkage, motion: Motion, reactions: Reactions) -> list[str]:
         places = (f"{each.scale * place + 0.0:.3f}" for place in (angle[0], angle[-1], angle.min(), angle.max()))
         unit, size = each.shown_speed
         rows.append([name, *places, each.shown_unit, f"{speed[np.abs(speed).argmax()] / size:.3f}", unit])
-    counted = f", counted from {press.zero}" if press.zero else ""
-    return [
-        f"{press.name}: a motion of {motion.time[-1] - motion.time[0]:.6g} s",
-        f"  {len(motion.time)} states, engine {reactions.engine!r}",
-        "",
-        f"{'Driver' if count == 1 else 'Drivers'}{counted}",
-        *tables.fitted(rows),
-    ]
+    return tables.fitted(rows)
 
 
 def _speed(press: Linkage, motion: Motion) -> str:
@@ -221,7 +226,8 @@ def _sliding(coordinate: DriverCoordinate, ends: DeadCentres) -> list[str]:
     return [tables.entry(name, f"{coordinate.scale * place:.3f}", coordinate.shown_unit, "of the driver") for name, place in places]
 
 
-def _torque(motion: Motion, reactions: Reactions) -> list[str]:
+def driving_lines(motion: Motion, reactions: Reactions) -> list[str]:
+    """Lines with the driving torque or force of every driver, and the largest power."""
     coordinates, places = motion.driver_coordinates, replace(Places.of(reactions._press, motion), heights=None)
     torques, speeds = (np.reshape(values, (-1, len(coordinates))).T for values in (reactions.driving_torque, motion.crank_speed))
     lines: list[str] = []

@@ -59,23 +59,16 @@ class DeflectedSlide(Tabular):
 
     def __str__(self) -> str:
         low, high = int(self.deflection.argmin()), int(self.deflection.argmax())
-        first, places = self.motion.driver_coordinates[0], self.motion.crank_angle
-        return (
-            f"{self.motion.linkage}: slide deflected by {1e3 * self.deflection[low]:.5g} mm"
-            f" ({first.position} {first.shown(places[low], '.5g')}) to {1e3 * self.deflection[high]:.5g} mm"
-            f" ({first.shown(places[high], '.5g')})"
-        )
+        (at_low, at_high), deflection = (self.motion.place(state) for state in (low, high)), 1e3 * self.deflection
+        return f"{self.motion.linkage}: slide deflected by {deflection[low]:.5g} mm ({at_low}) to {deflection[high]:.5g} mm ({at_high})"
 
     @property
     def _pictured(self) -> tuple[str, ...]:
-        return "{} [{}]".format(*self.motion.driver_coordinates[0].heads[0]), "deflection [m]"
+        return next(iter(self.motion.position_columns())), "deflection [m]"
 
     def columns(self) -> dict[str, Array]:
-        """A row for each state: crank angle, slide position, deflection and the parts' shares."""
-        columns = {
-            "{} [{}]".format(*self.motion.driver_coordinates[0].heads[0]): self.motion.crank_angle,
-            "slide_position [m]": self.slide_position,
-        }
+        """A row for each state: crank angle, or those of all drivers, slide position, deflection and the parts' shares."""
+        columns = self.motion.position_columns() | {"slide_position [m]": self.slide_position}
         return columns | {"deflection [m]": self.deflection} | {f"deflection_{name} [m]": part for name, part in self.parts.items()}
 
 
@@ -145,8 +138,8 @@ def slide_deflection(press: Linkage, motion: Motion, stiffness: Stiffness, *, lo
     """Find the elastic deflection of the slide over a motion, under loads, weight and inertia.
 
     Args:
-        press: a press with one driver and a slide.
-        motion: a motion of this press, from `cycle` or a run.
+        press: a press with a slide, and one driver or several, which are held where the motion has them.
+        motion: a motion of this press, from `cycle`, `servo_cycle` or a run.
         stiffness: stiffnesses of its parts.
         loads: as for `inverse_dynamics`.
 

@@ -78,15 +78,14 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
 
     Raises:
         UnknownNameError: the linkage has no such bearing or link.
-        PinpressError: the press has several drivers or no slide, there is no spring or one that is not positive, or a rod or guide is not
+        PinpressError: the press has no slide, several drivers and a shaft that yields,
+            there is no spring or one that is not positive, or a rod or guide is not
             as described.
     """
     if not isinstance(press, Linkage):
         raise PinpressError(f"press is a {type(press).__name__}, no Linkage: give what load returns")
     if not isinstance(stiffness, Stiffness):
         raise PinpressError(f"stiffness is a {type(stiffness).__name__}: give a Stiffness(bearings={{...}}, rods=[...], ...)")
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: elastic deflection is that of a press with one, held fast")
     _ = press.slide_guide  # raises where there is no slide
     found = [_bearing_spring(press, name, value) for name, value in _named("bearings", stiffness.bearings)]
     found += [_guide_spring(press, name, value) for name, value in _named("moments", stiffness.moments)]
@@ -94,6 +93,7 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
         raise PinpressError(f"rods is {shown(stiffness.rods)}: give a list of Rod(link, (bearing, bearing), stiffness)")
     found += [_rod_spring(press, rod) for rod in stiffness.rods]
     if stiffness.shaft is not None:
+        press.refuse_several_drivers("shaft names none of them; leave shaft out")
         driver = press.bearings.index(press.driver)
         found.append(Spring(SHAFT, 1 / positive("stiffness of the shaft", stiffness.shaft, "N m/rad", STIFFEST), "shaft", ((driver, 1.0),)))
     if stiffness.frame is not None:
@@ -137,7 +137,7 @@ def internal_forces(press: Linkage, springs: Sequence[Spring], motion: Motion, r
             found.append(reactions.driving_torque[:, None])
         elif part.kind == "moment":
             moment = reactions.bearing_moment[press.bearings[part.bearings[0][0]]]
-            found.append(moment @ press.engine().turning_axes().T)
+            found.append(moment @ press.engine_of_one_driver.turning_axes().T)
         else:
             force = sum((weight * reactions.bearing_force[press.bearings[k]] for k, weight in part.bearings), np.zeros(3))
             if part.kind == "bearing":
@@ -160,7 +160,7 @@ def _along(press: Linkage, line: Array, force: Array, across: Array, name: str) 
 
 def _in_plane(press: Linkage) -> Array:
     """Projector (3, 3) on the plane of a planar press; rigid-body mechanics leaves its forces across the plane undetermined."""
-    directions = press.engine().directions
+    directions = press.engine_of_one_driver.directions
     return np.asarray(directions.T @ directions)
 
 

@@ -121,6 +121,7 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
         SingularityError: the linkage locks.
     """
     springs_of(press, stiffness)  # refuses wrong stiffnesses before anything is computed
+    press.refuse_several_drivers("they have no one crank angle; see slide_deflection of a motion")
     centres = dead_centres(press)
     if angle is None and press.driver_coordinates[0].turns:
         angle = np.arange(POINTS * press.period_turns) * (2 * np.pi / POINTS)
@@ -152,7 +153,7 @@ def compliance(press: Linkage, stiffness: Stiffness, *, angle: ArrayLike | None 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class HeldPress:
-    """An elastic press in the poses of a motion, with its crank held at the crank angle of each.
+    """An elastic press in the poses of a motion, with its drivers held where they are in each.
 
     Attributes:
         press: the press.
@@ -198,7 +199,7 @@ class HeldPress:
         Raises:
             PinpressError: a preloaded joint opens that shares forces with other parts by its stiffness.
         """
-        if self.press.engine().redundant(self.press.closed):
+        if self.press.engine_of_one_driver.redundant(self.press.closed):
             for part, force in zip(self.springs, forces, strict=True):
                 if part.kind != "frame" and part.opens(force):
                     raise PinpressError(
@@ -226,7 +227,7 @@ def hold(press: Linkage, stiffness: Stiffness, motion: Motion) -> HeldPress:
     springs = springs_of(press, stiffness)
     held = HeldPress(press, springs, motion, sharing(press, springs))
     apart = any(part.kind == "moment" or (part.kind == "rod" and len(part.bearings) == 1) for part in springs)
-    if apart and press.engine().redundant(press.closed):
+    if apart and press.engine_of_one_driver.redundant(press.closed):
         _refuse_unshared(held)
     return held
 
@@ -269,7 +270,7 @@ def _moving_mass(held: HeldPress) -> Array:
     unit forces on them.
     """
     press, total = held.press, np.zeros(len(held.motion.crank_angle))
-    directions = press.engine().directions
+    directions = press.engine_of_one_driver.directions
     for joint in range(1, press.model.njoints):
         inertia = press.model.inertias[joint]
         if not inertia.mass > 0:

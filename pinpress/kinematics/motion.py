@@ -176,7 +176,10 @@ class Motion(Tabular):
         return shown if self.period_turns is None else np.asarray(shown % (360.0 * self.period_turns))
 
     def place(self, state: int) -> str:
-        """Where the driver is in a state, in words: "crank angle 30 deg", "driver position 12 mm"."""
+        """Where the driver is in a state, in words: "crank angle 30 deg", "driver position 12 mm"; of several drivers the time of a state
+        that has one."""
+        if len(self.drivers) > 1 and self._time is not None:
+            return f"time {self._time[state]:.6g} s"
         first = self.driver_coordinates[0]
         return f"{first.position} {self.shown_position[state]:.6g} {first.shown_unit}"
 

@@ -122,7 +122,8 @@ def step_angle(motion: CrankMotion) -> float:
     angle, speed = np.asarray(motion.crank_angle).real, np.asarray(motion.crank_speed)
     remedy = "give the motion of one period at constant speed, cycle(press, speed=...)"
     if angle.ndim > 1:
-        raise PinpressError(f"the linkage has {angle.shape[1]} drivers, and no one crank to turn: measures are those of a press with one")
+        drivers = f"the linkage has {angle.shape[1]} drivers, and no one crank to turn"
+        raise PinpressError(f"{drivers}: measures are those of a press with one; see slide_position and slide_velocity over time")
     if len(angle) < 3 or not np.all(np.isfinite(angle) & np.isfinite(speed)):
         raise PinpressError(f"the motion has fewer than three states, or one that is not finite: {remedy}")
     made = float(angle[-1] - angle[0])

@@ -102,7 +102,10 @@ class TurningPoints(NamedTuple):
 def turning_points(press: Linkage) -> TurningPoints:
     """The turning points of a slide. Raises as `dead_centres`."""
     _ = press.slide_guide  # it has a slide
-    if len(press.drivers) == 1 and not press.driver_coordinates[0].turns:
+    press.refuse_several_drivers(
+        "alone they have no dead centre; see the lowest state of their motion, servo_cycle(press, angle, time=time)"
+    )
+    if not press.driver_coordinates[0].turns:
         return _within_travel(press)
     period = press.branch_through_change_points.period
     if period is None:

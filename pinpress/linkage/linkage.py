@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -221,6 +221,33 @@ class Linkage(Frozen):
             raise PinpressError(refusal)
         return engine.plane
 
+    def with_one_driver(self, driver: str, ratios: Mapping[str, float]) -> Linkage:
+        """The linkage with one driver, which its other drivers follow as by gear pairs.
+
+        Args:
+            driver: name of the one.
+            ratios: travel of every other driver by that of the one, by their names; one of 0 stands.
+        """
+        of_drivers = dict(zip(self.drivers, self.driver_indices, strict=True))
+        followers = (
+            Coupling(name, joint, of_drivers[driver], ratios[name], 0.0, 0) for name, joint in of_drivers.items() if name != driver
+        )
+        return replace(self, drivers=(driver,), couplings=(*self.couplings, *followers))
+
+    @property
+    @per_linkage(of_geometry=True)
+    def engine_of_one_driver(self) -> Engine:
+        """The engine of the linkage with all drivers but the first held: that of the plane for a linkage which moves in one, which has an
+        engine for one driver alone. Its directions, axes and redundant equations are those of the whole linkage."""
+        one = self if len(self.drivers) == 1 else self.with_one_driver(self.driver, dict.fromkeys(self.drivers, 0.0))
+        return one.engine()
+
+    @property
+    def plane_of_motion(self) -> Plane | None:
+        """The plane in which the linkage moves, and its joints in it; None where it does not move in a plane."""
+        engine = self.engine_of_one_driver
+        return engine.plane if isinstance(engine, PlanarEngine) else None
+
     @property
     @per_linkage
     def as_drawn(self) -> Array:
@@ -301,10 +328,8 @@ class Linkage(Frozen):
             AssemblyError: its loops do not stay closed, or it moves too fast to be followed.
             PinpressError: it has several drivers.
         """
-        if len(self.drivers) > 1:
-            count = len(self.drivers)
-            remedy = f"give their angles over time to pp.servo_cycle(press, angle, time=time), angle (n, {count})"
-            raise PinpressError(f"{self.name} has {count} drivers, and one speed does not say how they move together; {remedy}")
+        remedy = f"give their angles over time to pp.servo_cycle(press, angle, time=time), angle (n, {len(self.drivers)})"
+        self.refuse_several_drivers(f"one speed does not say how they move together; {remedy}")
         return self._assembly.branch or followed(self.engine(), self.spatial_model, self.closed)
 
     def follow_beside(self, other: Linkage) -> None:
@@ -346,6 +371,11 @@ class Linkage(Frozen):
         """Raise PinpressError where the first driver slides; ``refusal``: why that does not do, and what does."""
         if not self.driver_coordinates[0].turns:
             raise PinpressError(f"driver {self.driver!r} of {self.name} slides to and fro: {refusal}")
+
+    def refuse_several_drivers(self, refusal: str) -> None:
+        """Raise PinpressError where the linkage has several drivers; ``refusal``: why that does not do, and what does."""
+        if len(self.drivers) > 1:
+            raise PinpressError(f"{self.name} has {len(self.drivers)} drivers: {refusal}")
 
     @property
     @per_linkage

@@ -7,8 +7,7 @@ too; the torque in this pair is what holds the driver. Where the others stand el
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -73,14 +72,13 @@ def with_moving(press: Linkage, driver: str, positions: Sequence[float]) -> Link
     """
     if len(press.drivers) == 1:
         return press
-    of_drivers = dict(zip(press.drivers, press.driver_indices, strict=True))
     away = [0.0 if name == driver else value for name, value in zip(press.drivers, positions, strict=True)]
-    one = _coupled(press, driver, of_drivers, dict.fromkeys(press.drivers, 0.0))
+    one = press.with_one_driver(driver, dict.fromkeys(press.drivers, 0.0))
     farthest = int(np.abs(away).argmax())
     if not away[farthest]:
         return one
     ratios = {name: value / away[farthest] for name, value in zip(press.drivers, away, strict=True)}
-    line = _coupled(press, press.drivers[farthest], of_drivers, ratios)  # all of them at once, on the straight line between two poses
+    line = press.with_one_driver(press.drivers[farthest], ratios)  # all of them at once, on the straight line between two poses
     there = followed_from(line.engine(), line.spatial_model, line.closed, np.array([[away[farthest]]]), press.name)[:, 0]
     return redrawn(one, displaced(one, {}), there)
 
@@ -88,9 +86,3 @@ def with_moving(press: Linkage, driver: str, positions: Sequence[float]) -> Link
 def standing(press: Linkage) -> list[Coupling]:
     """What holds the drivers of a press that stand, see `with_moving`."""
     return [pair for pair in press.couplings if pair.multiplier == 0]
-
-
-def _coupled(press: Linkage, leader: str, of_drivers: Mapping[str, int], ratios: Mapping[str, float]) -> Linkage:
-    """The press with one driver, which the others follow."""
-    followers = (Coupling(name, joint, of_drivers[leader], ratios[name], 0.0, 0) for name, joint in of_drivers.items() if name != leader)
-    return replace(press, drivers=(leader,), couplings=(*press.couplings, *followers))

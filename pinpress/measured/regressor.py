@@ -233,10 +233,7 @@ def inertial_equations(press: Linkage) -> InertialEquations:
     Raises:
         PinpressError: it has several drivers, or one that slides.
     """
-    if len(press.drivers) > 1:
-        raise PinpressError(
-            f"{press.name} has {len(press.drivers)} drivers: records are of presses with one crank; hold the others' joints"
-        )
+    press.refuse_several_drivers("records are of presses with one crank; hold the others' joints")
     press.refuse_sliding_driver("records are of presses with a crank")
     engine, parameters, bases = press.engine(), [], []
     planar = engine if isinstance(engine, PlanarEngine) else None

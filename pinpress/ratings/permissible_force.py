@@ -43,6 +43,10 @@ FURTHEST = 2.0  # multiple of the nominal force up to which forces are looked fo
 BESIDE = 1e-6  # share of the nominal force by which the slope of a utilisation is found
 SLOWED = 1e-6  # least share of its highest speed that a driver that slides counts as moving with: at rest friction has no direction
 GAUSS = np.polynomial.legendre.leggauss(3)  # nodes and weights, with which the work between two states is found
+NO_RATINGS = (
+    "ratings are those of a press with one, whose position gives the height; compare the capacities with driving_torque and bearing_force"
+    " of inverse_dynamics under the process load, in the motion that the drivers make"
+)
 UNITS = {
     "nominal_force": "N",
     "nominal_height": "m",

@@ -21,6 +21,7 @@ from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Friction, Load, SpringDamper
 from .permissible_force import (
+    NO_RATINGS,
     Capacities,
     GoverningLimits,
     RatedStroke,
@@ -228,8 +229,7 @@ def rate(
         SingularityError: the linkage locks within the period.
     """
     known_bearings(capacities, press)
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
+    press.refuse_several_drivers(NO_RATINGS)
     refuse_other_effort(capacities, press.driver_coordinates[0])
     turning = press.driver_coordinates[0].turns
     speed, points = _speed(speed, turning), whole_number("points", points, 3, MOST_POINTS)

@@ -25,7 +25,7 @@ from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from ..loads.process import ProcessLoad
-from .permissible_force import BEARING, TORQUE, Capacities, known_bearings, largest_factor, refuse_other_effort, without_masses
+from .permissible_force import BEARING, NO_RATINGS, TORQUE, Capacities, known_bearings, largest_factor, refuse_other_effort, without_masses
 
 SHAKING, ACCELERATION = "shaking force", "slide acceleration"
 STATES = 360  # states of a turn at which every limit is evaluated first
@@ -87,8 +87,7 @@ def speed_limit(
         SingularityError: the linkage locks within the period.
     """
     known_bearings(capacities, press)
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: ratings are those of a press with one")
+    press.refuse_several_drivers(NO_RATINGS)
     press.refuse_sliding_driver(
         "the highest constant speed is that of a crank; ratings.rate(press, speed, capacities, at_speed=True) says whether a speed may be"
     )

@@ -231,8 +231,7 @@ def evaluated(
         bearings: bearings whose forces are wanted; None for all.
     """
     press.refuse_sliding_driver("servo motions are those of a crank; give positions over time to servo_cycle")
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: servo motions are those of one crank")
+    press.refuse_several_drivers("servo motions are those of one crank; give their angles over time to servo_cycle")
     bottom = dead_centres(press).bottom_position
     refuse_far("angle", angle, press.driver_coordinates)
     motion = moved(press, press.branch, angle, speed, acceleration, time, "auto")

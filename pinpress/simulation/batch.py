@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import in_unit, is_whole_number, number, suitable_numbers, typed
-from ..common.errors import PinpressError, SimulationError, UnknownScenarioError
+from ..common.errors import PinpressError, SimulationError, UnknownScenarioError, shown
 from ..common.frozen import read_only
 from ..common.numerics import gauss_rule, polynomial_values, running_sums, values_and_slopes
 from ..common.parameters import pick_scenarios, scenario_lengths
@@ -157,8 +157,9 @@ def simulate_batch(
         SimulationError: the crank would make too many turns.
     """
     began = clock.perf_counter()
-    if not isinstance(press, Linkage) or len(press.drivers) > 1:
-        raise PinpressError("scenarios are those of a press with one driver: give the Linkage that load returns")
+    if not isinstance(press, Linkage):
+        raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
+    press.refuse_several_drivers("scenarios are those of a press with one; call simulate for each")
     press.refuse_sliding_driver("scenarios are those of a crank; call simulate for each")
     until, tolerance = number("duration", duration, "s", positive=True), checked_tolerance(tolerance)
     states = state_count(points, 0.0)

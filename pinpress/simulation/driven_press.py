@@ -170,7 +170,7 @@ class GeneralizedForce:
         falling: intervals that act while it falls; the same object where the direction does not matter.
         time: the force as a function of time [s], in place of the intervals.
         edges: instants at which that is not smooth [s].
-        drive: the drive whose torque it is; None: a load.
+        drive: the drive whose torque along this angle it is, in place of the intervals; None: a load.
     """
 
     row: int
@@ -227,8 +227,8 @@ class DrivenPress:
     @property
     def timed(self) -> bool:
         """Whether anything depends on more than crank angle and speed, or jumps at a speed. Periods cannot be solved at once then."""
-        switched = self.clutch is not None or self.brake is not None or any(force.time is not None for force in self.forces)
-        return switched or (self.drive is not None and (self.drive.timed or self._jumps))
+        timed = any(force.time is not None or (force.drive is not None and force.drive.timed) for force in self.forces)
+        return timed or self.clutch is not None or self.brake is not None or (self.drive is not None and (self.drive.timed or self._jumps))
 
     @property
     def _jumps(self) -> bool:
@@ -371,7 +371,7 @@ def _refuse_parts_that_turn(driver: str, parts: Mapping[str, object]) -> None:
 def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Sequence[Load], clutch: object, brake: object) -> DrivenPress:
     """A linkage with several drivers, drives and flywheels by the names of their joints. Raises as `driven_press`."""
     if clutch is not None or brake is not None:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: clutch and brake are for one")
+        press.refuse_several_drivers("clutch and brake are for one; leave them out")
     drives: Mapping[str, Drive] = _by_driver(press, "drive", drive, Drive)
     flywheels: Mapping[str, Flywheel] = _by_driver(press, "flywheel", flywheel, Flywheel)
     refuse_unlisted_loads(loads)
@@ -401,8 +401,9 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
             raise UnknownNameError("driver", joint, press.drivers)
         if not isinstance(value, kind) or isinstance(value, type):
             raise PinpressError(f"{name} of {shown(joint)} is {shown(value)}: give a {kind.__name__}")
-        if isinstance(value, Drive) and value.timed:
-            raise PinpressError(f"drive of {shown(joint)}: with several drivers only drives whose torque depends on speed alone")
+        if isinstance(value, Drive) and value.state:
+            follows = "give one whose torque follows from speed, angle and time"
+            raise PinpressError(f"drive of {shown(joint)} has states of its own, which drives of several drivers cannot have: {follows}")
     return by_joint
 
 
@@ -443,8 +444,7 @@ def _of_load(press: Linkage, load: Load, row: int) -> tuple[Coordinate | None, G
 
 def _driving_force(row: int, drive: Drive) -> GeneralizedForce:
     """The torque of a drive along the angle of its joint, coordinate ``row``."""
-    always = (ForceInterval(math.inf, -math.inf, partial(_torque, drive)),)
-    return GeneralizedForce(row, 0.0, always, always, drive=drive)
+    return GeneralizedForce(row, 0.0, drive=drive)
 
 
 def _slide_row(press: Linkage) -> int:
@@ -509,7 +509,3 @@ def _spring(press: Linkage, load: SpringDamper, row: int) -> tuple[Coordinate, G
 
 def _spring_force(spring: SpringDamper, length: Any, rate: Any) -> Any:
     return spring.stiffness * (spring.free_length - length) - spring.damping * rate
-
-
-def _torque(drive: Drive, angle: Any, speed: Any) -> Any:
-    return drive.torque(speed)

@@ -333,7 +333,9 @@ class HybridSystem:
         forces, taken, put_in, squared = [0.0] * len(linkage.coordinates), 0.0, 0.0, 0.0
         for force, place in zip(self.driven.forces, mode.forces, strict=True):
             value, rate = linkage.coordinates[force.row]
-            if force.time is not None:
+            if force.drive is not None:
+                size = float(force.drive.torque(rate, value, time))
+            elif force.time is not None:
                 size = float(force.time(time))
             elif place is None or place.interval is None or not place.pushing:
                 size = 0.0
@@ -344,7 +346,7 @@ class HybridSystem:
                 taken -= size * rate
             else:
                 put_in += size * rate
-                squared += float(force.drive.motor_torque(rate)) ** 2
+                squared += float(force.drive.motor_torque(rate, value, time)) ** 2
         return forces, taken, put_in, squared
 
     def drive_torque(self, time: float, at: Snapshot) -> Any:

@@ -141,7 +141,8 @@ def as_run(problem: SimulationProblem, trajectory: Trajectory, points: int | Non
     error = _audited(problem, motion, sample)
     if len(driven.inertias) > 1:
         turning = _driver_speeds(driven, sample)
-        sample = sample._replace(drive_torque=_torques(driven, turning).T.copy(), drive_speed=turning.T.copy())
+        torques = _torques(driven, turning, motion)
+        sample = sample._replace(drive_torque=torques.T.copy(), drive_speed=turning.T.copy())
     else:
         confirm_torques(driven.drive, times, motion.crank_angle, sample.drive_speed, sample.drive_torque)
     stats = Stats(
@@ -239,11 +240,11 @@ def _rounding(driven: DrivenPress, times: Array, motion: Motion, own: Array) -> 
     return float(np.trapezoid(changed, times))
 
 
-def _torques(driven: DrivenPress, speed: Array) -> Array:
-    """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n) [N m]."""
+def _torques(driven: DrivenPress, speed: Array, motion: Motion) -> Array:
+    """Torques (drivers, n) of several drives at the drivers' speeds (drivers, n) in the states of a motion [N m]."""
     torque = np.zeros_like(speed)
     for k, drive in _several_drives(driven):
-        torque[k] = drive.torque(speed[k])
+        torque[k] = drive.torque(speed[k], motion.crank_angle[:, k], motion.time)
     return torque
 
 
@@ -492,7 +493,11 @@ def _check(run: Run) -> None:
     if not isinstance(run, Run):
         raise PinpressError(f"run is {shown(run)}: give a Run, as simulate and steady_state return it (of scenarios one, runs[k])")
     if len(run.drivers) > 1:
-        raise PinpressError("duty_cycle and strokes are those of a press with one driver")
+        several = f"{run.linkage} has {len(run.drivers)} drivers"
+        raise PinpressError(
+            f"{several}, but strokes, duties and motor_energy are those of a press with one driver: see drive_torque, drive_speed and"
+            " drive_work of the run"
+        )
 
 
 def _duties(run: Run, times: Array) -> list[MotorDuty]:
@@ -544,6 +549,17 @@ def _crank(run: Run, sample: Sample) -> tuple[Array, Array]:
 # ----------------------------------------------------------------------------------------------------------------------------------- inputs
 
 
+def _start_in_words(run: Run) -> str:
+    """Where and how fast the drivers are at the start."""
+    several, said = len(run.drivers) > 1, []
+    for name, each, place, rate in zip(
+        run.drivers, run.driver_coordinates, np.ravel(run.crank_angle[0]), np.ravel(run.crank_speed[0]), strict=True
+    ):
+        speed = inputs.written(float(rate) + 0.0, f"{each.unit}/s")
+        said.append(f"{name} {each.shown(float(place))} at {speed}" if several else f"{each.at(float(place) + 0.0)} at {speed}")
+    return ", ".join(said)
+
+
 def inputs_of(reactions: Reactions) -> inputs.Inputs:
     """What reactions were computed from, in words, see `dynamics.inputs`; of a run with its start, drives and method."""
     run = reactions.motion
@@ -551,9 +567,7 @@ def inputs_of(reactions: Reactions) -> inputs.Inputs:
         return inputs.inputs(reactions)
     driven, stats = run.problem.driven, run.stats
     first = run.driver_coordinates[0]
-    begin = first.at(float(np.ravel(run.crank_angle[0])[0]) + 0.0)
-    speed = inputs.written(float(np.ravel(run.crank_speed[0])[0]) + 0.0, f"{first.unit}/s")
-    start = f"simulated from {begin} at {speed}, {run.time[-1]:.6g} s, {len(run.time)} states"
+    start = f"simulated from {_start_in_words(run)}, {run.time[-1]:.6g} s, {len(run.time)} states"
     several = _several_drives(driven)
     parts = {"drive": driven.drive or driven.prescribed, "flywheel": driven.flywheel, "clutch": driven.clutch, "brake": driven.brake}
     given = [(name, inputs.described(as_given(part), first)) for name, part in parts.items() if part is not None]

@@ -131,8 +131,8 @@ def simulate(
 ) -> Run:
     """Let a press run. `simulate_batch` runs several scenarios at once.
 
-    A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (of torque by speed alone) and flywheels by the
-    names of the drivers' joints; its method is "auto" or "constraint".
+    A linkage with several drivers takes (drivers,) of ``speed`` and ``angle``, and drives (without states of their own) and flywheels by
+    the names of the drivers' joints; its method is "auto" or "constraint".
 
     Args:
         press: the linkage.
@@ -244,10 +244,10 @@ def _driven(
 ) -> DrivenPress:
     """The press with its parts. Raises as `driven_press`, and where the method does not suit several drivers or friction."""
     if friction_law(friction, press) is not None and (method == "constraint" or len(press.drivers) > 1):
-        why = "method='constraint'" if len(press.drivers) == 1 else f"{press.name} has {len(press.drivers)} drivers, whose equations"
+        press.refuse_several_drivers("their runs know no friction in bearings; leave it out, inverse_dynamics has it in a given motion")
         raise PinpressError(
-            f"{why} knows no friction in bearings: it needs the forces of the bearings, which the reduced equation of one driver has;"
-            " leave friction out, or let one driver turn with method='auto'"
+            "method='constraint' knows no friction in bearings: it needs the forces of the bearings, which the reduced equation of one driver"
+            " has; leave friction out, or let one driver turn with method='auto'"
         )
     if len(press.drivers) == 1:
         return driven_press(press, drive, flywheel, loads, clutch, brake, friction, tolerance)

@@ -141,8 +141,9 @@ def steady_state_near(
     """The `steady_state`, by that of the same press, springs and loads at another constant speed, where there is one that leads to it."""
     began = clock.perf_counter()
     state_count(points, 0.0)
-    if not isinstance(press, Linkage) or len(press.drivers) > 1:
-        raise PinpressError("a steady state is that of a press with one driver: give the Linkage that load returns")
+    if not isinstance(press, Linkage):
+        raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
+    press.refuse_several_drivers("a steady state is that of a press with one; let it run with simulate")
     press.refuse_sliding_driver("it has no steady state; let it run with simulate, or prescribe its motion with cycle or servo_cycle")
     start, near, tolerance = number("angle", angle, "rad"), _speed(speed), checked_tolerance(tolerance, elastic)
     refuse_far("angle", np.array(start), press.driver_coordinates)

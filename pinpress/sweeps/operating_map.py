@@ -149,8 +149,7 @@ def operating_points(
         SingularityError: the linkage locks within the period.
         AssemblyError: the linkage cannot be assembled at some crank angle.
     """
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: operating points are of a press with one")
+    press.refuse_several_drivers("operating points are of a press with one; sweep computes any function, with servo_cycle in it")
     press.refuse_sliding_driver("operating points are those of a crank at constant speeds; sweep computes any points")
     speed, force = _axis("speeds", speeds, "rad/s"), _axis("forces", forces, "N")
     if not (np.all(speed > 0) or np.all(speed < 0)):

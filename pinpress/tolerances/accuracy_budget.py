@@ -189,8 +189,7 @@ def budget(
         UnknownNameError: as these.
         SingularityError: the linkage locks.
     """
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: the budget is that of a press with one crank")
+    press.refuse_several_drivers("the budget is that of a press with one crank; see bottom_dead_centre and play with their motion")
     press.refuse_sliding_driver("the budget is that of a crank's bottom dead centre")
     if clearance is None and stiffness is None and temperatures is None:
         raise PinpressError("nothing moves the dead centre: give clearance, stiffness or temperatures")

@@ -116,10 +116,7 @@ def play_over_speeds(
         UnknownNameError: as `play`.
         PinpressError: as `play` and `cycle`, or speeds that are no finite numbers other than zero.
     """
-    if len(press.drivers) > 1:
-        raise PinpressError(
-            f"{press.name} has {len(press.drivers)} drivers: give their motion to play, servo_cycle(press, angles, speed=...)"
-        )
+    press.refuse_several_drivers("give their motion to play, servo_cycle(press, angles, speed=...)")
     speeds = np.atleast_1d(numbers("speed", speed, unit=f"{press.driver_coordinates[0].unit}/s"))
     if speeds.ndim != 1 or not len(speeds) or not np.all(np.abs(speeds) >= SLOWEST):
         raise PinpressError("speed: give (S,) speeds other than zero [rad/s]; servo_cycle and play serve a press at standstill")

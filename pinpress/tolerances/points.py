@@ -236,8 +236,7 @@ def parallelism(
         )
     stiffness = None if point_stiffness is None else positive("point_stiffness", point_stiffness, "N/m")
     turning = 0.0 if guide_stiffness is None else positive("guide_stiffness", guide_stiffness, "N m/rad")
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has {len(press.drivers)} drivers: parallelism is that of a slide with one")
+    press.refuse_several_drivers("parallelism is that of a slide with one; see its moment in bearing_moment of inverse_dynamics")
     bottom = dead_centres(press).bottom_angle
     if press.driver_coordinates[0].turns:
         angles = np.linspace(0.0, 2 * np.pi * press.period_turns, STATES, endpoint=False)

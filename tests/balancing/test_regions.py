@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from support import texts
+from support.generators.period_presses import five_bar, of_two_motors
 from support.generators.random_linkages import Drawing
 
 import pinpress as pp
@@ -211,3 +212,20 @@ def test_rooms_on_links_that_are_welded_together_are_in_their_own_frames():
             )
             found.append((b.value, *frame.act(np.array(b.counterweights[0].position))))
         np.testing.assert_allclose(*found, rtol=1e-6, atol=1e-7)
+
+
+def test_regions_in_the_plane_of_two_motors():
+    """A plane without gears has the same regions as with them, and the same best counterweights."""
+    ratio, speed = 0.5, 4.0
+    geared, press = five_bar(ratio), of_two_motors()
+    turn = pp.cycle(geared, speed, points=72)
+    motion = pp.servo_cycle(press, np.outer(turn.crank_angle, [1.0, ratio]), speed=[[speed, ratio * speed]] * 72, acceleration=0.0)
+    regions = [
+        pp.balancing.CounterweightRegion("left_crank", radius=0.08, gyration=0.02),
+        pp.balancing.CounterweightRegion("right_crank", radius=0.1),
+    ]
+    least = {pp.balancing.Range("shaking_force", "x"): 1.0, pp.balancing.Range("shaking_moment", "y"): 0.5}
+    want, found = (pp.balancing.balance(each, of, regions=regions, minimise=least) for each, of in ((geared, turn), (press, motion)))
+    assert found.value == pytest.approx(want.value, rel=1e-7)
+    ranges = [float(np.ptp(each.reactions_after[0].shaking_force[:, 0])) for each in (found, want)]
+    assert ranges[0] == pytest.approx(ranges[1], rel=1e-5)

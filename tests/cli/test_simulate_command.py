@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support import texts
+from support.generators.period_presses import of_two_motors
 
 import pinpress as pp
 from pinpress.cli import main, simulate
@@ -481,14 +482,46 @@ def test_usage_errors_exit_with_2(capsys: pytest.CaptureFixture[str], arguments:
     assert "usage: pinpress simulate" in capsys.readouterr().err
 
 
-def test_several_drivers_are_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    arms = """<robot name="arms"><link name="base"/><link name="one"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"
-    ixy="0" ixz="0" iyz="0"/></inertial></link><link name="two"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0"
-    iyz="0"/></inertial></link><joint name="J" type="continuous"><parent link="base"/><child link="one"/><axis xyz="0 1 0"/></joint>
-    <joint name="K" type="continuous"><parent link="one"/><child link="two"/><axis xyz="0 1 0"/></joint>
-    <transmission name="t"><joint name="J"/></transmission><transmission name="u"><joint name="K"/></transmission></robot>"""
-    (tmp_path / "arms.urdf").write_text(arms, encoding="utf-8")
-    assert "arms has 2 drivers" in refused(capsys, tmp_path / "arms.urdf", "--duration", 1)
+def test_several_drivers(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    press, file = of_two_motors(), tmp_path / "motors.urdf"
+    file.write_bytes(press.text)
+    words = ["--speed", "O=60", "--speed", "P=-30rpm", "--angle", "P=20deg", "--motor", "O:constant:value=40", "--flywheel", "P:0.5"]
+    text = printed(capsys, file, "--duration", 0.2, *words, "--out", tmp_path / "out")
+    drive, flywheel = {"O": pp.drives.ConstantTorque(40.0)}, {"P": pp.drives.Flywheel(0.5)}
+    start = {"speed": [60 * pp.RPM, -30 * pp.RPM], "angle": [0.0, np.radians(20.0)]}
+    run = pp.simulate(press, 0.2, drive=drive, flywheel=flywheel, **start)
+    for k, driver in enumerate("OP"):
+        row = next(line.split() for line in text.splitlines() if line.startswith(f"  {driver} "))
+        assert row[1:3] == [f"{np.degrees(run.crank_angle[end, k]):.3f}" for end in (0, -1)]
+    assert "Drive of O, torque on the driver" in text
+    assert "Drive of P" not in text
+    assert "flywheels and drives   inertia 0 kg m2 at O, 0.5 kg m2 at P" in text
+    columns = np.genfromtxt(tmp_path / "out" / "simulation.csv", delimiter=",", names=True)
+    np.testing.assert_allclose(columns["crank_angle_P_rad"], run.crank_angle[:, 1], rtol=1e-12)
+    assert not (tmp_path / "out" / "strokes.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--speed", "60"], "--speed is of one of the 2 drivers of geared_five_bar: write e.g. --speed O=30"),
+        (["--motor", "constant:value=4"], "--motor is of one of the 2 drivers of geared_five_bar: write e.g. --motor O:constant:value=567"),
+        (["--speed", "O=6", "--speed", "O=7"], "--speed of O is given twice"),
+        (["--angle", "Q=6"], "no driver 'Q'"),
+        (["--clutch", "torque=60,closes=0.1s"], "clutch and brake are for one; leave them out"),
+        (["--stiffness", "all=1e9", "--moment-stiffness", "all=1e6"], "elastic motion is that of"),
+    ],
+)
+def test_wrong_words_for_several_drivers(words: list[str], says: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "motors.urdf"
+    file.write_bytes(of_two_motors().text)
+    assert says in refused(capsys, file, "--duration", 0.1, *words)
+
+
+def test_several_drivers_have_no_steady_state(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "motors.urdf"
+    file.write_bytes(of_two_motors().text)
+    assert "give --duration in place of --steady" in refused(capsys, file, "--steady", "--speed", "O=60", "--motor", "O:constant:value=4")
 
 
 class Terminal(io.StringIO):

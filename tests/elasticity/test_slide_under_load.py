@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 from support import texts
+from support.generators.period_presses import five_bar, of_two_motors
 
 import pinpress as pp
 from pinpress.balancing.classical import as_crank_slider
@@ -134,3 +135,20 @@ def test_refusals():
         dead_centre_shift(press, Stiffness(shaft=1e-3, bearings={"W": 1e9}), speed=50.0)
     with pytest.raises(pp.PinpressError, match="motion is a Linkage"):
         slide_deflection(press, press, stiffness)
+
+
+def test_two_motors_hold_as_gears_do() -> None:
+    """The geared five-bar is computed in the plane, with one driver held; without its gears two drivers are held, in space."""
+    ratio, speed = 0.5, 4.0
+    geared, press = five_bar(ratio), of_two_motors()
+    turn = pp.cycle(geared, speed, points=48)
+    motion = pp.servo_cycle(press, np.outer(turn.crank_angle, [1.0, ratio]), speed=[[speed, ratio * speed]] * 48, acceleration=0.0)
+    stiffness = Stiffness(bearings={"O": 1e8, "A": 2e8, "C": 3e8, "S": 1e8}, moments={"guide": 1e7}, rods=[Rod("rod", ("C", "S"), 4e8)])
+    loads = [pp.loads.PointForce("slide", (0.0, 0.0, 5e3))]
+    want, found = (slide_deflection(*each, stiffness, loads=loads) for each in ((geared, turn), (press, motion)))
+    np.testing.assert_allclose(found.deflection, want.deflection, rtol=0, atol=1e-9 * np.abs(want.deflection).max())
+    assert list(found.columns())[:2] == ["crank_angle_O [rad]", "crank_angle_P [rad]"]
+    with pytest.raises(pp.PinpressError, match="shaft names none of them"):
+        slide_deflection(press, motion, Stiffness(shaft=1e6))
+    with pytest.raises(pp.PinpressError, match="see slide_deflection of a motion"):
+        compliance(press, stiffness)

@@ -9,6 +9,10 @@ import pinpress as pp
 from pinpress.linkage import assembly
 from pinpress.simulation.run import inputs_of
 
+SLIPPING = pp.drives.SlipClutchMotor(
+    rated_torque=189.0, primary_speed=1470 * pp.RPM, top_speed=1320 * pp.RPM, set_speed=900 * pp.RPM, lag=0.1
+)
+
 
 def five_bar(height=0.2):
     """Two driven cranks of 0.1 m, 0.5 m apart, and two couplers, of 0.25 m if C is 0.2 m above the ground line, on which the other
@@ -117,6 +121,26 @@ def test_drives_and_flywheels(legs):
     assert run.stats.energy_error < 1e-8
 
 
+def test_two_servo_motors_follow_their_programs():
+    """Their torques follow from time and angle; inverse dynamics of the run gives them back, and their works the energy."""
+    press, time = five_bar(), np.linspace(0.0, 0.5, 41)
+    swing = 0.3 * (1 - np.cos(4 * np.pi * time))
+    motor = {"stiffness": 2e4, "damping": 900.0, "peak_torque": 5e3}
+    rotor = pp.drives.ServoMotor(time, -5 * swing, stiffness=800.0, damping=36.0, peak_torque=1e3, inertia=0.02)
+    drive = {"A": pp.drives.ServoMotor(time, swing, **motor), "B": pp.drives.Geared(rotor, ratio=5.0)}
+    run = pp.simulate(press, 0.5, drive=drive, points=301)
+    np.testing.assert_allclose(run.crank_angle[:, 0], 0.3 * (1 - np.cos(4 * np.pi * run.time)), rtol=0, atol=0.02)
+    for k, name in enumerate(press.drivers):
+        torque = drive[name].torque(run.crank_speed[:, k], run.crank_angle[:, k], run.time)
+        np.testing.assert_allclose(run.drive_torque[:, k], torque, rtol=1e-12)
+    needed = pp.inverse_dynamics(press, run).driving_torque + run.crank_acceleration * [0.0, 0.02 * 25]
+    np.testing.assert_allclose(run.drive_torque, needed, rtol=0, atol=1e-9 * np.abs(needed).max())
+    power = (run.drive_torque * run.crank_speed).sum(axis=1)
+    assert run.drive_work[-1] == pytest.approx(np.trapezoid(power, run.time), abs=1e-3 * np.abs(run.drive_work).max())
+    assert run.stats.energy_error < 1e-9
+    assert "simulated from A 0 deg at 0 r/min, B 0 deg at 0 r/min, 0.5 s" in dict(inputs_of(pp.inverse_dynamics(press, run)))["motion"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -124,9 +148,10 @@ def test_drives_and_flywheels(legs):
         ({"drive": pp.drives.ConstantTorque(1.0)}, "give a Drive for each, drive={'left-roll-op': "),
         ({"drive": {"elbow": pp.drives.ConstantTorque(1.0)}}, "no driver 'elbow'"),
         ({"drive": {"left-roll-op": 5.0}}, "drive of 'left-roll-op' is 5.0"),
-        ({"drive": {"left-roll-op": pp.drives.ServoMotor([0, 1], [0, 1], 1.0, 1.0, 1.0)}}, "torque depends on speed alone"),
+        ({"drive": {"left-roll-op": SLIPPING}}, "drive of 'left-roll-op' has states of its own"),
         ({"speed": [1.0, 2.0]}, "one of each of the 12 drivers"),
         ({"brake": pp.drives.Brake(5.0)}, "clutch and brake are for one"),
+        ({"friction": {"left-roll-op": pp.loads.Friction(viscous=1.0)}}, "their runs know no friction in bearings; leave it out"),
     ],
 )
 def test_wrong_arguments(legs, arguments, message):

@@ -595,7 +595,7 @@ def test_a_crank_that_only_swings(tmp_path):
 def test_several_drivers_have_none(tmp_path):
     press = pp.load(two_discs(tmp_path))
     assert len(press.drivers) == 2
-    with pytest.raises(pp.PinpressError, match="one driver"):
+    with pytest.raises(pp.PinpressError, match="a press with one"):
         pp.steady_state(press, 3.0, drive=Own(10.0, 1.0), flywheel=pp.drives.Flywheel(1.0))
 
 
@@ -763,7 +763,7 @@ def test_duty_of_several_drivers(tmp_path):
     press = pp.load(two_discs(tmp_path))
     run = pp.simulate(press, 0.5, speed=np.array([3.0, 4.0]), method="constraint")
     for function in (pp.measures.duty_cycle, pp.measures.stroke_duties):
-        with pytest.raises(pp.PinpressError, match="one driver"):
+        with pytest.raises(pp.PinpressError, match="a press with one"):
             function(run)
 
 

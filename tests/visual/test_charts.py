@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import texts
 from support.exploring import examples
-from support.generators.small_linkages import bolted
+from support.generators.small_linkages import bolted, hybrid
 from support.generators.spatial_linkages import bennett
 from support.oracles import cassie
 
@@ -17,6 +17,7 @@ import pinpress as pp
 from pinpress.dynamics.extremes import extremes, held_moments
 from pinpress.dynamics.harmonics import harmonics, is_cycle, last_period
 from pinpress.visual import charts
+from pinpress.visual.recording import key_frames
 
 MASS, RADIUS, SPEED = 3.0, 0.2, 31.0
 ROTOR = f"""
@@ -324,6 +325,27 @@ def test_a_run_has_its_drive_and_speed():
     (speed,) = charts.driver_speeds(result.motion)
     assert speed.unit == "r/min"
     np.testing.assert_allclose(raw(speed)["crank speed"], result.motion.crank_speed, rtol=1e-14)
+
+
+def test_drivers_of_two_kinds_have_charts_of_their_own():
+    """A press whose crank turns and whose ram slides: torques and forces, r/min and m/s, and peaks by the time."""
+    time = np.linspace(0.0, 1.0, 40, endpoint=False)
+    places = np.column_stack([2 * np.pi * time + 0.2 * np.sin(2 * np.pi * time), 0.04 * np.sin(2 * np.pi * time)])
+    press = hybrid()
+    result = pp.inverse_dynamics(press, pp.servo_cycle(press, places, time=time, period=1.0))
+    turning, sliding = charts.driving(result)
+    assert [(c.title, c.quantity) for c in (turning, sliding)] == [("Driving torque", "torque"), ("Driving force", "force")]
+    np.testing.assert_allclose(raw(turning)["A"], result.driving_torque[:, 0], rtol=1e-14)
+    np.testing.assert_allclose(raw(sliding)["ram_guide"], result.driving_torque[:, 1], rtol=1e-14)
+    assert [c.title for c in charts.driver_speeds(result.motion)] == ["Crank speed", "Driver speed"]
+    table = {row.quantity: row for row in extremes(result)}
+    row = table["driving force of ram_guide"]
+    assert (row.unit, row.units["largest_at"]) == ("N", "s")
+    assert row.largest_at == time[result.driving_torque[:, 1].argmax()]
+    frames = key_frames(press, result.motion)
+    assert frames.time[-1] == pytest.approx(1.0)  # the first state comes again, and the page plays in a loop
+    half = pp.servo_cycle(press, places[:20], time=time[:20])
+    assert len(key_frames(press, half).time) == 20
 
 
 def test_several_drivers(legs):

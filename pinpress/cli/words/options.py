@@ -40,8 +40,8 @@ ZEROS = {"drawn": "the drawn pose", "tdc": "top dead centre", "bdc": "bottom dea
 POINTS = 360  # states of a turn, as of `cycle`
 SPEED = "crank speed, in r/min, negative: backwards; highest speed of a driver that slides, in mm/s"
 MOTION = (
-    "CSV file with the motion of one driver or several over time, in place of --speed; its first line names the columns with their units:"
-    " time [s], and the name of every driver, A [deg], or ram_guide [mm] of one that slides"
+    "CSV file with the motion of one driver or several over time; its first line names the columns with their units: time [s], and the"
+    " name of every driver, A [deg], or ram_guide [mm] of one that slides"
 )
 FILE = f"pin table (.yaml), URDF, SDF or MJCF file, or the name of a shipped press: {', '.join(presses())}"
 
@@ -186,6 +186,7 @@ def with_zero(press: Linkage, zero: str) -> Linkage:
     """The press with crank angles counted from where `ZEROS` says."""
     if zero == "drawn":
         return press
+    press.refuse_several_drivers(f"their angles are 0 where the press is drawn; leave out --zero {zero}")
     press.refuse_sliding_driver(f"its positions are 0 where the press is drawn; leave out --zero {zero}")
     ends = dead_centres(press)
     return press.drawn_at(ends.top_angle if zero == "tdc" else ends.bottom_angle, ZEROS[zero])
@@ -197,7 +198,12 @@ def add_motion_options(parser: argparse.ArgumentParser, *, several: bool = False
     worst = f"{SPEED}; may be given several times: each criterion then counts at its worst speed"
     action = "append" if several else "store"
     one_of.add_argument("--speed", type=driver_speed, action=action, metavar="RPM", help=worst if several else SPEED)
-    one_of.add_argument("--motion", metavar="FILE", help=MOTION)
+    one_of.add_argument("--motion", metavar="FILE", help=f"in place of --speed: {MOTION}")
+    add_period_option(parser)
+
+
+def add_period_option(parser: argparse.ArgumentParser) -> None:
+    """Option --period, of a motion from a table."""
     help = "time in s after which the motion of --motion begins again (default: it is not closed)"
     parser.add_argument("--period", type=quantity("s"), metavar="S", help=help)
 
@@ -223,19 +229,15 @@ def motion_of(press: Linkage, options: argparse.Namespace, speed: OfDriver | Non
         return read_motion(press, options.motion, period=options.period, engine=engine)
     if options.period is not None:
         raise PinpressError("--period is that of --motion, and at constant speed the press has its own: leave it out")
-    refuse_one_speed(press)
+    refuse_without_motion(press, "one speed does not say how they move together")
     points = a_turn * (press.period_turns if first.turns else 1) if options.points is None else options.points
     return cycle(press, speed=speed.of(first), points=points, engine=engine)
 
 
-def refuse_one_speed(press: Linkage) -> None:
-    """Raise PinpressError where a press with several drivers is to move at one speed."""
-    if len(press.drivers) > 1:
-        columns = ", ".join(f"{name} [{each.shown_unit}]" for name, each in zip(press.drivers, press.driver_coordinates, strict=True))
-        raise PinpressError(
-            f"{press.name} has {len(press.drivers)} drivers, and one speed does not say how they move together: give --motion FILE in place"
-            f" of --speed, a table with the columns time [s], {columns}"
-        )
+def refuse_without_motion(press: Linkage, why: str) -> None:
+    """Raise PinpressError where the press has several drivers, whose motion is not given; ``why``: it is needed."""
+    columns = ", ".join(f"{name} [{each.shown_unit}]" for name, each in zip(press.drivers, press.driver_coordinates, strict=True))
+    press.refuse_several_drivers(f"{why}; give --motion FILE, a table with the columns time [s], {columns}")
 
 
 def refuse_beside_motion(options: argparse.Namespace, *names: str) -> None:
@@ -269,9 +271,10 @@ def add_load_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--load", metavar="KIND:KEYS", action="append", default=[], help=words)
 
 
-def add_flywheel_option(parser: argparse.ArgumentParser, meaning: str) -> None:
-    """Option --flywheel; ``meaning``: what else its help says."""
-    parser.add_argument("--flywheel", metavar="J", help=f"inertia at the driver joint, in kg m2; {meaning}")
+def add_flywheel_option(parser: argparse.ArgumentParser, meaning: str, *, several: bool = False) -> None:
+    """Option --flywheel; ``meaning``: what else its help says; ``several``: whether it may be given several times."""
+    action, default = ("append", list[str]()) if several else ("store", None)
+    parser.add_argument("--flywheel", metavar="J", action=action, default=default, help=f"inertia at the driver joint, in kg m2; {meaning}")
 
 
 def add_refused_option(parser: argparse.ArgumentParser, name: str, why: str) -> None:

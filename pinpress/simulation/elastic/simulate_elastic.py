@@ -116,8 +116,7 @@ def elastic_simulation(
         began: time of the clock at which the call began [s].
         progress: called with the time reached [s].
     """
-    if len(problem.driven.press.drivers) > 1:
-        raise PinpressError(f"{problem.driven.press.name} has several drivers: an elastic motion is that of one crank")
+    problem.driven.press.refuse_several_drivers("an elastic motion is that of one crank; see slide_deflection of their motion")
     driven, angle, begins, until = problem.driven, float(problem.angle[0]), float(problem.speed[0]), problem.until
     speed = begins or _speed_ahead(driven)
     task, start = _task(driven, elastic, speed, angle, problem.tolerance, steady=False)

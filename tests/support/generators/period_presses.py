@@ -48,6 +48,15 @@ def five_bar(ratio: float) -> Any:
     return texts.load(FIVE_BAR.format(links="".join(LINK.format(*link, 0.02) for link in LINKS), ratio=repr(ratio)))
 
 
+def of_two_motors() -> Any:
+    """The five-bar without its gears: a motor on each crank. Where the right one turns ``ratio`` times as fast, it moves as `five_bar`, and
+    the left crank of that takes torque O + ratio x torque P."""
+    text = FIVE_BAR.format(links="".join(LINK.format(*link, 0.02) for link in LINKS), ratio=1)
+    mimic, drive = '<mimic joint="O" multiplier="1"/>', '<transmission name="drive"><joint name="O"/></transmission>'
+    assert text.count(mimic) == text.count(drive) == 1
+    return texts.load(text.replace(mimic, "").replace(drive, f'{drive}<transmission name="other"><joint name="P"/></transmission>'))
+
+
 def geared_down() -> Any:
     """The shipped crank-slider, its crank turned by a motor, the driver, three times as fast, whose rotor weighs next to nothing."""
     text = texts.shipped("crank_slide").text.decode()

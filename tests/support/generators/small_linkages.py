@@ -1,8 +1,10 @@
-"""Two shafts on one frame, geared or each with a drive of its own, with visuals; and presses bolted down askew."""
+"""Two shafts on one frame, geared or each with a drive of its own, with visuals; presses bolted down askew; a press with crank and ram."""
 
 from typing import Any
 
 from support import texts
+
+import pinpress as pp
 
 GEARED = """<robot name="geared">
   <link name="frame"><visual><geometry><box size="0.5 0.02 0.2"/></geometry></visual></link>
@@ -31,3 +33,21 @@ def bolted(press: Any, rpy: str, **more: Any) -> Any:
     bolts = f'<joint name="bolts" type="fixed"><parent link="floor"/><child link="frame"/><origin xyz="0 0 0" rpy="{rpy}"/></joint>'
     text = press.text.decode().replace('<link name="frame">', '<link name="floor"/>' + bolts + '<link name="frame">')
     return texts.load(text, **more)
+
+
+def hybrid() -> Any:
+    """A crank press whose rod a second driver, a ram, leads sideways."""
+    return pp.build(
+        units="mm",
+        frame="A",
+        pins={"A": [0, 0], "C": [0, 100], "B": [500, -300], "E": [100, -400], "W": {"E": 600, "x": 0, "side": "down"}},
+        links={
+            "crank": {"pins": "A C", "mass": 60},
+            "coupler": {"pins": "C E", "mass": 20},
+            "rod": {"pins": "E W", "mass": 30},
+            "slide": {"pins": "W", "guide": "up", "mass": 800},
+            "ram": {"pins": "B", "guide": "right", "travel": [-100, 100], "mass": 50},
+            "arm": {"pins": "B E", "mass": 5},
+        },
+        drive="A ram_guide",
+    )

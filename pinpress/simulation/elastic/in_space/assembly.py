@@ -63,8 +63,7 @@ def press_in_space(press: Linkage, elastic: Elastic) -> PressInSpace:
         PinpressError: it has several drivers, gear pairs or no slide, its driver is not carried by the frame, a link has no mass, a bearing
             lacks a stiffness, a link is held by nothing, or ``elastic`` has parts that motions in space do not know.
     """
-    if len(press.drivers) > 1:
-        raise PinpressError(f"{press.name} has several drivers: elastic motion is that of a press with one")
+    press.refuse_several_drivers("elastic motion is that of a press with one; see slide_deflection of their motion")
     press.refuse_sliding_driver("elastic motion is that of a press with a crank")
     _ = press.slide_guide
     _refuse_unsuitable(press, elastic)

@@ -1,0 +1,169 @@
+"""`--motion`: commands move a press with several drivers, or with one, as a table says, and say what the library gives."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support import texts
+from support.generators.period_presses import of_two_motors
+from support.in_browser import data_in
+
+import pinpress as pp
+from pinpress.cli.main import main
+
+TABLE = """
+press: two_motors
+units: mm
+frame: A B
+pins:
+  A: [-300, 0]
+  B: [300, 0]
+  C: {from: A, length: 100, angle: 90}
+  D: {from: B, length: 100, angle: 90}
+  E: {C: 500, D: 500, side: down}
+  W: {E: 600, x: 0, side: down}
+links:
+  left_crank:  {pins: A C, mass: 60}
+  right_crank: {pins: B D, mass: 60}
+  left_rod:    {pins: C E, mass: 25}
+  right_rod:   {pins: D E, mass: 25}
+  rod:         {pins: E W, mass: 40}
+  slide:       {pins: W, guide: up, mass: 800}
+drive: A B
+"""
+TIME = np.arange(72) / 72
+ANGLES = np.column_stack([360 * TIME, -360 * TIME + 15 * np.sin(2 * np.pi * TIME)])
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("press.yaml").write_text(TABLE, encoding="utf-8")
+    np.savetxt("motion.csv", np.column_stack([TIME, ANGLES]), delimiter=",", header="time [s],A [deg],B [deg]", comments="", fmt="%.17g")
+    return tmp_path
+
+
+def wanted() -> tuple[pp.Linkage, pp.Motion]:
+    press = pp.build("press.yaml")
+    return press, pp.servo_cycle(press, np.radians(ANGLES), time=TIME, period=1.0)
+
+
+MOTION = ["press.yaml", "--motion", "motion.csv", "--period", "1"]
+
+
+def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(list(arguments)) == 0
+    return capsys.readouterr().out
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(list(arguments)) == 2
+    return capsys.readouterr().err
+
+
+def test_build(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = printed(capsys, "build", "press.yaml")
+    assert "2 drivers move the slide" in text
+    assert "E   (0, -300)    (0, 500)      2 drivers move the slide" in text  # what another side would give
+    assert pp.load("press.urdf").drivers == ("A", "B")
+
+
+def test_analyse(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = printed(capsys, "analyse", *MOTION, "--load", "drawing:force=200kN,start=20mm,datum=-1110mm", "--out", "out", "--report")
+    press, motion = wanted()
+    load = pp.loads.DeepDrawing(2e5, 0.02, datum=-1.110)
+    reactions = pp.inverse_dynamics(press, motion, loads=[load])
+    low = int(motion.slide_position.argmin())
+    lowest = next(line for line in text.splitlines() if line.startswith("  lowest position"))
+    assert lowest.split()[2:] == [f"{1e3 * motion.slide_position[low]:.3f}", "mm", "at", f"{TIME[low]:.5f}", "s,", "0.000", "mm"]
+    for k, driver in enumerate("AB"):
+        torque = reactions.driving_torque[:, k]
+        at = int(torque.argmax())
+        lines = text[text.index(f"Driving torque of {driver} (on the driver") :].splitlines()
+        assert f"{torque[at]:.1f} N m" in lines[1]
+        assert f"at {TIME[at]:8.5f} s" in lines[1]
+    size = np.linalg.norm(reactions.bearing_force["W"], axis=1)
+    row = next(line for line in text.splitlines() if line.startswith("  W "))
+    assert f"{TIME[size.argmax()]:.4f}" in row.split()
+    assert "motion        prescribed, A at up to 60 r/min, B at up to " in text
+    again = pp.read_motion(press, "out/cycle.csv")
+    np.testing.assert_array_equal(again.slide_position, motion.slide_position)
+    data = data_in(Path("out/report.html"))
+    titles = [chart["title"] for section in data["report"]["sections"] for chart in section["blocks"] if "title" in chart]
+    assert "Driving torque" in titles
+    assert data["time"][-1:] != TIME[-1:]  # closed to a loop
+
+
+def test_record(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert printed(capsys, "record", *MOTION, "--out", "press.html") == "wrote press.html\n"
+    assert "with --motion give a time from its first state, from 0 to " in refused(
+        capsys, "record", *MOTION, "--out", "press.html", "--at", "2s"
+    )
+
+
+def test_balance(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--region", "left_crank:radius=0.2", "--region", "right_crank:radius=0.2", "--minimise", "range:shaking_force:z"]
+    text = printed(capsys, "balance", *MOTION, *words)
+    press, motion = wanted()
+    regions = [pp.balancing.CounterweightRegion(f"{side}_crank", radius=0.2) for side in ("left", "right")]
+    best = pp.balancing.balance(press, motion, regions=regions, minimise=pp.balancing.Range("shaking_force", "z"))
+    assert str(best) in text
+    lighter = pp.inverse_dynamics(best.press, motion).shaking_force[:, 2]
+    assert np.ptp(lighter) == pytest.approx(best.value, rel=1e-9)
+    assert np.ptp(lighter) < np.ptp(pp.inverse_dynamics(press, motion).shaking_force[:, 2])
+
+
+def test_tolerances(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("d.csv").write_text("dimension,tolerance,unit\nlength E_rod W,0.05,mm\n", encoding="utf-8")
+    words = ["--dimensions", "d.csv", "--samples", "1000"]
+    text = printed(capsys, "tolerances", *MOTION, *words)
+    assert "DeadCentreScatter of two_motors: 1 dimensions, 1000 presses" in text
+    assert "motion        motion.csv" in text
+    assert "alone they have no dead centre; give --motion FILE" in refused(capsys, "tolerances", "press.yaml", *words)
+    assert "--budget is for a crank" in refused(capsys, "tolerances", *MOTION, *words, "--budget", "10,70")
+
+
+def test_report(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    stiff = ["--stiffness", "A=1e9", "--stiffness", "B=1e9"]
+    assert printed(capsys, "report", *MOTION, *stiff, "--out", "r.html") == "wrote r.html\n"
+    press, motion = wanted()
+    deflected = pp.elasticity.slide_deflection(press, motion, pp.elasticity.Stiffness(bearings={"A": 1e9, "B": 1e9}))
+    assert deflected.deflection.max() < 0
+
+
+def test_one_driver(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The crank swings to and fro; nothing is said of strokes a minute."""
+    time = np.linspace(0.0, 1.0, 61)
+    path = tmp_path / "m.csv"
+    swing = 40 + 30 * np.sin(2 * np.pi * time)
+    np.savetxt(path, np.column_stack([time, swing]), delimiter=",", header="time [s],A [deg]", comments="")
+    text = printed(capsys, "analyse", "zxn2_3000b", "--motion", str(path), "--period", "1")
+    assert "zxn2_3000b: a motion of " in text
+    assert "strokes/min" not in text
+    assert "heights above bottom dead centre" in text
+    press = texts.shipped("zxn2_3000b")
+    motion = pp.servo_cycle(press, np.radians(swing), time=time, period=1.0)
+    torque = pp.inverse_dynamics(press, motion).driving_torque
+    assert f"{torque.max():.1f} N m" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["analyse", "press.yaml", "--speed", "30"], "give --motion FILE, a table with the columns time [s], A [deg], B [deg]"),
+        (["analyse", *MOTION, "--points", "90"], "leave it out, the states are those of --motion"),
+        (["analyse", *MOTION, "--flywheel", "3"], "--flywheel is for a press at constant speed: give --speed in place of --motion"),
+        (["report", *MOTION, "--nominal-force", "3e6", "--out", "r.html"], "--nominal-force is for a press at constant speed"),
+        (["analyse", *MOTION, "--zero", "tdc"], "leave out --zero tdc"),
+        (["analyse", "zxn2_3000b", "--speed", "70", "--period", "1"], "--period is that of --motion"),
+        (["servo", "press.yaml", "--time", "1", "--drive", "inertia=1,ratio=6,peak_torque=2"], "the best motion is that of one crank"),
+    ],
+)
+def test_wrong_words(arguments: list[str], says: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert says in refused(capsys, *arguments)
+
+
+def test_an_unknown_driver_is_found_by_its_column(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("motors.urdf").write_bytes(of_two_motors().text)
+    error = refused(capsys, "analyse", "motors.urdf", "--motion", "motion.csv")
+    assert "motion.csv has no column for driver 'O' of geared_five_bar: call it O [deg]; there are: time, A, B" in error
