@@ -14,8 +14,8 @@ import pinpress as pp
 FOLDER = Path(__file__).resolve().parent / "reference"
 # In the order in which a reader meets them; of these classes, which functions make, the arguments of the constructor say nothing.
 TOP = (
-    "build load presses check write_urdf Linkage cycle servo_cycle Motion dead_centres inverse_dynamics Reactions simulate simulate_batch"
-    " steady_state Run ElasticRun RunBatch record record_modes report view LiveView visual_model RPM"
+    "build load presses check write_urdf Linkage cycle servo_cycle read_motion Motion dead_centres inverse_dynamics Reactions simulate"
+    " simulate_batch steady_state Run ElasticRun RunBatch record record_modes report view LiveView visual_model RPM"
 )
 MADE_BY_FUNCTIONS = ("Linkage", "Motion", "Reactions", "Run", "ElasticRun", "RunBatch", "LiveView")
 SPACES = (

@@ -158,7 +158,6 @@ def _run(
     drives = {name: part_specs.motor(words, coordinates[name]) for name, words in motors.items()}
     wheels = {name: part_specs.flywheel(words) for name, words in flywheels.items()}
     one = len(press.drivers) == 1
-    speed, angle = (speeds[0], angles[0]) if one else (speeds, angles)
     parts: dict[str, Any] = {
         "drive": drives.get(press.driver) if one else drives,
         "flywheel": wheels.get(press.driver) if one else wheels,
@@ -181,11 +180,12 @@ def _run(
         make_folder(options.out)  # before a run that may be long
     if options.steady:
         points = STEADY_POINTS * press.period_turns if options.points is None else options.points
-        run: Run = steady_state(press, speed, angle=angle, **parts | {"points": points})
+        run: Run = steady_state(press, speeds[0], angle=angles[0], **parts | {"points": points})
         return run
     how = {"method": options.method, "step": options.step}
+    start = (speeds[0], angles[0]) if one else (speeds, angles)
     with progress(options.duration, BAR) as told:
-        run = simulate(press, options.duration, speed=speed, angle=angle, clutch=clutch, brake=brake, progress=told, **parts, **how)
+        run = simulate(press, options.duration, speed=start[0], angle=start[1], clutch=clutch, brake=brake, progress=told, **parts, **how)
     return run
 
 

@@ -15,10 +15,10 @@ import os
 import numpy as np
 
 from ..common.arguments import read_quantity, typed
-from ..common.column_files import TIMES, Channels, Column, read
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..linkage.linkage import Linkage
+from .column_files import TIMES, Channels, Column, read
 from .motion import Motion
 from .servo_motion import servo_cycle
 

@@ -18,10 +18,10 @@ from numpy.typing import ArrayLike
 
 from ..common import files
 from ..common.arguments import LARGEST, finite_numbers, numbers, suitable_numbers
-from ..common.column_files import Channels, named_columns, parted, read
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
 from ..common.quantities import GRAVITY, Array
+from ..kinematics.column_files import Channels, named_columns, parted, read
 from .records import UNEVEN, longest_rest, times_of
 
 FEWEST = 256  # samples of a record

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 
 from ..common.arguments import number, numbers, typed
-from ..common.column_files import TIMES, Channels, parted, read
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
 from ..common.results import Tabular
+from ..kinematics.column_files import TIMES, Channels, parted, read
 
 FEWEST = 32  # samples of a record
 GAP = 4.5  # times the common step between samples, from which on a step is a gap: fewer are samples that a bus lost

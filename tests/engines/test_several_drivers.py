@@ -127,7 +127,7 @@ def test_two_servo_motors_follow_their_programs():
     swing = 0.3 * (1 - np.cos(4 * np.pi * time))
     motor = {"stiffness": 2e4, "damping": 900.0, "peak_torque": 5e3}
     rotor = pp.drives.ServoMotor(time, -5 * swing, stiffness=800.0, damping=36.0, peak_torque=1e3, inertia=0.02)
-    drive = {"A": pp.drives.ServoMotor(time, swing, **motor), "B": pp.drives.Geared(rotor, ratio=5.0)}
+    drive: dict[str, pp.drives.Drive] = {"A": pp.drives.ServoMotor(time, swing, **motor), "B": pp.drives.Geared(rotor, ratio=5.0)}
     run = pp.simulate(press, 0.5, drive=drive, points=301)
     np.testing.assert_allclose(run.crank_angle[:, 0], 0.3 * (1 - np.cos(4 * np.pi * run.time)), rtol=0, atol=0.02)
     for k, name in enumerate(press.drivers):

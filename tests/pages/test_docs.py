@@ -34,6 +34,7 @@ RUN = [
     "ratings",
     "recording",
     "servo",
+    "several_drivers",
     "simulation",
     "slide_accuracy",
     "start",

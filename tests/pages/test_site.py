@@ -213,6 +213,8 @@ QUESTIONS = {
     "parallel computing cluster": "sweep",
     "process force without load cell": "process_force",
     "inverse kinematics": "examples/path_of_the_hand",
+    "hybrid press": "several_drivers",
+    "two motors": "several_drivers",
     "inverse_dynamics": "motion_and_forces reference/pp",
 }
 ASK = """async ([program, questions]) => {

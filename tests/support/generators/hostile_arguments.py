@@ -34,6 +34,7 @@ from pinpress.kinematics import measures
 
 SECONDS = 60.0  # that a call may take, on a machine with much else to do; most take milliseconds
 FOLDER = Path("/nowhere")  # nothing is written
+MOTION = Path(__file__).resolve().parents[2] / "kinematics" / "turn.csv"
 RECORD = Path(__file__).resolve().parents[2] / "measured" / "short.csv"
 
 
@@ -1041,6 +1042,11 @@ def calls() -> dict[str, Call]:
                 "time": [0.0, 0.1, 0.2],
                 "engine": "plane",
             },
+        ),
+        (
+            "read_motion",
+            pp.read_motion,
+            lambda: {"press": press(), "path": MOTION, "period": 1.0, "engine": "plane"},
         ),
         (
             "servo_cycle of heights",

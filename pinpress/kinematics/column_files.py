@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import files
-from .errors import PinpressError, UnknownNameError, said, shown
-from .quantities import Array
+from ..common import files
+from ..common.errors import PinpressError, UnknownNameError, said, shown
+from ..common.quantities import Array
 
 LARGEST_FILE = 2 * 10**9  # bytes
 TIMES = ("time", "t", "zeit", "timestamp", "timestamps")  # names of the column of the time, without its unit
