@@ -8,9 +8,8 @@ from ..accuracy.measurements import SCENES, WorkPrecision, plot
 from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..dynamics.inputs import described, of_press, stated
-from ..plots import style
 from .words import part_specs
-from .words.options import add_out_option, add_press_options, load_press, print_inputs, say_written
+from .words.options import add_out_option, add_press_options, load_press, print_inputs, write_pictures
 from .words.progress import progress
 from .words.units import quantity
 
@@ -89,16 +88,11 @@ def run(options: argparse.Namespace) -> int:
 
 def _write(measured: WorkPrecision, folder: Path) -> None:
     """Write the files and say so. The CSV file comes first, so that no measurement is lost where Plotly or Matplotlib is missing."""
-    table, page, picture = folder / "accuracy.csv", folder / "accuracy.html", folder / "accuracy.png"
-    measured.to_csv(table)
-    written = [table.name]
+    measured.to_csv(folder / "accuracy.csv")
+    written = ["accuracy.csv"]
     if importlib.util.find_spec("plotly") is not None:
         from ..accuracy.page import report  # slow to import
 
-        report(measured, page)
-        written.append(page.name)
-    if importlib.util.find_spec("matplotlib") is None:
-        print(f"\nwrote {' and '.join(str(folder / name) for name in written)}; {picture} is left out: {style.NOT_INSTALLED}")
-        return
-    style.save(plot(measured), picture)
-    say_written(folder, [*written, picture.name])
+        report(measured, folder / "accuracy.html")
+        written.append("accuracy.html")
+    write_pictures(folder, written, lambda: {"accuracy.png": plot(measured)})

@@ -24,18 +24,16 @@ from ..visual.recording import traced
 from .report import POINTS, add_before_option, add_nominal_options, add_points_option, permissible, press_before
 from .run_summary import duty_summary
 from .words import part_specs
+from .words.motions import add_motion_options, motion_of, refuse_beside_motion
 from .words.options import (
     SIGNS,
     add_flywheel_option,
     add_force_options,
-    add_motion_options,
     add_page_options,
     add_press_options,
     forces,
     load_press,
-    motion_of,
     print_inputs,
-    refuse_beside_motion,
     refuse_pages_without_folder,
     write_pages,
 )

@@ -20,16 +20,15 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..linkage.linkage import Linkage
 from ..linkage.writing import write_urdf
 from .words import part_specs
+from .words.motions import add_motion_options, motion_of
 from .words.options import (
     add_force_options,
-    add_motion_options,
     add_out_option,
     add_press_options,
     add_refused_option,
     drawn,
     load_as_drawn,
     loads,
-    motion_of,
     print_inputs,
     refuse_without_table,
     say_written,

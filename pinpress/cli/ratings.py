@@ -1,9 +1,11 @@
 """`pinpress ratings`: the force, energy and speed that a press may be used with."""
 
+from __future__ import annotations
+
 import argparse
-import importlib.util
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..common import tables
 from ..common.errors import PinpressError
@@ -28,9 +30,12 @@ from .words.options import (
     load_press,
     loads,
     print_inputs,
-    say_written,
+    write_pictures,
 )
 from .words.units import driver_effort, driver_speed, quantity
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 EPILOG = f"""\
 numbers are in SI units, heights above bottom dead centre in m, but the speed is in r/min, of a driver that slides in mm/s.
@@ -54,7 +59,7 @@ POINTS_OF_STROKE = 181  # crank angles of the working stroke
 NOT_CAPACITIES = ("contact_height", "dwell_tolerance")
 
 
-def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Put `ratings` among the subcommands; parsed options have ``run``, see `run`."""
     parser = commands.add_parser(
         "ratings",
@@ -182,10 +187,10 @@ def _process(press: Linkage, process: Reactions, found: PressRatings) -> list[st
 def _write(found: PressRatings, process: Reactions | None, folder: Path) -> None:
     """Write the files and say so."""
     found.to_csv(folder / "ratings.csv")
-    if importlib.util.find_spec("matplotlib") is None:
-        print(f"\nwrote {folder / 'ratings.csv'}; for the diagram: pip install 'pinpress[plots]'")
-        return
-    from ..plots import force_stroke, style  # slow to import
 
-    style.save(force_stroke.ratings(found, process), folder / "ratings.png")
-    say_written(folder, ["ratings.csv", "ratings.png"])
+    def draw() -> dict[str, Figure]:
+        from ..plots import force_stroke  # slow to import
+
+        return {"ratings.png": force_stroke.ratings(found, process)}
+
+    write_pictures(folder, ["ratings.csv"], draw)

@@ -13,16 +13,15 @@ from ..common.quantities import CRANK, RAM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import Motion
 from .words import part_specs
+from .words.motions import add_motion_options, motion_of
 from .words.options import (
     SIGNS,
     add_force_options,
-    add_motion_options,
     add_press_options,
     add_refused_option,
     add_trace_option,
     forces,
     load_press,
-    motion_of,
 )
 from .words.progress import progress
 from .words.units import OfDriver, driver_position, read_quantity

@@ -24,23 +24,21 @@ from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
 from . import balance, ratings
 from .words import part_specs
+from .words.motions import add_motion_options, motion_of, refuse_beside_motion
 from .words.options import (
     SIGNS,
     Forces,
     add_flywheel_option,
     add_force_options,
     add_joint_option,
-    add_motion_options,
     add_mount_options,
     add_press_options,
     add_trace_option,
     forces,
     load_other,
     load_press,
-    motion_of,
     mounted_press,
     named_point,
-    refuse_beside_motion,
 )
 from .words.units import OfDriver, driver_speed, quantity
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -13,19 +12,19 @@ from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..dynamics.inputs import Inputs, of_press, stated
 from ..kinematics.motion_table import read_motion
+from .words.motions import MOTION, add_period_option, refuse_without_motion
 from .words.options import (
-    MOTION,
     add_out_option,
-    add_period_option,
     add_press_options,
     load_press,
     print_inputs,
-    refuse_without_motion,
-    say_written,
+    write_pictures,
 )
 from .words.units import quantity, read_quantity
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from ..kinematics.motion import Motion
     from ..linkage.linkage import Linkage
     from ..tolerances.accuracy_budget import AccuracyBudget
@@ -264,14 +263,11 @@ def _write(
     if budgeted is not None:
         budgeted.to_csv(folder / "budget.csv")
         names.append("budget.csv")
-    if importlib.util.find_spec("matplotlib") is None:
-        print(f"\nwrote {', '.join(str(folder / name) for name in names)}; for the diagram: pip install 'pinpress[plots]'")
-        return
-    from ..plots import press_accuracy, slide_accuracy, style  # slow to import
 
-    pictures = {"tolerances.png": press_accuracy.tolerances(found.height, options.within)}
-    if budgeted is not None:
-        pictures["budget.png"] = slide_accuracy.budget(budgeted)
-    for name, figure in pictures.items():
-        style.save(figure, folder / name)
-    say_written(folder, [*names, *pictures])
+    def draw() -> dict[str, Figure]:
+        from ..plots import press_accuracy, slide_accuracy  # slow to import
+
+        pictures = {"tolerances.png": press_accuracy.tolerances(found.height, options.within)}
+        return pictures if budgeted is None else pictures | {"budget.png": slide_accuracy.budget(budgeted)}
+
+    write_pictures(folder, names, draw)

@@ -380,7 +380,7 @@ def test_command_without_matplotlib(measured, capsys, tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name, *more: None if name == "matplotlib" else find(name, *more))
     words = ["crank_slide", "--speed", "300", "--points", "12", "--repeats", "1", "--duration", "0.02", "--out", str(tmp_path)]
     assert main(["accuracy", *words]) == 0
-    assert "accuracy.png is left out: plots need Matplotlib" in capsys.readouterr().out
+    assert "for pictures: pip install 'pinpress[plots]'" in capsys.readouterr().out
     assert sorted(path.name for path in tmp_path.iterdir()) == ["accuracy.csv", "accuracy.html"]
 
 

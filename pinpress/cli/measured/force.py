@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,11 +11,13 @@ from ...common import tables
 from ...common.errors import PinpressError
 from ...common.files import make_folder
 from ...dynamics.inputs import of_press, stated
-from ..words.options import add_out_option, add_press_options, load_press, print_inputs, say_written
+from ..words.options import add_out_option, add_press_options, load_press, print_inputs, write_pictures
 from ..words.records import add_column_options, add_identification_options, identification, identification_in_words, read_record
 from ..words.units import quantity, read_quantity
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from ...linkage.linkage import Linkage
     from ...measured.identification import IdentifiedPress
     from ...measured.records import MeasuredRun
@@ -167,12 +168,12 @@ def _write(strokes: Mapping[str, Sequence[MeasuredForce]], folder: Path) -> None
         }
         tables.write_csv(folder / f"{name}_strokes.csv", each_stroke)
         names += [f"{name}_force.csv", f"{name}_strokes.csv"]
-    if importlib.util.find_spec("matplotlib") is None:
-        print(f"\nwrote {', '.join(str(folder / name) for name in names)}; for the picture: pip install 'pinpress[plots]'")
-        return
-    from ...plots import stroke_force, style  # slow to import
-
     several = {name if len(forces) == 1 else f"{name} {k}": each for name, forces in strokes.items() for k, each in enumerate(forces, 1)}
-    drawn = tables.shortened(list(several), DRAWN)
-    style.save(stroke_force.measured_force({name: several[name] for name in drawn if name is not None}), folder / "force.png")
-    say_written(folder, [*names, "force.png"])
+    drawn = {name: several[name] for name in tables.shortened(list(several), DRAWN) if name is not None}
+
+    def draw() -> dict[str, Figure]:
+        from ...plots import stroke_force  # slow to import
+
+        return {"force.png": stroke_force.measured_force(drawn)}
+
+    write_pictures(folder, names, draw)

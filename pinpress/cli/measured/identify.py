@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,11 +10,13 @@ from typing import TYPE_CHECKING
 from ...common.errors import PinpressError, shown
 from ...common.files import make_folder
 from ...dynamics.inputs import of_press, stated
-from ..words.options import add_out_option, add_press_options, load_press, print_inputs, say_written
+from ..words.options import add_out_option, add_press_options, load_press, print_inputs, write_pictures
 from ..words.records import add_column_options, add_identification_options, identification, identification_in_words, read_record
 from ..words.units import read_quantity
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from ...measured.identification import IdentifiedPress
     from ...measured.records import MeasuredRun
     from ...measured.what_is_known import IdentifiableParameters
@@ -103,10 +104,10 @@ def _write(found: IdentifiedPress, revealed: IdentifiableParameters, folder: Pat
     names = ["identified.urdf", "parameters.csv"]
     write_urdf(found.press, folder / names[0])
     found.to_csv(folder / names[1])
-    if importlib.util.find_spec("matplotlib") is None:
-        print(f"\nwrote {', '.join(str(folder / name) for name in names)}; for the picture: pip install 'pinpress[plots]'")
-        return
-    from ...plots import identification, style  # slow to import
 
-    style.save(identification.identifiability(revealed), folder / "identifiability.png")
-    say_written(folder, [*names, "identifiability.png"])
+    def draw() -> dict[str, Figure]:
+        from ...plots import identification as plots  # slow to import
+
+        return {"identifiability.png": plots.identifiability(revealed)}
+
+    write_pictures(folder, names, draw)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +11,7 @@ from ...common.files import make_folder
 from ...common.quantities import RPM
 from ...dynamics.inputs import Inputs, of_press, stated
 from ..words import part_specs
-from ..words.options import add_mount_options, add_out_option, load_other, mounted_press, print_inputs, say_written
+from ..words.options import add_mount_options, add_out_option, load_other, mounted_press, print_inputs, write_pictures
 from ..words.units import read_quantity
 
 if TYPE_CHECKING:
@@ -167,17 +166,16 @@ def _write(
     for name, each in tables.items():
         each.to_csv(folder / f"{name}.csv")
     names = [f"{name}.csv" for name in tables]
-    if importlib.util.find_spec("matplotlib") is None:
-        print(f"\nwrote {', '.join(str(folder / name) for name in names)}; for the pictures: pip install 'pinpress[plots]'")
-        return
-    from ...plots import measured_vibration, style  # slow to import
 
-    pictures: dict[str, Figure] = {"spectra.png": measured_vibration.measured_spectra(spectra)}
-    if orders is not None:
-        strongest = max(range(len(orders.channels)), key=lambda k: float(orders.amplitude[..., k].max()))
-        pictures["orders.png"] = measured_vibration.order_spectra(orders, orders.channels[strongest])
-    if found is not None and found.beside is not None:
-        pictures["modes.png"] = measured_vibration.measured_modes(found)
-    for name, figure in pictures.items():
-        style.save(figure, folder / name)
-    say_written(folder, [*names, *pictures])
+    def draw() -> dict[str, Figure]:
+        from ...plots import measured_vibration  # slow to import
+
+        pictures = {"spectra.png": measured_vibration.measured_spectra(spectra)}
+        if orders is not None:
+            strongest = max(range(len(orders.channels)), key=lambda k: float(orders.amplitude[..., k].max()))
+            pictures["orders.png"] = measured_vibration.order_spectra(orders, orders.channels[strongest])
+        if found is not None and found.beside is not None:
+            pictures["modes.png"] = measured_vibration.measured_modes(found)
+        return pictures
+
+    write_pictures(folder, names, draw)
