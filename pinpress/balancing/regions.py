@@ -227,9 +227,7 @@ class _RegionShape(NamedTuple):
 
 
 def _shape(press: Linkage, region: CounterweightRegion, joint: int) -> _RegionShape:
-    plane = press.plane_of_motion
-    if plane is None:
-        raise PinpressError(f"{region.words}: {press.name} is not planar: give a point, at=..., there")
+    plane = press.plane_of_motion(f"{region.words}: {press.name} is not planar: give a point, at=..., there")
     frame = plane.frames[joint - 1]
     ends = np.array([carrying_joint(press, region.link, end, region.words)[1] for end in region.corners or [region.centre]])
     centre = ends.mean(axis=0)

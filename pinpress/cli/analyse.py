@@ -105,7 +105,8 @@ def run(options: argparse.Namespace) -> int:
     driving = [(name, described(part)) for name, part in (("flywheel", flywheel), ("motor", motor)) if part is not None]
     capacities = [] if ratings is None else capacities_in_words(ratings.capacities, ratings.driver_coordinate)
     *stated, computed = inputs(reactions)
-    print_inputs([*stated, *driving, *capacities, computed])
+    table = [] if options.motion is None else [("motion from", options.motion)]
+    print_inputs([*stated, *table, *driving, *capacities, computed])
     if options.out is not None:
         before = None if options.before is None else press_before(options)
         make_folder(options.out)
@@ -136,9 +137,11 @@ def _computed(press: Linkage, options: argparse.Namespace) -> tuple[Reactions, s
     motion = motion_of(press, options, options.speed, POINTS, options.engine)
     began.append(time.perf_counter())
     reactions = inverse_dynamics(press, motion, **acting, engine=options.engine)
-    took = 1e3 * np.diff([*began, time.perf_counter()])
-    further = f"ms following the assembly once, {took[1]:.1f} ms motion, {took[2]:.1f} ms torque and forces"
-    return reactions, tables.entry("time taken", f"{took[0]:.1f}", further)
+    following, moving, forces_after = 1e3 * np.diff([*began, time.perf_counter()])
+    steps = [(following, "following the assembly once")] if len(press.drivers) == 1 else []
+    (first, what), *others = [*steps, (moving, "motion"), (forces_after, "torque and forces")]
+    further = "".join(f", {took:.1f} ms {step}" for took, step in others)
+    return reactions, tables.entry("time taken", f"{first:.1f}", f"ms {what}{further}")
 
 
 def _of_flywheel(reactions: Reactions, flywheel: Flywheel | None, speed_drop: float | None) -> list[str]:

@@ -195,6 +195,7 @@ def _inputs(balanced: BalancedPress, options: argparse.Namespace) -> Inputs:
     return [
         *of_press(balanced.original),
         *(("motion", motion_in_words(condition.motion)) for condition in balanced.conditions),
+        *([] if options.motion is None else [("motion from", options.motion)]),
         *(("setting", words) for words in options.setting),
         *(("die", f"{mass:g} kg") for mass in options.die),
         *of_loads(balanced.conditions[0].loads),

@@ -7,7 +7,7 @@ from ..common.errors import PinTableError
 from ..common.results import Records
 from ..kinematics.check import CheckResult, check
 from ..linkage.urdf.document import Finding
-from .words.options import FILE, add_open_option, add_refused_option, add_set_option, add_slide_option, drawn, names_table
+from .words.options import add_reading_options, add_refused_option, drawn, names_table
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -21,12 +21,7 @@ def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None
         epilog="exit code: 0 without errors (there may be warnings), 1 with errors, 2 for wrong usage",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    option = parser.add_argument
-    option("file", metavar="FILE", help=FILE)
-    option("--driver", metavar="JOINT", action="append", help="driven joint; may be given several times")
-    add_slide_option(parser)
-    add_open_option(parser)
-    add_set_option(parser)
+    add_reading_options(parser)
     add_refused_option(
         parser, "--zero", "check says where the dead centres are in the angles of the file; pinpress analyse counts from them"
     )

@@ -214,7 +214,7 @@ class Linkage(Frozen):
         """The constants of the planar engine.
 
         Raises:
-            PinpressError: the linkage is not planar, with this message.
+            PinpressError: the linkage is not planar, or has several drivers, with this message.
         """
         engine = self.engine()
         if not isinstance(engine, PlanarEngine):
@@ -242,11 +242,16 @@ class Linkage(Frozen):
         one = self if len(self.drivers) == 1 else self.with_one_driver(self.driver, dict.fromkeys(self.drivers, 0.0))
         return one.engine()
 
-    @property
-    def plane_of_motion(self) -> Plane | None:
-        """The plane in which the linkage moves, and its joints in it; None where it does not move in a plane."""
+    def plane_of_motion(self, refusal: str) -> Plane:
+        """The plane in which the linkage moves with any of its drivers, and its joints in it.
+
+        Raises:
+            PinpressError: the linkage is not planar, with this message.
+        """
         engine = self.engine_of_one_driver
-        return engine.plane if isinstance(engine, PlanarEngine) else None
+        if not isinstance(engine, PlanarEngine):
+            raise PinpressError(refusal)
+        return engine.plane
 
     @property
     @per_linkage

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
-from ..common.quantities import Array, DriverCoordinate
+from ..common.quantities import Array
 from ..drives.transmission import Flywheel
 from ..dynamics import applied_loads
 from ..dynamics.applied_loads import turning_points
@@ -171,7 +171,7 @@ def moving(
     return {
         **_series(frames),
         "turn": frames.turn,
-        "driver": _driver(motion.driver_coordinates[0]),
+        "driver": _driver(motion),
         "period": None if motion.period_turns is None else 360 * motion.period_turns,  # deg
         "size": press.size,
         **_bearings(press, at, frames, reactions),
@@ -308,10 +308,13 @@ def _period(press: Linkage, motion: Motion) -> float | None:
     return period if np.allclose(before, after, rtol=0.0, atol=1e-9 * (1 + press.size)) else None
 
 
-def _driver(coordinate: DriverCoordinate) -> dict[str, str]:
-    """What the driver is called, dead centres from which it counts by their initials, and the unit behind its coordinate."""
+def _driver(motion: Motion) -> dict[str, str]:
+    """What the driver is called, dead centres from which it counts by their initials, and the unit behind its coordinate; of several the
+    first, by its name."""
+    coordinate = motion.driver_coordinates[0]
     zero = "".join(word[0] for word in coordinate.zero.split()).upper() if coordinate.zero.endswith("dead centre") else coordinate.zero
-    return {"name": f"{coordinate.part} from {zero}" if zero else coordinate.part, "unit": "°" if coordinate.turns else " mm"}
+    part = coordinate.part if len(motion.drivers) == 1 else motion.drivers[0]
+    return {"name": f"{part} from {zero}" if zero else part, "unit": "°" if coordinate.turns else " mm"}
 
 
 def _closing_time(time: Array, crank: Array, period: float) -> float | None:

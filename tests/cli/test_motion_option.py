@@ -163,6 +163,21 @@ def test_wrong_words(arguments: list[str], says: str, folder: Path, capsys: pyte
     assert says in refused(capsys, *arguments)
 
 
+def test_drivers_that_the_file_does_not_name(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot = of_two_motors().text.decode()
+    for transmission in (
+        '<transmission name="drive"><joint name="O"/></transmission>',
+        '<transmission name="other"><joint name="P"/></transmission>',
+    ):
+        assert robot.count(transmission) == 1
+        robot = robot.replace(transmission, "")
+    Path("robot.urdf").write_text(robot, encoding="utf-8")
+    np.savetxt("robot.csv", np.column_stack([TIME, 9 * TIME**2, 0 * TIME]), delimiter=",", header="time [s],P [deg],O [deg]", comments="")
+    text = printed(capsys, "analyse", "robot.urdf", "--driver", "P", "--driver", "O", "--motion", "robot.csv")
+    assert "driven at joints P, O" in text
+    assert "following the assembly" not in text
+
+
 def test_an_unknown_driver_is_found_by_its_column(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path("motors.urdf").write_bytes(of_two_motors().text)
     error = refused(capsys, "analyse", "motors.urdf", "--motion", "motion.csv")

@@ -42,12 +42,8 @@ FILE = f"pin table (.yaml), URDF, SDF or MJCF file, or the name of a shipped pre
 
 
 def add_press_options(parser: argparse.ArgumentParser) -> None:
-    """Options of `load_press`: file, driver, slide, whether loops may be drawn far open, and where crank angles are 0."""
-    parser.add_argument("file", metavar="FILE", help=FILE)
-    parser.add_argument("--driver", metavar="JOINT", help="driven joint, where the URDF has no <transmission> or another is meant")
-    add_slide_option(parser)
-    add_open_option(parser)
-    add_set_option(parser)
+    """Options of `load_press`: those by which a file is read, and where crank angles are 0."""
+    add_reading_options(parser)
     parser.add_argument(
         "--zero",
         type=str.lower,
@@ -58,20 +54,21 @@ def add_press_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_reading_options(parser: argparse.ArgumentParser) -> None:
+    """Options by which a press is read: file, drivers, slide, whether loops may be drawn far open, other values of a table's parameters."""
+    option = parser.add_argument
+    option("file", metavar="FILE", help=FILE)
+    driver = "driven joint, where the URDF has no <transmission> or another is meant; may be given several times"
+    option("--driver", metavar="JOINT", action="append", help=driver)
+    add_slide_option(parser)
+    option("--allow-open", action="store_true", help="close loops that are drawn open by more than a tenth of the linkage")
+    parameter = "another value of a parameter of the pin table, such as r=150; may be given several times"
+    option("--set", dest="parameters", metavar="NAME=VALUE", action="append", default=[], help=parameter)
+
+
 def add_slide_option(parser: argparse.ArgumentParser) -> None:
     """Option --slide, the link whose motion and process force are meant."""
     parser.add_argument("--slide", metavar="LINK", help="slide, where it is not the link called slide")
-
-
-def add_open_option(parser: argparse.ArgumentParser) -> None:
-    """Option --allow-open, for loops that are drawn far open."""
-    parser.add_argument("--allow-open", action="store_true", help="close loops that are drawn open by more than a tenth of the linkage")
-
-
-def add_set_option(parser: argparse.ArgumentParser) -> None:
-    """Option --set, other values of parameters of a pin table."""
-    help = "another value of a parameter of the pin table, such as r=150; may be given several times"
-    parser.add_argument("--set", dest="parameters", metavar="NAME=VALUE", action="append", default=[], help=help)
 
 
 def table_parameters(specs: Sequence[str]) -> dict[str, str]:
