@@ -10,6 +10,7 @@ import json
 import math
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -156,7 +157,8 @@ def potential(q):
 
 def test_the_lowest_speed_is_that_at_break_through(press):
     """A kink, which even steps in time miss. The torque is as large as it takes for the crank to be faster before and behind it."""
-    torque, blanking = 2e3, LOADS["blanking_1250kN"]
+    blanking: Any = LOADS["blanking_1250kN"]
+    torque = 2e3
     run = zhang(press, 0.195, drive=pp.drives.ConstantTorque(torque), loads=[blanking])
     place = 2 * math.pi - equation.angle_of(blanking.end)
     gained = torque * place - potential(place) - 2 / math.pi * blanking.force * (blanking.start - blanking.end)
