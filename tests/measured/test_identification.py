@@ -112,6 +112,14 @@ def test_noisy_records_are_within_intervals(name):
     assert 5 < found.learnt < len(found.parameters)
     assert "doubt" in str(found)
     assert all((each.doubt is None) == (each.posterior == 0) for each in found.base_parameters)  # of a link that has no mass
+    for way in (1, -1):  # what it needs is the power of its masses, cylinder and losses, both ways
+        motion = pp.cycle(found.press, 3.0 * way, points=40)
+        rate, height = motion.slide_velocity / motion.crank_speed, motion.slide_position - pp.dead_centres(found.press).bottom_position
+        lifts = (found.losses["cylinder force"] + found.losses["cylinder stiffness"] * height) * rate
+        lost = found.losses["crank friction"] + found.losses["gibs friction"] * np.abs(rate)
+        masses = pp.inverse_dynamics(found.press, motion).driving_torque
+        needed = masses - lifts + way * lost + found.losses["crank viscous friction"] * motion.crank_speed
+        np.testing.assert_allclose(found.torque(motion), needed, rtol=0, atol=1e-9 * np.abs(needed).max())
     doubts = [each.doubt for each in found.base_parameters if each.doubt is not None]
     assert 0 < min(doubts) < 0.1 < max(doubts) < 1.5  # the least of what the crank feels most
 

@@ -321,6 +321,21 @@ def test_mounts_that_cannot_have_the_frequencies_are_told():
     assert fitted.values[1] == pytest.approx(20.0, rel=2e-3)
 
 
+def test_shares_of_energy_are_those_of_each_mode_alone():
+    """Of two modes seen by three channels after two hits of different lengths: squares of all samples of one and of the other."""
+    random = np.random.default_rng(2)
+    roots = np.array([-1.0 + 20j, -3.0 + 35j])
+    shapes, strengths = (random.normal(size=size) + 1j * random.normal(size=size) for size in ((3, 2), (2, 2)))
+    decays = hit_modes._Decays(tuple(np.zeros((n, 3)) for n in (200, 300)), 0.01, np.zeros(2), 1.0)
+    energy = np.zeros(2)
+    for hit, part in enumerate(decays.values):
+        for mode in range(2):
+            wave = strengths[mode, hit] * np.exp(roots[mode] * 0.01 * np.arange(len(part)))
+            energy[mode] += (np.abs(np.outer(wave, shapes[:, mode])) ** 2).sum()
+    found = hit_modes._energy_share(decays, hit_modes._Model(roots, shapes, strengths))
+    np.testing.assert_allclose(found, energy / energy.sum(), rtol=1e-12)
+
+
 def test_deviations_of_a_frequency_and_a_damping_ratio_are_those_of_their_root():
     """Of 200 000 roots about -2 + 30i, whose parts are correlated; w = |root| and the ratio is minus the real part over it."""
     covariance = np.array([[0.02, 0.007], [0.007, 0.01]])
