@@ -80,7 +80,7 @@ def summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: A
     lines = [
         *(_drivers(press, motion, reactions) if prescribed else _turning_press(press, motion, reactions)),
         *(_prescribed_slide(press, motion) if prescribed else _slide(press, motion)),
-        *process_summary(press, motion, reactions, utilisation),
+        *process_summary(press, motion, reactions, utilisation, prescribed=prescribed),
         *driving_lines(motion, reactions),
         *_gear_pairs(motion, reactions),
         *bearing_table(reactions),
@@ -179,21 +179,22 @@ def _prescribed_slide(press: Linkage, motion: Motion) -> list[str]:
     ]
 
 
-def process_summary(press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None) -> list[str]:
+def process_summary(
+    press: Linkage, motion: Motion, reactions: Reactions, utilisation: Array | None, *, prescribed: bool = False
+) -> list[str]:
     """Lines with the largest force and the work of the process; none without a process. Arguments as of `summary`."""
     if not reactions.process_force.any():
         return []
     ends, work, places = _dead_centres(press), reactions.process_work, Places.of(press, motion)
-    turns = motion.period_turns if ends is None or motion.period_turns is None else ends.turns
-    work *= (turns or 1) / (motion.period_turns or 1)
+    over = "in this motion" if prescribed else "a stroke" if ends else "a period"
+    if not prescribed and ends is not None and motion.period_turns is not None:
+        work *= ends.turns / motion.period_turns
     scale = tables.scale("J", [work])
     lines = [
         "",
         "Process (force of the loads between slide and frame)",
         _extreme("largest force", reactions.process_force, "N", np.argmax, places),
-        tables.entry(
-            "work", scale.shown(work), scale.unit, "a stroke" if ends else "a period" if motion.period_turns else "in this motion"
-        ),
+        tables.entry("work", scale.shown(work), scale.unit, over),
     ]
     if utilisation is not None:
         at = int(np.argmax(utilisation))

@@ -243,8 +243,8 @@ class _InTime:
             return _Timing(time[:-1], period, True)
         if not 0 < left <= 2 * steps.max():
             raise PinpressError(
-                f"period is {period:g} s, but the states take {time[-1] - time[0]:g} s, in steps of up to {steps.max():g} s: after the last"
-                " state, or one step later, the first is to come again"
+                f"period is {period:.10g} s, but the states take {time[-1] - time[0]:.10g} s, in steps of up to {steps.max():g} s: after"
+                " the last state, or one step later, the first is to come again"
             )
         return _Timing(time, period, False)
 

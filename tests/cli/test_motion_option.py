@@ -86,6 +86,8 @@ def test_analyse(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     row = next(line for line in text.splitlines() if line.startswith("  W "))
     assert f"{TIME[size.argmax()]:.4f}" in row.split()
     assert "motion        prescribed, A at up to 60 r/min, B at up to " in text
+    work = next(line.split() for line in text.splitlines() if line.startswith("  work "))
+    assert work[1:3] + work[3:] == [f"{reactions.process_work:.1f}", "J", "in", "this", "motion"]
     again = pp.read_motion(press, "out/cycle.csv")
     np.testing.assert_array_equal(again.slide_position, motion.slide_position)
     data = data_in(Path("out/report.html"))
