@@ -10,7 +10,6 @@ import json
 import math
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -157,11 +156,10 @@ def potential(q):
 
 def test_the_lowest_speed_is_that_at_break_through(press):
     """A kink, which even steps in time miss. The torque is as large as it takes for the crank to be faster before and behind it."""
-    blanking: Any = LOADS["blanking_1250kN"]
-    torque = 2e3
+    torque, blanking = 2e3, pp.loads.Blanking(1.25e6, 0.010, 0.005)
     run = zhang(press, 0.195, drive=pp.drives.ConstantTorque(torque), loads=[blanking])
-    place = 2 * math.pi - equation.angle_of(blanking.end)
-    gained = torque * place - potential(place) - 2 / math.pi * blanking.force * (blanking.start - blanking.end)
+    place = 2 * math.pi - equation.angle_of(0.005)
+    gained = torque * place - potential(place) - 2 / math.pi * 1.25e6 * 0.005
     energy = 0.5 * (equation.coefficients(0.0).inertia + J0) * W0**2 + gained
     lowest = math.sqrt(2 * energy / (equation.coefficients(place).inertia + J0))
     duty = pp.measures.duty_cycle(run, start=0.15)
