@@ -89,6 +89,8 @@ CALLS = (
     'reactions.bearing_force["a"]',
     "pp.servo_cycle(press, angle=[0.0, 0.1, 0.2], speed=[7.0, 7.0, 7.0], time=[0.0, 1.0, 2.0])",
     "pp.drives.InductionMotor(rated_power=75e3, rated_speed=1485)",
+    "pp.drives.InductionMotor(rated_power=75, rated_speed=1485 * pp.RPM, inertia=1.2)",
+    "pp.simulate(press, 0.1, speed=speed, drive=pp.drives.InductionMotor(75e3, 1485 * pp.RPM))",
     "pp.simulate(press, duration=1.0, speed=7.0, drive=pp.drives.PrescribedSpeed(8.0))",
     "pp.steady_state(press, 7.0, drive=pp.drives.ConstantTorque(5e3))",
     "pp.steady_state(press, speed, drive=held, elastic=3e9)",

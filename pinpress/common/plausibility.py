@@ -15,6 +15,17 @@ FAR = 10.0  # no part of a press is further away [lengths of the linkage]
 MILLI = 1e-3
 FAINT, WIDEST, ROOMIEST = 1e3, 3.0, 50.0  # no cylinder of a press has less pressure [Pa], more bore [m], or a larger tank [m3]
 LOOSE = 100.0  # no gibs of a press are preloaded by less [N]
+LONGEST_START = 60.0  # no motor takes longer to turn its own rotor up to speed with its rated torque [s]; 0.01 to 1 s are usual
+IDLE = 0.005  # no motor, clutch or brake has less torque [of what holds the slide's weight at half its stroke]: friction would stop it
+# No flywheel has as large a moment of inertia [of all links together with the size of the linkage as their radius]; a larger one is to hold
+# the speed.
+WHEEL = 1e4, 1e6
+SLOWEST_RISE = 10.0  # no clutch or brake takes longer to engage [s]
+STEEPEST = 10.0  # no motor has a larger breakdown torque or overload [of the rated torque]
+HOTTEST = 200.0, 1000.0  # no motor becomes warmer by as much, but has such temperatures [K]
+LOSSLESS = 1e-4  # no motor loses less in iron, bearings and fan [of its rated power]
+UNSTRIPPED = 1e-3  # no sheet holds a punch by less [of the cutting force]
+SHALLOW, SOFT = 1e-3, 0.01  # no contact this deep [lengths of the linkage] has a force this small [of the slide's weight]
 WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
 
@@ -35,6 +46,90 @@ def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRAN
         said = f"{name} is {fastest:g} rad/s, {fastest / RPM:g} r/min"
         said += f", at which the acceleration of the slide reaches {slide[1] / GRAVITY:.3g} g" if too_hard(*slide) else ""
         caution(f"{said}: lower it; in Python {fastest:g} r/min are {fastest:g} * pinpress.RPM")
+
+
+def angles(name: str, values: Array) -> None:
+    """Warn of crank angles [rad], of any shape, that are whole degrees of a turn or two."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if not 30.0 <= largest <= 720.0 or (values % 1.0).any():
+        return
+    if (values % 15.0 == 0.0).all() or (values.size > 2 and np.ptp(values) >= 30.0):
+        caution(f"{name} is {'' if values.size == 1 else 'up to '}{largest:g} rad: if degrees are meant, write numpy.radians({name})")
+
+
+def motor(
+    name: str, torque: Array | float, speed: float, inertia: Array | float, units: str = "rated_torque in N m", lossless: float = 0.0
+) -> None:
+    """Warn of a motor whose numbers do not belong together.
+
+    Args:
+        name: of its class.
+        torque: its rated one [N m], a number or (S,).
+        speed: its rated one [rad/s].
+        inertia: of its rotor [kg m2], a number or (S,).
+        units: which number says its torque, in which unit.
+        lossless: its constant loss [W].
+    """
+    start = float(np.max(np.asarray(inertia) * speed / torque))
+    if start > LONGEST_START:
+        caution(f"{name}: its rated torque takes {start:.3g} s to turn its own rotor up to speed: give {units}, and inertia in kg m2")
+    if 0.0 < lossless < LOSSLESS * float(np.min(torque)) * speed:
+        caution(f"{name}: constant_loss is {lossless:g} W: if kW are meant, write {lossless:g}e3")
+
+
+def share(name: str, value: float, largest: float) -> None:
+    """Warn of a ratio above the ``largest`` that there is: it may be in per cent."""
+    if value > largest:
+        caution(f"{name} is {value:g}: if per cent are meant, write {value:g}e-2")
+
+
+def rise(name: str, value: float | None) -> None:
+    """Warn of a temperature rise of a motor [K] that may be a temperature."""
+    if value is not None and HOTTEST[0] < value < HOTTEST[1]:
+        caution(f"{name} is {value:g} K: give by how much it becomes warmer than what is around it, not its temperature")
+
+
+def engagement(name: str, time: float) -> None:
+    """Warn of a time [s] in which a clutch or brake builds up its torque that may be in ms."""
+    if time > SLOWEST_RISE:
+        caution(f"{name} is {time:g} s: if ms are meant, write {time:g}e-3")
+
+
+def stripping(name: str, force: float, cutting: float) -> None:
+    """Warn of a stripping force [N] that may be in kN, beside the ``cutting`` force [N]."""
+    if 0.0 < force < UNSTRIPPED * cutting:
+        caution(f"{name} is {force:g} N, beside a force of {cutting:g} N: if kN are meant, write {force:g}e3")
+
+
+def torque(name: str, value: float, holding: float) -> None:
+    """Warn of a torque at the crank [N m] that is nothing beside the one ``holding`` the slide's weight at half its stroke [N m]."""
+    if 0.0 < value < IDLE * holding:
+        caution(
+            f"{name} is {value:.4g} N m at the crank, {100 * value / holding:.2g} % of the {holding:.4g} N m that hold the weight of the"
+            " slide: give torques in N m and powers in W, and the ratio of the gears"
+        )
+
+
+def idle_speed(name: str, speed: float, slide: tuple[float, float], at_half: tuple[float, float]) -> None:
+    """Warn of a motor that would turn the crank at a ``speed`` [rad/s] that no press runs at, without load.
+
+    Args:
+        name: of its class.
+        speed: of the crank.
+        slide: largest speed [m/s] and acceleration [m/s2] of the slide there.
+        at_half: those at half the speed: one that is a little too high is told as that of the run.
+    """
+    if speed > FASTEST or too_hard(*at_half):
+        said = f", at which the acceleration of the slide reaches {slide[1] / GRAVITY:.3g} g" if too_hard(*slide) else ""
+        remedy = "put gears between them, pinpress.drives.Geared(motor, ratio), whose ratio is the motor's speed by that of the crank"
+        caution(f"{name} would turn the crank at {speed / RPM:.4g} r/min{said}: {remedy}")
+
+
+def flywheel(inertia: float, mass: float, size: float) -> None:
+    """Warn of a flywheel's moment of inertia [kg m2] on a linkage of that ``mass`` [kg] and ``size`` [m]."""
+    if WHEEL[0] < inertia / (mass * size**2) < WHEEL[1]:
+        beside = f"beside a linkage of {mass:.4g} kg and {size:.3g} m"
+        caution(f"Flywheel: inertia is {inertia:g} kg m2, {beside}: if kg mm2 are meant, write {1e-6 * inertia:g}")
 
 
 def too_hard(speed: float, acceleration: float) -> bool:
@@ -96,6 +191,14 @@ def forces(load: str, largest: float, weight: float) -> None:
     if 0.0 < largest < min(WEAK, FEEBLE * weight):
         share = f"{100 * largest / weight:.2g} % of the weight of the slide"
         caution(f"{load}: its largest force is {largest:g} N, {share}: if kN are meant, write {1e3 * largest:g}")
+
+
+def contact(load: str, force: float, depth: float, weight: float, size: float) -> None:
+    """Warn of a contact with so small a ``force`` [N] at a ``depth`` [m], beside the ``weight`` of the slide [N] and the linkage's ``size``
+    [m], that its stiffness may be in N/mm."""
+    if depth > SHALLOW * size and 0.0 < force < SOFT * weight:
+        share = f"{100 * force / weight:.2g} % of the weight of the slide"
+        caution(f"{load}: {depth:g} m deep its force is {force:g} N, {share}: give stiffness in N/m, 1e6 for 1 kN/mm")
 
 
 def point(name: str, position: Array, size: float) -> None:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..common import plausibility
 from ..common.errors import PinpressError, caution, shown
 from ..common.parameters import parameter
 from ..common.quantities import Values
@@ -82,6 +83,7 @@ class ElectricMotor(SpeedTorqueDrive):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_thermal_time(self, self.thermal_time)
+        plausibility.rise(f"{type(self).__name__}: rated_rise", self.rated_rise)
 
     @property
     def rated_heat(self) -> Values:

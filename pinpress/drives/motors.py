@@ -13,8 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
+from ..common import plausibility
 from ..common.arguments import is_whole_number, suitable_numbers, truth_value
-from ..common.errors import PinpressError, shown
+from ..common.errors import PinpressError, caution, shown
 from ..common.parameters import parameter, set_field
 from ..common.quantities import RPM, Array, Values
 from .electric import ElectricMotor, MotorPower, check_load_loss, check_thermal_time
@@ -85,6 +86,8 @@ class InductionMotor(ElectricMotor):
         _check_breakdown(self, self.breakdown_ratio)
         _check_rated_speed(self, self.rated_speed, self.frequency, self.poles)
         check_load_loss(self)
+        in_watts = "rated_power in W"
+        plausibility.motor("InductionMotor", self.rated_torque, self.rated_speed, self.inertia, in_watts, self.constant_loss)
 
     @cached_property
     def synchronous_speed(self) -> float:
@@ -189,6 +192,8 @@ class InverterMotor(ElectricMotor):
         if self.inverter_efficiency > 1:
             raise PinpressError(f"InverterMotor: inverter_efficiency is {shown(self.inverter_efficiency)}; give a share of at most 1")
         truth_value("InverterMotor: feeds_back", self.feeds_back)
+        plausibility.share("InverterMotor: overload", self.overload, plausibility.STEEPEST)
+        plausibility.motor("InverterMotor", self.rated_torque, self.rated_speed, self.inertia, lossless=self.constant_loss)
 
     @cached_property
     def synchronous_speed(self) -> float:
@@ -270,6 +275,7 @@ def _synchronous(frequency: float, poles: int) -> float:
 def _check_breakdown(drive: object, ratio: float) -> None:
     if not ratio > 1:
         raise PinpressError(f"{type(drive).__name__}: breakdown_ratio is {shown(ratio)}; give breakdown by rated torque, above 1, e.g. 2.5")
+    plausibility.share(f"{type(drive).__name__}: breakdown_ratio", ratio, plausibility.STEEPEST)
 
 
 def _check_rated_speed(drive: object, rated_speed: float, frequency: float, poles: object) -> None:
@@ -282,6 +288,11 @@ def _check_rated_speed(drive: object, rated_speed: float, frequency: float, pole
         raise PinpressError(
             f"{type(drive).__name__}: rated_speed is {rated_speed / RPM:.6g} r/min, the synchronous speed at {frequency:g} Hz with"
             f" {poles} poles {synchronous / RPM:.6g} r/min; give a rated_speed below it [rad/s]{meant}"
+        )
+    if rated_speed < (1 - MOST_SLIP) * synchronous:
+        caution(
+            f"{type(drive).__name__}: rated_speed is {rated_speed / RPM:.6g} r/min, less than half of the synchronous speed,"
+            f" {synchronous / RPM:.6g} r/min at {frequency:g} Hz with {poles} poles; see to all three, frequencies in Hz"
         )
 
 
@@ -336,6 +347,7 @@ class ServoMotor(SpeedTorqueDrive):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_thermal_time(self, self.thermal_time)
+        plausibility.rise("ServoMotor: rated_rise", self.rated_rise)
         if self.regeneration > 1:
             raise PinpressError(f"ServoMotor: regeneration is {shown(self.regeneration)}; give a share from 0 to 1")
         if self.rated_rise is not None and (self.rated_torque is None or not self.copper):

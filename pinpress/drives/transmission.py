@@ -16,6 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..common import plausibility
 from ..common.arguments import is_number
 from ..common.errors import PinpressError, shown
 from ..common.parameters import Checked, in_declared_units, parameter
@@ -186,6 +187,7 @@ class Coupling(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        plausibility.engagement(f"{type(self).__name__}: rise", self.rise)
         for name, point in (("closes", self.closes), ("opens", self.opens)):
             if not isinstance(point, SwitchPoint | None):
                 raise PinpressError(

@@ -138,6 +138,12 @@ def warn_of_load(
     low, high = ends[0] - zero, ends[1] - zero
     contact = any(each.one_sided and not math.isfinite(each.upper - each.lower) for _, each in intervals)
     plausibility.heights(name, [(each.lower, each.upper) for _, each in intervals], low, high, press.size, contact)
+    weight = float(press.model.inertias[press.slide_guide.joint + 1].mass) * GRAVITY
+    for downwards, each in (
+        intervals if contact and math.isfinite(low) else ()
+    ):  # what a contact does at bottom dead centre, which it reaches
+        if downwards and each.sense > 0 and each.lower < low < each.upper:
+            plausibility.contact(name, _size(each, low), each.upper - low, weight, press.size)
     pushing = [(downwards, each) for downwards, each in intervals if not (each.one_sided or each.heeds_velocity)]
     if not pushing:
         return  # a contact, or a law of the caller's: what it does not reach is not asked for
@@ -146,7 +152,7 @@ def warn_of_load(
         lower = each.lower if math.isfinite(each.lower) else each.upper
         for height in (lower, 0.5 * (lower + each.upper), each.upper) if math.isfinite(each.upper) else ():
             largest = max(largest, _size(each, height))
-    plausibility.forces(name, largest, float(press.model.inertias[press.slide_guide.joint + 1].mass) * GRAVITY)
+    plausibility.forces(name, largest, weight)
     for downwards, each in pushing:
         reaches_over = downwards and math.isfinite(each.lower) and each.lower < high < each.upper
         if reaches_over and _size(each, each.upper) < JUMP * largest < _size(each, high):

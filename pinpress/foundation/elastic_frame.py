@@ -254,7 +254,8 @@ def read_frame(
     """Read the matrices of a frame, and reduce them: one NumPy file, or two files in the Matrix Market format.
 
     Args:
-        file: a file `.npz` with ``mass``, ``stiffness``, ``nodes`` and ``degrees`` of `reduced_frame`; or the mass matrix, `.mtx`.
+        file: a file `.npz` with ``mass``, ``stiffness``, ``nodes`` and ``degrees`` of `reduced_frame`; or the mass matrix, `.mtx`,
+            perhaps compressed, `.mtx.gz`.
         interfaces: as for `reduced_frame`.
         bed: as for `reduced_frame`.
         carrier: as for `reduced_frame`.

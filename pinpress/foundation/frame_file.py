@@ -31,6 +31,7 @@ from ..common.errors import FileEntryError, PinpressError, UnknownNameError
 from ..common.parameters import declared, in_signature
 from ..common.quantities import Array
 from ..common.reading.entries import Entry, FileKind, read_entries
+from ..common.reading.matrices import is_market
 from ..linkage.linkage import Linkage
 from ..loads.mounts import Vector
 from .beams import FrameBeam, beam_frame
@@ -214,7 +215,7 @@ def _elastic(items: Mapping[str, Entry]) -> dict[str, Any]:
 def _matrices(entry: Entry, folder: Path) -> dict[str, Any]:
     """Arguments of `read_frame` that say where the matrices are."""
     if isinstance(entry.value, str):
-        if entry.value.lower().endswith(".mtx"):
+        if is_market(entry.value):
             entry.refuse(f"{entry.value} holds one matrix", f"write {MARKETS}")
         return {"file": folder / entry.value}
     items = entry.known(MARKET, "matrices")

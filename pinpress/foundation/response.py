@@ -25,7 +25,7 @@ from ..drives.transmission import Flywheel
 from ..dynamics.harmonics import is_cycle
 from ..dynamics.inverse_dynamics import Reactions, on_frame_at
 from ..kinematics.motion import Motion
-from ..linkage.linkage import Linkage
+from ..linkage.linkage import Linkage, is_same_press, told_apart
 from ..simulation.run import Run
 from .elastic_frame import ElasticFrame
 from .frame_parts import part_named, rows_at
@@ -349,10 +349,9 @@ def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheel 
     expect("system", system, MountedPress, "mounted")
     expect("reactions", reactions, Reactions, "inverse_dynamics")
     press = system.press
-    if reactions._press is not press:
-        raise PinpressError(
-            f"the reactions are of {reactions._press.name}, loaded apart from the press on its mounts: use one Linkage for both"
-        )
+    if not is_same_press(reactions._press, press):
+        other = told_apart(reactions._press, press)
+        raise PinpressError(f"the reactions are of {other}, and {press.name} is on the mounts: give those of this press")
     if flywheel is not None and system.rotors:
         raise PinpressError("the rotors of the press on its mounts react to changes of speed already: leave out flywheel=, or the rotors")
     shaking = np.hstack([reactions.shaking_force, reactions.shaking_moment]) - system.press_weight

@@ -317,11 +317,20 @@ def doubt_speeds(press: Linkage, speeds: Array | float, motion: Motion | None = 
 def _doubt(rates: _SlideRates, speeds: Array | float, motion: Motion | None = None) -> None:
     """`doubt_speeds` of a press whose slide has these rates."""
     fastest = abs(speeds) if isinstance(speeds, float) else float(np.abs(speeds).max())
-    first, second, coordinate = rates
-    slide = first * fastest, second * fastest * fastest  # infinite where ** 2 would raise OverflowError
+    slide = _at_speed(rates, fastest)
     if motion is not None and plausibility.too_hard(*slide):
         slide = float(np.abs(motion.slide_velocity).max()), float(np.abs(motion.slide_acceleration).max())
-    plausibility.speeds("speed", fastest, coordinate, slide)
+    plausibility.speeds("speed", fastest, rates.coordinate, slide)
+
+
+def slide_at(press: Linkage, speed: float) -> tuple[float, float]:
+    """Largest speed [m/s] and acceleration [m/s2] of the slide while the crank turns at a constant speed [rad/s]; 0 of a linkage without a
+    slide, or without a crank that turns fully."""
+    return _at_speed(_slide_rates(press), speed)
+
+
+def _at_speed(rates: _SlideRates, speed: float) -> tuple[float, float]:
+    return rates.speed * speed, rates.acceleration * speed * speed  # infinite where ** 2 would raise OverflowError
 
 
 class _SlideRates(NamedTuple):

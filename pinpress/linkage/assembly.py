@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..common import plausibility
 from ..common.errors import AssemblyError, PinpressError, SingularityError
 from ..common.quantities import Array, DriverCoordinate
 from ..engines.branch import LARGEST_CORRECTION, Branch, Returning, Travel, leads_on, predict, walk, walk_beside
@@ -221,8 +222,8 @@ def _refuse_beyond_limits(spatial_model: SpatialModel, angles: Array) -> None:
 
 
 def refuse_far(name: str, angles: Array, coordinates: Sequence[DriverCoordinate]) -> None:
-    """Raise PinpressError where one of the crank angles [rad], of any shape, is so large that its rounding would be seen in results. How
-    far a driver slides is limited in any case."""
+    """Raise PinpressError where one of the crank angles [rad], of any shape, is so large that its rounding would be seen in results, and
+    warn of angles that are whole degrees. How far a driver slides is limited in any case."""
     if not coordinates[0].turns:
         return
     worst = float(angles.flat[int(np.abs(angles).argmax())])
@@ -231,6 +232,7 @@ def refuse_far(name: str, angles: Array, coordinates: Sequence[DriverCoordinate]
             f"{name} is {worst:.6g} rad, {abs(worst) / (2 * np.pi):.3g} turns away: numbers as large are {np.spacing(abs(worst)):.1g} rad"
             f" apart, and the slide would be somewhere else; stay within {FARTHEST:g} rad, take whole turns off"
         )
+    plausibility.angles(name, angles)
 
 
 def as_drawn(spatial_model: SpatialModel) -> Array:

@@ -18,7 +18,7 @@ from ..engines.joints import Coupling, LoopJoint
 from . import assembly_checks, mobility
 from .formats import dialects
 from .linkage import Linkage
-from .urdf import reader
+from .urdf import element_checks, reader
 from .urdf.document import Document, check_command, read, refuse_errors
 
 MANY = 12  # names that a message lists
@@ -60,7 +60,7 @@ def load(
 
     Warns:
         PinpressWarning: a linkage that is hardly meant: a loop drawn open by more than a hundredth of the linkage's size; lengths, angles,
-            masses or inertias that are hardly in SI units; parts of a file in another format that are not read. `check` says more.
+            masses or inertias that are hardly in SI units; attributes and elements that are not read. `check` says more.
     """
     return _loaded(document_of(located(path)), driver, slide, gravity, allow_open)
 
@@ -88,7 +88,9 @@ def _loaded(
     check_drawn_pose(press, command)
     if not allow_open:
         refuse_errors(assembly_checks.too_far_open(press), command)
-    severe = (finding for finding in document.remarks if finding.severity == "warning")
+    severe = [finding for finding in document.remarks if finding.severity == "warning"]
+    if in_file:
+        severe += element_checks.unknown(document.robot)
     for finding in (*severe, *assembly_checks.severe(press, centres=in_file)):
         caution((finding if in_file else replace(finding, line=None)).message(press.file))
     return press

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..common import plausibility
 from ..common.arguments import any_numbers, finite_numbers, number, suitable_numbers, typed
 from ..common.errors import PinpressError, shown
 from ..common.frozen import read_only
@@ -101,6 +102,7 @@ class Blanking(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_span(self)
+        plausibility.stripping("Blanking: stripping", float(np.max(self.stripping)), float(np.max(self.force)))
 
     def intervals(self, downwards: bool) -> tuple[ForceInterval, ...]:
         if downwards:

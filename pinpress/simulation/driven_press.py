@@ -13,17 +13,18 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from ..common import plausibility
 from ..common.arguments import numbers
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import read_only
-from ..common.quantities import Array
+from ..common.quantities import GRAVITY, Array
 from ..drives.electric import ElectricMotor
 from ..drives.protocol import Drive, corners_of
-from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
+from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed, innermost
 from ..dynamics import applied_loads
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..engines.forces import AppliedForce, FrictionLaw
-from ..kinematics.motion import Motion, point_motion
+from ..kinematics.motion import Motion, point_motion, slide_at
 from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load, PointForce, SpringDamper, law
@@ -328,6 +329,7 @@ def driven_press(
         inertia = inertia + drive.inertia
     if clutch is not None and not float(inertia) > 0:
         raise PinpressError("a clutch needs an inertia on its driving side: give a flywheel, or a drive with inertia")
+    _doubt_parts(press, drive, flywheel, clutch, brake)
     return DrivenPress(
         press=press,
         inertia=inertia,
@@ -342,6 +344,26 @@ def driven_press(
         friction=law(friction, press),
         tolerance=tolerance,
     )
+
+
+def _doubt_parts(press: Linkage, drive: Drive | None, flywheel: Flywheel | None, clutch: Clutch | None, brake: Brake | None) -> None:
+    """Warn of parts that hardly belong to a press of this size."""
+    mass = sum(float(each.mass) for each in press.model.inertias)
+    if flywheel is not None:
+        plausibility.flywheel(float(np.max(flywheel.inertia)), mass, press.size)
+    torques: dict[str, Any] = {type(each).__name__: each.torque for each in (clutch, brake) if each is not None}
+    if drive is not None:
+        inner, ratio = innermost(drive)
+        if drive.rated_torque is not None:
+            torques[f"the rated torque of {type(inner).__name__}"] = abs(ratio) * np.max(drive.rated_torque)
+        if press.driver_coordinates[0].turns:
+            idle = float(np.abs(getattr(drive, "reversals", ())).max(initial=0.0))  # where a motor gives no torque
+            plausibility.idle_speed(type(inner).__name__, idle, slide_at(press, idle), slide_at(press, 0.5 * idle))
+    if press.slide is not None and torques and press.driver_coordinates[0].turns:
+        low, high = applied_loads.turning_points(press)
+        weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
+        for name, value in torques.items():
+            plausibility.torque(name, float(value), 0.5 * weight * (high - low) if math.isfinite(high - low) else 0.0)
 
 
 def _refuse_other_parts(drive: object, flywheel: object, clutch: object, brake: object) -> None:

@@ -134,8 +134,9 @@ def bottom_dead_centre(
     Args:
         press: a press with nominal dimensions, in a plane or in space.
         parts: the dimensions that scatter.
-        forces: height above bottom dead centre [m] -> force of the process on the slide there [N], for `DeadCentreScatter.torques`:
-            of the crank that turns forwards, without friction, weights and inertia.
+        forces: height above bottom dead centre [m] -> force of the process on the slide there, upwards [N], for
+            `DeadCentreScatter.torques`: without friction, weights and inertia, of the crank that turns forwards, or backwards where all
+            ``speeds`` are negative; then the torque is negative.
         speeds: height above bottom dead centre [m] -> speed of the crank [rad/s], negative where it turns backwards, for
             `DeadCentreScatter.speeds`.
         motion: one of this press, as `servo_cycle` makes it; None: the crank turns through the dead centres.
@@ -393,13 +394,14 @@ def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float,
     """Unit of the quantity, height, force or speed of the crank, and whether it turns backwards."""
     if (forces or speeds) and not press.driver_coordinates[0].turns:
         raise PinpressError(f"driver {press.driver!r} of {press.name} slides: torque and speed at a height are those of a crank")
+    turned_back = bool(speeds) and all(number(f"speeds at {height} m", value, "rad/s") < 0.0 for height, value in speeds.items())
     for what, unit, given in (("forces", "N", forces), ("speeds", "rad/s", speeds)):
         for height, value in given.items():
             above = number(f"height of {what}", height, "m", positive=True)
             by = number(f"{what} at {above:g} m", value, unit)
             if not by:
                 raise PinpressError(f"{what} at {above:g} m is 0 {unit}: give another value, or leave it out")
-            yield ("N m" if what == "forces" else "m/s"), above, by, what == "speeds" and by < 0.0
+            yield ("N m" if what == "forces" else "m/s"), above, by, by < 0.0 if what == "speeds" else turned_back
 
 
 def _angle_at(press: Linkage, bottom: _DeadCentre, height: float, backwards: bool) -> float:

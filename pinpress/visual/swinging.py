@@ -25,7 +25,7 @@ from ..simulation.elastic.assembly import sprung_press
 from ..simulation.elastic.flexible_link import FlexibleBody
 from ..simulation.elastic.sprung_press import SprungPress
 from . import swinging_frame
-from .deflected import SEEN, displaced
+from .deflected import IN_SPACE, SEEN, displaced
 from .pages import meshcat, packed, page, write
 from .recording import KeyFrames, moving, shapes
 from .shapes.appearance import bodies
@@ -67,10 +67,10 @@ def record_modes(
     expect("modes", modes, ElasticModes, "natural_frequencies")
     swinging_frame.refuse_modes_of_another(press, modes._press)
     count = min(most, modes.natural_frequency.shape[1])
-    sprung, standing = sprung_press(press, modes.elastic), len(modes.crank_angle) == 1
+    standing = len(modes.crank_angle) == 1
     keys = SWING * (STANDING if standing else SWINGS) + 1
     state = np.zeros(keys, dtype=int) if standing else (np.arange(keys) * len(modes.crank_angle) // (keys - 1)) % len(modes.crank_angle)
-    one = _swinging(press, modes, sprung, state)
+    one = _swinging(press, modes, state)
     whole, bends = _joined([one.mode(k) for k in range(count)])
     length = (keys - 1) / RATE
     start = np.arange(count) * (length + PAUSE)
@@ -108,7 +108,7 @@ class _Swinging(NamedTuple):
     Attributes:
         press: the linkage.
         modes: its vibrations.
-        sprung: the press on its springs.
+        sprung: the press on its springs; None in space, where no links bend.
         state: (keys,) angles of the modes at the key frames.
         motion: of the rigid press.
         at: its poses.
@@ -116,7 +116,7 @@ class _Swinging(NamedTuple):
 
     press: Linkage
     modes: ElasticModes
-    sprung: SprungPress
+    sprung: SprungPress | None
     state: Any
     motion: Motion
     at: Poses
@@ -124,16 +124,21 @@ class _Swinging(NamedTuple):
     def mode(self, number: int) -> _ModeFilm:
         """A mode while it swings; its sign goes on from angle to angle."""
         shape, bending = self.modes.shapes[:, number], self.modes._bending[:, number]
-        both = np.concatenate([(shape * (1.0, 1.0, self.press.size)).reshape(len(shape), -1), bending], axis=1)
+        straight = 3 if shape.shape[-1] == IN_SPACE else 2
+        weighed = np.concatenate([shape[..., :straight], self.press.size * shape[..., straight:]], axis=2)
+        both = np.concatenate([weighed.reshape(len(shape), -1), bending], axis=1)
         same = np.where((both[1:] * both[:-1]).sum(axis=1) < 0, -1.0, 1.0)
         sign = np.cumprod(np.append(1.0, same))
-        bent = [np.abs(bending[:, _own(self.sprung, link)] @ link.shapes.T) for link in self.sprung.flexible]
-        turned = TURNED * self.press.size * float(np.abs(shape[..., 2]).max())  # all that a link does that turns about its centre of mass
-        largest = max(float(np.abs(shape[..., :2]).max()), turned, *(float(each.max(initial=0.0)) for each in bent))
+        bent = [np.abs(bending[:, _own(self.sprung, each)] @ each.shapes.T) for each in self.sprung.flexible] if self.sprung else []
+        # all that a link does that turns about its centre of mass
+        turned = TURNED * self.press.size * float(np.abs(shape[..., straight:]).max())
+        largest = max(float(np.abs(shape[..., :straight]).max()), turned, *(float(each.max(initial=0.0)) for each in bent))
         swing = np.sin(2 * np.pi * np.arange(len(self.state)) / SWING)
         factor = (SEEN * self.press.size / largest * swing * sign[self.state])[:, None]
         moved = factor[:, :, None] * shape[self.state]
         at = displaced(self.press, self.at, moved)
+        if self.sprung is None:
+            return _ModeFilm(at, {})
         angles = self.sprung.rigid_coordinates(self.motion)[0]
         lines = {}
         for link in self.sprung.flexible:
@@ -147,7 +152,8 @@ class _Swinging(NamedTuple):
         return _ModeFilm(at, lines)
 
 
-def _swinging(press: Linkage, modes: ElasticModes, sprung: SprungPress, state: Any) -> _Swinging:
+def _swinging(press: Linkage, modes: ElasticModes, state: Any) -> _Swinging:
+    sprung = None if modes.shapes.shape[-1] == IN_SPACE else sprung_press(press, modes.elastic)
     motion = motion_through_change_points(press, modes.crank_angle[state], 0.0)
     return _Swinging(press, modes, sprung, state, motion, poses(press, motion.joint_position))
 

@@ -345,11 +345,77 @@ ODD_PARTS = {
         lambda: guide_of((450.0, 300.0), (0.0, 0.0, 0.0)),
         "GuideSurface 'left front x': point is 450 m from its link's origin, far off a linkage of 0.315 m",
     ),
+    "power": (
+        lambda: pp.drives.InductionMotor(75, 1485 * pp.RPM, inertia=1.2),
+        "InductionMotor: its rated torque takes 387 s to turn its own rotor up to speed: give rated_power in W, and inertia in kg m2",
+    ),
+    "rotor": (
+        lambda: pp.drives.InverterMotor(482.0, 1485 * pp.RPM, 40.0, inertia=1.2e4),
+        "InverterMotor: its rated torque takes 3.87e+03 s to turn its own rotor up to speed: give rated_torque in N m, and inertia",
+    ),
+    "mains": (
+        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, frequency=314.0),
+        "rated_speed is 1485 r/min, less than half of the synchronous speed, 9420 r/min at 314 Hz with 4 poles",
+    ),
+    "breakdown": (
+        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, breakdown_ratio=250),
+        "InductionMotor: breakdown_ratio is 250: if per cent are meant, write 250e-2",
+    ),
+    "overload": (
+        lambda: pp.drives.InverterMotor(482.0, 1485 * pp.RPM, 40.0, overload=150),
+        "InverterMotor: overload is 150: if per cent are meant, write 150e-2",
+    ),
+    "losses": (
+        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, constant_loss=1.5),
+        "InductionMotor: constant_loss is 1.5 W: if kW are meant, write 1.5e3",
+    ),
+    "temperature": (
+        lambda: pp.drives.InductionMotor(75e3, 1485 * pp.RPM, rated_rise=378.0),
+        "InductionMotor: rated_rise is 378 K: give by how much it becomes warmer",
+    ),
+    "engagement": (lambda: pp.drives.Brake(2e4, rise=150.0), "Brake: rise is 150 s: if ms are meant, write 150e-3"),
+    "stripping": (
+        lambda: pp.loads.Blanking(4e6, 0.008, 0.003, stripping=200.0),
+        "Blanking: stripping is 200 N, beside a force of 4e+06 N: if kN are meant, write 200e3",
+    ),
+    "die": (
+        lambda: pp.inverse_dynamics(texts.shipped("crank_slide"), turn(360), [pp.loads.ElasticDie(0.002, 1e3)]),
+        "ElasticDie: 0.002 m deep its force is 2 N, 0.2 % of the weight of the slide: give stiffness in N/m, 1e6 for 1 kN/mm",
+    ),
+    "power at the crank": (
+        lambda: driven(pp.drives.Geared(pp.drives.InductionMotor(3.0, 1400 * pp.RPM), 20.0)),
+        "the rated torque of InductionMotor is 0.4093 N m at the crank, 0.42 % of the 98.1 N m that hold the weight of the slide",
+    ),
+    "no gears": (
+        lambda: driven(pp.drives.InductionMotor(3e3, 1400 * pp.RPM)),
+        "InductionMotor would turn the crank at 1500 r/min, at which the acceleration of the slide reaches 314 g: put gears between them",
+    ),
+    "wheel": (
+        lambda: driven(None, flywheel=pp.drives.Flywheel(5e6)),
+        "Flywheel: inertia is 5e+06 kg m2, beside a linkage of 135 kg and 0.5 m: if kg mm2 are meant, write 5",
+    ),
+    "brake": (
+        lambda: driven(None, brake=pp.drives.Brake(0.4)),
+        "Brake is 0.4 N m at the crank, 0.41 % of the 98.1 N m that hold the weight of the slide",
+    ),
+    "degrees": (lambda: driven(None, angle=90.0), "angle is 90 rad: if degrees are meant, write numpy.radians(angle)"),
+    "degrees of a motion": (
+        lambda: pp.servo_cycle(texts.shipped("crank_slide"), np.arange(0.0, 181.0), speed=5.0),
+        "angle is up to 180 rad: if degrees are meant, write numpy.radians(angle)",
+    ),
     "offset": (
         lambda: guide_of((0.45, 0.3), (50.0, 30.0, 0.0)),
         "guide_contact: offset is 50 m from its link's origin, far off a linkage of 0.315 m",
     ),
 }
+
+
+def turn(points):
+    return pp.cycle(texts.shipped("crank_slide"), 7.0, points=points)
+
+
+def driven(drive, **more):
+    return pp.simulate(texts.shipped("crank_slide"), 1e-3, speed=7.0, drive=drive, points=2, **more)
 
 
 def rubbing_guide(preload):
@@ -384,8 +450,8 @@ def test_loads_on_the_stroke_are_never_warned_of(height, thin, datum):
         pp.loads.Blanking(1e3, height, thin * height, datum=place),
         pp.loads.DeepDrawing(1e3, height, datum=place),
         pp.loads.ConstantForce(1e3, height, datum=place),
-        pp.loads.ElasticDie(-height, 1e3, datum=place),
-        pp.loads.ElasticDie(50 * height, 1e3, datum=place),
+        pp.loads.ElasticDie(-height, 1e5, datum=place),
+        pp.loads.ElasticDie(50 * height, 1e5, datum=place),
         pp.loads.ForceStroke([thin * height, height], [0.0, 1e3], datum=place),
     ]
     with warnings.catch_warnings():
@@ -455,6 +521,28 @@ def test_a_free_length_in_mm(press):
     spring = pp.loads.SpringDamper("frame", "slide", stiffness=5e4, free_length=400.0, point1=(0, 0, 0.5))
     with pytest.warns(pp.PinpressWarning, match="free_length is 400 m, beside a linkage of 0.5 m: give it in m, 400e-3 if mm are meant"):
         pp.inverse_dynamics(press, motion, loads=[spring])
+
+
+@examples(30)
+@given(
+    power=st.floats(50.0, 5e5),
+    slip=st.floats(0.005, 0.15),
+    poles=st.sampled_from([2, 4, 6, 8]),
+    size=st.floats(0.5, 2.0),
+    strokes=st.floats(10.0, 150.0),
+    angle=st.floats(-700.0, 700.0),
+)
+def test_sensible_drives_are_never_warned_of(power, slip, poles, size, strokes, angle):
+    """Motors of 50 W to 500 kW, with rotors as in catalogues, on presses whose slides they can lift, and their flywheels and brakes."""
+    top = 2 * TURN * 50.0 / poles
+    rotor = size * 3e-9 * power**1.2 * poles**2 / 16 * 1e3 * (157.0 / top) ** 0.5
+    motor = pp.drives.InductionMotor(power, (1 - slip) * top, poles=poles, inertia=rotor, constant_loss=0.01 * power, rated_rise=80.0)
+    press = texts.shipped("crank_slide")
+    ratio = top / (strokes * pp.RPM)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        wheel, brake = pp.drives.Flywheel(size * 50.0), pp.drives.Brake(size * 100.0, pp.drives.SwitchPoint(time=1e-3), rise=0.1)
+        pp.simulate(press, 1e-3, speed=5.0, angle=angle, drive=pp.drives.Geared(motor, ratio), flywheel=wheel, brake=brake, points=2)
 
 
 def test_friction_in_mm_or_per_cent():

@@ -318,8 +318,13 @@ def test_motions_that_do_not_fit_are_refused():
     system, _ = shaken(states=60)
     press = system.press
     apart = pp.load("jf75g_125")
-    with pytest.raises(PinpressError, match="loaded apart"):
-        foundation.steady_response(system, pp.inverse_dynamics(apart, pp.cycle(apart, SPEED, points=60)), points={})
+    same = pp.inverse_dynamics(apart, pp.cycle(apart, SPEED, points=60))  # the press loaded once more is the same one
+    ours = pp.inverse_dynamics(press, pp.cycle(press, SPEED, points=60))
+    floors = [foundation.steady_response(system, each, points={}).floor_force for each in (same, ours)]
+    np.testing.assert_array_equal(*floors)
+    other = pp.load("jf75g_125_plain")
+    with pytest.raises(PinpressError, match="the reactions are of jf75g_125_plain, and jf75g_125 is on the mounts: give those of this"):
+        foundation.steady_response(system, pp.inverse_dynamics(other, pp.cycle(other, SPEED, points=60)), points={})
     swinging = pp.inverse_dynamics(press, pp.servo_cycle(press, speed=[1.0, 2.0, 3.0], angle=[0.0, 0.1, 0.3], acceleration=0.0))
     with pytest.raises(PinpressError, match="no period"):
         foundation.steady_response(system, swinging, points={})

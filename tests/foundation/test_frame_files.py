@@ -1,5 +1,7 @@
 """Frame files: what stands in one is what the same numbers in Python make; mistakes are named with file, line and keys."""
 
+import bz2
+import gzip
 import json
 import re
 from pathlib import Path
@@ -16,6 +18,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress import PinpressError, foundation
 from pinpress.common.errors import FileEntryError
+from pinpress.common.reading import matrices
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "jf75g_125_frame.yaml"
 FEET = [(x, y, -1.3) for x in (-0.55, 0.55) for y in (-0.5, 0.6)]
@@ -156,12 +159,21 @@ def beam_matrices(monkeypatch):
         return foundation.beam_frame(ends, beams, bed="bed", carrier="crown", elements=2)
 
 
-@pytest.mark.parametrize("matrices", ["frame.npz", "{mass: m.mtx, stiffness: k.mtx, nodes: nodes.csv, degrees: degrees.csv}"])
+@pytest.mark.parametrize(
+    "matrices",
+    [
+        "frame.npz",
+        "{mass: m.mtx, stiffness: k.mtx, nodes: nodes.csv, degrees: degrees.csv}",
+        "{mass: m.mtx.gz, stiffness: k.mtx.gz, nodes: nodes.csv, degrees: degrees.csv}",
+    ],
+)
 def test_matrices_are_sought_beside_the_file(matrices, monkeypatch, tmp_path):
     mass, stiffness, nodes, degrees = beam_matrices(monkeypatch)
     np.savez(tmp_path / "frame.npz", mass=mass, stiffness=stiffness, nodes=nodes, degrees=degrees)
     mmwrite(tmp_path / "m.mtx", mass, precision=17)
     mmwrite(tmp_path / "k.mtx", stiffness, precision=17)
+    for name in ("m.mtx", "k.mtx"):  # and compressed, as programs and SciPy write them too
+        (tmp_path / f"{name}.gz").write_bytes(gzip.compress((tmp_path / name).read_bytes()))
     np.savetxt(tmp_path / "nodes.csv", nodes, delimiter=",", header="x [m],y [m],z [m]", comments="")
     np.savetxt(tmp_path / "degrees.csv", degrees, delimiter=",", fmt="%d")
     lines = [[0, 4], [4, 1], [0, 5], [5, 2], [0, 6], [6, 3]]
@@ -236,10 +248,31 @@ def test_files_beside_it_are_named(name, content, said, monkeypatch, tmp_path):
         read(tmp_path, FREE.format(matrices="frame.npz"))
 
 
-def test_one_matrix_alone_is_refused(tmp_path):
-    with pytest.raises(FileEntryError, match=r"mass.mtx holds one matrix") as caught:
-        read(tmp_path, FREE.format(matrices="mass.mtx"))
+@pytest.mark.parametrize("name", ["mass.mtx", "mass.mtx.gz"])
+def test_one_matrix_alone_is_refused(tmp_path, name):
+    with pytest.raises(FileEntryError, match=f"{name} holds one matrix") as caught:
+        read(tmp_path, FREE.format(matrices=name))
     assert caught.value.remedy.startswith("write {mass: m.mtx, stiffness: k.mtx")
+
+
+@pytest.mark.parametrize("pack", [gzip.compress, bz2.compress])
+def test_a_compressed_matrix_that_is_not_whole_is_refused(tmp_path, pack, monkeypatch):
+    ending = "gz" if pack is gzip.compress else "bz2"
+    path = tmp_path / f"m.mtx.{ending}"
+    text = b"%%MatrixMarket matrix array real general\n2 2\n1\n0\n0\n1\n"
+    path.write_bytes(pack(text))
+    assert_array_equal(matrices.read_market(str(path)), np.eye(2))
+    path.write_bytes(pack(text)[:-9])
+    with pytest.raises(PinpressError, match="cannot be read: what is compressed in it is not whole"):
+        matrices.read_market(str(path))
+    path.write_bytes(text)
+    with pytest.raises(PinpressError, match="cannot be read: "):
+        matrices.read_market(str(path))
+    path.write_bytes(pack(text))
+    monkeypatch.setattr("pinpress.common.files.read", lambda path, most: pack(text))
+    monkeypatch.setattr(matrices, "MOST_BYTES", 40)
+    with pytest.raises(PinpressError, match="uncompressed it is larger than 4e-05 MB"):
+        matrices.read_market(str(path))
 
 
 def test_what_is_wrong_with_the_press_is_said_of_the_press(tmp_path):

@@ -103,7 +103,7 @@ def test_vibration_over_all_turns(press):
 @pytest.mark.parametrize("name", ["half", "geared_down"])
 def test_vibration_of_a_run_that_is_steady(name):
     press = period_presses.repeating(name)
-    drive = pp.drives.InductionMotor(5e3, 40.0)
+    drive = pp.drives.InductionMotor(5e3, 40.0, poles=14)
     loads = [pp.loads.ConstantForce(2e3, 0.02)]
     run = pp.steady_state(press, 39.5, drive=drive, flywheel=pp.drives.Flywheel(30.0), loads=loads, points=721)
     assert abs(abs(run.crank_angle[-1] - run.crank_angle[0]) - 2 * np.pi * TURNS[name]) < 1e-9
@@ -116,7 +116,9 @@ def test_vibration_of_a_run_that_is_steady(name):
 
 
 def test_strokes_are_periods(press, name):
-    run = pp.simulate(press, 1.7, speed=SPEED, drive=pp.drives.InductionMotor(5e3, 40.0), flywheel=pp.drives.Flywheel(30.0), points=20_001)
+    run = pp.simulate(
+        press, 1.7, speed=SPEED, drive=pp.drives.InductionMotor(5e3, 40.0, poles=14), flywheel=pp.drives.Flywheel(30.0), points=20_001
+    )
     strokes = pp.measures.stroke_duties(run)
     assert len(strokes) == int((run.crank_angle[-1] - run.crank_angle[0]) / (2 * np.pi * TURNS[name])) > 1
     for k, stroke in enumerate(strokes):

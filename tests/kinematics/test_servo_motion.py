@@ -406,7 +406,7 @@ def test_runs_are_accepted_as_servo_motions():
         press,
         0.4,
         speed=300 * pp.RPM,
-        drive=pp.drives.InductionMotor(30e3, 295 * pp.RPM),
+        drive=pp.drives.InductionMotor(30e3, 295 * pp.RPM, poles=20),
         flywheel=pp.drives.Flywheel(20.0),
         loads=[pp.loads.Blanking(force=2e5, start=0.004, end=0.002)],
         points=700,

@@ -207,6 +207,11 @@ REFUSED = {
     "screw": ({"edit": ('"O" type="revolute"', '"O" type="screw"')}, r':17: <joint name="O">: joint type \'screw\' cannot be read'),
     "misspelt type": ({"edit": ('"O" type="revolute"', '"O" type="revolut"')}, "did you mean 'revolute'"),
     "misspelt element": ({"axis": "<axxis/>"}, r":17: <axxis> of <joint name=.O.>: unknown element <axxis>, did you mean 'axis'"),
+    "misspelt attribute": (
+        {"edit": ("<pose>0.2 0 0 0 0 0</pose>", '<pose relatve_to="rod">0 0 0 0 0 0</pose>')},
+        r":14: <pose> of <link name=.slide.>: unknown attribute 'relatve_to', did you mean 'relative_to'",
+    ),
+    "attribute of an axis": ({"axis": '<axis xyz="0 -1 0"/>'}, r":17: <axis> of <joint name=.O.>: unknown attribute 'xyz'; remove it"),
     "misspelt moment": ({"edit": ("<ixx>0.05</ixx>", "<Ixx>0.05</Ixx>")}, "unknown element <Ixx>"),
     "no mass": ({"edit": ("<mass>15</mass>", "")}, r':11: <inertial> of <link name="rod">: has no <mass>'),
     "comma": ({"edit": ("<mass>15</mass>", "<mass>1,5</mass>")}, r"<mass> of <link name=.rod.>: '1,5' is not a finite number"),

@@ -72,7 +72,7 @@ ENTRIES: dict[str, Callable[[Any], object]] = {
     "duration": lambda v: pp.simulate(press(), v, speed=1.0),
     "speed at the start": lambda v: pp.simulate(press(), 0.01, speed=v),
     "angle at the start": lambda v: pp.simulate(press(), 0.01, speed=1.0, angle=v),
-    "steady state": lambda v: pp.steady_state(press(), v, drive=pp.drives.InductionMotor(1e4, 95 * pp.RPM)),
+    "steady state": lambda v: pp.steady_state(press(), v, drive=pp.drives.InductionMotor(1e4, 95 * pp.RPM, poles=60)),
     "flywheel": lambda v: pp.drives.Flywheel(v),
     "torque": lambda v: pp.drives.ConstantTorque(v),
     "gear": lambda v: pp.drives.Geared(pp.drives.ConstantTorque(1.0), v),

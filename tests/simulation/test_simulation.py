@@ -1099,6 +1099,7 @@ def test_states_are_counted_by_the_way_that_the_crank_makes(speed):
     assert abs(len(run.time) - 1 - 120 * turns) < 3
 
 
+@pytest.mark.filterwarnings("ignore:InverterMotor would turn the crank at 1200 r/min")
 @pytest.mark.parametrize("corners", [(1.0, 2.0, 4.0), (4.0, 1.0, 2.0)])
 def test_the_side_of_every_corner(corners):
     """Of one that is passed it changes, of the others it stays; at the start it is where the speed is, or tends to from the corner up."""

@@ -304,6 +304,20 @@ def test_slow_cranks_turn_forwards_too(press):
     assert abs(back.nominal / fast.nominal - 1.0) > 0.02
 
 
+def test_torques_of_a_crank_that_turns_backwards(press):
+    """From the power of the force on the slide of a cycle that goes backwards; so where all speeds are negative."""
+    rod = [tol.link_length(press, "E", "F", 5e-5)]
+    forwards, mixed, back = (
+        tol.bottom_dead_centre(press, rod, forces={0.2: 1e6}, speeds=speeds, samples=2).torques[0.2]
+        for speeds in ({}, {0.1: 2.0, 0.2: -2.0}, {0.1: -2.0, 0.2: -2.0})
+    )
+    assert mixed.nominal == forwards.nominal > 0 > back.nominal
+    cycle = pp.cycle(press, speed=-1.0, points=7200)
+    above = cycle.slide_position - pp.dead_centres(press).bottom_position
+    down = np.flatnonzero((cycle.slide_velocity < 0) & (above > 0.19) & (above < 0.21))[::-1]
+    assert back.nominal == pytest.approx(1e6 * np.interp(0.2, above[down], cycle.slide_velocity[down]), rel=1e-4)
+
+
 def test_presses_that_close_in_another_assembly_are_refused(press):
     """A crank of 0.143 m that is 0.42 m shorter would point the other way, with a length of -0.277 m."""
     crank = tol.link_length(press, "A", "B", 0.01, shape=[-0.42, 0.001])

@@ -14,7 +14,9 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.elasticity import Elastic, ElasticModes, Stiffness, flexible_beam, natural_frequencies
+from pinpress.pin_table.templates import template
 from pinpress.visual.deflected import SEEN
+from pinpress.visual.swinging import _swinging
 
 
 def modes_of(angle: Any) -> ElasticModes:
@@ -78,6 +80,29 @@ def test_a_link_that_turns_about_its_centre_alone(tmp_path: Path) -> None:
     assert "yields: slide_guide turning 100 %" in data["modes"][0]["words"]
     for place in data["places"]:
         assert np.abs(np.ptp(np.frombuffer(base64.b64decode(place), "<f4").reshape(-1, 3), axis=0)).max() < 1e-6
+
+
+def test_modes_in_space(tmp_path: Path) -> None:
+    """Bodies of a linkage in space stand as its shapes say: those of a mode, magnified by one factor, at the height of a swing."""
+    path = tmp_path / "rssp.yaml"
+    path.write_bytes(template("rssp"))
+    press = pp.build(path)
+    moments = dict.fromkeys(("O", "B_cross", "B", "slide_guide"), 1e8)
+    modes = natural_frequencies(press, Elastic(Stiffness(dict.fromkeys(press.bearings, 1e9), moments=moments)), angle=[1.0])
+    assert modes.shapes.shape[-1] == 6
+    data = data_in(pp.record_modes(press, modes, tmp_path / "modes.html", lowest=2))
+    keys = len(data["crank"]) // 2
+    np.testing.assert_allclose(np.array(data["frequency"]).reshape(2, keys)[:, 0], modes.natural_frequency[0, :2] / (2 * np.pi), rtol=1e-5)
+    one, two = (_swinging(press, modes, np.zeros(keys, dtype=int)).mode(k) for k in range(2))
+    for film, shape in ((one.at, modes.shapes[0, 0]), (two.at, modes.shapes[0, 1])):
+        lever = [press.model.inertias[body + 1].lever for body in range(press.model.nv)]
+        moved = [film.points(body + 1, lever[body]) - film.points(body + 1, lever[body])[0] for body in range(press.model.nv)]
+        height = np.array([each[6] for each in moved])  # a quarter of the first swing
+        factor = (height * shape[:, :3]).sum() / (shape[:, :3] ** 2).sum()
+        np.testing.assert_allclose(height, factor * shape[:, :3], atol=1e-9 * press.size)
+        turns = np.array([pin.log3(film.rotation[body + 1][6] @ film.rotation[body + 1][0].T) for body in range(press.model.nv)])
+        np.testing.assert_allclose(turns, factor * shape[:, 3:], atol=1e-9)
+        assert np.abs(height).max() <= SEEN * press.size * (1 + 1e-9)
 
 
 def test_other_presses_are_refused(tmp_path: Path) -> None:

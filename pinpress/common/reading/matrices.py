@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import bz2
+import errno
+import gzip
 import io
 import warnings
+import zlib
 from typing import Any
 
 import numpy as np
@@ -14,6 +18,7 @@ from ..errors import PinpressError
 from ..quantities import Array
 
 MOST_BYTES = 200_000_000  # of a file of matrices
+MARKET = (".mtx", ".mtx.gz", ".mtx.bz2")  # endings of files in the Matrix Market format
 ASYMMETRY = 1e-6  # share of the largest entry by which the halves of a matrix may differ
 NEGATIVE = 1e-6  # share of a mass by which rounding in a file may make that of a motion negative
 DENSE = 6000  # rows from which on matrices stay sparse
@@ -156,8 +161,30 @@ def read_archive(path: str, wanted: tuple[str, ...]) -> dict[str, Any]:
     return arrays
 
 
+def is_market(path: str) -> bool:
+    """Whether a file is one in the Matrix Market format, by its name, perhaps compressed."""
+    return path.lower().endswith(MARKET)
+
+
+def _uncompressed(path: str, content: bytes) -> bytes:
+    """The content of a file, which is compressed where its name ends in ``.gz`` or ``.bz2``; raises OSError where it is not whole, or too
+    large."""
+    ending = path.lower().rpartition(".")[2]
+    if ending not in ("gz", "bz2"):
+        return content
+    unpacked = gzip.GzipFile(fileobj=io.BytesIO(content)) if ending == "gz" else bz2.BZ2File(io.BytesIO(content))
+    try:
+        with unpacked:
+            found = unpacked.read(MOST_BYTES + 1)
+    except (EOFError, zlib.error) as error:
+        raise OSError(errno.EINVAL, f"what is compressed in it is not whole: {error}") from error
+    if len(found) > MOST_BYTES:
+        raise OSError(errno.EFBIG, f"uncompressed it is larger than {MOST_BYTES / 1e6:g} MB")
+    return found
+
+
 def read_market(path: str) -> Any:
-    """The matrix of a file in the Matrix Market format, dense or sparse.
+    """The matrix of a file in the Matrix Market format, dense or sparse, perhaps compressed by gzip or bzip2.
 
     Raises:
         PinpressError: it is no such file.
@@ -167,7 +194,7 @@ def read_market(path: str) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of the kind of sparse matrix, which does not matter here
-            return mmread(io.BytesIO(files.read(path, MOST_BYTES)))
+            return mmread(io.BytesIO(_uncompressed(path, files.read(path, MOST_BYTES))))
     except OSError as error:
         raise PinpressError(f"{path} cannot be read: {files.reason(error)}") from error
     except (ValueError, TypeError, IndexError, OverflowError) as error:
@@ -182,7 +209,7 @@ def read_model(path: str, stiffness: str | None, nodes: Any, degrees: Any) -> tu
     """
     wanted = ("mass", "stiffness", "nodes", "degrees")
     if stiffness is None:
-        if path.lower().endswith(".mtx"):
+        if is_market(path):
             raise PinpressError(f"{path} holds one matrix: give the file of the stiffness matrix too, stiffness=, and nodes= and degrees=")
         arrays = read_archive(path, wanted)
         if nodes is not None or degrees is not None:

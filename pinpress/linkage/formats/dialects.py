@@ -18,7 +18,20 @@ from ...common.quantities import Array
 from ..urdf.document import Document, Element, Finding, Origin, tree
 from ..urdf.element_checks import LOOP_TYPES, MOST, names
 from ..urdf.text import Text
-from .elements import ALONE, direction, needed, numbers, optional, origin_of, pose_of, refuse, remark, unused
+from .elements import (
+    ALONE,
+    direction,
+    needed,
+    numbers,
+    optional,
+    origin_of,
+    pose_of,
+    refuse,
+    refuse_unknown,
+    refuse_unknown_attributes,
+    remark,
+    unused,
+)
 from .mechanism import Loop, loop_element
 
 BALL, BUSHING, SPRING = "drake:ball_constraint", "drake:linear_bushing_rpy", "drake:linear_spring_damper"
@@ -100,6 +113,7 @@ def _value(element: Element) -> str:
 
 def _frame(file: str, frame: Element) -> tuple[str, pin.SE3]:
     """Drake's ``<frame name="..." link="..." xyz="..." rpy="..."/>``."""
+    refuse_unknown_attributes(file, frame, ("name", "link", "xyz", "rpy"))
     xyz, rpy = (numbers(file, frame, frame.attributes.get(name, "0 0 0"), 3) for name in ("xyz", "rpy"))
     return frame.get("link"), pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
 
@@ -159,8 +173,10 @@ def _urdf_plus_loop(file: str, robot: Element, element: Element, taken: set[str]
         said = f"type {kind!r} closes no loop here" if kind else "has no type"
         refuse(file, element, said, "write revolute, continuous, spherical or fixed; make a prismatic joint one of the tree")
     ends = []
+    refuse_unknown(file, element, ("predecessor", "successor", "axis", "limit", "dynamics"))
     for side in ("predecessor", "successor"):
         end = needed(file, element, side)
+        refuse_unknown(file, end, ("origin",))
         origin = optional(file, end, "origin")
         ends.append((end.get("link"), pin.SE3.Identity() if origin is None else _placed(file, origin)))
     axis = None
@@ -218,6 +234,7 @@ def _places(file: str, robot: Element) -> dict[str, pin.SE3]:
 
 
 def _placed(file: str, origin: Element) -> pin.SE3:
+    refuse_unknown_attributes(file, origin, ("xyz", "rpy"))
     xyz, rpy = (numbers(file, origin, origin.attributes.get(name, "0 0 0"), 3) for name in ("xyz", "rpy"))
     return pin.SE3(pin.rpy.rpyToMatrix(rpy), xyz)
 

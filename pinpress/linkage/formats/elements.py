@@ -89,6 +89,15 @@ def refuse_unknown(file: str, element: Element, known: Iterable[str]) -> None:
             refuse(file, child, problem, f"in <{element.tag}> write one of: {', '.join(words)}")
 
 
+def refuse_unknown_attributes(file: str, element: Element, known: Iterable[str]) -> None:
+    """Raise UrdfError where an attribute is none of these, and has no namespace prefix."""
+    words = list(known)
+    for name in element.attributes:
+        if name not in words and ":" not in name and name != "xmlns":
+            problem = f"unknown attribute {name!r}{suggestion(name, words)}"
+            refuse(file, element, problem, f"in <{element.tag}> write: {', '.join(words)}" if words else "remove it")
+
+
 def unused(name: str, taken: Collection[str]) -> str:
     """This name, or with a number behind it where it is taken."""
     found, count = name, 1

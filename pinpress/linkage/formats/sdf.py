@@ -21,7 +21,20 @@ from ...common.quantities import Array
 from ..urdf.document import Document, Element, Finding, Origin, tree
 from ..urdf.element_checks import DEEPEST_JOINTS, MOST
 from .dialects import BALL, BUSHING, SPRING, ball_ends, bushing_axis, bushing_ends, bushing_remark, spring_remark
-from .elements import ALONE, direction, needed, numbers, optional, origin_of, pose_and_rounding, refuse, refuse_unknown, remark, unused
+from .elements import (
+    ALONE,
+    direction,
+    needed,
+    numbers,
+    optional,
+    origin_of,
+    pose_and_rounding,
+    refuse,
+    refuse_unknown,
+    refuse_unknown_attributes,
+    remark,
+    unused,
+)
 from .mechanism import Edge, Follow, Inertia, Joint, Link, Loop, Mechanism, Shape, as_document, capsule, spanning_tree
 
 WORLD = "world"
@@ -43,6 +56,19 @@ _KNOWN = {  # elements that are read or say nothing of the mechanics
     "limit": "lower upper effort velocity stiffness dissipation",
     "mimic": "multiplier offset reference",
 }
+_ATTRIBUTES = {  # attributes of elements that are read
+    "model": "name canonical_link placement_frame",
+    "link": "name",
+    "joint": "name type",
+    "frame": "name attached_to",
+    "pose": "relative_to frame degrees rotation_format",
+    "inertial": "auto",
+    "axis": "",
+    "axis2": "",
+    "xyz": "expressed_in",
+    "mimic": "joint axis",
+}
+_UNSEARCHED = ("plugin", "sensor", "collision", "physics")  # say nothing of the mechanics
 _TURNING = ("revolute", "continuous")
 _CHAINS = {"ball": 3, "universal": 2, "revolute2": 2}  # numbers of revolute joints that make such a joint of the tree
 _UNREAD = {
@@ -89,6 +115,7 @@ class _Reader:
         self.balls: list[tuple[str, ...]] = []
         self.model = self._only_model(root)
         refuse_unknown(file, self.model, _KNOWN["model"].split())
+        self._refuse_attributes(self.model)
         for tag, remedy in (("include", "write the model that it names in its place"), ("model", "write its links and joints in this one")):
             for element in self.model.all(tag):
                 refuse(file, element, f"<{tag}> in a <model> cannot be read", remedy)
@@ -128,6 +155,14 @@ class _Reader:
             where = moving[1] if moving else root
             refuse(self.file, where, f"there are {len(moving) or 'no'} models that move", "write the one <model> that is the press")
         return moving[0]
+
+    def _refuse_attributes(self, element: Element) -> None:
+        """Raise UrdfError where an element, or one in it, has an attribute that is none of SDF."""
+        if element.tag in _ATTRIBUTES:
+            refuse_unknown_attributes(self.file, element, _ATTRIBUTES[element.tag].split())
+        for child in element.children:
+            if child.tag not in _UNSEARCHED and ":" not in child.tag:
+                self._refuse_attributes(child)
 
     def _named(self, tag: str) -> dict[str, Element]:
         found: dict[str, Element] = {}

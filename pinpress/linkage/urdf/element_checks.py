@@ -65,6 +65,24 @@ _FOREIGN = {
     "joint": "joint_properties sensor",
     "limit": "acceleration deceleration jerk",
 }
+# Attributes of the elements that have none in `_ATTRIBUTES` or are open to more, and what other programs write into them. Any other is
+# passed over with a warning.
+_NAMES = {
+    "robot": "name version",
+    "link": "name",
+    "joint": "name type",
+    "loop_joint": "name type",
+    "inertial": "",
+    "transmission": "name type",
+    "visual": "name",
+    "collision": "name",
+    "material": "name",
+}
+_FOREIGN_NAMES = {"link": "type concave", "joint": "dont_collapse"}
+_DRAWN = ("visual", "collision", "material")  # what is drawn is not mechanics: only misspelt attributes are told
+_WHOLE = ("origin", "parent", "child", "link1", "link2", "axis", "mass", "inertia", "limit", "mimic")  # elements that contain no others
+# Elements of a <transmission> in ROS, in this spelling; the one that is read is <joint>.
+_IN_TRANSMISSION = ("joint", "actuator", "type", "mechanicalReduction", "gap_joint", "passive_joint", "flexJoint", "rollJoint")
 _QUANTITIES = ("xyz", "rpy", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset")  # what is computed with, and
 _LARGEST = 1e12  # may have powers and products in floating point
 _LEAST_RATIO = 1e-7  # least ratio of a gear pair, or of a rack [m/rad]
@@ -447,8 +465,45 @@ def _ends(element: Element, tag1: str = "parent", tag2: str = "child") -> tuple[
     return end1[0].get("link") if end1 else "", end2[0].get("link") if end2 else ""
 
 
+def unknown(robot: Element) -> Iterator[Finding]:
+    """Warnings of attributes and elements that nothing reads, where `problems` lets them pass: they may be misspelt, or stand in the wrong
+    element. What other programs are known to write, and whatever has a namespace prefix, is left alone."""
+    tag = robot.tag
+    if tag in _NAMES:
+        yield from _unknown_attributes(robot, _NAMES[tag].split(), tag not in _DRAWN)
+    elif tag in _OPEN_TO_ATTRIBUTES:
+        yield from _unknown_attributes(robot, [word.rstrip("?") for word in _ATTRIBUTES[tag].split()], False)
+    elif tag == "origin" and not robot.attributes and not robot.children and robot.end > robot.start:  # <origin>0 0 1</origin>
+        yield _warning(robot, "has neither xyz nor rpy; text in it is not read", 'write <origin xyz="..." rpy="..."/>, or remove it')
+    known = [word.rstrip("?*") for word in _CHILDREN.get(tag, "").split()]
+    for child in robot.children:
+        if child.tag in known:
+            yield from unknown(child)
+        elif tag in _WHOLE and ":" not in child.tag:
+            write = ", ".join(word.rstrip("?") for word in _ATTRIBUTES[tag].split())
+            yield _warning(robot, f"<{child.tag}> in it is not read", f"write what it says as attributes of <{tag}>: {write}")
+        elif tag == "transmission" and child.tag not in _IN_TRANSMISSION and suggestion(child.tag, ["joint"]):
+            yield _warning(robot, f"<{child.tag}> in it is not read, did you mean 'joint'?", 'write <joint name="..."/>, the driver')
+
+
+def _unknown_attributes(element: Element, known: Sequence[str], all_of_them: bool) -> Iterator[Finding]:
+    """Warnings of the attributes of an element that are not known, or of those alone that are misspelt."""
+    tag = element.tag
+    for name in element.attributes:
+        if name in known or name == "xmlns" or ":" in name or name in _FOREIGN_NAMES.get(tag, "").split():
+            continue
+        alike = suggestion(name, known)
+        within = [word.rstrip("?*") for word in _CHILDREN.get(tag, "").split()]
+        if name in within and all_of_them:
+            yield _warning(element, f"its attribute {name!r} is not read", f"write an element <{name}> in this <{tag}>")
+        elif alike or all_of_them:
+            write = f"attributes of <{tag}> are {', '.join(known)}" if known else f"<{tag}> has no attributes"
+            yield _warning(element, f"its attribute {name!r} is not read{alike}", f"correct or remove it: {write}")
+
+
 def remarks(robot: Element) -> Iterator[Finding]:
     """Warnings and notes of a URDF; it may have errors too."""
+    yield from unknown(robot)
     yield from _names(robot, "link")
     yield from _names(robot, "joint", "loop_joint")
     yield from _drawn_limits(robot)

@@ -127,7 +127,8 @@ def read_flexible_link(
 
     Args:
         link: name of the link.
-        file: a file `.npz` with ``mass``, ``stiffness``, ``nodes`` and ``degrees`` of `FlexibleLink`; or the mass matrix, `.mtx`.
+        file: a file `.npz` with ``mass``, ``stiffness``, ``nodes`` and ``degrees`` of `FlexibleLink`; or the mass matrix, `.mtx`,
+            perhaps compressed, `.mtx.gz`.
         bearings: names of all bearings of the link -> number of the node at which each is, counted from 0.
         stiffness: the stiffness matrix, `.mtx`, where ``file`` is one.
         nodes: (k, 2) places of the nodes [m], likewise.
