@@ -25,6 +25,19 @@ STEEPEST = 10.0  # no motor has a larger breakdown torque or overload [of the ra
 HOTTEST = 200.0, 1000.0  # no motor becomes warmer by as much, but has such temperatures [K]
 LOSSLESS = 1e-4  # no motor loses less in iron, bearings and fan [of its rated power]
 UNSTRIPPED = 1e-3  # no sheet holds a punch by less [of the cutting force]
+YIELDING, TWISTING = 5e-3, 1.0  # no springs of a press yield by more under the slide's weight [lengths of the linkage], [rad]
+LIGHTEST = 0.01  # no crown weighs less [of all links]
+FASTEST_RELEASE, SLOWEST_BREAK = 2e3, 0.5  # no press swings faster after break-through [Hz], no blank takes longer to break [s]
+DEEPEST = 0.1  # no press yields by more under the force of the process [m]
+SPRAWLING = 0.01  # no line of bearings has more clearance together [m]
+FLEXIBLE = 1e7  # no metal has a smaller modulus [Pa]
+SLENDEREST = 1e4  # no link is as long [radii of gyration of its section]
+SINKING = 0.5  # no mounts yield by more under the weight [m]: that is a vibration of 0.7 Hz
+DAMPED = 2.0  # no rubber has a larger loss factor
+COMPACT, SPREAD = 0.1, 10.0  # no frame around a linkage has a radius of gyration as small, or as large [lengths of the linkage]
+SLOWEST_STROKE = 120.0  # no stroke and no pause between strokes takes longer [s]
+TILTED = 5e-3  # no slide may lean by more over its points [m]
+GIANT = 1e5, 1e12  # no process takes a force as large, up to where it is no force at all [weights of the slide]
 SHALLOW, SOFT = 1e-3, 0.01  # no contact this deep [lengths of the linkage] has a force this small [of the slide's weight]
 WEAK, FEEBLE = 1e4, 0.05  # a process load this small [N], and this small a share of the slide's weight, is hardly meant
 
@@ -191,6 +204,102 @@ def forces(load: str, largest: float, weight: float) -> None:
     if 0.0 < largest < min(WEAK, FEEBLE * weight):
         share = f"{100 * largest / weight:.2g} % of the weight of the slide"
         caution(f"{load}: its largest force is {largest:g} N, {share}: if kN are meant, write {1e3 * largest:g}")
+    elif GIANT[0] * weight < largest < GIANT[1] * weight:
+        caution(f"{load}: its largest force is {largest:g} N, {largest / weight:.2g} times the weight of the slide: give it in N")
+
+
+def springs(name: str, stiffness: float, load: float, size: float) -> None:
+    """Warn of springs of a press [N/m] that yield under a ``load`` [N], the weight of the slide, as none of that ``size`` [m] does."""
+    if load > YIELDING * size * stiffness:
+        caution(
+            f"{name} is {stiffness:g} N/m, which the weight of the slide, {load:.3g} N, deflects by {1e3 * load / stiffness:.3g} mm: give"
+            " N/m, 1e6 for 1 kN/mm"
+        )
+
+
+def turning_springs(name: str, stiffness: float, moment: float) -> None:
+    """Warn of springs of a press against turning [N m/rad] that yield as none does under a ``moment`` [N m]."""
+    if moment > TWISTING * stiffness:
+        caution(
+            f"{name} is {stiffness:g} N m/rad, which the weight of the slide at the length of the linkage, {moment:.3g} N m, turns by"
+            f" {moment / stiffness:.3g} rad: give N m/rad, 1e6 for 1 kN m/mrad"
+        )
+
+
+def crown(mass: float, links: float) -> None:
+    """Warn of a crown whose ``mass`` [kg] may be in t, beside that of all ``links`` [kg]."""
+    if mass < LIGHTEST * links:
+        caution(f"Elastic: crown_mass is {mass:g} kg, beside {links:.4g} kg of the links: if t are meant, write {mass:g}e3")
+
+
+def release(force: float, stiffness: float, mass: float, break_time: float, clearance: float) -> None:
+    """Warn of a break-through whose numbers may be in N/mm, t, ms or mm."""
+    if force > DEEPEST * stiffness:
+        caution(f"stiffness is {stiffness:g} N/m, which {force:g} N deflect by {1e3 * force / stiffness:.3g} mm: give N/m, 1e6 for 1 kN/mm")
+    if (frequency := math.sqrt(stiffness / mass) / (2 * math.pi)) > FASTEST_RELEASE:
+        caution(f"mass is {mass:g} kg, which swings at {frequency:.3g} Hz on {stiffness:g} N/m: if t are meant, write {mass:g}e3")
+    if break_time > SLOWEST_BREAK:
+        caution(f"break_time is {break_time:g} s: if ms are meant, write {break_time:g}e-3")
+    if clearance > SPRAWLING:
+        caution(f"clearance is {clearance:g} m: if mm are meant, write {clearance:g}e-3")
+
+
+def modulus(value: float) -> None:
+    """Warn of a modulus of elasticity of metal [Pa] that may be in GPa or MPa."""
+    if value < FLEXIBLE:
+        caution(f"modulus is {value:g} Pa: if GPa are meant, write {value:g}e9; if MPa, {value:g}e6")
+
+
+def section(name: str, area: float, second_moment: float, length: float) -> None:
+    """Warn of a section, its area [m2] and second moment of area [m4], that no beam of this ``length`` [m] has."""
+    radius = math.sqrt(second_moment / area)
+    if area > FAR**2 * length**2 or radius > length or radius < length / SLENDEREST:
+        said = f"area {area:g} m2 and second_moment {second_moment:g} m4 are those of no section of a link of {length:.3g} m"
+        caution(f"{name}: {said}: give m2 and m4, 1e-6 for 1 mm2 and 1e-12 for 1 mm4")
+
+
+def mounts(weight: float, stiffness: float) -> None:
+    """Warn of mounts [N/m], all together, that yield as none do under the ``weight`` [N] that stands on them."""
+    if weight > SINKING * stiffness:
+        caution(
+            f"mounts: the weight of {weight:.4g} N presses them in by {1e3 * weight / stiffness:.3g} mm: give stiffness in N/m, 1e6 for"
+            " 1 kN/mm, and mass in kg"
+        )
+
+
+def frame_inertia(mass: float, inertia: float, size: float) -> None:
+    """Warn of a frame's largest moment of inertia [kg m2] that does not belong to its ``mass`` [kg], around a linkage of this ``size``
+    [m]."""
+    radius = math.sqrt(inertia / mass)
+    if inertia > 0 and not COMPACT * size < radius < SPREAD * size:
+        caution(
+            f"frame: with a mass of {mass:g} kg and a moment of inertia of {inertia:g} kg m2 its radius of gyration is {radius:.3g} m,"
+            f" around a linkage of {size:.3g} m: give kg and kg m2"
+        )
+
+
+def stroke_time(name: str, value: float) -> None:
+    """Warn of a time of a stroke, or between strokes [s], that may be in ms, or a number of strokes a minute."""
+    if value > SLOWEST_STROKE:
+        caution(f"{name} is {value:g} s: if ms are meant, write {value:g}e-3; n strokes a minute take 60 / n")
+
+
+def slide_speed(name: str, value: float) -> None:
+    """Warn of a speed of the slide [m/s] that may be in mm/s."""
+    if value > FASTEST_SLIDING:
+        caution(f"{name} is {value:g} m/s: if mm/s are meant, write {value:g}e-3")
+
+
+def target(name: str, value: float, size: float) -> None:
+    """Warn of a target for the place of a dead centre [m] that may be in mm or um, of a linkage of that ``size`` [m]."""
+    if value > COMPACT * size:
+        caution(f"{name} is {value:g} m, beside a linkage of {size:.3g} m: give it in m, {value:g}e-6 if um are meant")
+
+
+def lean(name: str, value: float) -> None:
+    """Warn of a difference of heights over the points of a slide [m] that may be in mm."""
+    if value > TILTED:
+        caution(f"{name} is {value:g} m: if mm are meant, write {value:g}e-3")
 
 
 def contact(load: str, force: float, depth: float, weight: float, size: float) -> None:

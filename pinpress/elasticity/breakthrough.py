@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..common import plausibility
 from ..common.arguments import number, numbers, positive
 from ..common.errors import PinpressError
 from ..common.frozen import read_only
@@ -408,6 +409,7 @@ def _release(force: float, stiffness: float, mass: float, damping_ratio: float, 
     release = Release(*sizes, zeta, tau, gap)
     if tau * release.frequency > 2 * np.pi * LONGEST:
         raise PinpressError(f"break_time is {tau:g} s, more than 1000 periods of the press: nothing snaps through; give a shorter one")
+    plausibility.release(*sizes, tau, gap)
     return release
 
 

@@ -308,6 +308,8 @@ def _checked(press: Linkage, surfaces: Sequence[GuideSurface]) -> Array:
             )
     furthest = max(surfaces, key=lambda surface: float(np.abs(surface.point).max()))
     plausibility.point(f"GuideSurface {furthest.name!r}: point", np.array(furthest.point), press.size)
+    longest = max(surfaces, key=lambda surface: surface.length)
+    plausibility.length(f"GuideSurface {longest.name!r}: length", longest.length, press.size)
     first = np.eye(3)[int(np.argmin(np.abs(axis)))]
     first = first - (first @ axis) * axis
     first /= np.linalg.norm(first)

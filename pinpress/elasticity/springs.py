@@ -23,7 +23,7 @@ from ..linkage.linkage import Linkage
 from ..simulation.elastic.contact import Clearance as Clearance
 from ..simulation.elastic.contact import hertz_stiffness as hertz_stiffness
 from ..simulation.elastic.description import FRAME as FRAME
-from ..simulation.elastic.description import STIFFEST, refuse_joint_but_of_guide
+from ..simulation.elastic.description import STIFFEST, doubt_stiffness, refuse_joint_but_of_guide
 from ..simulation.elastic.description import Elastic as Elastic
 from ..simulation.elastic.description import Rod as Rod
 from ..simulation.elastic.description import Stiffness as Stiffness
@@ -99,6 +99,7 @@ def springs_of(press: Linkage, stiffness: Stiffness) -> tuple[Spring, ...]:
     if stiffness.frame is not None:
         compliance = 1 / positive("stiffness of the frame", closed_stiffness(stiffness.frame), "N/m", STIFFEST)
         found.append(Spring(FRAME, compliance, "frame", tuple(_on_crown(press)), joint=_joint(stiffness.frame)))
+    doubt_stiffness(press, stiffness)
     if not found:
         raise PinpressError(f"no part of {press.name} yields: give Stiffness the stiffness of at least one")
     names = [part.name for part in found]

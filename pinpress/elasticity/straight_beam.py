@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..common import plausibility
 from ..common.arguments import positive, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.quantities import Array
@@ -63,6 +64,8 @@ def flexible_beam(
     place = (centre - first) * along.conjugate()
     if abs(place.imag) > ASIDE * length:
         raise PinpressError(f"beam {shown(link)}: its centre of mass lies {1e3 * place.imag:.3g} mm beside its line: give matrices for it")
+    plausibility.modulus(float(modulus))
+    plausibility.section(f"beam {shown(link)}", float(area), float(second_moment), length)
     h = length / count
     spread = _spread_mass(link, mass, place.real, inertia, length, count)
     matrices = np.zeros((2, 3 * count + 3, 3 * count + 3))

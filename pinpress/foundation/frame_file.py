@@ -14,7 +14,6 @@ several points, or a `RubberPad` at each; of `Attachment` with its body's beside
 
 from __future__ import annotations
 
-import csv
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -30,6 +29,7 @@ from ..common.arguments import UNITS, read_quantity, typed
 from ..common.errors import FileEntryError, PinpressError, UnknownNameError
 from ..common.parameters import declared, in_signature
 from ..common.quantities import Array
+from ..common.reading.cells import read_rows, scaled_head
 from ..common.reading.entries import Entry, FileKind, read_entries
 from ..common.reading.matrices import is_market
 from ..linkage.linkage import Linkage
@@ -221,30 +221,42 @@ def _matrices(entry: Entry, folder: Path) -> dict[str, Any]:
     items = entry.known(MARKET, "matrices")
     _refuse_missing(entry, items, MARKET, f"all four: {MARKETS}, or one .npz")
     mass, stiffness = (folder / _text(items[name]) for name in ("mass", "stiffness"))
-    nodes, degrees = _rows(items["nodes"], folder, ("x", "y", "z")), _rows(items["degrees"], folder, ("node", "direction"))
+    nodes, degrees = _rows(items["nodes"], folder, ("x", "y", "z"), "m"), _rows(items["degrees"], folder, ("node", "direction"))
     return {"file": mass, "stiffness": stiffness, "nodes": nodes, "degrees": degrees}
 
 
-def _rows(entry: Entry, folder: Path, columns: Sequence[str]) -> Array:
-    """Numbers (rows, columns) of a CSV file, of which the first line may be a header."""
+def _rows(entry: Entry, folder: Path, columns: Sequence[str], unit: str = "") -> Array:
+    """Numbers (rows, columns) of a CSV file, of which the first line may be a header; with a ``unit``, the header may name another one of
+    its kind."""
     path, wanted = folder / _text(entry), f"name a CSV file with a line for each, {', '.join(columns)}"
     try:
-        lines = files.read(path, LARGEST_FILE).decode("utf-8-sig").splitlines()
-        rows = [(k, row) for k, row in enumerate(csv.reader(lines), 1) if any(cell.strip() for cell in row)]
-    except (OSError, ValueError, csv.Error) as error:
-        entry.refuse(f"{path} cannot be read: {files.reason(error) if isinstance(error, OSError) else 'it is no text'}", wanted)
-    found = list[list[float]]()
+        rows = read_rows(path, LARGEST_FILE)
+    except (OSError, ValueError) as error:
+        entry.refuse(f"{path} cannot be read: {files.reason(error)}", wanted)
+    found, factor = list[list[float]](), 1.0
     for k, row in rows:
         try:
             numbers = [float(cell) for cell in row]
         except ValueError:
             if found or k > 1:
                 entry.refuse(f"line {k} of {path} is {','.join(row)!r}", wanted)
+            factor = _factor(entry, path, row) if unit else 1.0
             continue
         if len(numbers) != len(columns):
             entry.refuse(f"line {k} of {path} has {len(numbers)} numbers", wanted)
         found.append(numbers)
-    return np.array(found).reshape(-1, len(columns))
+    return factor * np.array(found).reshape(-1, len(columns))
+
+
+def _factor(entry: Entry, path: Path, heads: list[str]) -> float:
+    """Factor to m of the lengths under a header, all in one unit."""
+    try:
+        factors = {scaled_head(head, "m")[1] for head in heads}
+    except ValueError as error:
+        entry.refuse(f"the header of {path}: {error}", "name a unit of length, as x [mm], or none: the numbers are then in m")
+    if len(factors) > 1:
+        entry.refuse(f"the header of {path} has several units", "give all columns in one unit")
+    return factors.pop()
 
 
 # -------------------------------------------------------------------------------------------------------------------------------- values

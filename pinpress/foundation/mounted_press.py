@@ -29,11 +29,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import expect, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import FrozenMapping, read_only
-from ..common.quantities import Array, ComplexArray
+from ..common.quantities import GRAVITY, Array, ComplexArray
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..dynamics.inverse_dynamics import on_frame
@@ -238,6 +238,14 @@ def mounted(
     if not isinstance(rotors, Sequence) or not all(isinstance(each, Rotor) for each in rotors):
         raise PinpressError(f"rotors is {shown(rotors)}: give a list of Rotor")
     system = _assembled(press, frame, mounts, crown, tuple(uprights), attached or {}, tuple(rotors), press_inertia(press))
+    for k, mount in enumerate(mounts):
+        plausibility.point(f"mount {k + 1}: point", np.array(mount.point), press.size)
+    along = press.model.gravity.linear / (float(np.linalg.norm(press.model.gravity.linear)) or 1.0)
+    stiffness = sum(float(np.square(along) @ mount.static) for mount in mounts)
+    if along.any():
+        plausibility.mounts(GRAVITY * system.total_mass, stiffness)
+    if isinstance(frame, Frame):
+        plausibility.frame_inertia(frame.mass, float(np.linalg.eigvalsh(frame.tensor).max()), press.size)
     links = float(system.press_inertia[0, 0])
     if (rest := system.total_mass - links) < LIGHT * links:
         caution(

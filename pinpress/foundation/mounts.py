@@ -16,6 +16,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from ..common import plausibility
 from ..common.arguments import typed
 from ..common.errors import PinpressError, shown
 from ..common.parameters import Checked, parameter
@@ -55,6 +56,9 @@ class RubberPad(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        plausibility.share("RubberPad: loss_factor", self.loss_factor, plausibility.DAMPED)
+        for name in ("length", "width", "thickness"):
+            plausibility.cylinder("RubberPad", name, getattr(self, name))
         if (self.hardness is None) == (self.shear_modulus is None):
             raise PinpressError("RubberPad: give either hardness= (Shore A) or shear_modulus= [Pa], one of the two")
         if self.hardness is not None and not SOFTEST <= self.hardness <= HARDEST:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import expect, finite_numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping
@@ -395,6 +395,7 @@ def named_points(system: MountedPress, points: Points) -> dict[str, Array]:
         point = finite_numbers(place)
         if not isinstance(name, str) or point is None or point.shape != (3,):
             raise PinpressError(f"point {shown(name)} is {shown(given)}: give x, y, z [m] under a name, or ('crown', (x, y, z))")
+        plausibility.point(f"point {shown(name)}", point, system.press.size)
         if isinstance(system.frame, ElasticFrame) and named is None and not isinstance(given, str):
             near = system.frame.rows_near(point)
             rows[name] = np.pad(near, ((0, 0), (0, len(system.mass) - len(near.T))))

@@ -19,6 +19,7 @@ import numpy as np
 from ..common import files
 from ..common.errors import PinpressError, UnknownNameError, said, shown
 from ..common.quantities import Array
+from ..common.reading.cells import text_of
 
 LARGEST_FILE = 2 * 10**9  # bytes
 TIMES = ("time", "t", "zeit", "timestamp", "timestamps")  # names of the column of the time, without its unit
@@ -110,8 +111,8 @@ def named_columns(file: str, columns: Mapping[str, Array], time: Array | None = 
 
 def _csv(file: str, content: bytes, _: list[str]) -> Channels:
     try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError:
+        text = text_of(content)
+    except ValueError:
         text = content.decode("latin-1")
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(("#", "%"))]
     if len(lines) < 2:
@@ -127,7 +128,7 @@ def _csv(file: str, content: bytes, _: list[str]) -> Channels:
         names = [f"{name} [{unit.strip('[]() ')}]" if unit.strip("[]() -") else name for name, unit in zip(names, below, strict=True)]
         first = 2
     rows = lines[first:]
-    if separator == ";":
+    if separator != ",":
         rows = [row.replace(",", ".") for row in rows]  # the decimal comma
     try:
         table = np.loadtxt(io.StringIO("\n".join(rows)), delimiter=separator, ndmin=2, converters=None)
@@ -135,12 +136,15 @@ def _csv(file: str, content: bytes, _: list[str]) -> Channels:
         raise PinpressError(_amiss(file, rows, names, separator)) from None
     if table.shape[1] != len(names):
         raise PinpressError(f"{file}: {len(names)} names of columns above {table.shape[1]} numbers: write as many names as numbers")
-    return named_columns(file, {name.strip(): np.ascontiguousarray(table[:, k]) for k, name in enumerate(names)})
+    plain = [name.strip() for name in names]
+    if len({*plain}) < len(plain):
+        raise PinpressError(f"{file}: two columns are called {next(name for name in plain if plain.count(name) > 1)!r}: rename one")
+    return named_columns(file, {name: np.ascontiguousarray(table[:, k]) for k, name in enumerate(plain)})
 
 
 def _is_number(cell: str, separator: str) -> bool:
     try:
-        float(cell.replace(",", ".") if separator == ";" else cell)
+        float(cell if separator == "," else cell.replace(",", "."))
     except ValueError:
         return not cell.strip()
     return True

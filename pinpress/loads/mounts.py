@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..common import plausibility
 from ..common.arguments import suitable_numbers
 from ..common.errors import PinpressError
 from ..common.frozen import Frozen, read_only
@@ -93,6 +94,7 @@ class Mount:
             values = suitable_numbers(f"Mount: {name}", getattr(self, name), wanted, (3,), suits)
             set_field(self, name, tuple(values.tolist()))
         suitable_numbers("Mount: loss_factor", self.loss_factor, "one number that is not negative", suits=_not_negative)
+        plausibility.share("Mount: loss_factor", float(self.loss_factor), plausibility.DAMPED)
         if self.area is not None:
             suitable_numbers("Mount: area", self.area, "a positive number [m2]", suits=lambda area: area > 0)
 

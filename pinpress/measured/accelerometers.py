@@ -7,7 +7,6 @@ As in chapter 2 of Zhang 2007, each accelerometer sits at a point of the frame a
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from ..common.arguments import LARGEST, finite_numbers, numbers, suitable_number
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
 from ..common.quantities import GRAVITY, Array
+from ..common.reading.cells import Row, read_rows, scaled_head
 from ..kinematics.column_files import Channels, named_columns, parted, read
 from .records import UNEVEN, longest_rest, times_of
 
@@ -126,27 +126,32 @@ def points_of(file: str | os.PathLike[str]) -> dict[str, Accelerometer]:
     """
     path = files.path_of("points", file)
     try:
-        text = files.read(path, LARGEST_FILE).decode("utf-8-sig")
-    except (OSError, ValueError) as error:  # ValueError: also no text
+        first, *below = read_rows(path, LARGEST_FILE) or [Row(1, [])]
+    except (OSError, ValueError) as error:
         raise PinpressError(f"{path} cannot be read: {files.reason(error)}") from None
-    rows = list(csv.DictReader(text.splitlines(), delimiter=";" if ";" in text.partition("\n")[0] else ",", skipinitialspace=True))
-    heads = {parted(name)[0]: name for name in (rows[0] if rows else ()) if name}
+    rows = [(line, dict(zip(first.cells, cells, strict=False))) for line, cells in below]
+    heads = {parted(name)[0]: name for name in first.cells if name}
     missing = [name for name in HEADS if name not in heads]
     if missing:
         raise PinpressError(f"{path}: no column {missing[0]!r}: a file of points has {', '.join(HEADS)}, and may have part and gain")
-    found = {}
-    for line, row in enumerate(rows, 2):
+    try:
+        factors = [scaled_head(heads[axis], "m")[1] for axis in "xyz"]
+    except ValueError as error:
+        raise PinpressError(f"{path}: {error}: name a unit of length, as x [mm], or none: the numbers are then in m") from None
+    found: dict[str, Accelerometer] = {}
+    for line, row in rows:
         try:
-            place = tuple(float(row[heads[axis]]) for axis in "xyz")
+            place = tuple(factor * float(row[heads[axis]]) for axis, factor in zip("xyz", factors, strict=True))
             gain = float(row[heads["gain"]]) if (row.get(heads.get("gain", "")) or "").strip() else None
-        except (TypeError, ValueError):
+        except (KeyError, ValueError):
             raise PinpressError(f"{path}:{line}: x, y, z and gain are {shown(list(row.values()))}: give numbers") from None
         part = (row.get(heads.get("part", "")) or "bed").strip()
         if part not in ("bed", "crown"):
             raise PinpressError(f"{path}:{line}: part is {shown(part)}: give bed or crown")
-        found[row[heads["channel"]].strip()] = Accelerometer(
-            ("crown", place) if part == "crown" else place, row[heads["direction"]].strip(), gain
-        )
+        channel = row[heads["channel"]]
+        if channel in found:
+            raise PinpressError(f"{path}:{line}: channel {channel!r} is there twice: give each accelerometer its own")
+        found[channel] = Accelerometer(("crown", place) if part == "crown" else place, row.get(heads["direction"], ""), gain)
     return found
 
 

@@ -22,6 +22,7 @@ from ..common.results import Tabular
 from ..kinematics.column_files import TIMES, Channels, parted, read
 
 FEWEST = 32  # samples of a record
+SLOWEST_SAMPLES = 0.5  # samples this far apart show nothing of a stroke [s]
 GAP = 4.5  # times the common step between samples, from which on a step is a gap: fewer are samples that a bus lost
 UNEVEN = 0.02  # standard deviation of the steps by their median, above which sampling is called uneven
 JUMP = 0.5  # share of a turn of the counter by which an angle changes where it starts anew
@@ -197,6 +198,8 @@ def _check_times(run: MeasuredRun) -> None:
             f"{run.name}: no samples for {steps[k]:.4g} s after {run.time[k]:.6g} s, where they are {common:.4g} s apart; make a run of"
             " each part, with record(..., between=(start, end))"
         )
+    if common > SLOWEST_SAMPLES:
+        caution(f"{run.name}: samples are {common:.4g} s apart: if the time is in ms, write {common:.4g}e-3, in a file time [ms]")
     if np.std(steps) > UNEVEN * common:
         caution(
             f"{run.name}: samples are {steps.min():.4g} to {steps.max():.4g} s apart; noise is taken as even: record at a fixed rate, where"

@@ -34,11 +34,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import expect, numbers, positive, typed
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
-from ..common.quantities import Array
+from ..common.quantities import GRAVITY, Array
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..dynamics.inverse_dynamics import NONE_GIVEN, inverse_dynamics
@@ -271,6 +271,9 @@ def force_sensor(
         up = _knots("heights_up", heights_up, stroke, press.name)
     inertia = checked_inertia(drive_inertia)
     spring = None if stiffness is None else positive("stiffness", stiffness, "N/m")
+    if spring is not None:
+        weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
+        plausibility.springs("force_sensor: stiffness", spring, weight, press.size)
     return ProcessForceSensor(press, down, up, identified, dict(friction), inertia, spring, coefficients)
 
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import expect, in_unit, positive, suitable_numbers, truth_value, typed, whole_number
 from ..common.errors import PinpressError
 from ..common.frozen import FrozenMapping, read_only
-from ..common.quantities import RPM, Array, DriverCoordinate
+from ..common.quantities import GRAVITY, RPM, Array, DriverCoordinate
 from ..common.results import Tabular
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions
 from ..kinematics import measures
@@ -237,6 +237,7 @@ def rate(
     refuse_unrated(press, loads, friction, at_speed=bool(at_speed))
     if not turning:
         _refuse_what_turns(press, capacities, dwell_tolerance)
+    _doubt_capacities(press, capacities, speed)
     period = cycle(press, speed, engine=engine)
     quick_return = measures.quick_return_ratio(period) if turning else None  # refuses a slide with several working strokes
     beside = tuple(loads), FrozenMapping(friction)
@@ -244,6 +245,14 @@ def rate(
     if at_speed:
         refuse_overloaded_idle(rated)
     return _ratings(rated, governing_limits(rated, points), period, quick_return, contact_height, dwell_tolerance)
+
+
+def _doubt_capacities(press: Linkage, capacities: Capacities, speed: float) -> None:
+    """Warn of capacities that are nothing beside the weight of the slide."""
+    weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
+    plausibility.forces("nominal_force", capacities.nominal_force, weight)
+    if press.driver_coordinates[0].turns and capacities.motor_power is not None:
+        plausibility.torque("motor_power by speed", capacities.motor_power / abs(speed), 0.5 * weight * dead_centres(press).stroke)
 
 
 def _ratings(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..common import plausibility
 from ..common.errors import PinpressError
 from ..common.parameters import Checked, parameter, set_field
 from ..common.quantities import Array
@@ -65,6 +66,8 @@ class ServoDrive(Checked):
             )
         if self.curve_speed is not None or self.curve_torque is not None:
             self._check_curve()
+        if self.peak_torque is not None and self.top_speed is not None:
+            plausibility.motor("ServoDrive", self.peak_torque, self.top_speed, self.inertia, "peak_torque in N m")
 
     def _check_curve(self) -> None:
         if self.curve_speed is None or self.curve_torque is None or len(self.curve_speed) != len(self.curve_torque):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..common import plausibility
 from ..common.arguments import suitable_numbers, truth_value
 from ..common.errors import PinpressError, shown
 from ..common.parameters import Checked, parameter, set_field
@@ -33,6 +34,7 @@ class SlideSpeed(Checked):
         super().__post_init__()
         _check_window(self, self.flank)
         truth_value("SlideSpeed: constant", self.constant)
+        plausibility.slide_speed("SlideSpeed: speed", self.speed)
         if self.constant and self.heights is None:
             raise PinpressError("SlideSpeed: constant is True, but a slide turns back: give heights=(upper, lower) between which it holds")
 

@@ -12,7 +12,6 @@ The rated torque is the permanent one (S1). Between the points the curves are st
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
 import os
@@ -21,11 +20,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..common import files
+from ..common import files, plausibility
 from ..common.arguments import expect, number, typed
 from ..common.errors import PinpressError, shown, suggestion
 from ..common.parameters import Checked, parameter, set_field
 from ..common.quantities import RPM, Array
+from ..common.reading.cells import read_rows
 from ..common.results import Record
 from .drive import ServoDrive
 from .motion import ServoMotion
@@ -79,6 +79,7 @@ class CatalogueMotor(Checked):
             raise PinpressError(f"{self.name}: at {speed[k] / RPM:g} r/min the rated torque is above the peak torque; exchange them")
         for name, column in (("speed", speed), ("rated_torque", rated), ("peak_torque", peak)):
             set_field(self, name, tuple(column.tolist()))
+        plausibility.motor(self.name, float(peak[0]), float(speed[-1]), self.inertia, "peak_torque in N m")
 
     @property
     def top_speed(self) -> float:
@@ -230,18 +231,16 @@ def read_motors(path: str | os.PathLike[str]) -> tuple[CatalogueMotor, ...]:
     name = files.path_of("path", path)
     wanted = f"give a CSV file with the heads {', '.join(HEADS)}"
     try:
-        text = files.read(name, LARGEST_FILE).decode("utf-8-sig")
-        rows = [[cell.strip() for cell in row] for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)]
-    except (OSError, ValueError, csv.Error) as error:
-        reason = files.reason(error) if isinstance(error, OSError) else "it is no table"
-        raise PinpressError(f"{name} cannot be read ({reason}): {wanted}") from None
+        rows = read_rows(name, LARGEST_FILE)
+    except (OSError, ValueError) as error:
+        raise PinpressError(f"{name} cannot be read ({files.reason(error)}): {wanted}") from None
     if not rows:
         raise PinpressError(f"{name} is empty: {wanted}")
-    heads, *points = rows
+    (_, heads), *points = rows
     for head in HEADS:
         if head not in heads:
             raise PinpressError(f"{name}: no column {head!r}{suggestion(head, heads)}; {wanted}")
-    read = [_point(name, k, dict(zip(heads, row, strict=False))) for k, row in enumerate(points, 2)]
+    read = [_point(name, k, dict(zip(heads, row, strict=False))) for k, row in points]
     motors = []
     for motor, group in itertools.groupby(read, key=lambda point: point[0]):
         _, inertia, copper, speed, rated, peak = zip(*group, strict=True)

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..common import plausibility
 from ..common.arguments import expect, in_unit, numbers, suitable_numbers, typed, whole_number
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
@@ -215,6 +216,8 @@ def _asked(
     chosen = limits_.checked(limits)
     wanted = _objective(minimise)
     most = None if time is None else float(_positive("time", time, "s"))
+    if most is not None:
+        plausibility.stroke_time("time", most)
     count = whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
     _refuse_open(drive, wanted, most, chosen, legs.dwell, legs.closed)
     refuse_heights(press, chosen, dead_centres(press).stroke)

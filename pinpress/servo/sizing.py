@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import LARGEST, expect, number, numbers, positive, typed, whole_number
 from ..common.errors import PinpressError, shown
 from ..common.quantities import RPM
@@ -210,6 +210,7 @@ def choose_motor(
     at_crank = number("gear_inertia", gear_inertia, "kg m2")
     if not 0 <= at_crank <= LARGEST:
         raise PinpressError(f"gear_inertia is {at_crank:g} kg m2: give 0 or more, up to {LARGEST:g}")
+    plausibility.stroke_time("pause", number("pause", pause, "s"))
     idle, count = number("pause", pause, "s"), whole_number("points", points, FEWEST_POINTS, MOST_POINTS)
     tried: list[TriedMotor] = []
     for motor in sorted(given, key=lambda each: each.rated_power):

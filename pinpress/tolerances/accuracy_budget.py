@@ -32,13 +32,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..common import plausibility
 from ..common.arguments import LARGEST, number, numbers, typed
 from ..common.errors import PinpressError
-from ..common.quantities import Array, DriverCoordinate
+from ..common.quantities import GRAVITY, Array, DriverCoordinate
 from ..common.results import Record, Records, Tabular
 from ..common.tables import Column
 from ..elasticity.slide_under_load import slide_deflection
 from ..elasticity.springs import Stiffness
+from ..kinematics.motion import doubt_speeds
 from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress, is_same_press, told_apart
@@ -205,6 +207,8 @@ def budget(
     force = number("process", process, "N")
     if not abs(force) <= LARGEST:
         raise PinpressError(f"process is {force:g} N: give the force at bottom dead centre [N], {LARGEST:g} at most")
+    doubt_speeds(press, given)
+    plausibility.forces("process", abs(force), GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass))
     warm = 0.0 if temperatures is None else heat(press, temperatures).bottom_shift
     place = dead_centres(press).bottom_angle
     angles = place + np.linspace(-WINDOW, WINDOW, STATES)

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import number, positive, suitable_numbers, typed
 from ..common.conic_program import AT_MOST, CONE, PROVED, InfeasibleError, Optimum, Rows, minimise
 from ..common.errors import PinpressError, UnknownNameError, shown
@@ -154,6 +154,8 @@ def allocate(
     prices = _costs(checked, cost)
     limits, ends = _targets(targets), _bounds(checked, {} if bounds is None else bounds)
     sure = positive("deviations", deviations, "-", 100.0)
+    for name, limit in limits.items():
+        plausibility.target(f"target of {name}", limit, press.size)
 
     bottom, top = dead_centre_gradients(press, checked, motion)
     gradients = {"height": bottom, "top": top, "stroke": top - bottom}

@@ -14,15 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import number, typed
 from ..common.errors import PinpressError, caution
 from ..common.numerics import bracketed_roots
-from ..common.quantities import Array
+from ..common.quantities import GRAVITY, Array
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..derivatives.motion import directed
-from ..kinematics.motion import Motion, motion_through_change_points, refuse_motion_of_another
+from ..kinematics.motion import Motion, doubt_speeds, motion_through_change_points, refuse_motion_of_another
 from ..kinematics.slide_path import TurningPoints, turning_points
 from ..linkage.linkage import Linkage, OfPress
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
@@ -395,12 +395,17 @@ def _asked(press: Linkage, forces: Mapping[float, float], speeds: Mapping[float,
     if (forces or speeds) and not press.driver_coordinates[0].turns:
         raise PinpressError(f"driver {press.driver!r} of {press.name} slides: torque and speed at a height are those of a crank")
     turned_back = bool(speeds) and all(number(f"speeds at {height} m", value, "rad/s") < 0.0 for height, value in speeds.items())
+    if speeds:
+        doubt_speeds(press, np.array([*speeds.values()]))
     for what, unit, given in (("forces", "N", forces), ("speeds", "rad/s", speeds)):
         for height, value in given.items():
             above = number(f"height of {what}", height, "m", positive=True)
             by = number(f"{what} at {above:g} m", value, unit)
             if not by:
                 raise PinpressError(f"{what} at {above:g} m is 0 {unit}: give another value, or leave it out")
+            if what == "forces":
+                weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
+                plausibility.forces(f"{what} at {above:g} m", abs(by), weight)
             yield ("N m" if what == "forces" else "m/s"), above, by, by < 0.0 if what == "speeds" else turned_back
 
 

@@ -10,7 +10,6 @@ The same in YAML is a list, ``- {dimension: length E F, tolerance: 0.05, cost: 1
 
 from __future__ import annotations
 
-import csv
 import math
 import os
 from collections.abc import Mapping
@@ -21,6 +20,7 @@ import numpy as np
 from ..common import files
 from ..common.arguments import typed
 from ..common.errors import PinpressError, shown, suggestion
+from ..common.reading.cells import read_rows
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..linkage.linkage import Linkage
@@ -106,20 +106,12 @@ def _csv_rows(name: str) -> list[tuple[str, dict[str, str]]]:
     """Every row with its place and its cells by their heads."""
     wanted = f"give a CSV file with the heads {', '.join(HEADS[:2])} and, if wanted, {', '.join(HEADS[2:])}"
     try:
-        text = files.read(name, LARGEST_FILE).decode("utf-8-sig")
-        rows = [
-            (k, [cell.strip() for cell in row])
-            for k, row in enumerate(csv.reader(text.splitlines(), skipinitialspace=True), 1)
-            if any(map(str.strip, row))
-        ]
-    except (OSError, ValueError, csv.Error) as error:
-        reason = files.reason(error) if isinstance(error, OSError) else "it is no table"
-        raise PinpressError(f"{name} cannot be read ({reason}): {wanted}") from None
+        rows = read_rows(name, LARGEST_FILE)
+    except (OSError, ValueError) as error:
+        raise PinpressError(f"{name} cannot be read ({files.reason(error)}): {wanted}") from None
     if not rows:
         raise PinpressError(f"{name} is empty: {wanted}")
     (_, heads), *found = rows
-    if len(heads) == 1 and ";" in heads[0]:
-        raise PinpressError(f"{name} has semicolons between its cells: save it with commas, and decimals after a point")
     _refuse_heads(f"{name}: column", heads)
     for line, cells in found:
         if len(cells) > len(heads):

@@ -76,6 +76,11 @@ class Dimension(Frozen):
                     f"dimension {self.name!r}: sd is given, but uniform and measured dimensions have their own: leave it out"
                 )
             set_field(self, "sd", self._size("sd", self.sd))
+            if _is_normal(self) and self.sd > self.tolerance:
+                caution(
+                    f"dimension {self.name!r}: sd is {self.sd:g} {self.unit}, above its tolerance of {self.tolerance:g}: a third of all"
+                    " parts would miss it; exchange them, or see to the units"
+                )
         super().__post_init__()
 
     @property

@@ -32,7 +32,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import positive, suitable_numbers, typed
 from ..common.errors import PinpressError, UnknownNameError
 from ..common.frozen import FrozenMapping
@@ -81,6 +81,7 @@ class PermissibleSlope(Checked):
             raise PinpressError(f"PermissibleSlope: place has shape {np.shape(self.place)}: give (2,) along both directions [m]")
         if not (self.constant or self.by_length):
             raise PinpressError("PermissibleSlope: constant and by_length are 0: give the difference of heights that may be, in m")
+        plausibility.lean("PermissibleSlope: constant", self.constant)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
-from ..common import tables
+from ..common import plausibility, tables
 from ..common.arguments import number, typed
 from ..common.errors import PinpressError, UnknownNameError, caution, shown
 from ..common.frozen import Frozen, FrozenMapping
@@ -165,6 +165,9 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
         raise PinpressError(f"{press.root!r} of {press.name} is warm and grows away from its table: give Temperatures(..., table=...) [m]")
     if rises.get(slide) and temperatures.face is None:
         raise PinpressError(f"{press.slide!r} of {press.name} is warm: give the place of its face, Temperatures(..., face=...) [m]")
+    for name, place in (("table", temperatures.table), ("face", temperatures.face)):
+        if place is not None:
+            plausibility.length(f"Temperatures: {name}", abs(float(place)), press.size)
     if motion is None:
         refuse_several_drivers(press)
         turned = dead_centres(press)

@@ -364,8 +364,12 @@ def test_units_in_the_header_of_a_file(tmp_path: Path) -> None:
     file.write_text("height [mm], force [lbf]\n2,0\n", encoding="utf-8")
     with pytest.raises(pp.PinpressError, match="in 'lbf', which is none of N, kN, MN, tf"):
         part_specs.load(f"table:file={file}")
-    file.write_text("height;force\n2;0\n", encoding="utf-8")
-    with pytest.raises(pp.PinpressError, match="whose row 1 is 'height;force': give a CSV file of two columns"):
+    file.write_text("height [mm];force [kN]\r\n2,5;0\r\n0;1600\r\n", encoding="utf-16")  # as a spreadsheet in German saves it
+    found = part_specs.load(f"table:file={file}")
+    assert isinstance(found, ForceStroke)
+    np.testing.assert_allclose(np.transpose([found.heights, found.forces]), [[0.0, 1.6e6], [0.0025, 0.0]], rtol=1e-15)
+    file.write_text("height, force\n2,0\n1;0\n", encoding="utf-8")
+    with pytest.raises(pp.PinpressError, match="whose row 3 is '1;0': give a CSV file of two columns"):
         part_specs.load(f"table:file={file}")
 
 
@@ -425,11 +429,11 @@ DURATION = ["zxn2_3000b", "--duration", "1"]
         (["--motor", "servo:program=none.csv,stiffness=1,damping=1,peak_torque=1"], ["none.csv", "time [s] and angle [deg]"]),
         (
             ["--motor", "inverter:rated_torque=1,rated_speed=1485,frequency=40,curve=README.md"],
-            ["row 2", "frequency [Hz] and torque [N m]"],
+            ["row 3", "frequency [Hz] and torque [N m]"],
         ),
         (["--load", "press:force=1"], ["no kind 'press'", "idle, constant-force, blanking, drawing, table, die"]),
         (["--load", "table:"], ["--load table: file is missing"]),
-        (["--load", "table:file=viz/zxn2_3000b.png"], ["it is no text"]),
+        (["--load", "table:file=viz/zxn2_3000b.png"], ["no text in UTF-8; save it in this encoding"]),
         (["--load", "die:height=x,stiffness=1"], ["height is 'x', no number", "--load die:height=0.001"]),
         (["--load", "blanking:force=1,start=0,end=1"], ["start is 0, not above end, 1"]),
         (["--flywheel", "heavy"], ["inertia is 'heavy', no number", "--flywheel inertia=2000"]),

@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 import warnings
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from support import texts
 from support.exploring import examples
 from support.generators import frames
 from support.generators.random_linkages import four_bar
+from support.texts import shipped
 
 import pinpress as pp
 from pinpress.cli.main import main
@@ -424,9 +426,9 @@ def rubbing_guide(preload):
     return pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12), friction=friction)
 
 
-def guide_of(facing_x, offset):
+def guide_of(facing_x, offset, length=0.6):
     press = texts.shipped("jf75g_125_plain")
-    surfaces = pp.elasticity.eight_way_guide(facing_x=facing_x, facing_y=(0.4, 0.35), length=0.6, width=0.08, stiffness=2e9, preload=1e5)
+    surfaces = pp.elasticity.eight_way_guide(facing_x=facing_x, facing_y=(0.4, 0.35), length=length, width=0.08, stiffness=2e9, preload=1e5)
     reactions = pp.inverse_dynamics(press, pp.cycle(press, 7.0, points=12))
     return pp.elasticity.guide_contact(press, reactions, surfaces, offset=offset)
 
@@ -438,6 +440,167 @@ def test_parts_in_other_units_are_warned_of(name):
         make()
     assert len(caught) == 1
     assert caught[0].filename == __file__
+
+
+ODD_NUMBERS = {
+    "springs": (
+        lambda: pp.elasticity.compliance(shipped("jf75g_125_plain"), springs(2e6), angle=[0.0]),
+        "Stiffness: the largest of bearings is 2e+06 N/m, which the weight of the slide, 2.16e+04 N, deflects by 10.8 mm: give N/m",
+    ),
+    "springs of a vibration": (
+        lambda: pp.elasticity.natural_frequencies(shipped("jf75g_125_plain"), pp.elasticity.Elastic(springs(2e6)), angle=[0.0]),
+        "Stiffness: the largest of bearings is 2e+06 N/m",
+    ),
+    "springs against turning": (
+        lambda: pp.elasticity.natural_frequencies(shipped("jf75g_125_plain"), pp.elasticity.Elastic(springs(2e9, 2e2)), angle=[0.0]),
+        "Stiffness: the largest of moments is 200 N m/rad, which the weight of the slide at the length of the linkage, 6.8e+03 N m, turns",
+    ),
+    "crown": (
+        lambda: pp.elasticity.natural_frequencies(
+            shipped("jf75g_125_plain"), pp.elasticity.Elastic(springs(2e9, frame=4e9), crown_mass=12.0), angle=[0.0]
+        ),
+        "Elastic: crown_mass is 12 kg, beside 2330 kg of the links: if t are meant, write 12e3",
+    ),
+    "stiffness of a break-through": (
+        lambda: pp.elasticity.snap_through(4e6, 3e6, 7e3),
+        "stiffness is 3e+06 N/m, which 4e+06 N deflect by 1.33e+03 mm: give N/m, 1e6 for 1 kN/mm",
+    ),
+    "mass of a break-through": (
+        lambda: pp.elasticity.snap_through(4e6, 3e9, 7.0),
+        "mass is 7 kg, which swings at 3.29e+03 Hz on 3e+09 N/m: if t are meant, write 7e3",
+    ),
+    "time of a break-through": (
+        lambda: pp.elasticity.permissible_breakthrough(4e5, 3e9, 7e3, break_time=2.0),
+        "break_time is 2 s: if ms are meant, write 2e-3",
+    ),
+    "clearances of a break-through": (
+        lambda: pp.elasticity.snap_through(4e6, 3e9, 7e3, clearance=0.2),
+        "clearance is 0.2 m: if mm are meant, write 0.2e-3",
+    ),
+    "radii": (
+        lambda: pp.elasticity.hertz_stiffness(80.05, 80.0),
+        "hertz_stiffness: bearing_radius is 80.05 m: if mm are meant, write 80.05e-3",
+    ),
+    "modulus": (
+        lambda: pp.elasticity.hertz_stiffness(0.08005, 0.08, modulus=207),
+        "modulus is 207 Pa: if GPa are meant, write 207e9; if MPa, 207e6",
+    ),
+    "section": (
+        lambda: beam(area=20_000, second_moment=1e8),
+        "beam 'rod': area 20000 m2 and second_moment 1e+08 m4 are those of no section of a link of 0.48 m: give m2 and m4, 1e-6 for 1 mm2",
+    ),
+    "section exchanged": (lambda: beam(area=1e-4, second_moment=0.02), "are those of no section of a link of 0.48 m"),
+    "modulus of a beam": (lambda: beam(area=0.02, second_moment=1e-4, modulus=2.1e5), "modulus is 210000 Pa: if GPa are meant"),
+    "damping of a beam": (
+        lambda: beam(area=0.02, second_moment=1e-4, damping_ratio=1.5),
+        "damping_ratio is 1.5: give 0.015 if per cent are meant",
+    ),
+    "gibs": (
+        lambda: guide_of((0.45, 0.3), (0.0, 0.0, 0.0), length=600.0),
+        "GuideSurface 'left front x': length is 600 m, beside a linkage of 0.315 m: give it in m, 600e-3 if mm are meant",
+    ),
+    "speeds of a diagram": (
+        lambda: pp.elasticity.campbell(shipped("jf75g_125_plain"), pp.elasticity.Elastic(springs(2e9)), speeds=[100.0, 300.0]),
+        "speed is 300 rad/s, 2864.79 r/min, at which the acceleration of the slide reaches 144 g: lower it",
+    ),
+    "deviation": (
+        lambda: pp.tolerances.link_length(shipped("zxn2_3000b"), "E", "F", 5e-5, sd=5e-4),
+        "dimension 'EF': sd is 0.0005 m, above its tolerance of 5e-05",
+    ),
+    "force at a height": (lambda: scattered(forces={0.006: 3e3}), "forces at 0.006 m: its largest force is 3000 N, 4.3 % of the weight"),
+    "speed at a height": (
+        lambda: scattered(speeds={0.006: 70}),
+        "speed is 70 rad/s, 668.451 r/min, at which the acceleration of the slide",
+    ),
+    "target": (
+        lambda: pp.tolerances.allocate(shipped("zxn2_3000b"), rods(), None, {"height": 20}),
+        "target of height is 20 m, beside a linkage of 1.86 m: give it in m, 20e-6 if um are meant",
+    ),
+    "table": (
+        lambda: pp.tolerances.heat(shipped("zxn2_3000b"), pp.tolerances.Temperatures({"frame": 10.0}, table=-1500.0)),
+        "Temperatures: table is 1500 m, beside a linkage of 1.86488 m: give it in m, 1500e-3 if mm are meant",
+    ),
+    "speeds of a budget": (
+        lambda: pp.tolerances.budget(shipped("zxn2_3000b"), speeds=[70], clearance={"F": 5e-5}),
+        "speed is 70 rad/s, 668.451 r/min",
+    ),
+    "process of a budget": (
+        lambda: pp.tolerances.budget(shipped("zxn2_3000b"), speeds=[7.0], clearance={"F": 5e-5}, process=3000.0),
+        "process: its largest force is 3000 N, 4.3 % of the weight of the slide: if kN are meant, write 3e+06",
+    ),
+    "slope": (lambda: pp.tolerances.PermissibleSlope(0.02), "PermissibleSlope: constant is 0.02 m: if mm are meant, write 0.02e-3"),
+    "place of a mount": (lambda: on_mounts(place=900.0), "mount 1: point is 900 m from its link's origin, far off a linkage of 0.315 m"),
+    "mounts": (
+        lambda: on_mounts(stiffness=5e4, wide=4.0),
+        "mounts: the weight of 1.111e+05 N presses them in by 556 mm: give stiffness in N/m, 1e6 for 1 kN/mm, and mass in kg",
+    ),
+    "frame": (
+        lambda: on_mounts(inertia=(5.0, 4.0, 3.0)),
+        "frame: with a mass of 9000 kg and a moment of inertia of 5 kg m2 its radius of gyration is 0.0236 m, around a linkage of 0.315 m",
+    ),
+    "loss": (
+        lambda: pp.foundation.Mount((0, 0, 0), (1e6, 1e6, 1e6), loss_factor=8),
+        "Mount: loss_factor is 8: if per cent are meant, write 8e-2",
+    ),
+    "pad": (lambda: pp.foundation.RubberPad(0.2, 200, 0.05, 65), "RubberPad: width is 200 m: if mm are meant, write 200e-3"),
+    "nominal force": (
+        lambda: pp.ratings.rate(shipped("crank_slide"), 6.0, pp.ratings.Capacities(40.0, torque=4e3)),
+        "nominal_force: its largest force is 40 N, 4.1 % of the weight of the slide: if kN are meant, write 40000",
+    ),
+    "motor's power": (
+        lambda: pp.ratings.rate(shipped("crank_slide"), 6.0, pp.ratings.Capacities(4e4, torque=4e3, motor_power=2.2)),
+        "motor_power by speed is 0.3667 N m at the crank, 0.37 % of the 98.1 N m that hold the weight of the slide",
+    ),
+    "unit load": (
+        lambda: pp.sweeps.operating_points(shipped("crank_slide"), [6.0], forces=[3e6], unit_load=pp.loads.Blanking(3e6, 0.008, 0.003)),
+        "Blanking: its largest force is 9e+12 N, 9.2e+09 times the weight of the slide: give it in N",
+    ),
+    "servo": (
+        lambda: pp.servo.ServoDrive(inertia=5e3, peak_torque=2e3, top_speed=260.0),
+        "ServoDrive: its rated torque takes 650 s to turn its own rotor up to speed: give peak_torque in N m, and inertia in kg m2",
+    ),
+    "motor of a catalogue": (
+        lambda: pp.servo.CatalogueMotor("m", 5e3, [0.0, 260.0], [700.0, 400.0], [2e3, 1e3]),
+        "m: its rated torque takes 650 s to turn its own rotor up to speed",
+    ),
+    "time": (
+        lambda: pp.servo.best_motion(shipped("crank_slide"), pp.servo.ServoDrive(0.1, 20.0), time=1000.0, points=60),
+        "time is 1000 s: if ms are meant, write 1000e-3; n strokes a minute take 60 / n",
+    ),
+    "slide": (lambda: pp.servo.SlideSpeed(200.0), "SlideSpeed: speed is 200 m/s: if mm/s are meant, write 200e-3"),
+}
+
+
+def springs(stiffness, turning=2e8, **more):
+    bearings = dict.fromkeys(shipped("jf75g_125_plain").bearings, stiffness)
+    return pp.elasticity.Stiffness(bearings, moments={"slide_guide": turning}, **more)
+
+
+def beam(**section):
+    return pp.elasticity.flexible_beam(shipped("zxn2_3000b"), "rod", ("E", "F"), **section)
+
+
+def rods():
+    return [pp.tolerances.link_length(shipped("zxn2_3000b"), *pins, 5e-5) for pins in (("E", "F"), ("D", "E"))]
+
+
+def scattered(**more):
+    return pp.tolerances.bottom_dead_centre(shipped("zxn2_3000b"), rods(), samples=50, **more)
+
+
+def on_mounts(place=0.9, stiffness=3e8, wide=1.0, inertia=(5000.0, 4000.0, 3000.0)):
+    mounts = [pp.foundation.Mount((x, y, -place), (stiffness,) * 3) for x in (-0.5 * wide, 0.5 * wide) for y in (-0.4 * wide, 0.6 * wide)]
+    return pp.foundation.mounted(shipped("jf75g_125_plain"), pp.foundation.Frame(9000.0, (0.0, 0.1, 0.0), inertia), mounts)
+
+
+@pytest.mark.parametrize("name", ODD_NUMBERS)
+def test_numbers_in_other_units_are_warned_of(name):
+    """Each is told where it is; another of the same numbers may be told too, and what cannot be found with them."""
+    make, said = ODD_NUMBERS[name]
+    with pytest.warns(pp.PinpressWarning) as caught, suppress(pp.PinpressError):
+        make()
+    assert any(said in str(warning.message) for warning in caught), [str(warning.message) for warning in caught]
+    assert {warning.filename for warning in caught} == {__file__}
 
 
 @examples(10)

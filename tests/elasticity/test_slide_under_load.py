@@ -118,6 +118,7 @@ def test_tables(tmp_path):
         found.deflection[0] = 0.0
 
 
+@pytest.mark.filterwarnings("ignore:Stiffness")
 def test_refusals():
     press = texts.shipped("crank_slide")
     stiffness = Stiffness({"W": 1e9})

@@ -191,6 +191,22 @@ def test_matrices_are_sought_beside_the_file(matrices, monkeypatch, tmp_path):
     np.testing.assert_allclose(found.natural_frequency, wanted.natural_frequency, rtol=1e-12)
 
 
+def test_nodes_are_in_the_unit_of_their_header(monkeypatch, tmp_path):
+    mass, stiffness, nodes, degrees = beam_matrices(monkeypatch)
+    mmwrite(tmp_path / "m.mtx", mass, precision=17)
+    mmwrite(tmp_path / "k.mtx", stiffness, precision=17)
+    np.savetxt(tmp_path / "degrees.csv", degrees, delimiter=",", fmt="%d")
+    np.savetxt(tmp_path / "lines.csv", [[0, 4]], delimiter=",", fmt="%d")
+    text = FREE.format(matrices="{mass: m.mtx, stiffness: k.mtx, nodes: nodes.csv, degrees: degrees.csv}")
+    np.savetxt(tmp_path / "nodes.csv", 1e3 * nodes, delimiter=";", header="x [mm];y [mm];z [mm]", comments="")
+    found = read(tmp_path, text).frame
+    np.testing.assert_allclose(found.nodes["crown"], nodes[1], rtol=1e-12)
+    for header, said in (("x [kg],y [kg],z [kg]", "'kg' in 'x [kg]' is none of m, mm"), ("x [mm],y [m],z [mm]", "has several units")):
+        np.savetxt(tmp_path / "nodes.csv", nodes, delimiter=",", header=header, comments="")
+        with pytest.raises(FileEntryError, match=re.escape(said)):
+            read(tmp_path, text)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line", "element", "said"),
     [

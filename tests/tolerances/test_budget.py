@@ -93,6 +93,7 @@ def test_the_lowest_place_may_be_aside_of_the_rigid_dead_centre(crank_slide):
     assert found.shift == pytest.approx(found.clearances + found.crank)
 
 
+@pytest.mark.filterwarnings("ignore:Stiffness")
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

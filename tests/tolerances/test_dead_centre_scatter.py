@@ -364,6 +364,7 @@ def test_a_text_says_what_decides(found):
     assert "angle CDE       0.01 deg" in text
 
 
+@pytest.mark.filterwarnings("ignore:dimension 'BC'")
 def test_what_cannot_be_answered_is_refused(press, tmp_path):
     rod = [tol.link_length(press, "E", "F", 5e-5)]
     two_points = texts.shipped("jf75g_125_two_point")

@@ -60,7 +60,6 @@ def test_a_table_gives_what_the_calls_give(press, tmp_path, name, text):
         ("", "is empty: give a CSV file with the heads dimension, tolerance"),
         ("dimension, tolerance\n", "has no dimension"),
         ("dimension, tolerence\n", "column 'tolerence' is none, did you mean 'tolerance'"),
-        ("dimension; tolerance\nlength E F; 0,05\n", "has semicolons between its cells"),
         ("dimension, unit\n", "column 'tolerance' is missing"),
         ("dimension, tolerance, dimension\n", "'dimension' is there twice"),
         ("dimension, tolerance\nlength E F, 0.05\nlength E G, 0.05\n", "line 3: no bearing 'G'"),

@@ -4,15 +4,17 @@ Every reader raises ValueError with what is wrong with the text.
 """
 
 import contextlib
-import csv
 import math
 import re
-from pathlib import Path
 
+from ...common import files
 from ...common.arguments import UNITS, read_quantity
 from ...common.errors import PinpressError
 from ...common.quantities import DriverCoordinate
+from ...common.reading.cells import read_rows
 from ...drives.transmission import SwitchPoint
+
+LARGEST_FILE = 10**8  # of a table of two columns [bytes]
 
 
 def speed(text: str, driver: DriverCoordinate) -> float:
@@ -63,16 +65,15 @@ def pairs_of_file(path: str, columns: tuple[str, str]) -> list[tuple[float, floa
     """The rows of a CSV file of two columns, in their units; a first line without numbers is its header, which may name other units."""
     wanted = f"a CSV file of two columns, {columns[0]} and {columns[1]}, with a comma between them"
     try:
-        rows = [row for row in csv.reader(Path(path).read_text("utf-8-sig").splitlines()) if any(cell.strip() for cell in row)]
-    except (OSError, UnicodeDecodeError, csv.Error, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no text"
-        raise ValueError(f"which cannot be read ({reason}): give {wanted}") from None
-    pairs, factors = [], (1.0, 1.0)
-    for number, row in enumerate(rows, 1):
+        rows = read_rows(path, LARGEST_FILE)
+    except (OSError, ValueError) as error:
+        raise ValueError(f"which cannot be read ({files.reason(error)}): give {wanted}") from None
+    pairs, factors = list[tuple[float, float]](), (1.0, 1.0)
+    for number, row in rows:
         try:
             first, second = map(float, row)
         except ValueError:
-            if number > 1 or ";" in row[0]:
+            if pairs or number > rows[0].line:
                 raise ValueError(f"whose row {number} is {','.join(row)!r}: give {wanted}") from None
             factors = _units_of_header(row, columns)
         else:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from ...common import plausibility
 from ...common.arguments import positive
 from ...common.errors import PinpressError, UnknownNameError, shown
 from ...common.quantities import Array, ComplexArray
@@ -23,7 +24,7 @@ from ...engines.planar.model import Plane, to_complex
 from ...linkage.linkage import Linkage
 from .acting.frame_on_mounts import on_mounts
 from .contact import Clearance, OpenPin
-from .description import FRAME, STIFFEST, Elastic, Rod, by_bearing, dampers_by_bearing
+from .description import FRAME, STIFFEST, Elastic, Rod, by_bearing, dampers_by_bearing, doubt_stiffness
 from .flexible_link import FlexibleBody, FlexibleLink, RigidInertia, flexible_body
 from .in_space.assembly import press_in_space
 from .in_space.bodies import PressInSpace
@@ -44,7 +45,11 @@ def press_on_springs(press: Linkage, elastic: Elastic) -> SprungPress | PressInS
     """
     if not isinstance(elastic, Elastic):
         raise PinpressError(f"elastic is {shown(elastic)}: give an Elastic(Stiffness(bearings={{...}}, moments={{...}}))")
-    return sprung_press(press, elastic) if "plane" in press.engines else press_in_space(press, elastic)
+    sprung = sprung_press(press, elastic) if "plane" in press.engines else press_in_space(press, elastic)
+    doubt_stiffness(press, elastic.stiffness)
+    if elastic.crown_mass is not None:
+        plausibility.crown(float(elastic.crown_mass), sum(float(each.mass) for each in press.model.inertias))
+    return sprung
 
 
 def sprung_press(press: Linkage, elastic: Elastic) -> SprungPress:

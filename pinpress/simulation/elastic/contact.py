@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from ...common import plausibility
 from ...common.arguments import number
 from ...common.errors import PinpressError, caution, shown
 from ...common.numerics import sign_change
@@ -95,7 +96,10 @@ def hertz_stiffness(bearing_radius: float, journal_radius: float, modulus: float
     ratio = number("poisson", poisson)
     if not 0.0 <= ratio <= 0.5:
         raise PinpressError(f"poisson is {ratio:g}: give a number from 0 to 0.5")
-    softness = (1 - ratio**2) / number("modulus", modulus, "N/m2", positive=True)
+    plausibility.cylinder("hertz_stiffness", "bearing_radius", outer)
+    young = number("modulus", modulus, "N/m2", positive=True)
+    plausibility.modulus(young)
+    softness = (1 - ratio**2) / young
     return 4 / (6 * softness) * math.sqrt(outer * inner / (outer - inner))
 
 

@@ -10,9 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from ...common import plausibility
 from ...common.arguments import number, positive
 from ...common.errors import PinpressError, UnknownNameError, caution, shown
 from ...common.frozen import Frozen
+from ...common.quantities import GRAVITY
 from ...linkage.linkage import Linkage
 from ...loads.mounts import Frame, Mount
 from .contact import Clearance
@@ -131,6 +133,21 @@ class Elastic(Frozen):
                 raise PinpressError(
                     f"Elastic: a frame on mounts is rigid, and so are links and pins on it: leave out {name}, or the mounts"
                 )
+
+
+def doubt_stiffness(press: Linkage, stiffness: Stiffness) -> None:
+    """Warn of springs of a press that are so soft, all of a kind, that they may be in N/mm."""
+    weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
+    bearings = [float(closed_stiffness(value)) for value in stiffness.bearings.values()]  # type: ignore[arg-type]
+    if bearings:
+        plausibility.springs("Stiffness: the largest of bearings", max(bearings), weight, press.size)
+    for rod in stiffness.rods:
+        plausibility.springs(f"Stiffness: that of rod {shown(rod.link)}", float(closed_stiffness(rod.stiffness)), weight, press.size)  # type: ignore[arg-type]
+    if stiffness.frame is not None:
+        plausibility.springs("Stiffness: frame", float(closed_stiffness(stiffness.frame)), weight, press.size)  # type: ignore[arg-type]
+    for name, value in (("the largest of moments", max(stiffness.moments.values(), default=None)), ("shaft", stiffness.shaft)):
+        if value is not None:
+            plausibility.turning_springs(f"Stiffness: {name}", float(value), weight * press.size)
 
 
 def by_bearing(

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from ...common import files
 from ...common.arguments import number, numbers, whole_number
-from ...common.errors import PinpressError, shown
+from ...common.errors import PinpressError, caution, shown
 from ...common.frozen import Frozen
 from ...common.quantities import Array, ComplexArray
 from ...common.reading.matrices import held_motions, read_model, refuse_negative_mass, symmetric_matrix
@@ -100,6 +100,8 @@ class FlexibleLink(Frozen):
         ratio = number(f"{what}: damping_ratio", self.damping_ratio)
         if not 0.0 <= ratio <= 2.0:
             raise PinpressError(f"{what}: damping_ratio is {ratio:g}: give a number from 0 to 2; steel has 0.001 to 0.02")
+        if ratio >= 1.0:
+            caution(f"{what}: damping_ratio is {ratio:g}: give {ratio / 100:g} if per cent are meant; steel has 0.001 to 0.02")
         super().__post_init__()
 
     @property

@@ -116,6 +116,7 @@ def test_events_of_a_stroke_are_planned_by_its_own_motion(monkeypatch):
     assert run.stats.energy_error < 1e-8
 
 
+@pytest.mark.filterwarnings("ignore:Stiffness")
 def test_too_soft_and_unstable(monkeypatch):
     """Stiffnesses in N/mm are told; a stroke to which the press does not come is none."""
     given: Any = {"drive": pp.drives.PrescribedSpeed(SPEED), "loads": [BLANK]}
