@@ -21,7 +21,6 @@ from ..common.quantities import RPM, Array
 from ..common.results import Record, Records, Tabular
 from ..drives.transmission import Flywheel, PrescribedSpeed
 from ..dynamics.inverse_dynamics import NONE_GIVEN
-from ..kinematics.motion import doubt_speeds
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
 from ..loads.link import Load
@@ -123,7 +122,6 @@ def campbell(press: Linkage, elastic: Elastic, *, speeds: ArrayLike, orders: int
         PinpressError: as `natural_frequencies`, or the speeds or orders are not as described.
     """
     speed = _rising_speeds(speeds)
-    doubt_speeds(press, speed)
     count = whole_number("orders", orders, 1, MOST_ORDERS)
     modes = natural_frequencies(press, elastic, flywheel=flywheel)
     turns, frequency = press.period_turns or 1, modes.natural_frequency

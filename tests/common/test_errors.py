@@ -62,7 +62,7 @@ def locked(_=None):
 
 def stalled(_=None):
     pp.simulate(
-        pp.load("crank_slide"), 1.0, speed=1.0, drive=pp.drives.ConstantTorque(-1.0), loads=[pp.loads.ForceStroke([0.0, 0.2], [1e9, 1e9])]
+        pp.load("crank_slide"), 1.0, speed=1.0, drive=pp.drives.ConstantTorque(-1.0), loads=[pp.loads.ForceStroke([0.0, 0.2], [1e7, 1e7])]
     )
 
 

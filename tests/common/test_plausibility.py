@@ -499,10 +499,6 @@ ODD_NUMBERS = {
         lambda: guide_of((0.45, 0.3), (0.0, 0.0, 0.0), length=600.0),
         "GuideSurface 'left front x': length is 600 m, beside a linkage of 0.315 m: give it in m, 600e-3 if mm are meant",
     ),
-    "speeds of a diagram": (
-        lambda: pp.elasticity.campbell(shipped("jf75g_125_plain"), pp.elasticity.Elastic(springs(2e9)), speeds=[100.0, 300.0]),
-        "speed is 300 rad/s, 2864.79 r/min, at which the acceleration of the slide reaches 144 g: lower it",
-    ),
     "deviation": (
         lambda: pp.tolerances.link_length(shipped("zxn2_3000b"), "E", "F", 5e-5, sd=5e-4),
         "dimension 'EF': sd is 0.0005 m, above its tolerance of 5e-05",
