@@ -374,7 +374,7 @@ def test_angles_whose_rounding_would_be_seen_are_refused(angle):
         lambda: pp.simulate(press, 0.1, speed=1.0, angle=angle),
         lambda: pp.simulate(press, 0.1, speed=1.0, angle=angle, method="constraint"),
         lambda: pp.simulate_batch(press, 0.1, speed=[1.0, 2.0], angle=angle, drive=pp.drives.ConstantTorque(1.0)),
-        lambda: pp.steady_state(press, 5.0, drive=pp.drives.InductionMotor(1e3, 5.0), angle=angle),
+        lambda: pp.steady_state(press, 5.0, drive=pp.drives.InductionMotor(1e3, 150.0), angle=angle),
     ):
         with pytest.raises(pp.PinpressError, match=FAR):
             asked()

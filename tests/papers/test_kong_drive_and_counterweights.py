@@ -76,7 +76,7 @@ def test_ratios_that_serve_keep_the_motor_in_its_range():
 def test_the_motor_gives_its_permanent_torque_at_the_frequency_that_is_named(motor_speed):
     """Constant flux up to 1485 r/min, then constant power but for the lag: the torque at this frequency and speed is the permanent one."""
     frequency = float(kong2025_drive.frequency_at(motor_speed))
-    motor = pp.drives.InverterMotor(rated_torque=482.0, rated_speed=1485 * pp.RPM, frequency=frequency, overload=5.0, breakdown_ratio=50.0)
+    motor = pp.drives.InverterMotor(rated_torque=482.0, rated_speed=1485 * pp.RPM, frequency=frequency, overload=5.0, breakdown_ratio=10.0)
     expected = 482.0 * min(1.0, 50.0 / frequency)
     assert motor.torque(motor_speed * pp.RPM) == pytest.approx(expected, rel=1e-9)
     assert kong2025_drive.crank_torque(20.0, motor_speed / 20.0) == pytest.approx(20.0 * expected)

@@ -60,7 +60,7 @@ def comparison(result, balanced):
 def run():
     press = texts.shipped("crank_slide")
     loads = [pp.loads.DeepDrawing(force=2e4, start=0.05)]
-    motor = pp.drives.InductionMotor(10e3, 95 * pp.RPM)
+    motor = pp.drives.InductionMotor(10e3, 95 * pp.RPM, frequency=10 / 3)
     motion = pp.simulate(press, 2.0, speed=90 * pp.RPM, drive=motor, flywheel=pp.drives.Flywheel(20.0), loads=loads)
     return pp.inverse_dynamics(press, motion, loads=loads)
 

@@ -55,7 +55,7 @@ def turn(name, speed=70.0, **more):
 
 
 BLANKING = {
-    "drive": pp.drives.InductionMotor(30e3, 295 * pp.RPM),
+    "drive": pp.drives.InductionMotor(30e3, 295 * pp.RPM, frequency=10.0),
     "flywheel": pp.drives.Flywheel(20.0),
     "loads": [pp.loads.Blanking(force=2e5, start=0.004, end=0.002)],
 }
