@@ -139,9 +139,8 @@ def warn_of_load(
     contact = any(each.one_sided and not math.isfinite(each.upper - each.lower) for _, each in intervals)
     plausibility.heights(name, [(each.lower, each.upper) for _, each in intervals], low, high, press.size, contact)
     weight = float(press.model.inertias[press.slide_guide.joint + 1].mass) * GRAVITY
-    for downwards, each in (
-        intervals if contact and math.isfinite(low) else ()
-    ):  # what a contact does at bottom dead centre, which it reaches
+    met = intervals if contact and math.isfinite(low) else ()
+    for downwards, each in met:  # what a contact does at bottom dead centre
         if downwards and each.sense > 0 and each.lower < low < each.upper:
             plausibility.contact(name, _size(each, low), each.upper - low, weight, press.size)
     pushing = [(downwards, each) for downwards, each in intervals if not (each.one_sided or each.heeds_velocity)]
