@@ -161,6 +161,7 @@ def test_what_is_passed_over_of_a_slow_drop_is_above_rest(zeta, turns):
         )
 
 
+@pytest.mark.filterwarnings("ignore:break_time is:pinpress.PinpressWarning")  # none is as slow
 @pytest.mark.exhaustive
 def test_a_slow_drop_is_not_followed_wave_by_wave(monkeypatch):
     """Of 225 periods, with some 150 forces tried."""

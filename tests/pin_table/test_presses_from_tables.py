@@ -341,8 +341,8 @@ def test_a_screw_on_geared_spindles_turns_metres_into_radians(tmp_path):
     path = tmp_path / "press.yaml"
     path.write_bytes(text.replace(b"links:", b"links:\n  spindle: {pins: M, mass: 3, inertia: 0.01}", 1))
     press = pp.build(path)
-    motion = pp.servo_cycle(press, angle=np.linspace(-20, 50, 8), speed=0.0, acceleration=0.0)
-    np.testing.assert_allclose(motion.slide_position, toggle_slide(np.linspace(-20, 50, 8) * 0.02 / (2 * np.pi)), rtol=0, atol=1e-12)
+    motion = pp.servo_cycle(press, angle=np.linspace(-20, 51, 8), speed=0.0, acceleration=0.0)
+    np.testing.assert_allclose(motion.slide_position, toggle_slide(np.linspace(-20, 51, 8) * 0.02 / (2 * np.pi)), rtol=0, atol=1e-12)
 
 
 def test_a_travel_that_is_not_given_is_listed(tmp_path):

@@ -169,7 +169,8 @@ def test_a_run_under_a_load_that_breaks_off():
             sums = np.trapezoid(force * weight[:, None], motion.time, axis=0) / np.pi
             sums *= np.sign(motion.crank_speed[0])
             amplitude = got.amplitude[order] * np.exp(1j * got.phase[order])
-            np.testing.assert_allclose(amplitude, sums, rtol=0, atol=4e-3 * np.abs(force).max())  # 1 of 120 steps has the jump
+            # the jump is taken for the middle of its step, and lies up to half of 2 pi / 120 beside it, of which 1 / pi is in the amplitude
+            np.testing.assert_allclose(amplitude, sums, rtol=0, atol=np.abs(force).max() / 120)
 
 
 def test_orders_are_those_the_states_carry():
