@@ -216,7 +216,8 @@ def _cluster(address: str, file: Path) -> Iterator[tuple[Executor, int]]:
             print(f"waiting for workers: {MEMORY} dask worker {address} --nworkers -1 --nthreads 1", flush=True)
         if "65536" in client.run(os.environ.get, "MALLOC_TRIM_THRESHOLD_").values():
             print(f"{HASTY}: start them with {MEMORY}", file=sys.stderr, flush=True)
-        logging.getLogger("tornado.application").setLevel(logging.CRITICAL)  # a lost scheduler is told below, not by Dask's tracebacks
+        for name in ("tornado.application", "distributed.batched"):  # a lost scheduler is told below, not by Dask's tracebacks
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
             yield client.get_executor(), threads
         except PinpressError as error:
