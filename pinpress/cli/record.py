@@ -123,11 +123,12 @@ def _time(motion: Motion, at: float) -> float:
 
 def _instant(motion: Motion, text: str) -> float:
     """Time [s] from the first state of a motion that is not at constant speed, in words."""
+    duration = float(motion.time[-1] - motion.time[0])
     try:
         instant = read_quantity(text, "s")
     except ValueError:
         instant = math.nan
-    if not 0 <= instant <= (duration := float(motion.time[-1] - motion.time[0])):
+    if not 0 <= instant <= duration:
         raise PinpressError(f"--at {text}: with --motion give a time from its first state, from 0 to {duration:g} s")
     return instant
 
