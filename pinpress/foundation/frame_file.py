@@ -29,7 +29,7 @@ from ..common.arguments import UNITS, read_quantity, typed
 from ..common.errors import FileEntryError, PinpressError, UnknownNameError
 from ..common.parameters import declared, in_signature
 from ..common.quantities import Array
-from ..common.reading.cells import read_rows, scaled_head
+from ..common.reading.cells import factor_to, read_rows
 from ..common.reading.entries import Entry, FileKind, read_entries
 from ..common.reading.matrices import is_market
 from ..linkage.linkage import Linkage
@@ -251,7 +251,7 @@ def _rows(entry: Entry, folder: Path, columns: Sequence[str], unit: str = "") ->
 def _factor(entry: Entry, path: Path, heads: list[str]) -> float:
     """Factor to m of the lengths under a header, all in one unit."""
     try:
-        factors = {scaled_head(head, "m")[1] for head in heads}
+        factors = {factor_to("m", head) for head in heads}
     except ValueError as error:
         entry.refuse(f"the header of {path}: {error}", "name a unit of length, as x [mm], or none: the numbers are then in m")
     if len(factors) > 1:

@@ -19,11 +19,10 @@ import numpy as np
 from ..common import files
 from ..common.errors import PinpressError, UnknownNameError, said, shown
 from ..common.quantities import Array
-from ..common.reading.cells import text_of
+from ..common.reading.cells import parted, separator_of, text_of
 
 LARGEST_FILE = 2 * 10**9  # bytes
 TIMES = ("time", "t", "zeit", "timestamp", "timestamps")  # names of the column of the time, without its unit
-_UNIT = re.compile(r"^(.*?)\s*[\[(]([^\])]*)[\])]\s*$")
 
 
 class Column(NamedTuple):
@@ -69,12 +68,6 @@ class Channels(NamedTuple):
         return Column(self.columns[name], there or unit)
 
 
-def parted(name: str) -> tuple[str, str]:
-    """Name and unit of "crank [deg]" or "crank (deg)"; the unit is empty where there is none."""
-    found = _UNIT.match(name.strip())
-    return (found[1].strip(), found[2].strip()) if found and found[1].strip() else (name.strip(), "")
-
-
 def read(file: str | os.PathLike[str], wanted: Iterable[str]) -> Channels:
     """The columns of a file by its ending: .csv and .txt, .parquet, .mat, .mf4.
 
@@ -117,8 +110,8 @@ def _csv(file: str, content: bytes, _: list[str]) -> Channels:
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(("#", "%"))]
     if len(lines) < 2:
         raise PinpressError(f"{file}: no table: write a line with the names of the columns, and below it the numbers")
-    separator = next((each for each in ";\t," if each in lines[0]), None)
-    if separator is None:
+    separator = separator_of(lines[0])
+    if separator not in lines[0]:
         raise PinpressError(f"{file}: one column only in the first line, {shown(lines[0])}: part columns by commas, semicolons or tabs")
     names, below = csv.reader(lines[:2], delimiter=separator, skipinitialspace=True)
     if all(_is_number(cell, separator) for cell in names):

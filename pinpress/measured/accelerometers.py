@@ -20,8 +20,8 @@ from ..common.arguments import LARGEST, finite_numbers, numbers, suitable_number
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import Frozen
 from ..common.quantities import GRAVITY, Array
-from ..common.reading.cells import Row, read_rows, scaled_head
-from ..kinematics.column_files import Channels, named_columns, parted, read
+from ..common.reading.cells import Row, factor_to, parted, read_rows
+from ..kinematics.column_files import Channels, named_columns, read
 from .records import UNEVEN, longest_rest, times_of
 
 FEWEST = 256  # samples of a record
@@ -135,7 +135,7 @@ def points_of(file: str | os.PathLike[str]) -> dict[str, Accelerometer]:
     if missing:
         raise PinpressError(f"{path}: no column {missing[0]!r}: a file of points has {', '.join(HEADS)}, and may have part and gain")
     try:
-        factors = [scaled_head(heads[axis], "m")[1] for axis in "xyz"]
+        factors = [factor_to("m", heads[axis]) for axis in "xyz"]
     except ValueError as error:
         raise PinpressError(f"{path}: {error}: name a unit of length, as x [mm], or none: the numbers are then in m") from None
     found: dict[str, Accelerometer] = {}

@@ -18,8 +18,9 @@ from ..common.arguments import number, numbers, typed
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
+from ..common.reading.cells import parted
 from ..common.results import Tabular
-from ..kinematics.column_files import TIMES, Channels, parted, read
+from ..kinematics.column_files import TIMES, Channels, read
 
 FEWEST = 32  # samples of a record
 SLOWEST_SAMPLES = 0.5  # samples this far apart show nothing of a stroke [s]

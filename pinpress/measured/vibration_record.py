@@ -19,11 +19,11 @@ from ..common import tables
 from ..common.arguments import expect, number, numbers, typed, whole_number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.quantities import RPM
+from ..common.reading.cells import parted
 from ..common.results import Tabular
 from ..common.tables import Column
 from ..foundation.free_decay import logarithmic_decrement
 from ..foundation.mounted_press import VibrationModes
-from ..kinematics.column_files import parted
 from .accelerometers import Accelerometer, Source, VibrationRun, points_of, run_of
 from .hit_modes import MeasuredModes, hit_modes
 from .vibration_spectra import OrderSpectra, Spectra, order_spectra, spectra

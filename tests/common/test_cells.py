@@ -6,7 +6,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress import measured
-from pinpress.common.reading.cells import read_rows, scaled_head
+from pinpress.common.reading.cells import factor_to, parted, read_rows
 
 POINTS = "channel,x [mm],y [mm],z [mm],direction\ntop,0,100.5,1.5e3,z\nbed,0,0,-900,x\n"
 RECORD = "time [s],crank [rad],motor [N m]\n" + "".join(f"{0.01 * k:.3f},{0.05 * k:.4f},{100 + k:.1f}\n" for k in range(40))
@@ -103,6 +103,7 @@ def test_what_is_no_text_is_refused(tmp_path):
 
 
 def test_units_of_heads():
-    assert scaled_head("x", "m") == scaled_head("x [m]", "m") == ("x", 1.0)
-    assert scaled_head("x (mm)", "m") == ("x", 1e-3)
-    assert scaled_head("force [kN] ", "N") == ("force", 1e3)
+    assert factor_to("m", "x") == factor_to("m", "x [m]") == 1.0
+    assert factor_to("m", "x (mm)") == 1e-3
+    assert factor_to("N", "force [kN] ") == 1e3
+    assert parted("force [kN] ") == ("force", "kN")

@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 NOT_RUN = {  # commands that begin so, and why
     "pinpress view": "serves until it is stopped; tests/live",
-    "pinpress vibration": "its records are made by the page's own script; tests/cli/test_vibration_command.py",
+    "pinpress vibration": "its records are made by the page's own script; tests/cli/measured/test_vibration_command.py",
     "python3 -m venv": "tests/project/test_installed_wheel.py",
     ".venv/bin/": "tests/project/test_installed_wheel.py",
     "pip install": "tests/project/test_installed_wheel.py",

@@ -12,7 +12,7 @@ from ..arguments import UNITS, read_quantity
 
 SEPARATORS = ";\t,"  # the first of them in the first line parts the cells
 _DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)")
-_HEAD = re.compile(r"(.*?)\s*[\[(]([^\])]*)[\])]")
+_UNIT = re.compile(r"^(.*?)\s*[\[(]([^\])]*)[\])]\s*$")
 _WIDE = (b"\xff\xfe", b"\xfe\xff")  # byte order marks of UTF-16
 
 
@@ -60,19 +60,23 @@ def separator_of(line: str) -> str:
     return next((each for each in SEPARATORS if each in line), ",")
 
 
-def scaled_head(head: str, unit: str) -> tuple[str, float]:
-    """Name of a column, and the factor of its numbers to ``unit`` that follows from the unit in its head, as in "x [mm]".
+def parted(name: str) -> tuple[str, str]:
+    """Name and unit of "crank [deg]" or "crank (deg)"; the unit is empty where there is none."""
+    found = _UNIT.match(name.strip())
+    return (found[1].strip(), found[2].strip()) if found and found[1].strip() else (name.strip(), "")
+
+
+def factor_to(unit: str, head: str) -> float:
+    """The factor to ``unit`` of the numbers under a head, by the unit in it, as in "x [mm]"; 1 where there is none.
 
     Raises:
         ValueError: the unit is none of this kind.
     """
-    found = _HEAD.fullmatch(head.strip())
-    if found is None or not found[2].strip():
-        return head.strip(), 1.0
+    _, given = parted(head)
     try:
-        return found[1], read_quantity(f"1 {found[2].strip()}", unit)
+        return read_quantity(f"1 {given}", unit) if given else 1.0
     except ValueError:
-        raise ValueError(f"{found[2]!r} in {head!r} is none of {', '.join(UNITS[unit])}") from None
+        raise ValueError(f"{given!r} in {head!r} is none of {', '.join(UNITS[unit])}") from None
 
 
 def _cell(text: str, separator: str) -> str:

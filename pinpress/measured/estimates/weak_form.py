@@ -114,7 +114,7 @@ def smoothed(run: MeasuredRun) -> SmoothAngle:
     share = diags_array(np.tile(half * weights, count))
     spacing = breaks[1] - breaks[0]
     slopes = (lower[DEGREE - 1 : count - 1] - lower[DEGREE:count]) / spacing
-    sampled = basis(time) @ diags_array(np.gradient(time))  # by the trapezoidal rule: at both ends they are 0
+    sampled = basis(time) @ diags_array(np.gradient(time))  # by the trapezoidal rule; at both ends the splines are 0
     bands = _bands((sampled @ sampled.T).tocsr(), DEGREE)
     return SmoothAngle(
         spline(points),

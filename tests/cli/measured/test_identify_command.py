@@ -8,7 +8,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.cli.main import main
 
-RECORDS = [Path(__file__).resolve().parents[2] / "docs" / "records" / f"{strokes}.csv" for strokes in (21, 42, 63)]
+RECORDS = [Path(__file__).resolve().parents[3] / "docs" / "records" / f"{strokes}.csv" for strokes in (21, 42, 63)]
 COLUMNS = ["--angle", "crank [deg]", "--torque", "motor [N m]", "--ratio", "20.7"]
 
 

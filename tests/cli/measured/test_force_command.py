@@ -10,7 +10,7 @@ from support.texts import shipped
 import pinpress as pp
 from pinpress.cli.main import main
 
-RECORDS = Path(__file__).resolve().parents[2] / "docs" / "records"
+RECORDS = Path(__file__).resolve().parents[3] / "docs" / "records"
 IDLE = [RECORDS / f"{strokes}.csv" for strokes in (21, 42, 63)]
 COLUMNS = ["--angle", "crank [deg]", "--torque", "motor [N m]", "--ratio", "20.7"]
 HEIGHTS = ["--heights", "0," + ",".join(f"{k}mm" for k in range(1, 12)), "--heights-up", "0,2mm,5mm,9mm"]
