@@ -1,10 +1,11 @@
 """How long the first call of every public function takes on a shipped press, each in a new process.
 
 Run `python tests/benchmarks/features/first_calls.py`, with words behind it for the calls whose names have one of them. pytest does not
-collect this file. The press is loaded, and what the call takes is there (see `GIVEN`). Both times are those of the processor, the least of
-three processes: of the first call, with the imports that it needs, and of the same call once more. Calls that search or run other programs,
-and those that need Matplotlib, whose import alone takes most of a second, stand in tables of their own. The last table has whole processes:
-commands, and what Python, NumPy, Pinocchio and those parts of SciPy take of them that integrate and interpolate.
+collect this file. The press is loaded, and what the call takes is there (see `GIVEN`). The times are the least of three processes: how long
+the first call keeps its user waiting, with the imports that it needs; the processor's time of it, on all cores; that of the same call once
+more. Calls that search or run other programs, and those that need Matplotlib, whose import alone takes half a second, stand in tables of
+their own. The last table has whole processes: commands, and what Python, NumPy, Pinocchio and those parts of SciPy take of them that
+integrate and interpolate.
 """
 
 import argparse
@@ -29,12 +30,12 @@ folder = Path(tempfile.mkdtemp())
 press = pp.load("zxn2_3000b")
 """
 TIMED = """
+waited, started = time.perf_counter(), time.process_time()
+{call}
+first, waited = time.process_time() - started, time.perf_counter() - waited
 started = time.process_time()
 {call}
-first = time.process_time() - started
-started = time.process_time()
-{call}
-print(first, time.process_time() - started)
+print(waited, first, time.process_time() - started)
 """
 
 # What calls take, by names; each line may use the names above it.
@@ -229,10 +230,10 @@ def main() -> None:
     for title, calls in KINDS.items():
         wanted = {name: call for name, call in calls.items() if not words or any(word in name for word in words)}
         if wanted:
-            print(f"\n| {title} | first [ms] | again [ms] |\n|---|---:|---:|")
+            print(f"\n| {title} | waited [ms] | first [ms] | again [ms] |\n|---|---:|---:|---:|")
         found = {name: seconds(call) for name, call in wanted.items()}
-        for name, (first, again) in sorted(found.items(), key=lambda each: -each[1][0]):
-            print(f"| {name} | {1e3 * first:.0f} | {1e3 * again:.1f} |", flush=True)
+        for name, (waited, first, again) in sorted(found.items(), key=lambda each: -each[1][0]):
+            print(f"| {name} | {1e3 * waited:.0f} | {1e3 * first:.0f} | {1e3 * again:.1f} |", flush=True)
     print(WAITING_FOR)
     commands = {name: line for name, line in COMMANDS.items() if not words or any(word in name for word in words)}
     if commands:
@@ -256,8 +257,9 @@ def of_process(arguments: list[str]) -> float:
     return min(times[1:])
 
 
-def seconds(call: str) -> tuple[float, float]:
-    """Of the first call in a new process, and of the next one: the least of several."""
+def seconds(call: str) -> tuple[float, ...]:
+    """Of the first call in a new process the time that passes and that of the processor, and that of the next call: the least of
+    several."""
     program = START + given(call) + TIMED.format(call=call)
     compiled = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}  # as where it is installed
     times = []
@@ -265,8 +267,8 @@ def seconds(call: str) -> tuple[float, float]:
         run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False, env=compiled)
         if run.returncode:
             sys.exit(f"{call}\n{run.stderr}")
-        times.append(tuple(map(float, run.stdout.split()[-2:])))
-    return min(first for first, _ in times[1:]), min(again for _, again in times[1:])  # in the first one modules may have been compiled
+        times.append(tuple(map(float, run.stdout.split()[-3:])))
+    return tuple(map(min, zip(*times[1:], strict=True)))  # in the first one modules may have been compiled
 
 
 def given(call: str) -> str:

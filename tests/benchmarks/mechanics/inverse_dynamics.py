@@ -173,8 +173,9 @@ def print_speed(n: int, repeats: int) -> None:
 
 
 def print_fixed_cost(repeats: int) -> None:
-    """Time calls with so few angles that hardly anything but the calls' own cost is left: the script is 225 operations on arrays (calls of
-    NumPy's `ufunc_generic_fastcall`), the engine 95, most on complex ones, of which as many products alone are timed, too."""
+    """Time calls with so few angles that hardly anything but the calls' own cost is left, with another number of angles each time: the
+    script is 225 operations on arrays (calls of NumPy's `ufunc_generic_fastcall`), the engine 95, most on complex ones, of which as many
+    products alone are timed, too."""
     import pinpress as pp
 
     press, sizes = pp.load("zxn2_3000b"), itertools.cycle(FEWEST)
@@ -187,22 +188,26 @@ def print_fixed_cost(repeats: int) -> None:
     def known() -> pp.Reactions:
         return pp.inverse_dynamics(press, pp.cycle(press, speed=next(speeds) * pp.RPM, points=12))
 
-    theta1 = 2 * np.pi * np.arange(12) / 12
-    rotor = np.exp(1j * theta1)
+    turns = itertools.cycle([2 * np.pi * np.arange(n) / n for n in FEWEST])
+    rotor = np.exp(2j * np.pi * np.arange(12) / 12)
+
+    def script() -> Forces:
+        return world_forces(six_bar(next(turns), SPEED, 0.0))
 
     def bare() -> None:
         for _ in range(OPERATIONS):
             _ = rotor * rotor
 
     entries: list[Contestant] = [
-        ("(a) hand script, NumPy", 12, lambda: six_bar(theta1, SPEED, 0.0), lambda r: r),
+        ("(a) hand script, NumPy", 12, script, lambda r: r),
         ("(c) pinpress, plane, new angles", 12, few, lambda r: r),
         ("(d) pinpress, plane, other speed", 12, known, lambda r: r),
         (f"bare operations, {OPERATIONS} of them", 12, bare, lambda r: r),
     ]
-    print(f"\n{FEWEST[0]} to {FEWEST[-1]} crank angles, (c) on average, all others 12; best times of a call")
-    for (name, *_), row in zip(entries, timed(entries, repeats), strict=True):
-        print(f"{name:34}{min(row) * 1e6:10.0f} us")
+    best = {name: min(row) for (name, *_), row in zip(entries, timed(entries, repeats), strict=True)}
+    print(f"\n{FEWEST[0]} to {FEWEST[-1]} crank angles, (a) and (c) on average, the others 12; best times of a call, and ratios to (a)")
+    for name, took in best.items():
+        print(f"{name:34}{took * 1e6:10.0f} us{took / best[entries[0][0]]:8.2f}")
 
 
 def print_presses(n: int, repeats: int) -> None:

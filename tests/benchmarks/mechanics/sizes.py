@@ -3,10 +3,10 @@
 Run `python tests/benchmarks/mechanics/sizes.py`; `--quick` for the smaller half of the sizes. pytest does not collect this file. Linkages
 are chains of dyads (see `n_four_bar`), with ball joints or hinges for loops, rows of geared shafts, of links that hang on each other,
 chains of four-bars in space and of five-bars with a gear pair each, and rows of links tied to the frame. Every step is timed with what it
-needs already there: `load` from the file, the branch walked once, then motion and inverse dynamics at some crank angles; the table of a
-free run, the next run, a URDF and a report. Times are those of the processor, BLAS in one thread; memory is the most that Python and NumPy
-hold of the linkage while it moves and all forces are found. The exponent is the slope of log time over log size, fitted to the upper half
-of the sizes: 1 is linear. At last, motion and forces with as many BLAS threads as cores beside those with one, in alternated processes.
+needs already there: `load` from the file, the branch walked once, then motion and inverse dynamics at some crank angles, at which planar
+chains have been closed before, and both at new ones; the table of a free run, the next run, a URDF and a report. Times are those of the
+processor, BLAS in one thread; memory is the most that Python and NumPy hold of the linkage while it moves and all forces are found. The
+exponent is the slope of log time over log size, fitted to all sizes, and to the upper half of them: 1 is linear. At last, motion and forces with as many BLAS threads as cores beside those with one, in alternated processes.
 """
 
 from __future__ import annotations
@@ -109,6 +109,7 @@ def costs(kind: Kind, size: int, engine: str) -> dict[str, float]:
     found["cycle"] = milliseconds(lambda: motion(press))
     found["inverse dynamics"] = milliseconds(lambda: pp.inverse_dynamics(press, states, engine=engine))
     found["torque alone"] = milliseconds(lambda: pp.inverse_dynamics(press, states, engine=engine, bearings=()))
+    found["at new angles"] = milliseconds(lambda: pp.inverse_dynamics(press, motion(press), engine=engine))
     if engine == press.engines[0]:
         started = time.process_time()
         run(press)
@@ -200,9 +201,9 @@ def table(title: str, sizes: Sequence[int], found: Sequence[Mapping[str, float]]
     print("".join([f"{title:>36}", *(f"{name:>18}" for name in names)]))
     for size, row in zip(sizes, found, strict=True):
         print("".join([f"{size:36}", *(f"{row[name]:18.2f}" for name in names)]))
-    upper = slice(-max(2, len(sizes) // 2), None)
-    slopes = [np.polyfit(np.log(sizes[upper]), np.log([row[name] for row in found[upper]]), 1)[0] for name in names]
-    print("".join([f"{'exponent':>36}", *(f"{slope:18.2f}" for slope in slopes)]), flush=True)
+    for title, some in (("exponent", slice(None)), ("exponent of the upper half", slice(-max(2, len(sizes) // 2), None))):
+        slopes = [np.polyfit(np.log(sizes[some]), np.log([row[name] for row in found[some]]), 1)[0] for name in names]
+        print("".join([f"{title:>36}", *(f"{slope:18.2f}" for slope in slopes)]), flush=True)
 
 
 def main() -> None:
