@@ -13,7 +13,10 @@ REASONS = {
         "the inertia of linkage, flywheel and drive at the crank is {inertia:.6g} kg m2, so no torque determines the motion;"
         " give masses or a flywheel"
     ),
-    "runs against a lock": "the linkage locks: its crank turns only from {low} to {high}, and runs against that",
+    "runs against a lock": (
+        "the linkage locks: its crank turns only from {low} to {high}, and runs against that: simulate a shorter time, or with"
+        " method='constraint', which follows all joints on through the lock"
+    ),
     "runs against an end": (
         "the driver slides only from {low} to {high}, where its limits are or the linkage locks, and runs against that: simulate a shorter"
         " time, or give a drive that stops it before"
