@@ -57,11 +57,9 @@ class Coordinate(Protocol):
     def over(self, press: Linkage, motion: Motion) -> Array:
         """Its values (n,) over a motion [m]."""
 
-    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
-        """Its value and rate in one state [m, m/s]; x, v: (nv,) joint coordinates and rates."""
-
-    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
-        """Joint efforts (nv,) of a force along it."""
+    def at(self, dynamics: "ForwardDynamics", x: Array) -> tuple[float, Array]:
+        """Its value [m] at joint coordinates (nv,) at which the links are placed, and its derivatives (nv,) by them, which are the joint
+        efforts of a force of 1 along it."""
 
     def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
         """The forces on links over a motion for which a force of 1 along it stands."""
@@ -84,13 +82,10 @@ class JointPosition:
     def over(self, press: Linkage, motion: Motion) -> Array:
         return self.sign * motion.joint_position[:, self.joint] + self.offset
 
-    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
-        return self.sign * float(x[self.joint]) + self.offset, self.sign * float(v[self.joint])
-
-    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
-        result = np.zeros(len(x))
-        result[self.joint] = self.sign * force
-        return result
+    def at(self, dynamics: "ForwardDynamics", x: Array) -> tuple[float, Array]:
+        lever = np.zeros(len(x))
+        lever[self.joint] = self.sign
+        return self.sign * float(x[self.joint]) + self.offset, lever
 
     def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
         assert press.slide is not None  # with one driver it is the slide's
@@ -114,24 +109,16 @@ class Length:
         ends = [point_motion(press, motion, *end)[0] for end in (self.first, self.second)]
         return np.asarray(np.linalg.norm(ends[1] - ends[0], axis=1))
 
-    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
-        between, rate, length = self._between(dynamics, x, v)
-        return length, float(between @ rate) / length
-
-    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
-        between, _, length = self._between(dynamics, x, np.zeros(len(x)))
-        along = force / length * between
-        return dynamics.point_efforts(x, *self.second, along) - dynamics.point_efforts(x, *self.first, along)
+    def at(self, dynamics: "ForwardDynamics", x: Array) -> tuple[float, Array]:
+        along = dynamics.point(*self.second) - dynamics.point(*self.first)
+        length = math.sqrt(along.dot(along))
+        along /= length
+        return length, dynamics.point_efforts(*self.second, along) - dynamics.point_efforts(*self.first, along)
 
     def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
         first, second = (point_motion(press, motion, *end)[0] for end in (self.first, self.second))
         along = (second - first) / np.linalg.norm(second - first, axis=1)[:, None]
         return [AppliedForce(*self.first, -along), AppliedForce(*self.second, along)]
-
-    def _between(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[Array, Array, float]:
-        (first, speed1), (second, speed2) = (dynamics.point(x, v, *end) for end in (self.first, self.second))
-        length = float(np.linalg.norm(second - first))
-        return second - first, speed2 - speed1, length
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,12 +136,8 @@ class WorkOfForce:
     def over(self, press: Linkage, motion: Motion) -> Array:
         return np.asarray(point_motion(press, motion, *self.end)[0] @ self.force)
 
-    def at(self, dynamics: "ForwardDynamics", x: Array, v: Array) -> tuple[float, float]:
-        position, velocity = dynamics.point(x, v, *self.end)
-        return float(position @ self.force), float(velocity @ self.force)
-
-    def efforts(self, dynamics: "ForwardDynamics", x: Array, force: float) -> Array:
-        return dynamics.point_efforts(x, *self.end, force * self.force)
+    def at(self, dynamics: "ForwardDynamics", x: Array) -> tuple[float, Array]:
+        return float(dynamics.point(*self.end).dot(self.force)), dynamics.point_efforts(*self.end, self.force)
 
     def unit_force(self, press: Linkage, motion: Motion) -> list[AppliedForce]:
         return [AppliedForce(*self.end, np.tile(self.force, (len(motion.crank_angle), 1)))]

@@ -163,6 +163,7 @@ class LinkageState(NamedTuple):
         angle: of the first driver [rad].
         speed: of the first driver [rad/s].
         coordinates: their values and rates.
+        levers: (nv,) their derivatives by the joint coordinates.
         x: (nv,) joint coordinates.
         v: (nv,) joint rates.
     """
@@ -170,6 +171,7 @@ class LinkageState(NamedTuple):
     angle: float
     speed: float
     coordinates: list[tuple[float, float]]
+    levers: list[Array]
     x: Array
     v: Array
 
@@ -231,15 +233,21 @@ class FullDynamics:
         return self.dynamics[inertia]
 
     def at(self, position: Array, speed: Array) -> LinkageState:
-        coordinates = [coordinate.at(self.loops, position, speed) for coordinate in self.coordinates]
-        return LinkageState(float(position[self.crank]), float(speed[self.crank]), coordinates, position, speed)
+        coordinates, levers = [], []
+        if self.coordinates:
+            self.loops.place(position)
+            for coordinate in self.coordinates:
+                value, lever = coordinate.at(self.loops, position)
+                coordinates.append((value, float(lever.dot(speed))))
+                levers.append(lever)
+        return LinkageState(float(position[self.crank]), float(speed[self.crank]), coordinates, levers, position, speed)
 
     def accelerations(self, instant: LinkageState, torque: float, forces: Sequence[float], inertia: float) -> Array:
         efforts = np.zeros(self.size)
         efforts[self.crank] = torque
-        for row, force in enumerate(forces):
+        for force, lever in zip(forces, instant.levers, strict=False):
             if force:
-                efforts += self.coordinates[row].efforts(self.loops, instant.x, force)
+                efforts += force * lever
         try:
             if (along := self._beside(instant.x)) is not None:
                 return self._with(inertia).acceleration_along(*along, instant.speed, efforts)

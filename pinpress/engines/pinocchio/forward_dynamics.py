@@ -271,21 +271,20 @@ class ForwardDynamics:
         kinetic = pin.computeKineticEnergy(self.model, self.data, x, v) + 0.5 * float(self.armature.dot(v * v))
         return kinetic, float(pin.computePotentialEnergy(self.model, self.data, x))
 
-    def point(self, x: Array, v: Array, joint: int, point: Array) -> tuple[Array, Array]:
-        """World position [m] and velocity [m/s], (3,) each, of a point (3,) fixed to the body of a Pinocchio joint, in that joint's frame
-        (0: the frame)."""
-        if joint == 0:
-            return np.array(point, dtype=float), np.zeros(3)
-        pin.forwardKinematics(self.model, self.data, x, v)
-        place, velocity = self.placements[joint], self.data.v[joint]
-        return place.act(point), place.rotation.dot(velocity.linear - pin.skew(point).dot(velocity.angular))
+    def place(self, x: Array) -> None:
+        """Place the links at joint coordinates (nv,), for `point` and `point_efforts`."""
+        pin.computeJointJacobians(self.model, self.data, x)
 
-    def point_efforts(self, x: Array, joint: int, point: Array, force: Array) -> Array:
-        """Joint efforts (nv,) of a force (3,) in world axes [N] that acts at a point (3,) on the body of a Pinocchio joint, given in that
-        joint's frame; zero for joint 0, the frame."""
+    def point(self, joint: int, point: Array) -> Array:
+        """World position (3,) [m] of a point (3,) fixed to the body of a Pinocchio joint, in that joint's frame (0: the frame), as the links
+        were placed last."""
+        return np.asarray(self.placements[joint].act(point)) if joint else np.array(point, dtype=float)
+
+    def point_efforts(self, joint: int, point: Array, force: Array) -> Array:
+        """Joint efforts (nv,) of a force (3,) in world axes [N] that acts at a point, given as for `point`, as the links were placed last;
+        zero for joint 0, the frame."""
         if joint == 0:
             return np.zeros(self.model.nv)
-        pin.computeJointJacobians(self.model, self.data, x)
         columns = pin.getJointJacobian(self.model, self.data, joint, pin.LOCAL).reshape(6, -1)
         local = self.placements[joint].rotation.T.dot(force)
         return np.asarray(local.dot(columns[:3]) + pin.skew(point).dot(local).dot(columns[3:]))
