@@ -26,6 +26,8 @@ SETTLED = 1e-2  # error that Newton's method may leave, as a share of the tolera
 LOOSER = 100.0  # multiple of the tolerance for integrals along the motion
 ROUNDED = 0.5  # share of the tolerance below which a correction may be rounding
 ASIDE = (-7e-14, 3e-14)  # relative changes of a state that show how the rates are rounded
+CLEAR, LONGER = 1e4, 1e3  # ratio of the change of a rate to its rounding that gives a slope, and by which changes grow until they do
+EXACT = 1e-15  # rates that are known to this share of themselves are not rounded by forces
 ROUNDINGS = 10.0  # multiple of the rounding that stiff forces pass on: no step is shortened for less
 SLOWEST = 0.9  # largest ratio of a correction to the one before with which Newton's method goes on
 SAFETY = 0.9  # share of the step that would just meet the tolerance
@@ -181,21 +183,14 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         rate = float(np.max(np.abs(self.f[: self.count]) / self.sizes))
         return min(1e-3 * span, 1e-3 / rate) if rate > 0 and math.isfinite(rate) else 1e-6 * span
 
-    def _rounding(self, slope: Array) -> Array:
-        """Errors (n,) of the rates by rounding, which stiff forces magnify: their distances from a straight line beside this state."""
-        m, result = self.count, EPS * (np.abs(slope) @ np.abs(self.y[: self.count]))
-        for share in ASIDE:
-            moved = self.y.copy()
-            moved[:m] *= 1 + share
-            result = np.maximum(result, np.abs(self.fun(self.t, moved) - self.f - slope @ (moved - self.y)[:m]))
-        return np.asarray(result)
-
     def _step_impl(self) -> tuple[bool, str | None]:
         r, m, t, y = rule(), self.count, self.t, self.y
-        slope = slopes(self.fun, t, y, self.f, self.sizes)
+        noise = rounding(self.fun, t, y, self.f)
+        slope = slopes(self.fun, t, y, self.f, self.sizes, noise)
         if not np.isfinite(slope).all():
             return False, "the rates beside this state are not finite"
-        self.noise, jacobian = np.maximum(0.5 * self.noise, self._rounding(slope)), slope[:m]
+        noise = np.maximum(noise, EPS * (np.abs(slope) @ np.abs(y[:m])))
+        self.noise, jacobian = np.maximum(0.5 * self.noise, noise), slope[:m]
         identity, tolerated, rejected = np.eye(m), self.atol[:m] + self.rtol * np.abs(y[:m]), False
         shortest = 10 * abs(np.nextafter(t, np.inf) - t)
         while True:
@@ -307,7 +302,21 @@ def _unresolved(series: Array, scale: Array) -> float:
     return float((last * np.minimum(1.0, np.sqrt(last / before)) / scale).max(initial=0.0))
 
 
-def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array, sizes: Array) -> Array:
+def rounding(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array) -> Array:
+    """Errors (n,) of rates by rounding, which stiff forces magnify: how far they are from a straight line beside this state.
+
+    Args:
+        fun: rates (n,) at a time and vector (n,).
+        time: [s].
+        y: (n,) the vector.
+        f: (n,) the rates there.
+    """
+    one, other = ASIDE
+    by = one / other
+    return np.asarray(np.abs(fun(time, (1 + one) * y) - f - by * (fun(time, (1 + other) * y) - f)) / (1 + abs(by)))
+
+
+def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array, sizes: Array, noise: Array) -> Array:
     """Derivatives (n, m) of rates by the first m entries of a vector, by differences.
 
     Args:
@@ -316,13 +325,23 @@ def slopes(fun: Callable[[float, Array], Array], time: float, y: Array, f: Array
         y: (n,) the vector.
         f: (n,) the rates there.
         sizes: (m,) of the entries.
+        noise: (n,) errors of the rates by `rounding`.
 
-    The change of a small entry is relative to itself, not to its size, because a law may change sharply near zero.
+    The change of a small entry is at first relative to itself, not to its size, because a law may change sharply near zero. It grows until
+    the change of a rate is clear of rounding: beside a rest the rates are all rounding.
     """
     m = len(sizes)
     result, moved = np.empty((len(y), m)), y.copy()
-    for k in range(m):
-        moved[k] = y[k] + (BESIDE * min(abs(float(y[k])), float(sizes[k])) or STANDING * float(sizes[k]))
-        result[:, k] = (fun(time, moved) - f) / (moved[k] - y[k])
-        moved[k] = y[k]
+    rounded = noise[:m] > EXACT * np.abs(f[:m])
+    hidden = CLEAR * noise[:m][rounded]
+    for k, (entry, size) in enumerate(zip(y[:m].tolist(), sizes.tolist(), strict=True)):
+        step, largest = BESIDE * min(abs(entry), size) or STANDING * size, BESIDE * size
+        while True:
+            moved[k] = entry + step
+            change = fun(time, moved) - f
+            if step >= largest or not hidden.size or (np.abs(change[:m][rounded]) > hidden).any():
+                break
+            step = min(LONGER * step, largest)
+        result[:, k] = change / (moved[k] - entry)
+        moved[k] = entry
     return result

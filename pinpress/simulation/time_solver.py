@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 from ..common.errors import PinpressError, SimulationError
 from ..common.frozen import read_only
-from ..common.integrators import RadauIIA, RungeKutta4, slopes
+from ..common.integrators import RadauIIA, RungeKutta4, rounding, slopes
 from ..common.quantities import Array
 from .events import CornerPassed, CouplingGrips, Event, ending_events, margins_of
 from .failures import failure
@@ -398,7 +398,7 @@ class Pace:
 def _hopeless(integrator: OdeSolver, time: float, y: Array, sizes: Array, until: float, angle: float) -> SimulationError:
     """The error of a run that is given up."""
     size = len(y) - len(INTEGRALS)
-    jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size])[:size]
+    jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size], rounding(integrator.fun, time, y, integrator.f))[:size]
     swiftest = max(np.linalg.eigvals(jacobian), key=abs) if np.isfinite(jacobian).all() else 0.0
     if abs(swiftest.imag) > VIBRATING * abs(swiftest):
         frequency = abs(swiftest.imag) / (2 * np.pi)
@@ -409,7 +409,7 @@ def _hopeless(integrator: OdeSolver, time: float, y: Array, sizes: Array, until:
 def _swiftness(integrator: OdeSolver, time: float, y: Array, sizes: Array) -> float:
     """The integrator's last step by the shortest time constant of the motion."""
     size = len(y) - len(INTEGRALS)
-    jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size])[:size]
+    jacobian = slopes(integrator.fun, time, y, integrator.f, sizes[:size], rounding(integrator.fun, time, y, integrator.f))[:size]
     return float(integrator.step_size * np.abs(np.linalg.eigvals(jacobian)).max()) if np.isfinite(jacobian).all() else 1.0
 
 
