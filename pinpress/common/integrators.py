@@ -32,7 +32,8 @@ ROUNDINGS = 10.0  # multiple of the rounding that stiff forces pass on: no step 
 SLOWEST = 0.9  # largest ratio of a correction to the one before with which Newton's method goes on
 SAFETY = 0.9  # share of the step that would just meet the tolerance
 LEAST_CHANGE, MOST_CHANGE = 0.1, 8.0  # factors by which a step may differ from the one before
-FAILED = 0.25  # factor by which a step is shortened where Newton's method does not converge
+FAILED, MOST_KEPT = 0.25, 0.7  # smallest and largest factor by which a step is shortened where Newton's method does not converge
+FASTEST = 0.4  # ratio of a correction to the one before at which Newton's method takes the least time: it grows with the step
 FURTHEST = 3.0  # ratio of a step to the one before up to which that one's polynomial is a good first guess
 # Change of an entry for a slope, relative to the smaller of itself and its size, and relative to its size where it is zero.
 BESIDE, STANDING = 1e-7, 1e-12
@@ -176,6 +177,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         self.before: tuple[float, Array] | None = None  # length of the last step, and changes of its stages (s, m)
         self.error_before: tuple[float, float] | None = None  # length and error of the last step
         self.noise = np.zeros(len(y0))
+        self.pace = 0.0  # largest ratio of a correction to the one before, in the last step that was tried
         self.stage_rates = np.empty((STAGES, len(y0)))
 
     def _first_step(self, span: float) -> float:
@@ -203,7 +205,8 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
             scale = np.maximum(tolerated, ROUNDINGS * h * r.start * (np.abs(smoothing) @ self.noise[:m]))
             stages = self._stages(h, jacobian, scale)
             if stages is None:
-                self.h_abs, self.before, rejected = FAILED * h, None, True
+                self.h_abs = h * max(FAILED, min(MOST_KEPT, FASTEST / max(self.pace, FASTEST)))
+                self.before, rejected = None, True
                 continue
             rates = r.inverse @ stages / h
             change = h * (r.start * self.f[:m] + (r.embedded + r.matrix[-1]) @ rates) - stages[-1]
@@ -224,6 +227,8 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         if self.error_before is not None and error > 0:  # Gustafsson: the step that the errors of two steps predict
             length, previous = self.error_before
             factor = min(factor, factor * h / length * (previous / error) ** (1 / (STAGES + 1)))
+        if self.pace > FASTEST / factor:
+            factor = max(LEAST_CHANGE, FASTEST / self.pace)
         self.error_before = h, max(error, 1e-2)
         after = y.copy()
         after[:m] += stages[-1]
@@ -242,10 +247,11 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         matrix = np.eye(STAGES * m) - h * np.kron(r.matrix, jacobian)
         factors, pivots, info = lapack.dgetrf(matrix)
         if info:
+            self.pace = math.inf
             return None
         stages = self._guess(h)
         trial, before = y.copy(), math.inf
-        settled = False
+        settled, self.pace = False, 0.0
         for _ in range(ROUNDS):
             for k in range(STAGES):
                 trial[:m] = y[:m] + stages[k]
@@ -254,11 +260,13 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
                 return stages
             residual = h * (r.matrix @ self.stage_rates[:, :m]) - stages
             if not np.isfinite(residual).all():
+                self.pace = math.inf
                 return None
             step = lapack.dgetrs(factors, pivots, residual.ravel())[0].reshape(STAGES, m)
             stages = stages + step
             size = float(np.abs(step / scale).max())
             share = size / before
+            self.pace = max(self.pace, share if size > ROUNDED else 0.0)
             settled = size <= SETTLED * min(1.0, (1 - share) / share if 0 < share < 1 else 1.0)
             settled |= ROUNDED > size > SLOWEST * before  # what does not become smaller is the rounding of stiff forces
             if not settled and share > SLOWEST and before < math.inf:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pinpress.common.integrators import STAGES, RadauIIA, RungeKutta4, rule
+from pinpress.common.integrators import STAGES, RadauIIA, RungeKutta4, rounding, rule, slopes
 
 
 def test_coefficients_are_radaus():
@@ -63,6 +63,33 @@ def test_it_forgets_disturbances_and_is_right_between_its_nodes(rate):
         inside = np.linspace(piece.t_old, piece.t, 9)[1:-1]
         settled = np.exp(-rate * inside) < 1e-12
         assert np.abs(piece(inside)[0] - np.cos(inside))[settled].max(initial=0.0) < 1e-9
+
+
+@pytest.mark.parametrize("speed", [0.0, 1e-15, 1e-9, 1e-3, 7.0])
+def test_slopes_are_clear_of_rounding(speed):
+    """Of a spring of 1e11 at unit length and a damper: at rest the rate is rounding alone, which a change by the speed's own size hides."""
+    length, stiffness, damping = 1.0 / 3.0, 1e11, 1e6
+
+    def rates(t, y):
+        return np.array([y[1], -stiffness * ((y[0] - 1.0 + length) - length) - damping * y[1]])
+
+    y = np.array([1.0, speed])
+    f, sizes = rates(0.0, y), np.array([1.0, 7.0])
+    found = slopes(rates, 0.0, y, f, sizes, rounding(rates, 0.0, y, f))
+    np.testing.assert_allclose(found, [[0.0, 1.0], [-stiffness, -damping]], rtol=1e-3)
+
+
+@pytest.mark.parametrize("speed", [0.0, 1e-13, 1e-10])
+def test_slopes_of_a_law_that_is_sharp_about_zero(speed):
+    sharp = 1e-9
+
+    def rates(t, y):
+        return np.array([-np.tanh(y[0] / sharp)])
+
+    y = np.array([speed])
+    f = rates(0.0, y)
+    found = slopes(rates, 0.0, y, f, np.array([7.0]), rounding(rates, 0.0, y, f))
+    assert found[0, 0] == pytest.approx(-1.0 / sharp / np.cosh(speed / sharp) ** 2, rel=1e-2)
 
 
 def test_growth_is_grown():

@@ -40,6 +40,15 @@ def test_stiffness_costs_no_steps():
     assert many < 4 * few
 
 
+@pytest.mark.parametrize("method", ["auto", "constraint"])
+@pytest.mark.parametrize("stiffness", [1e11, 1e12, 1e13])
+def test_what_a_stiff_damper_has_brought_to_rest_costs_no_steps(method, stiffness):
+    """All torques that are left are rounding, 1e-7 rad/s2 and more, and so are the slopes of a careless integrator."""
+    found = run(method, loads=[between(stiffness, 1e-3 * stiffness)])
+    assert abs(found.crank_angle[-1] - START) < 1e-6
+    assert found.stats.evaluations < 6000  # 70 000 and more, or a run that is given up, with slopes over changes hidden by rounding
+
+
 def test_an_ordinary_run_over_time_stays_explicit():
     motor = pp.drives.ServoMotor((0.0, 1.0, 2.0), (START, START + 3.0, START + 8.0), 2e4, 2e3, 1e6)
     assert run("auto", 0.0, drive=motor).stats.solvers == ("explicit",)

@@ -276,8 +276,8 @@ class ForwardDynamics:
         pin.computeJointJacobians(self.model, self.data, x)
 
     def point(self, joint: int, point: Array) -> Array:
-        """World position (3,) [m] of a point (3,) fixed to the body of a Pinocchio joint, in that joint's frame (0: the frame), as the links
-        were placed last."""
+        """World position (3,) [m] of a point (3,) fixed to the body of a Pinocchio joint, in that joint's frame (0: the frame), where the
+        links were placed last."""
         return np.asarray(self.placements[joint].act(point)) if joint else np.array(point, dtype=float)
 
     def point_efforts(self, joint: int, point: Array, force: Array) -> Array:
