@@ -206,7 +206,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
             stages = self._stages(h, jacobian, scale)
             if stages is None:
                 self.h_abs = h * max(FAILED, min(MOST_KEPT, FASTEST / max(self.pace, FASTEST)))
-                self.before, rejected = None, True
+                self.before, rejected = None if rejected else self.before, True
                 continue
             rates = r.inverse @ stages / h
             change = h * (r.start * self.f[:m] + (r.embedded + r.matrix[-1]) @ rates) - stages[-1]
@@ -249,10 +249,10 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         if info:
             self.pace = math.inf
             return None
-        stages = self._guess(h)
-        trial, before = y.copy(), math.inf
+        stages, trial = self._guess(h), y.copy()
         settled, self.pace = False, 0.0
-        for _ in range(ROUNDS):
+        before, earlier = math.inf, math.inf  # the last corrections
+        for done in range(ROUNDS):
             for k in range(STAGES):
                 trial[:m] = y[:m] + stages[k]
                 self.stage_rates[k] = self.fun(t + r.nodes[k] * h, trial)
@@ -266,12 +266,14 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
             stages = stages + step
             size = float(np.abs(step / scale).max())
             share = size / before
-            self.pace = max(self.pace, share if size > ROUNDED else 0.0)
             settled = size <= SETTLED * min(1.0, (1 - share) / share if 0 < share < 1 else 1.0)
             settled |= ROUNDED > size > SLOWEST * before  # what does not become smaller is the rounding of stiff forces
-            if not settled and share > SLOWEST and before < math.inf:
-                return None
-            before = size
+            if size > ROUNDED and earlier < math.inf:
+                # An error may pass from one joint to the next before it is gone: two rounds tell how it becomes smaller.
+                self.pace = math.sqrt(size / earlier)
+                if not settled and size * self.pace ** (ROUNDS - 1 - done) > ROUNDED:
+                    return None
+            before, earlier = size, before
         return None
 
     def _guess(self, h: float) -> Array:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from extremes.extreme_stiff import CASES, FLYWHEEL, MECHANISM, SPEED, START, Rubbing, between, run, swung
+from extremes.extreme_stiff import CASES, FLYWHEEL, MECHANISM, SPEED, START, Rubbing, SpeedLaw, between, run, swung
 from support.sampling import rest_exhaustive
 
 import pinpress as pp
@@ -47,6 +47,15 @@ def test_what_a_stiff_damper_has_brought_to_rest_costs_no_steps(method, stiffnes
     found = run(method, loads=[between(stiffness, 1e-3 * stiffness)])
     assert abs(found.crank_angle[-1] - START) < 1e-6
     assert found.stats.evaluations < 6000  # 70 000 and more, or a run that is given up, with slopes over changes hidden by rounding
+
+
+@pytest.mark.parametrize("spring", [None, between(1e8, 1e5)])
+def test_a_stiff_speed_law_costs_runs_of_all_joints_no_steps(spring):
+    """What a stiff torque does to the crank passes on to rod and slide one round of Newton's method later."""
+    scene = {"drive": SpeedLaw(1e9, 5.0), "speed": 5.0, "loads": [] if spring is None else [spring]}
+    ours, other = run("constraint", **scene), run("implicit", **scene)
+    assert abs(ours.crank_angle[-1] - other.crank_angle[-1]) < 1e-11
+    assert ours.stats.evaluations < 15_000  # 36 000, or a run that is given up, if one round has to make the error smaller
 
 
 def test_an_ordinary_run_over_time_stays_explicit():
