@@ -18,7 +18,7 @@ from ..common.quantities import Array
 from ..common.results import Record
 from ..kinematics.motion import motion_through_change_points
 from ..linkage.linkage import Linkage
-from .driven_press import Coordinate
+from .driven_press import Coordinate, JointPosition
 from .failures import failure
 from .reduced_model import COORDINATES, INERTIA, WEIGHT, ReducedModel
 
@@ -214,6 +214,7 @@ class FullDynamics:
         self.press, self.size = press, len(press.joints)
         self.drivers, self.crank = list(press.driver_indices), press.driver_indices[0]
         self.coordinates, self.inertia = tuple(coordinates), inertia
+        self.of_points = any(not isinstance(coordinate, JointPosition) for coordinate in coordinates)
         self.dynamics: dict[float, ForwardDynamics] = {}
         self.loops = self._with(float(inertia[0]))
         self.alone = len(self.drivers) == 1
@@ -234,12 +235,12 @@ class FullDynamics:
 
     def at(self, position: Array, speed: Array) -> LinkageState:
         coordinates, levers = [], []
-        if self.coordinates:
+        if self.of_points:
             self.loops.place(position)
-            for coordinate in self.coordinates:
-                value, lever = coordinate.at(self.loops, position)
-                coordinates.append((value, float(lever.dot(speed))))
-                levers.append(lever)
+        for coordinate in self.coordinates:
+            value, lever = coordinate.at(self.loops, position)
+            coordinates.append((value, float(lever.dot(speed))))
+            levers.append(lever)
         return LinkageState(float(position[self.crank]), float(speed[self.crank]), coordinates, levers, position, speed)
 
     def accelerations(self, instant: LinkageState, torque: float, forces: Sequence[float], inertia: float) -> Array:
