@@ -24,6 +24,7 @@ from .trajectory import INTEGRALS
 
 AHEAD = 1e-9  # time looked ahead to see into which interval a force goes, with several drivers [s]
 LITTLE = 1e-7  # crank angle looked ahead to see into which interval a force goes [rad]
+JUST_INSIDE = 1e-6  # share of the way from a border into its interval at which a stop that has just been touched pushes
 
 
 class Snapshot(NamedTuple):
@@ -141,6 +142,8 @@ def force_mode(force: GeneralizedForce, inside: float, rising: bool, value: floa
     low = max((b for b in borders if b < inside), default=-math.inf)
     high = min((b for b in borders if b >= inside), default=math.inf)
     interval = next((s for s in force.intervals(rising) if s.lower < inside - force.datum <= s.upper), None)
+    if value in (low, high):  # where a stop is touched its force is zero, and rounding would tell whether it pushes
+        value += JUST_INSIDE * (inside - value)
     pushing = interval is None or not interval.one_sided or interval.pushes(float(interval.force(value - force.datum, rate)))
     return ForceMode(low, high, rising, interval, pushing)
 

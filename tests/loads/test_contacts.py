@@ -231,3 +231,13 @@ def test_a_contact_that_would_pull_is_lost_on_either_side():
         for law in (-2.0, 2.0):
             assert interval.pushes(law) == (interval.acting(law) != 0.0) == (law * interval.sense > 0)
     assert {interval.sense for interval in stop.intervals(True)} == {1, -1}
+
+
+@pytest.mark.parametrize("stiffness", [1e6, pytest.param(1e8, marks=pytest.mark.exhaustive), 1e9])
+def test_hard_stops_are_met_where_they_are_touched(stiffness):
+    """There the force is zero, and rounding told whether the stop pushes: runs over time went on through it, up to 0.02 rad astray."""
+    press = shipped("crank_slide")
+    stop = TwoSidedStop(0.0005, 0.05, stiffness, 1.5, 1e-3 * stiffness, 1e-4)
+    given = {"speed": 7.0, "flywheel": pp.drives.Flywheel(5.0), "loads": [stop]}
+    ends = [pp.simulate(press, 1.5, **given, method=method).crank_angle[-1] for method in ("reduced", "implicit", "constraint")]
+    assert ends == pytest.approx([ends[0]] * 3, abs=2e-7)
