@@ -20,6 +20,7 @@ from ..common.errors import PinpressError, SimulationError
 from ..common.frozen import read_only
 from ..common.integrators import RadauIIA, RungeKutta4, rounding, slopes
 from ..common.quantities import Array
+from ..loads.caller_laws import LawError
 from .events import CornerPassed, CouplingGrips, Event, ending_events, margins_of
 from .failures import failure
 from .hybrid_system import HybridSystem, Mode
@@ -221,13 +222,15 @@ class Integration:
     def follow_mode(self, finished: Callable[[Array], bool] | None, progress: Callable[[float], None] | None) -> bool:
         """Take steps of one method in one mode: to an event, to an instant at which something is not smooth, or to a change of method.
         Returns whether the run is ``finished`` there."""
-        method, stepper = self._stepper()
+        trials = Trials(self.system, self.mode)
+        method, stepper = self._stepper(trials)
         watch = EventFinder(self.system, self.mode, self.time, self.y)
         event: Event | None = None
         while stepper.status == "running" and event is None:
+            trials.error = None
             message = stepper.step()
             if stepper.status == "failed" or not np.isfinite(stepper.y).all():
-                raise _lost(self.system, self.time, self.y, message)
+                raise trials.error or _lost(self.system, self.time, self.y, message)
             piece = stepper.dense_output()
             event, at = watch.first(piece, stepper.t_old, stepper.t)
             if isinstance(event, CornerPassed) and self.tries < MOST_TRIES and at > self.time + self.shortest:
@@ -247,7 +250,7 @@ class Integration:
         self._switch(event)
         return False
 
-    def _stepper(self) -> tuple[str, OdeSolver]:
+    def _stepper(self, trials: "Trials") -> tuple[str, OdeSolver]:
         """The method, and its integrator from the state reached."""
         settings, mode, longest = self.settings, self.mode, math.inf
         method = FIXED if settings.step is not None else settings.method
@@ -256,10 +259,9 @@ class Integration:
         if mode.standing:
             longest = (self.until - self.start) / LOOKS  # steps must not pass over what starts a press that stands
         end = min(next(b for b in self.ends if b > self.time), self.corner)
-        rates = partial(self.system.rates, mode)
-        stepper = _stepper(rates, self.time, self.y, end, settings, method, self.first_step, longest)
+        stepper = _stepper(trials, self.time, self.y, end, settings, method, self.first_step, longest)
         if not np.isfinite(stepper.f).all():
-            raise failure("not finite", self.time, self.angle)
+            raise trials.error or failure("not finite", self.time, self.angle)
         return method, stepper
 
     def _keep(self, piece: DenseOutput, stepper: OdeSolver, method: str, event: "Event | None", at: float) -> None:
@@ -305,6 +307,22 @@ class Integration:
 
 
 # ----------------------------------------------------------------------------------------------------------------------------- methods
+
+
+class Trials:
+    """The rates of a mode as an integrator asks for them: it looks ahead, far beyond where the motion goes. Where a law fails there they
+    are NaN, which makes it try a shorter step; the error counts where no step is short enough."""
+
+    def __init__(self, system: HybridSystem, mode: Mode) -> None:
+        self.system, self.mode = system, mode
+        self.error: LawError | None = None
+
+    def __call__(self, time: float, y: Array) -> Array:
+        try:
+            return self.system.rates(self.mode, time, y)
+        except LawError as error:
+            self.error = error
+            return np.full(len(y), np.nan)
 
 
 def _stepper(

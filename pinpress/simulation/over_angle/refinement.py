@@ -53,7 +53,7 @@ def cuts(
     if solution.stiffness.any():  # under a stiff drive an unresolved panel disturbs those that follow it
         bad[1:] &= (solution.stiffness[1:upto] <= LAYER) | ~bad[:-1]
     found = {panel: _cut_within(solution, panel) for panel in np.flatnonzero(bad).tolist()}
-    if solution.ends[:, which].shape[1] == 1:
+    if solution.ends.shape[1] == 1:
         found |= _corners_passed(solution, upto, corners)
         for force in mesh.forces:
             found |= {panel: at for panel, at in _contact_lost(solution, force) if panel < upto}
