@@ -42,7 +42,11 @@ SAME = 1e-12  # relative difference by rounding between limits that are equal at
 FURTHEST = 2.0  # multiple of the nominal force up to which forces are looked for with friction; larger ones never govern
 BESIDE = 1e-6  # share of the nominal force by which the slope of a utilisation is found
 SLOWED = 1e-6  # least share of its highest speed that a driver that slides counts as moving with: at rest friction has no direction
-GAUSS = np.polynomial.legendre.leggauss(3)  # nodes and weights, with which the work between two states is found
+GAUSS = np.polynomial.legendre.leggauss(3)  # nodes and weights, with which the work of 1 N between two states is found
+# Nodes and weights of a rule with the ends of a step: it sees a change of the governing limit even beside an end.
+LOBATTO = np.array([-1.0, -math.sqrt(3 / 7), 0.0, math.sqrt(3 / 7), 1.0]), np.array([9.0, 49.0, 64.0, 49.0, 9.0]) / 90
+SETTLED = 1e-13  # share of the whole work: a step is not halved further where that changes its work by less
+MOST_HALVINGS = 40
 NO_RATINGS = (
     "ratings are those of a press with one, whose position gives the height; compare the capacities with driving_torque and bearing_force"
     " of inverse_dynamics under the process load, in the motion that the drivers make"
@@ -447,14 +451,32 @@ def governing_limits(rated: RatedStroke, points: int) -> GoverningLimits:
 def permitted_work(rated: RatedStroke, angle: Array) -> Array:
     """Work (n,) of the force that all limits but energy permit, from each of the crank angles (n,) to the last of them [J].
 
-    It is integrated by Gauss's rule between the angles.
+    Lobatto's rule integrates it between the angles, over steps that are halved until that changes nothing: where an energy governs, the
+    other limits take over from each other at angles that are not among these.
     """
-    nodes, weights = GAUSS
-    middle, half = 0.5 * (angle[1:] + angle[:-1]), 0.5 * np.abs(np.diff(angle))
-    motion = rated.motion((middle[:, None] + 0.5 * np.diff(angle)[:, None] * nodes).ravel())
-    forces = permitted_forces(rated, motion, energy=False)
-    power = np.min(list(forces.values()), axis=0) * np.abs(motion.slide_velocity / rated.speed)
-    steps = half * (power.reshape(-1, len(nodes)) @ weights)
+    nodes, weights = LOBATTO
+
+    def over(low: Array, high: Array) -> Array:
+        half = 0.5 * (high - low)
+        places = (0.5 * (low + high)[:, None] + half[:, None] * nodes).ravel()
+        motion = rated.motion(np.clip(places, angle.min(), angle.max()))  # not beyond an end by rounding
+        forces = permitted_forces(rated, motion, energy=False)
+        power = np.min(list(forces.values()), axis=0) * np.abs(motion.slide_velocity / rated.speed)
+        return np.asarray(np.abs(half) * (power.reshape(-1, len(nodes)) @ weights))
+
+    low, high, owner, steps = angle[:-1], angle[1:], np.arange(len(angle) - 1), np.zeros(len(angle) - 1)
+    whole = over(low, high)
+    accepted = SETTLED * float(whole.sum())
+    for _ in range(MOST_HALVINGS):
+        middle = 0.5 * (low + high)
+        halves = over(np.concatenate([low, middle]), np.concatenate([middle, high])).reshape(2, -1)
+        rough = np.abs(halves.sum(axis=0) - whole) > accepted
+        np.add.at(steps, owner[~rough], halves[:, ~rough].sum(axis=0))
+        low, high = np.concatenate([low[rough], middle[rough]]), np.concatenate([middle[rough], high[rough]])
+        owner, whole = np.tile(owner[rough], 2), halves[:, rough].ravel()
+        if not len(owner):
+            break
+    np.add.at(steps, owner, whole)
     return np.append(np.cumsum(steps[::-1])[::-1], 0.0)
 
 

@@ -255,8 +255,22 @@ def test_work_of_the_torque_limited_force_is_torque_times_angle():
     torque = found.torque_capacity
     expected = np.where(q <= at, 1e5 * height(q), 1e5 * 0.006 + torque * (np.minimum(q, top) - at))
     expected += np.where(q > top, 1e5 * (height(q) - height(top)), 0.0)
-    np.testing.assert_allclose(found.work, expected, rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(found.work, expected, rtol=1e-12, atol=1e-11)
     assert found.work[-1] == 0.0
+
+
+@pytest.mark.parametrize("points", [3, 31, 32])
+def test_work_where_an_energy_governs_is_that_of_the_other_limits(points):
+    """There the torque gives way to the nominal force between two heights of the table."""
+    press = shipped("crank_slide")
+    free = rate(press, SPEED, Capacities(1e5, nominal_height=0.006), points=points)
+    little = Capacities(1e5, nominal_height=0.006, motor_power=20.0)
+    found = rate(press, SPEED, little, points=points)
+    assert "torque" not in found.limited_by
+    at = angle_of(0.006)
+    top = brentq(lambda q: lever(q) - lever(at), 2.0, np.pi - 1e-3, xtol=1e-15)
+    expected = 1e5 * 0.006 + found.torque_capacity * (top - at) + 1e5 * (height(np.pi) - height(top))
+    np.testing.assert_allclose([found.work[0], free.work[0]], expected, rtol=1e-12)
 
 
 def test_work_by_adaptive_quadrature():
