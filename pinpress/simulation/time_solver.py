@@ -21,7 +21,7 @@ from ..common.frozen import read_only
 from ..common.integrators import RadauIIA, RungeKutta4, rounding, slopes
 from ..common.quantities import Array
 from ..loads.caller_laws import LawError
-from .events import CornerPassed, CouplingGrips, Event, ending_events, margins_of
+from .events import BorderPassed, ContactChanges, CornerPassed, CouplingGrips, Event, ending_events, margins_of
 from .failures import failure
 from .hybrid_system import HybridSystem, Mode
 from .trajectory import INTEGRALS, Sample
@@ -35,6 +35,7 @@ DEARER = 1.5  # cost of an evaluation of the implicit method, with its algebra, 
 ASIDE = 1e-3  # share of a first step from rest after which the crank moves
 LEAST_RELATIVE = 3e-14  # smallest relative tolerance that SciPy takes: errors of angles must not grow with the angles
 LOOKED_AT = (0.25, 0.5, 0.75, 1.0)  # shares of a step at which the margins of events are evaluated
+BEFORE_BORDER = 24  # looks at a contact before the border at which it ends, each at half the time of the one before
 LOOKS = 200  # a press that stands is looked at this often in a run
 MOST_TRIES = 4  # most attempts to end a step at a corner of the drive's torque
 MOST_AT_ONCE = 100  # most events one after the other without time going on
@@ -497,6 +498,26 @@ class EventFinder:
             fallen = [k for k, after in enumerate(margins(when)) if after < 0 and k != which and before[k] > 0]
             if when <= since or not fallen:
                 break
+        return self._changed_before(margin, since, before, first)
+
+    def _changed_before(
+        self, margin: Callable[[int, float], float], since: float, before: list[float], first: tuple[int, float]
+    ) -> tuple[int, float]:
+        """Index and time of a contact that changes shortly before the border at which its force ends; of the ``first`` event where none does.
+
+        At such a border the law is zero, so that a change beside it shows at no place that was looked at: a stop's spring may push again
+        over the last depth, where its damper grows with a higher power of it, or the other way round. Other arguments as of `_located`.
+        """
+        which, when = first
+        passed = self.events[which]
+        if not isinstance(passed, BorderPassed):
+            return first
+        for k, event in enumerate(self.events):
+            if isinstance(event, ContactChanges) and event.force == passed.force and before[k] > 0:
+                looks = (when - 0.5**n * (when - since) for n in range(1, BEFORE_BORDER))
+                changed = next((at for at in looks if margin(k, at) < 0), None)
+                if changed is not None:
+                    return k, _zero(partial(margin, k), since, changed, before[k])
         return first
 
 

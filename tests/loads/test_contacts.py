@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
-from support.oracles import crank_slide_by_scipy
+from support import texts
+from support.oracles import crank_slide_by_scipy, crank_slide_equation
 from support.texts import shipped
 
 import pinpress as pp
@@ -70,6 +71,26 @@ def test_runs_are_those_of_the_printed_functions(load, law, method):
     assert run.stats.energy_error < 1e-8
     if isinstance(load, TwoSidedStop):
         assert heights.max() > 0.082
+
+
+@pytest.mark.parametrize("method", ["reduced", "implicit", "constraint"])
+def test_a_stop_pushes_again_over_the_last_depth(method):
+    """On the way out damper and spring cancel. The damper grows with the square of the depth, the spring with its power of 1.5: below 30 um
+    it pushes again, which steps over time passed over."""
+    press = texts.shipped("jf75g_125", gravity=(0, 0, -9.80665))
+    k, c, depth, touching = 3e8, 4e4, 1e-3, 0.006
+    given = {"speed": 20.0, "angle": 0.6, "flywheel": pp.drives.Flywheel(30.0), "method": method, "points": 7}
+    run = pp.simulate(press, 0.03, loads=[Impact(touching, k, 1.5, c, depth)], **given)
+
+    def rates(t, y):
+        at = crank_slide_equation.coefficients(y[0])
+        force = impact(at.height, at.lever * y[1], touching, k, 1.5, c, depth)
+        return [y[1], (force * at.lever - 0.5 * at.slope * y[1] ** 2 - at.weight) / (at.inertia + 30.0)]
+
+    # steps so short that the kinks at which SciPy does not stop cost nothing
+    expected = solve_ivp(rates, (0.0, 0.03), [0.6, 20.0], "DOP853", t_eval=run.time, rtol=1e-12, atol=1e-13, max_step=2e-5).y
+    assert impact(touching - 1e-4, 0.6, touching, k, 1.5, c, depth) == 0.0 < impact(touching - 1e-5, 0.6, touching, k, 1.5, c, depth)
+    np.testing.assert_allclose(run.crank_angle, expected[0], rtol=0, atol=1e-9)
 
 
 def test_work_lost_is_that_of_the_damper():

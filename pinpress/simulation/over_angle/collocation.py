@@ -72,7 +72,7 @@ class CollocationSolution:
         stiffness: (p,) e-folds by which a disturbance of W dies away on half a panel; 0 where the drive is not stiff.
         exponent: (S,) e-folds by which a disturbance of a periodic W grows in a period; 0 of any other W.
         settled: (S,) number of panels on which Newton's method has found W: all, or those before the crank nearly stops.
-        added: inertia of flywheel and drive, of the first scenario [kg m2].
+        added: inertia of flywheel and drive, (S,), or (1,) where all scenarios have the same [kg m2].
         evaluations: number of nodes at which the forces were computed, each time counted.
         growth: of a disturbance of W, about right; None where no force depends on the speed.
     """
@@ -89,7 +89,7 @@ class CollocationSolution:
     stiffness: Array
     exponent: Array
     settled: Indices
-    added: float
+    added: Array
     evaluations: int
     growth: Growth | None = None
 
@@ -180,7 +180,7 @@ class _Newton:
         self.forces = Forces(driven.drive, mesh, inertia, self.shape)
         self.twice = 2 / inertia
         self.ending = max(SETTLED, NEARLY_SETTLED * driven.tolerance), max(FORESEEN, NEARLY_FORESEEN * driven.tolerance)
-        self.added = float(np.ravel(driven.inertia)[0])
+        self.added = np.ravel(driven.inertia).astype(float)
         # from the guess alone, because W may rise without bounds far from the solution
         self.floor = FLOOR * work.max(axis=(0, 1)) + np.finfo(float).tiny
         self.everywhere = np.full(len(energy), len(mesh.kinds))
@@ -363,7 +363,7 @@ def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: Prescrib
         stiffness=np.zeros(len(mesh.kinds)),
         exponent=np.zeros(1),
         settled=np.full(1, len(mesh.kinds)),
-        added=float(driven.inertia),
+        added=np.array([float(driven.inertia)]),
         evaluations=work.size,
     )
 

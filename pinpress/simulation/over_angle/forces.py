@@ -101,6 +101,15 @@ def along_travel(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
     return np.asarray(mesh.direction * mesh.lever[force.row][:, force.panels, None] * _size(mesh, force, speed))
 
 
+def along_travel_at_ends(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
+    """A force along the travel (2, its panels, S) [N m] at the start and the end of each of its panels, at the crank's speeds (p + 1, S) at
+    the borders."""
+    ends = np.stack([force.panels, force.panels + 1])
+    lever = mesh.lever_ends[force.row][ends, None]
+    size = force.interval.force(mesh.position_ends[force.row][ends, None] - force.datum, lever * speed[ends])
+    return np.asarray(mesh.direction * lever * force.interval.acting(size))
+
+
 def _size(mesh: Mesh, force: PanelForce, speed: Array) -> Array:
     """A force along its coordinate (q, its panels, S) [N], at the crank's speeds (q, p, S)."""
     position = mesh.position[force.row][:, force.panels, None] - force.datum

@@ -1,7 +1,8 @@
 """Which panels of a solution are too coarse, where they are cut, and the solution on the panels that follow from that.
 
-The last terms of its polynomials tell whether the panels resolve the solution. Where the crank passes a corner of the drive's torque, or a
-contact is lost, a panel is cut at that place; any other panel that is too coarse is cut in its middle.
+The last terms of its polynomials tell whether the panels resolve the solution, and so does a load at a panel's borders, where it has to be
+what its polynomial promises. Where the crank passes a corner of the drive's torque, or a contact is lost, a panel is cut at that place; any
+other panel that is too coarse is cut in its middle.
 """
 
 from collections.abc import Sequence
@@ -13,6 +14,7 @@ from ...common.numerics import gauss_rule, horner, polynomial_root
 from ...common.products import product
 from ...common.quantities import Array
 from .collocation import FLOOR, LEAST, CollocationSolution
+from .forces import along_travel, along_travel_at_ends
 from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
 
 BEYOND = 10.0  # guesses of the energy are limited to this multiple of the largest energy that is known
@@ -38,7 +40,8 @@ def cuts(
 ) -> Array:
     """Angles travelled at which to cut panels that do not resolve energy or time.
 
-    A polynomial's last terms tell what it misses; the errors of Gauss's rule are far smaller. Of a single scenario, panels are cut where
+    A polynomial's last terms tell what it misses; the errors of Gauss's rule are far smaller. A corner of a load's law that lies between a
+    panel's last node and its border shows at the border alone. Of a single scenario, panels are cut where
     the crank passes a corner or a contact is lost; all others are cut in their middle.
 
     Args:
@@ -49,7 +52,9 @@ def cuts(
         which: scenarios that count.
     """
     mesh = solution.mesh
-    bad = _coarse(solution, upto, max(tolerance, ROUNDED), which) & (np.diff(mesh.borders[: upto + 1]) > NARROWEST)
+    least = max(tolerance, ROUNDED)
+    coarse = _coarse(solution, upto, least, which) | _bent_at_borders(solution, upto, least, which)
+    bad = coarse & (np.diff(mesh.borders[: upto + 1]) > NARROWEST)
     if solution.stiffness.any():  # under a stiff drive an unresolved panel disturbs those that follow it
         bad[1:] &= (solution.stiffness[1:upto] <= LAYER) | ~bad[:-1]
     found = {panel: _cut_within(solution, panel) for panel in np.flatnonzero(bad).tolist()}
@@ -72,6 +77,27 @@ def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: I
     return np.asarray(missed(solution.force * solution.mesh.measure[:, :, None], highest) | missed(solution.slowness, taken))
 
 
+def _bent_at_borders(solution: CollocationSolution, upto: int, tolerance: float, which: Indices | slice) -> NDArray[np.bool_]:
+    """On which of the first panels (upto,) a load that depends on the velocity is not at the borders what its values at the nodes promise.
+
+    Where the law has a corner at a distance d from the border, and no node lies between, the load is wrong by a slope x d at the border, and
+    its work by half of that x d.
+    """
+    mesh, rule, found = solution.mesh, gauss_rule(), np.zeros(len(solution.mesh.kinds), dtype=bool)
+    if all(not force.interval.heeds_velocity for force in mesh.forces) or mesh.kinds.any():
+        return found[:upto]
+    to_ends = np.array([(-1.0) ** np.arange(len(rule.nodes)), np.ones(len(rule.nodes))]) @ rule.legendre
+    beside = 0.5 * (1.0 - float(rule.nodes[-1])) * mesh.measure[0]  # half the angle between a last node and the border
+    accepted = tolerance * solution.ends[: upto + 1, which].max(axis=0)
+    for force in mesh.forces:
+        if force.interval.heeds_velocity:
+            nodes = along_travel(mesh, force, mesh.direction * solution.speed)
+            promised = product(to_ends, nodes.reshape(len(nodes), -1)).reshape(2, *nodes.shape[1:])
+            missed = np.abs(promised - along_travel_at_ends(mesh, force, _border_speeds(solution))).max(axis=0) * beside[force.panels, None]
+            found[force.panels] |= (missed[:, which] > accepted).any(axis=1)
+    return found[:upto]
+
+
 def _cut_within(solution: CollocationSolution, panel: int) -> float:
     """Where a panel is cut: in the middle of its x; under a stiff drive behind the layer at its start, where that is not cut off yet."""
     mesh, stiffness = solution.mesh, solution.stiffness
@@ -83,17 +109,17 @@ def _cut_within(solution: CollocationSolution, panel: int) -> float:
 
 
 def _border_speeds(solution: CollocationSolution) -> Array:
-    """Speed of the crank (p + 1,) at the borders, of one scenario."""
+    """Speed of the crank (p + 1, S) at the borders."""
     mesh = solution.mesh
-    inertia = np.maximum(mesh.inertia_ends + solution.added, np.finfo(float).tiny)
-    return np.asarray(mesh.direction * np.sqrt(2 * np.maximum(solution.ends[:, 0], 0.0) / inertia))
+    inertia = np.maximum(mesh.inertia_ends[:, None] + solution.added, np.finfo(float).tiny)
+    return np.asarray(mesh.direction * np.sqrt(2 * np.maximum(solution.ends, 0.0) / inertia))
 
 
 def _corners_passed(solution: CollocationSolution, upto: int, corners: Sequence[float]) -> dict[int, float]:
     """Panels on which the crank passes one of the corners, and the place, even where that shows at no node."""
     mesh, found = solution.mesh, {}
     if corners:
-        ends = _border_speeds(solution)
+        ends = _border_speeds(solution)[:, 0]
         speeds = np.concatenate([ends[None, :-1], mesh.direction * solution.speed[:, :, 0], ends[None, 1:]])[:, :upto]
         for corner in corners:
             for panel in np.flatnonzero((speeds.min(axis=0) < corner) & (speeds.max(axis=0) > corner)).tolist():
@@ -105,7 +131,7 @@ def _corners_passed(solution: CollocationSolution, upto: int, corners: Sequence[
 
 def _contact_lost(solution: CollocationSolution, force: PanelForce) -> list[tuple[int, float]]:
     """Panels on which the law of a contact changes its sign, and the place as angle travelled, of one scenario."""
-    mesh, found, border_speeds = solution.mesh, [], _border_speeds(solution)
+    mesh, found, border_speeds = solution.mesh, [], _border_speeds(solution)[:, 0]
     for panel in force.panels.tolist() if force.interval.one_sided else []:
         ends = slice(panel, panel + 2)
         rates = [
