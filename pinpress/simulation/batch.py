@@ -1,7 +1,8 @@
 """Many scenarios at once, which differ in their speeds and in parameters of drives, flywheels and loads that are declared with scenarios.
 
 All scenarios of a press run over the same crank angles, so that one period of all of them is solved as one array (see `collocation`). A
-scenario is simulated on its own if it stops, depends on more than angle and speed, or does not balance its energy this way.
+scenario is simulated on its own if it stops, depends on more than angle and speed, passes a corner of its drive's torque under a fine
+tolerance, or does not balance its energy this way.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from .over_angle import collocation
 from .over_angle.angle_solver import MOST_PERIODS
 from .over_angle.collocation import CollocationSolution, panel_integrals
 from .over_angle.mesh import Indices, build_mesh, mesh_borders
-from .over_angle.refinement import cuts, interpolate_onto, stopping_panels
+from .over_angle.refinement import cuts, interpolate_onto, passed_corners, stopping_panels
 from .over_angle.segment import drive_torque, nearly_at_rest, place_at
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
 from .run import Run, allowed_error, energy_error, state_count
@@ -49,6 +50,7 @@ Mask = NDArray[np.bool_]
 AT_ONCE = 334  # scenarios in one array: more make it no faster, but take more memory
 MOST_KEPT = 24  # panels beyond those of the model that are taken over into the next period
 MOST_CUTS = 12  # most rounds of cutting panels; scenarios that need more are run alone
+FINE = 5e-11  # with a smaller tolerance of the panels, halving them resolves no corner of a drive's torque in these rounds
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -380,13 +382,16 @@ class BatchSolver:
         for _ in range(MOST_CUTS):
             solution = collocation.solve(driven, mesh, self.energy, guess, beside=beside)
             passed = running_sums(self.clock, solution.durations)
+            unfit = stopping_panels(solution)
+            if tolerance < FINE and driven.drive is not None:
+                unfit |= passed_corners(solution, driven.drive)
             # what follows the end of the run does not matter
-            self.alone |= going & (stopping_panels(solution) & (passed[:-1] < until)).any(axis=0)
+            self.alone |= going & (unfit & (passed[:-1] < until)).any(axis=0)
             which = np.flatnonzero(going & ~self.alone)
             if not len(which):
                 return solution, passed
             upto = int((passed[:-1, which] < until).any(axis=1).sum())
-            coarse = cuts(solution, upto, tolerance, which=slice(None) if len(which) == len(going) else which)
+            coarse = cuts(solution, upto, tolerance, driven.drive, slice(None) if len(which) == len(going) else which)
             if not len(coarse):
                 return solution, passed
             mesh = build_mesh(driven, self.anchor, self.direction, np.sort(np.concatenate([mesh.borders, coarse])))

@@ -252,7 +252,7 @@ def _periodic(driven: DrivenPress, mesh: Mesh, energy: Array, guess: Array, tole
         if stopping_panels(solution).any() or not solution.ends[0, 0] > 0:
             return None
         energy = solution.ends[0]
-        coarse = cuts(solution, len(mesh.kinds), 0.1 * tolerance, driven.corners)
+        coarse = cuts(solution, len(mesh.kinds), 0.1 * tolerance, driven.drive)
         if not len(coarse):
             return solution if _comes_back(solution) else None
         mesh = build_mesh(driven, mesh.start, mesh.direction, np.sort(np.concatenate([mesh.borders, coarse])))

@@ -503,10 +503,11 @@ class EventFinder:
     def _changed_before(
         self, margin: Callable[[int, float], float], since: float, before: list[float], first: tuple[int, float]
     ) -> tuple[int, float]:
-        """Index and time of a contact that changes shortly before the border at which its force ends; of the ``first`` event where none does.
+        """Index and time of a contact that changes shortly before the border at which it ends; of the ``first`` event where none does.
 
-        At such a border the law is zero, so that a change beside it shows at no place that was looked at: a stop's spring may push again
-        over the last depth, where its damper grows with a higher power of it, or the other way round. Other arguments as of `_located`.
+        At such a border the law is zero, so that a change beside it shows at no place that was looked at: a stop's spring may push
+        again over the last depth, where its damper grows with a higher power of it, or the other way round. Other arguments as of
+        `_located`.
         """
         which, when = first
         passed = self.events[which]

@@ -19,8 +19,10 @@ from support.time_limit import LIMIT, within
 
 import pinpress as pp
 from pinpress.simulation import batch
-from pinpress.simulation.batch import RunBatch
+from pinpress.simulation.batch import BatchSolver, RunBatch
+from pinpress.simulation.driven_press import driven_press
 from pinpress.simulation.over_angle import collocation
+from pinpress.simulation.over_angle.refinement import cuts
 
 pytestmark = pytest.mark.usefixtures("time_limit")
 
@@ -227,6 +229,35 @@ def test_other_presses(name):
         },
         {"speed": [fast, 1.1 * fast, -fast], "f": [1e4, 1e5, 3e4]},
     )
+
+
+INVERTER = pp.drives.Geared(pp.drives.InverterMotor(480.0, 1450 * pp.RPM, 45.0, inertia=1.2), 20.7)
+LOSSY = pp.drives.Geared(pp.drives.InductionMotor(75e3, 1485 * pp.RPM, inertia=1.2), 20.7, efficiency=0.95)
+
+
+@pytest.mark.parametrize("motor", [INVERTER, LOSSY], ids=["inverter", "gears_with_losses"])
+def test_drives_whose_torque_has_corners_are_solved_together_at_looser_tolerances(motor, monkeypatch):
+    """A motor that meets its limits, and gears whose motor drives and brakes, each scenario at other angles."""
+    press, inertias = texts.shipped("zxn2_3000b"), np.linspace(5e3, 7e3, 5)
+    how = {"speed": 70 * pp.RPM, "drive": motor, "loads": [pp.loads.DeepDrawing(1e6, 0.010)], "points": 30}
+    judges = {k: pp.simulate(press, 1.5, flywheel=pp.drives.Flywheel(float(inertias[k])), **how) for k in (0, 4)}
+    monkeypatch.setattr(batch, "simulate", None)  # none may be run alone
+    runs = pp.simulate_batch(press, 1.5, flywheel=pp.drives.Flywheel(inertias), tolerance=1e-8, **how)
+    speeds = runs.crank_speed
+    assert any(speeds.min() < corner < speeds.max() for corner in motor.corners)
+    for k, judge in judges.items():
+        np.testing.assert_allclose(runs.crank_angle[:, k], judge.crank_angle, rtol=0, atol=2e-8)
+
+
+def test_with_fine_tolerances_those_that_pass_a_corner_run_alone_at_once(monkeypatch):
+    """Halving panels would not resolve the corner; all others stay together."""
+    driven = driven_press(texts.shipped("zxn2_3000b"), LOSSY, pp.drives.Flywheel(6e3), [], None, None)
+    solver = BatchSolver(driven, 0.0, np.array([7.0, 7.5, 8.5]), np.array([0.0, 0.3]))
+    rounds = []
+    monkeypatch.setattr(batch, "cuts", lambda solution, *more: rounds.append(len(solution.mesh.kinds)) or cuts(solution, *more))
+    solver.run(1e-12)
+    np.testing.assert_array_equal(solver.alone, [False, False, True])
+    assert len(rounds) < batch.MOST_CUTS
 
 
 @pytest.mark.usefixtures("none_alone")

@@ -69,7 +69,7 @@ def test_a_panel_is_cut_where_the_crank_passes_a_corner_of_the_torque(press):
     assert solution.speed.min() < corner < solution.speed.max()
     count = len(solution.mesh.kinds)
     assert not len(refinement.cuts(solution, count, 1.0))
-    passed = refinement.cuts(solution, count, 1.0, driven.corners)
+    passed = refinement.cuts(solution, count, 1.0, driven.drive)
     assert len(passed)
     along = solution.mesh.angle.T.ravel()
     np.testing.assert_allclose(np.interp(passed, along, solution.speed[:, :, 0].T.ravel()), corner, rtol=1e-3)

@@ -192,7 +192,7 @@ class AngleSolver:
             stops = stopping and solution.speed_free and not to_rest
             if count == 0 and not stops:
                 return None
-            coarse = cuts(solution, count, self.tolerance, driven.corners) if count else np.zeros(0)
+            coarse = cuts(solution, count, self.tolerance, driven.drive) if count else np.zeros(0)
             if len(coarse):
                 borders = np.sort(np.concatenate([mesh.borders, coarse]))
             elif stops:  # only from panels that are right it is known where it stops

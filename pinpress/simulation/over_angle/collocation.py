@@ -353,7 +353,7 @@ def _prescribed(driven: DrivenPress, mesh: Mesh, inertia: Array, drive: Prescrib
     return CollocationSolution(
         mesh=mesh,
         energy=work,
-        ends=np.full((len(mesh.borders), 1), work.max()),
+        ends=0.5 * (mesh.inertia_ends[:, None] + driven.inertia) * drive.speed**2,
         speed=speed,
         force=total,
         driving=driving,

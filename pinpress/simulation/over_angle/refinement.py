@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...common.numerics import gauss_rule, horner, polynomial_root
 from ...common.products import product
 from ...common.quantities import Array
+from ...drives.protocol import Drive, corners_of
 from .collocation import FLOOR, LEAST, CollocationSolution
 from .forces import along_travel, along_travel_at_ends
 from .mesh import FROM_REST, SAME, STEADY, TO_REST, Indices, Mesh, PanelForce
@@ -35,31 +36,42 @@ def stopping_panels(solution: CollocationSolution) -> NDArray[np.bool_]:
     return np.asarray(found)
 
 
+def passed_corners(solution: CollocationSolution, drive: Drive) -> NDArray[np.bool_]:
+    """On which panels (p, S) the crank passes a corner of the drive's torque."""
+    speeds = _speeds_with_borders(solution)
+    lowest, highest = speeds.min(axis=0), speeds.max(axis=0)
+    found = np.zeros(lowest.shape, dtype=bool)
+    for corner, _ in corners_of(drive):
+        found |= (lowest < corner) & (corner < highest)
+    return found
+
+
 def cuts(
-    solution: CollocationSolution, upto: int, tolerance: float, corners: Sequence[float] = (), which: Indices | slice = slice(None)
+    solution: CollocationSolution, upto: int, tolerance: float, drive: Drive | None = None, which: Indices | slice = slice(None)
 ) -> Array:
     """Angles travelled at which to cut panels that do not resolve energy or time.
 
-    A polynomial's last terms tell what it misses; the errors of Gauss's rule are far smaller. A corner of a load's law that lies between a
-    panel's last node and its border shows at the border alone. Of a single scenario, panels are cut where
-    the crank passes a corner or a contact is lost; all others are cut in their middle.
+    A polynomial's last terms tell what it misses; the errors of Gauss's rule are far smaller. A corner of a law that lies between a panel's
+    last node and its border shows at the border alone. Of a single scenario, panels are cut where the crank passes a corner of the drive's
+    torque or a contact is lost; all others are cut in their middle.
 
     Args:
         solution: the solution.
         upto: panels from this index on are left as they are.
         tolerance: last terms accepted, as a share of the whole.
-        corners: speeds at which the drive's torque is not smooth [rad/s].
+        drive: whose torque may have corners; None: it has none.
         which: scenarios that count.
     """
     mesh = solution.mesh
+    corners = () if drive is None else corners_of(drive)
     least = max(tolerance, ROUNDED)
-    coarse = _coarse(solution, upto, least, which) | _bent_at_borders(solution, upto, least, which)
+    coarse = _coarse(solution, upto, least, which) | _bent_at_borders(solution, upto, least, drive if corners else None, which)
     bad = coarse & (np.diff(mesh.borders[: upto + 1]) > NARROWEST)
     if solution.stiffness.any():  # under a stiff drive an unresolved panel disturbs those that follow it
         bad[1:] &= (solution.stiffness[1:upto] <= LAYER) | ~bad[:-1]
     found = {panel: _cut_within(solution, panel) for panel in np.flatnonzero(bad).tolist()}
     if solution.ends.shape[1] == 1:
-        found |= _corners_passed(solution, upto, corners)
+        found |= _corners_passed(solution, upto, [float(np.ravel(speed)[0]) for speed, _ in corners])
         for force in mesh.forces:
             found |= {panel: at for panel, at in _contact_lost(solution, force) if panel < upto}
     return np.array(list(found.values()))
@@ -77,24 +89,35 @@ def _coarse(solution: CollocationSolution, upto: int, tolerance: float, which: I
     return np.asarray(missed(solution.force * solution.mesh.measure[:, :, None], highest) | missed(solution.slowness, taken))
 
 
-def _bent_at_borders(solution: CollocationSolution, upto: int, tolerance: float, which: Indices | slice) -> NDArray[np.bool_]:
-    """On which of the first panels (upto,) a load that depends on the velocity is not at the borders what its values at the nodes promise.
+def _bent_at_borders(
+    solution: CollocationSolution, upto: int, tolerance: float, drive: Drive | None, which: Indices | slice
+) -> NDArray[np.bool_]:
+    """On which of the first panels (upto,) a load that depends on the velocity, or the torque of a drive with corners, is not at a border
+    what its values at the nodes promise.
 
-    Where the law has a corner at a distance d from the border, and no node lies between, the load is wrong by a slope x d at the border, and
-    its work by half of that x d.
+    Where the law has a corner at a distance d from the border, and no node lies between, the force is wrong by a slope x d at the border,
+    and its work by half of that x d.
     """
     mesh, rule, found = solution.mesh, gauss_rule(), np.zeros(len(solution.mesh.kinds), dtype=bool)
-    if all(not force.interval.heeds_velocity for force in mesh.forces) or mesh.kinds.any():
+    loads = [force for force in mesh.forces if force.interval.heeds_velocity]
+    if mesh.kinds.any() or not (loads or drive is not None):
         return found[:upto]
     to_ends = np.array([(-1.0) ** np.arange(len(rule.nodes)), np.ones(len(rule.nodes))]) @ rule.legendre
     beside = 0.5 * (1.0 - float(rule.nodes[-1])) * mesh.measure[0]  # half the angle between a last node and the border
     accepted = tolerance * solution.ends[: upto + 1, which].max(axis=0)
-    for force in mesh.forces:
-        if force.interval.heeds_velocity:
-            nodes = along_travel(mesh, force, mesh.direction * solution.speed)
-            promised = product(to_ends, nodes.reshape(len(nodes), -1)).reshape(2, *nodes.shape[1:])
-            missed = np.abs(promised - along_travel_at_ends(mesh, force, _border_speeds(solution))).max(axis=0) * beside[force.panels, None]
-            found[force.panels] |= (missed[:, which] > accepted).any(axis=1)
+    speeds = _border_speeds(solution)
+
+    def look(panels: Indices, at_nodes: Array, at_ends: Array) -> None:
+        promised = product(to_ends, at_nodes.reshape(len(at_nodes), -1)).reshape(2, *at_nodes.shape[1:])
+        missed = np.abs(promised - at_ends).max(axis=0) * beside[panels, None]
+        found[panels] |= (missed[:, which] > accepted).any(axis=1)
+
+    for force in loads:
+        along = along_travel(mesh, force, mesh.direction * solution.speed)
+        look(force.panels, along, along_travel_at_ends(mesh, force, speeds))
+    if drive is not None:
+        torque = mesh.direction * drive.torque(speeds) + np.zeros_like(speeds)
+        look(np.arange(len(mesh.kinds)), solution.driving, np.stack([torque[:-1], torque[1:]]))
     return found[:upto]
 
 
@@ -115,12 +138,17 @@ def _border_speeds(solution: CollocationSolution) -> Array:
     return np.asarray(mesh.direction * np.sqrt(2 * np.maximum(solution.ends, 0.0) / inertia))
 
 
+def _speeds_with_borders(solution: CollocationSolution) -> Array:
+    """Speeds of the crank (q + 2, p, S) at the start of every panel, at its nodes and at its end."""
+    ends = _border_speeds(solution)
+    return np.concatenate([ends[None, :-1], solution.mesh.direction * solution.speed, ends[None, 1:]])
+
+
 def _corners_passed(solution: CollocationSolution, upto: int, corners: Sequence[float]) -> dict[int, float]:
     """Panels on which the crank passes one of the corners, and the place, even where that shows at no node."""
     mesh, found = solution.mesh, {}
     if corners:
-        ends = _border_speeds(solution)[:, 0]
-        speeds = np.concatenate([ends[None, :-1], mesh.direction * solution.speed[:, :, 0], ends[None, 1:]])[:, :upto]
+        speeds = _speeds_with_borders(solution)[:, :upto, 0]
         for corner in corners:
             for panel in np.flatnonzero((speeds.min(axis=0) < corner) & (speeds.max(axis=0) > corner)).tolist():
                 at = _place_of(mesh, panel, gauss_rule().polynomial(speeds[1:-1, panel]).tolist(), corner)
