@@ -90,7 +90,7 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option("--motor", metavar="KIND:KEYS", help="motor, see below: the page shows the steady state under it, with loads and flywheel, too")
     add_flywheel_option(parser, "with --motor, and with --speed-drop as an energy of the ratings")
     balance.add_balance_options(parser, required=False)
-    add_mount_options(parser, "the page shows its modes, and its vibration at this speed")
+    add_mount_options(parser, "the page shows its modes, and its vibration at this speed or in this motion")
     option("--pad", metavar="KEYS", help="the rubber pad at each mount, see below")
     help = "show the vibration of this point of the frame too, see below; may be given several times"
     option("--frame-point", type=frame_point, metavar="NAME:X,Y,Z", action="append", default=[], help=help)
@@ -123,10 +123,10 @@ def run(options: argparse.Namespace) -> int:
     _refuse_what_is_incomplete(options)
     press = load_press(options)
     _ = traced(press, options.trace)  # a wrong one is found before the work
-    if options.frame is not None:
-        press.refuse_sliding_driver("--frame shows the vibration over turns of a crank: leave it out")
-    acting, system = forces(options, press), mounted_press(options, press, options.pad)
-    motion = motion_of(press, options, options.speed, POINTS)
+    if options.frame is not None and options.motion is None:
+        press.refuse_sliding_driver("--frame shows the vibration over turns of a crank: leave it out, or give --motion")
+    acting, motion = forces(options, press), motion_of(press, options, options.speed, POINTS)
+    system = mounted_press(options, press, options.pad, motion=None if options.motion is None else motion)
     reactions = inverse_dynamics(press, motion, **acting)
     results = [*_results(press, reactions, acting, system, options)]
     before = None if options.before is None else press_before(options)
@@ -159,7 +159,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
     """Raise PinpressError where an option is given without the one that it belongs to."""
-    refuse_beside_motion(options, "nominal_force", "flywheel", "motor", "frame", "mount")
+    refuse_beside_motion(options, "nominal_force", "flywheel", "motor")
     beside = ratings.capacities_given(options)
     if options.nominal_force is None and beside:
         raise PinpressError(f"{beside[0]} is for the ratings: give --nominal-force too, the largest process force at any height")
@@ -208,13 +208,15 @@ def _results(
     if options.region:
         yield balance.balanced_by(press, [OperatingCondition(reactions.motion, loads)], options)
     if system is not None:
-        yield from _on_mounts(system, _resolved(system, reactions, acting), options)
+        yield from _on_mounts(system, _resolved(system, reactions, acting, options), options)
 
 
-def _resolved(system: MountedPress, reactions: Reactions, acting: Forces) -> Reactions:
+def _resolved(system: MountedPress, reactions: Reactions, acting: Forces, options: argparse.Namespace) -> Reactions:
     """The reactions over a period of as many states as the vibration needs: more than the page has where a blank breaks through."""
     from ..foundation.response import states_that_resolve  # seldom needed
 
+    if options.motion is not None:  # its states are those of the table
+        return reactions
     while len(reactions.motion.crank_angle) < (states := states_that_resolve(system, reactions)) <= MOST_STATES:
         motion = cycle(system.press, speed=float(reactions.motion.crank_speed[0]), points=states)
         reactions = inverse_dynamics(system.press, motion, **acting)
@@ -225,11 +227,11 @@ def _on_mounts(system: MountedPress, reactions: Reactions, options: argparse.Nam
     """What the frame on its mounts does."""
     from ..foundation.lifting import lifting_response  # seldom needed
     from ..foundation.mounted_press import modes
-    from ..foundation.response import steady_response
+    from ..foundation.response import steady_response, time_response
     from ..foundation.speed_response import over_speeds
     from ..foundation.whirl_modes import whirl
 
-    coordinate, top = system.press.driver_coordinates[0], abs(float(reactions.motion.crank_speed[0]))
+    coordinate, top = system.press.driver_coordinates[0], float(np.abs(reactions.motion.crank_speed).max())
     points = shown_points(system) | _frame_points(system, options.frame_point)
     speeds = None
     if options.speed_range is not None:
@@ -241,9 +243,12 @@ def _on_mounts(system: MountedPress, reactions: Reactions, options: argparse.Nam
     yield modes(system)
     if system.rotors:
         yield whirl(system, np.linspace(0.0, top, SPEEDS))
-    yield steady_response(system, reactions, points=points)
+    if options.motion is not None and options.period is None:
+        yield time_response(system, reactions, points=points)
+    else:
+        yield steady_response(system, reactions, points=points, period=options.period)
     if options.lift_off is not None:
-        yield lifting_response(system, reactions, points=points, strokes=options.lift_off)
+        yield lifting_response(system, reactions, points=points, strokes=options.lift_off, period=options.period)
     if speeds is not None:
         yield over_speeds(system, speeds, points=points)
 

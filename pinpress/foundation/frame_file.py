@@ -32,6 +32,7 @@ from ..common.quantities import Array
 from ..common.reading.cells import factor_to, read_rows
 from ..common.reading.entries import Entry, FileKind, read_entries
 from ..common.reading.matrices import is_market
+from ..kinematics.motion import Motion
 from ..linkage.linkage import Linkage
 from ..loads.mounts import Vector
 from .beams import FrameBeam, beam_frame
@@ -80,7 +81,7 @@ REMEDY = re.compile(r"[:;] (?=(?:give|leave|move|name|join|make|write|there are)
 
 
 @typed
-def read_mounted(press: Linkage, file: str | os.PathLike[str]) -> MountedPress:
+def read_mounted(press: Linkage, file: str | os.PathLike[str], *, motion: Motion | None = None) -> MountedPress:
     """Stand a press on its mounts as a file in YAML or JSON says.
 
     Keys of the top, of which the first two are needed; see the manual for those below them:
@@ -98,6 +99,7 @@ def read_mounted(press: Linkage, file: str | os.PathLike[str]) -> MountedPress:
     Args:
         press: the press that stands on it.
         file: path of the file.
+        motion: as of `mounted`.
 
     Raises:
         PinpressError: the file cannot be read, a key is unknown, missing or of no use, or as `mounted`; with file, line and keys.
@@ -118,7 +120,7 @@ def read_mounted(press: Linkage, file: str | os.PathLike[str]) -> MountedPress:
         listed = items["rotors"].list("a list, - {inertia: 136, axis: [0, -1, 0]}")
         parts["rotors"] = [_made(Rotor, _values(Rotor, each, {}), each) for each in listed]
     with _placed(top):
-        return mounted(press, **parts)
+        return mounted(press, **parts, motion=motion)
 
 
 def _frame(entry: Entry, folder: Path) -> Frame | ElasticFrame:

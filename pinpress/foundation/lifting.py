@@ -27,16 +27,17 @@ from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..common.results import Tabular
 from ..common.tables import Column
-from ..drives.transmission import Flywheel
 from ..dynamics.harmonics import is_cycle
 from ..dynamics.inverse_dynamics import Reactions
 from .mounted_press import MountedPress, quadrature
 from .response import (
     RESONANCE,
+    Flywheels,
     FrameMotion,
     Points,
     checked_spectrum,
     frame_wrench,
+    mean_speed,
     mount_constants,
     named_points,
     period_of,
@@ -110,7 +111,13 @@ class LiftingMotion(Tabular):
 
 @typed
 def lifting_response(
-    system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheel | None = None, strokes: int = 1
+    system: MountedPress,
+    reactions: Reactions,
+    *,
+    points: Points,
+    flywheel: Flywheels = None,
+    strokes: int = 1,
+    period: float | None = None,
 ) -> LiftingMotion:
     """The vibration over time where the mounts press and do not pull: feet that are not bolted down.
 
@@ -126,6 +133,7 @@ def lifting_response(
         points: as for `steady_response`.
         flywheel: as for `steady_response`.
         strokes: number of periods one after another, 1 to 10 000; 1 for what is no period.
+        period: as for `steady_response` [s].
 
     Raises:
         PinpressError: as `steady_response` or `time_response`; several strokes of what is no period; a mount that has no stiffness along z;
@@ -136,11 +144,11 @@ def lifting_response(
     """
     count = whole_number("strokes", strokes, 1, MOST_STROKES)
     wrench, placed, n = frame_wrench(system, reactions, flywheel), named_points(system, points), len(system.mass)
-    feet, interval = _Feet(system, float(reactions.motion.crank_speed.mean())), time_step(reactions.motion)
+    feet, interval = _Feet(system, mean_speed(system, reactions.motion)), time_step(reactions.motion)
     begin = np.zeros(2 * n)
-    if _is_period(reactions):
-        length, states = period_of(reactions.motion)
-        checked_spectrum(system, reactions, flywheel)
+    if _is_period(reactions, period):
+        length, states = period_of(reactions.motion, period)
+        checked_spectrum(system, reactions, flywheel, period)
         interval, wrench = length / states, np.vstack([np.tile(wrench[:states], (count, 1)), wrench[:1]])
         begin = _repeating(feet, np.vstack([wrench[:states], wrench[:1]]), interval)
     elif count > 1:
@@ -184,12 +192,12 @@ def motion_of_feet(system: MountedPress, coordinates: Array) -> Array:
     return np.asarray(coordinates @ system.mount_rows[:, FREE_FALL].T)
 
 
-def _is_period(reactions: Reactions) -> bool:
+def _is_period(reactions: Reactions, period: float | None) -> bool:
     """Whether a motion is one that `period_of` takes."""
     try:
-        period_of(reactions.motion)
+        period_of(reactions.motion, period)
     except PinpressError:
-        if is_cycle(reactions.motion):
+        if period is not None or is_cycle(reactions.motion):
             raise
         return False
     return True

@@ -38,7 +38,7 @@ from ..common.results import Tabular
 from ..common.tables import Column
 from ..dynamics.inverse_dynamics import on_frame
 from ..engines.joints import data_of
-from ..kinematics.motion import cycle
+from ..kinematics.motion import Motion, cycle, refuse_motion_of_another
 from ..linkage.linkage import Linkage
 from .elastic_frame import WHOLE, ElasticFrame
 from .frame_parts import (
@@ -196,6 +196,7 @@ def mounted(
     uprights: Sequence[Mount] = (),
     attached: Mapping[str, Attachment] | None = None,
     rotors: Sequence[Rotor] = (),
+    motion: Motion | None = None,
 ) -> MountedPress:
     """Stand a press on its mounts.
 
@@ -209,10 +210,13 @@ def mounted(
         uprights: columns between bed and crown, as springs.
         attached: name -> what stands on the frame, bolted on or on springs, such as the motor; None: nothing.
         rotors: what spins on the frame, such as flywheel and rotor of the motor. Their masses belong to the parts that carry them.
+        motion: over whose states the inertia of the links is averaged, in equal steps of time; None: one period at constant speed. Several
+            drivers need it, and have no rotors: give their flywheels to the responses.
 
     Raises:
         UnknownNameError: an attachment or a rotor is on a part that there is not, or an elastic frame carries a bearing that is none on it.
-        PinpressError: an argument is of another kind, the crank does not turn fully, the mounts leave the frame free to move, the weight
+        PinpressError: an argument is of another kind, the crank does not turn fully or there are several drivers and no motion is given,
+            the motion is of another press, several drivers have rotors, the mounts leave the frame free to move, the weight
             pulls at a mount, or the press tips over.
 
     Warns:
@@ -237,7 +241,11 @@ def mounted(
             raise PinpressError(f"attached has {shown(name)}: {shown(each)}: give an Attachment under a name other than {', '.join(own)}")
     if not isinstance(rotors, Sequence) or not all(isinstance(each, Rotor) for each in rotors):
         raise PinpressError(f"rotors is {shown(rotors)}: give a list of Rotor")
-    system = _assembled(press, frame, mounts, crown, tuple(uprights), attached or {}, tuple(rotors), press_inertia(press))
+    if rotors:
+        press.refuse_several_drivers(
+            "rotors spin with one crank; leave them out, and give flywheel={driver: Flywheel(...)} to the response"
+        )
+    system = _assembled(press, frame, mounts, crown, tuple(uprights), attached or {}, tuple(rotors), press_inertia(press, motion))
     for k, mount in enumerate(mounts):
         plausibility.point(f"mount {k + 1}: point", np.array(mount.point), press.size)
     along = press.model.gravity.linear / (float(np.linalg.norm(press.model.gravity.linear)) or 1.0)
@@ -265,20 +273,27 @@ def with_mounts(system: MountedPress, mounts: Sequence[Mount]) -> MountedPress:
 
 
 @typed
-def press_inertia(press: Linkage) -> Array:
-    """Mean spatial inertia of all links about the world origin over one period.
+def press_inertia(press: Linkage, motion: Motion | None = None) -> Array:
+    """Mean spatial inertia of all links about the world origin over one period, or over the states of a motion.
 
     Args:
-        press: a press with one driver, which turns fully.
+        press: a press with one driver, which turns fully; any press with a ``motion``.
+        motion: in equal steps of time; None: one period at constant speed.
 
     Returns:
         Spatial inertia (6, 6) in world axes, linear before angular [kg, kg m, kg m2].
 
     Raises:
-        PinpressError: the crank does not turn fully, or there are several drivers.
+        PinpressError: the crank does not turn fully or there are several drivers, and no motion is given; the motion is of another press.
     """
-    model, period = press.model, cycle(press, 1.0, points=POSES * (press.period_turns if press.driver_coordinates[0].turns else 1))
-    data = data_of(model)
+    model, data = press.model, data_of(press.model)
+    if motion is None:
+        press.refuse_several_drivers("the inertia of its links is the mean over their motion; give motion=servo_cycle(press, ...)")
+        period = cycle(press, 1.0, points=POSES * (press.period_turns if press.driver_coordinates[0].turns else 1))
+    else:
+        expect("motion", motion, Motion, "servo_cycle")
+        refuse_motion_of_another(press, motion)
+        period = motion
     total = np.zeros((6, 6))
     for q in period.q:
         pin.forwardKinematics(model, data, q)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..common import plausibility, tables
-from ..common.arguments import expect, finite_numbers, typed
+from ..common.arguments import expect, finite_numbers, number, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array, ComplexArray
@@ -37,36 +37,46 @@ SPARE = 1.1  # share by which more states are asked for than the decay of the ha
 SOLVED_AT_ONCE = 2**22  # entries of the matrices of harmonics that are solved together: 64 MB
 NOTHING = 1e-9  # a shaking force below this share of the weight is rounding
 EVEN = 1e-9  # the crank's speed is constant up to this relative difference
+UNEVEN = 0.05  # relative change of the crank's speed in a given period up to which rotors spin at its mean
+SAME_STEP = 1e-6  # relative difference up to which steps of time are equal
 SAME_SPEED = 1e-6  # relative difference up to which speeds at both ends of a period, or of flywheel and crank, are equal
 RESONANCE = "a harmonic meets a natural frequency that has no damping: give the mounts damping or a loss factor, or another speed"
 Points = Mapping[str, "ArrayLike | str | tuple[str, ArrayLike]"]
+Flywheels = Flywheel | Mapping[str, Flywheel] | None
 
 
 @typed
-def steady_response(system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
+def steady_response(
+    system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheels = None, period: float | None = None
+) -> FrameMotion:
     """The vibration over one period, after the initial vibration has died away.
 
     Gyroscopic moments of rotors are those at the mean speed.
 
     Args:
         system: the press on its mounts.
-        reactions: reactions of this press over one period at constant speed (`cycle`), or over one period of `steady_state`.
+        reactions: reactions of this press over one period at constant speed (`cycle`), or over one period of `steady_state`; with
+            ``period`` over that of any motion in equal steps of time, as `servo_cycle` makes them, of one driver or several.
         points: name -> (3,) point of the frame in world axes [m]. In a frame of two parts this is a point of the bed, and
             ("crown", (x, y, z)) one of the crown; ("motor", (x, y, z)) is one of the attachment of that name. Of
             an elastic frame it is a node of its model; the name of an interface, or (interface, (x, y, z)) for what moves with that.
         flywheel: flywheel on the crank's shaft; it matters where the speed changes. Its inertia is its angular momentum about the crank's
             axis divided by the crank's speed. For a flywheel on another shaft this is its inertia times the ratio of its speed to the
-            crank's, negative where it turns the other way.
+            crank's, negative where it turns the other way. Of several drivers a mapping of their names to their flywheels.
+        period: after which the motion begins again, where it is neither at constant speed nor a steady state [s].
 
     Raises:
         PinpressError: the reactions are of another press, the motion is no period, its states are too few for the shaking force, a point or
-            the flywheel is not as described, or a harmonic meets a natural frequency without damping.
+            the flywheel is not as described, or a harmonic meets a natural frequency without damping; rotors spin, whose speed changes
+            over the ``period``.
     """
     placed = named_points(system, points)
-    length, states = period_of(reactions.motion)
-    harmonics = checked_spectrum(system, reactions, flywheel)
+    length, states = period_of(reactions.motion, period)
+    if period is not None:
+        _refuse_uneven_rotors(system, reactions.motion)
+    harmonics = checked_spectrum(system, reactions, flywheel, period)
     frequency = np.linspace(0.0, 2 * np.pi / length * (len(harmonics) - 1), len(harmonics))
-    amplitude = displacement_amplitudes(system, frequency, harmonics, float(reactions.motion.crank_speed.mean()))
+    amplitude = displacement_amplitudes(system, frequency, harmonics, mean_speed(system, reactions.motion))
 
     def in_time(spectrum: ComplexArray) -> Array:
         return np.fft.irfft(spectrum, states, axis=0)
@@ -84,7 +94,7 @@ def steady_response(system: MountedPress, reactions: Reactions, *, points: Point
 
 
 @typed
-def time_response(system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheel | None = None) -> FrameMotion:
+def time_response(system: MountedPress, reactions: Reactions, *, points: Points, flywheel: Flywheels = None) -> FrameMotion:
     """The vibration over time of a frame that is at rest in its static position at first.
 
     A motion that begins at full speed hits the frame at rest; the vibration by this start dies away with the modes' damping.
@@ -285,31 +295,44 @@ class FrameMotion(Tabular):
 
 
 @typed
-def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel) -> Array:
-    """Moment of a flywheel on the frame, -J w' about the crank's axis.
+def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel | Mapping[str, Flywheel]) -> Array:
+    """Moment of flywheels on the frame, the sum of -J w' about the axis of each one's crank.
 
     Args:
-        press: a press whose driver joint is on the frame.
+        press: a press whose driver joints are on the frame.
         motion: a motion of this press.
-        flywheel: flywheel on the crank's shaft; for one on another shaft see `steady_response`.
+        flywheel: flywheel on the crank's shaft; for one on another shaft see `steady_response`. Of several drivers a mapping of the names
+            of drivers to their flywheels.
 
     Returns:
         (states, 3) moment in world axes [N m].
 
     Raises:
-        PinpressError: the flywheel has the inertias of several scenarios, the driver joint is not on the frame, or a clutch between
-            flywheel and crank slips.
+        PinpressError: a flywheel has the inertias of several scenarios, its driver joint slides or is not on the frame, no driver is named
+            where there are several, or a clutch between flywheel and crank slips.
+        UnknownNameError: there is no driver of that name.
     """
-    if np.ndim(flywheel.inertia):
-        raise PinpressError("flywheel has the inertias of several scenarios: give one inertia")
-    driver = press.driver_indices[0]
-    if press.model.parents[driver + 1] != 0:
-        raise PinpressError(
-            f"the driver joint {shown(press.driver)} is not on the frame: the moment of its flywheel has no fixed axis there"
-        )
+    if isinstance(flywheel, Flywheel):
+        press.refuse_several_drivers("flywheel names none of them; give flywheel={'" + press.drivers[0] + "': Flywheel(...)}")
+        flywheel = {press.driver: flywheel}
     _refuse_slip(motion)
-    axis = press.model.jointPlacements[driver + 1].rotation @ press.axes[driver].direction
-    return np.asarray(-float(flywheel.inertia) * motion.crank_acceleration[:, None] * axis)
+    accelerations = motion.crank_acceleration.reshape(len(motion.crank_acceleration), -1)
+    moment = np.zeros((len(accelerations), 3))
+    for name, wheel in flywheel.items():
+        if name not in press.drivers:
+            raise UnknownNameError("driver", name, press.drivers)
+        place = press.drivers.index(name)
+        joint = press.driver_indices[place]
+        expect(f"flywheel of {shown(name)}", wheel, Flywheel, "pp.drives.Flywheel(inertia=...)")
+        if np.ndim(wheel.inertia):
+            raise PinpressError("flywheel has the inertias of several scenarios: give one inertia")
+        if not press.driver_coordinates[place].turns:
+            raise PinpressError(f"the driver {shown(name)} slides, and a flywheel turns with a crank: leave it out")
+        if press.model.parents[joint + 1] != 0:
+            raise PinpressError(f"the driver joint {shown(name)} is not on the frame: the moment of its flywheel has no fixed axis there")
+        axis = press.model.jointPlacements[joint + 1].rotation @ press.axes[joint].direction
+        moment -= float(wheel.inertia) * accelerations[:, place, None] * axis
+    return moment
 
 
 def _reaction_of_rotors(system: MountedPress, motion: Motion) -> Array:
@@ -335,7 +358,20 @@ def _refuse_slip(motion: Motion) -> None:
             )
 
 
-def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> Array:
+def mean_speed(system: MountedPress, motion: Motion) -> float:
+    """Mean speed of the crank with which the rotors spin [rad/s]; 0 where nothing spins."""
+    return float(motion.crank_speed.mean()) if system.rotors else 0.0
+
+
+def _refuse_uneven_rotors(system: MountedPress, motion: Motion) -> None:
+    speed = motion.crank_speed
+    if system.gyroscopic.any() and np.ptp(speed) > UNEVEN * np.abs(speed).max():
+        raise PinpressError(
+            "the rotors change their speed over the period, and with it their moments: use time_response, or leave the rotors out"
+        )
+
+
+def frame_wrench(system: MountedPress, reactions: Reactions, flywheel: Flywheels) -> Array:
     """Forces (states, n) of the machine on the coordinates of the frame, less the weight at its mean place [N, N m].
 
     In a frame of two parts the loads on the frame act on the bed, and everything else on the crown; in one that bends, likewise at the
@@ -430,12 +466,12 @@ def checked_harmonics(harmonics: ComplexArray, states: int, size_of_all: float) 
     return harmonics
 
 
-def checked_spectrum(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> ComplexArray:
+def checked_spectrum(system: MountedPress, reactions: Reactions, flywheel: Flywheels, period: float | None) -> ComplexArray:
     """Harmonics (k, n) of the forces on the coordinates over a period, as `checked_harmonics` gives them and raises."""
-    return checked_harmonics(*_spectrum(system, reactions, flywheel))
+    return checked_harmonics(*_spectrum(system, reactions, flywheel, period))
 
 
-def states_that_resolve(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None = None) -> int:
+def states_that_resolve(system: MountedPress, reactions: Reactions, flywheel: Flywheels = None) -> int:
     """Number of states of the period that `steady_response` needs: that of these reactions, or more; see `states_enough`.
 
     Raises:
@@ -444,9 +480,11 @@ def states_that_resolve(system: MountedPress, reactions: Reactions, flywheel: Fl
     return states_enough(*_spectrum(system, reactions, flywheel))
 
 
-def _spectrum(system: MountedPress, reactions: Reactions, flywheel: Flywheel | None) -> tuple[ComplexArray, int, float]:
+def _spectrum(
+    system: MountedPress, reactions: Reactions, flywheel: Flywheels, period: float | None = None
+) -> tuple[ComplexArray, int, float]:
     """Harmonics of the wrench on the frame over a period, the number of its states, and the size of its forces [N], for `states_enough`."""
-    wrench, (_, states) = frame_wrench(system, reactions, flywheel), period_of(reactions.motion)
+    wrench, (_, states) = frame_wrench(system, reactions, flywheel), period_of(reactions.motion, period)
     return np.fft.rfft(wrench[:states], axis=0), states, max(float(np.abs(wrench).max()), float(np.abs(system.weight[:3]).max()))
 
 
@@ -517,7 +555,7 @@ def vibration_from_rest(system: MountedPress, wrench: Array, interval: float, mo
         PinpressError: the vibration is not finite.
     """
     n, speed = len(system.mass), motion.crank_speed
-    a, b = state_matrix(system, float(speed.mean())), np.vstack([np.zeros((n, n)), np.linalg.inv(system.mass)])
+    a, b = state_matrix(system, mean_speed(system, motion)), np.vstack([np.zeros((n, n)), np.linalg.inv(system.mass)])
     free, early, late = step_matrices(a, b, interval)
     driven = wrench[:-1] @ early.T + wrench[1:] @ late.T
     states, unsteady = np.zeros((len(wrench), 2 * n)), system.gyroscopic.any() and np.ptp(speed) > EVEN * np.abs(speed).max()
@@ -548,18 +586,25 @@ def step_matrices(a: Array, b: Array, interval: float) -> tuple[Array, Array, Ar
     return free, exponential[:n, n : n + m] - late, late
 
 
-def period_of(motion: Motion) -> tuple[float, int]:
+def period_of(motion: Motion, period: float | None = None) -> tuple[float, int]:
     """Length of the period of a motion [s], and the number of its states at equal intervals of time, the end left out.
 
+    Args:
+        motion: the motion.
+        period: its length, where it is given [s].
+
     Raises:
-        PinpressError: the motion is neither one period at constant speed nor one of a steady state.
+        PinpressError: the motion is neither one period at constant speed nor one of a steady state, and no period is given, or the states
+            do not reach to its end in equal steps.
     """
     states, speed = len(motion.crank_angle), motion.crank_speed
+    if period is not None:
+        return _given_period(motion, number("period", period, "s", positive=True))
     angle = 2 * np.pi * (motion.period_turns or 1)
     if is_cycle(motion):
         if np.ptp(speed) <= EVEN * np.abs(speed).max() and not motion.crank_acceleration.any():
             return angle / abs(float(speed[0])), states
-    elif isinstance(motion, Run):
+    elif isinstance(motion, Run) and speed.ndim == 1:  # several drivers have no one turn
         turned = abs(motion.crank_angle[-1] - motion.crank_angle[0])
         if (
             turned > 0.5 * angle
@@ -568,7 +613,20 @@ def period_of(motion: Motion) -> tuple[float, int]:
         ):
             return float(motion.time[-1] - motion.time[0]), states - 1
     raise PinpressError(
-        "the motion is no period: give one at constant speed (cycle without angle=) or one period of steady_state, or use time_response"
+        "the motion is no period: give one at constant speed (cycle without angle=) or one period of steady_state, say after which period="
+        " in s a motion over time begins again, or use time_response"
+    )
+
+
+def _given_period(motion: Motion, period: float) -> tuple[float, int]:
+    """`period_of` a motion over time that begins again after a period [s]; the state at its end may be there or not."""
+    step, states = time_step(motion), len(motion.crank_angle)
+    for count in (states, states - 1):
+        if abs(count * step - period) <= SAME_STEP * step:
+            return period, count
+    raise PinpressError(
+        f"period is {period:.10g} s, but the {states} states take {(states - 1) * step:.10g} s in steps of {step:.6g} s: give the motion over"
+        " one period in equal steps"
     )
 
 
@@ -579,7 +637,7 @@ def time_step(motion: Motion) -> float:
         PinpressError: there are fewer than two states, or they are not at equal intervals.
     """
     steps = np.diff(motion.time)
-    if not len(steps) or steps.min() <= 0 or np.ptp(steps) > 1e-6 * steps.mean():
+    if not len(steps) or steps.min() <= 0 or np.ptp(steps) > SAME_STEP * steps.mean():
         raise PinpressError("the states are not at equal intervals of time: give a run of simulate, or a motion with time= in equal steps")
     return float((motion.time[-1] - motion.time[0]) / len(steps))
 

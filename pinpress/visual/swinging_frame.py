@@ -17,6 +17,7 @@ from ..foundation.frame_parts import rows_at
 from ..foundation.mounted_press import MountedPress, VibrationModes
 from ..foundation.whirl_modes import WhirlDiagram
 from ..kinematics.motion import Poses, motion_through_change_points, poses
+from ..kinematics.servo_motion import servo_cycle
 from ..linkage.linkage import Linkage, is_same_press, told_apart
 from .deflected import SEEN, rotation_matrices
 from .pages import packed
@@ -58,7 +59,9 @@ def content(press: Linkage, modes: VibrationModes | WhirlDiagram, count: int, fr
     refuse_modes_of_another(press, system.press)
     shown = _modes(modes)[:count]
     keys = swing * swings + 1
-    motion = motion_through_change_points(press, np.zeros(keys), 0.0)
+    drawn = np.zeros((keys, len(press.drivers)))
+    several = len(press.drivers) > 1
+    motion = servo_cycle(press, drawn, speed=drawn) if several else motion_through_change_points(press, drawn[:, 0], 0.0)
     still, lines = poses(press, motion.joint_position), frame_lines(system)
     size = max(press.size, float(np.ptp(np.vstack([line.places for line in lines]), axis=0).max()))
     films = [_film(system, still, lines, mode, SEEN * size, 2 * np.pi * np.arange(keys) / swing) for mode in shown]

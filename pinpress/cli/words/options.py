@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ...foundation.mounted_press import MountedPress
+    from ...kinematics.motion import Motion
     from ...pin_table.building import DrawnPress
 
 FRAME_FILES = (".yaml", ".yml", ".json")
@@ -252,13 +253,16 @@ def add_mount_options(parser: argparse.ArgumentParser, what: str) -> None:
     option("--mount", metavar="KEYS", action="append", default=[], help="a mount below it, see below; may be given several times")
 
 
-def mounted_press(options: argparse.Namespace, press: Linkage, pad: str | None = None) -> MountedPress | None:
+def mounted_press(
+    options: argparse.Namespace, press: Linkage, pad: str | None = None, *, motion: Motion | None = None
+) -> MountedPress | None:
     """The press on its mounts, of `add_mount_options`; None where none are given.
 
     Args:
         options: those of `add_mount_options`.
         press: the press that stands on them.
         pad: what the rubber pad of each mount is; None for none.
+        motion: as of `mounted`.
 
     Raises:
         PinpressError: one is given without the other, or beside a file; as `part_specs`, `read_mounted` and `mounted`.
@@ -269,9 +273,9 @@ def mounted_press(options: argparse.Namespace, press: Linkage, pad: str | None =
     if _is_frame_file(options.frame):
         if options.mount or pad is not None:
             raise PinpressError(f"--{'mount' if options.mount else 'pad'}: the mounts stand in {options.frame}: leave it out")
-        return read_mounted(press, options.frame)
+        return read_mounted(press, options.frame, motion=motion)
     given = _frame_and_mounts(options, pad)
-    return None if given is None else mounted(press, *given)
+    return None if given is None else mounted(press, *given, motion=motion)
 
 
 def _rigid_frame(options: argparse.Namespace, press: Linkage) -> tuple[Frame | None, Sequence[Mount]]:

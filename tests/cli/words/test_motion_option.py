@@ -114,6 +114,25 @@ def test_report(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert deflected.deflection.max() < 0
 
 
+def test_report_on_mounts(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    corners = [f"{x}/{y}/-1.3" for x in (-0.5, 0.5) for y in (-0.5, 0.5)]
+    stands = ["--frame", "mass=6t,centre=0/0/-0.5,inertia=2500/2200/1500"]
+    stands += [word for corner in corners for word in ("--mount", f"point={corner},stiffness=2e6/2e6/4e6,damping=5e3/5e3/2e4")]
+    words = [*stands, "--lift-off", "2", "--modes", "m.html", "--out", "r.html"]
+    assert printed(capsys, "report", *MOTION, *words) == "wrote r.html and m.html\n"
+    (section,) = [each for each in data_in(Path("r.html"))["report"]["sections"] if each["title"] == "Vibration on the mounts"]
+    shown = {figure["name"]: figure["value"] for figure in section["blocks"][0]["figures"]}
+    press, motion = wanted()
+    places = [tuple(map(float, corner.split("/"))) for corner in corners]
+    mounts = [pp.foundation.Mount(place, (2e6, 2e6, 4e6), (5e3, 5e3, 2e4)) for place in places]
+    system = pp.foundation.mounted(press, pp.foundation.Frame(6e3, (0, 0, -0.5), (2500, 2200, 1500)), mounts, motion=motion)
+    found = pp.foundation.steady_response(system, pp.inverse_dynamics(press, motion), points={}, period=1.0)
+    value, unit = shown["least load on a mount"].split()
+    assert float(value) * {"N": 1.0, "kN": 1e3}[unit] == pytest.approx(found.least_load.min(), rel=1e-3)
+    assert printed(capsys, "report", "press.yaml", "--motion", "motion.csv", *stands, "--out", "r.html") == "wrote r.html\n"  # from rest
+    assert "one speed does not say how they move" in refused(capsys, "report", *MOTION, *words, "--speed-range", "10,20")
+
+
 def test_one_driver(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The crank swings to and fro; nothing is said of strokes a minute."""
     time = np.linspace(0.0, 1.0, 61)
