@@ -10,18 +10,20 @@ from typing import TYPE_CHECKING
 from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
-from ..common.quantities import RPM
-from ..dynamics.inputs import of_friction, of_loads, of_press, stated
+from ..common.quantities import RPM, DriverCoordinate
+from ..dynamics.inputs import motion_in_words, of_friction, of_loads, of_press, stated, written
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import process_summary
 from ..kinematics.motion import cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, StandingLoad
+from ..ratings.along_motion import rate_motion
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
 from .words import part_specs
+from .words.by_driver import by_driver, named
+from .words.motions import add_motion_options, motion_of, refuse_beside_motion, refuse_without_motion
 from .words.options import (
-    SPEED,
     add_flywheel_option,
     add_force_options,
     add_out_option,
@@ -32,7 +34,7 @@ from .words.options import (
     print_inputs,
     write_pictures,
 )
-from .words.units import driver_effort, driver_speed, quantity
+from .words.units import OfDriver, driver_effort, quantity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,13 +66,14 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     parser = commands.add_parser(
         "ratings",
         help="permissible force over the slide's height, energy, and highest speed",
-        description="Print the force that a press may exert at each height, limited by torque, bearings and energy, and its top speed.\n"
+        description="Print the force that a press may exert at each height, limited by torque, bearings and energy, and its top speed;\n"
+        "with --motion the force that it may exert in each state of that, limited by torques and bearings, of one driver or several.\n"
         "With --out also writes ratings.csv (SI units) and, where Matplotlib is installed, ratings.png.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     option = parser.add_argument
-    option("--speed", type=driver_speed, required=True, metavar="RPM", help=SPEED)
+    add_motion_options(parser)
     add_capacity_options(parser, required=True)
     add_flywheel_option(parser, "goes with --speed-drop")
     add_force_options(parser, stiffness=False)
@@ -78,9 +81,8 @@ def add(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     option(
         "--points",
         type=int,
-        default=POINTS_OF_STROKE,
         metavar="N",
-        help="number of crank angles in the working stroke (default: %(default)s)",
+        help=f"number of crank angles in the working stroke (default: {POINTS_OF_STROKE})",
     )
     add_press_options(parser)
     add_out_option(parser, "the files")
@@ -99,10 +101,13 @@ def run(options: argparse.Namespace) -> int:
     acting = loads(options)
     beside, process_loads = ([load for load in acting if isinstance(load, StandingLoad) == so] for so in (True, False))
     press = load_press(options)
+    if options.motion is not None:
+        return _along_motion(press, options, beside, process_loads)
+    refuse_without_motion(press, "one speed does not say how they move together")
     friction = part_specs.frictions(options.friction, press)
     coordinate = press.driver_coordinates[0]
     speed = options.speed.of(coordinate)
-    found = rated(press, options, beside, friction, points=options.points)
+    found = rated(press, options, beside, friction, points=POINTS_OF_STROKE if options.points is None else options.points)
     turns = press.period_turns if coordinate.turns else 1
     process = inverse_dynamics(press, cycle(press, speed, points=POINTS * turns), process_loads, bearings=()) if process_loads else None
     lines = [] if process is None else _process(press, process, found)
@@ -119,6 +124,37 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _along_motion(press: Linkage, options: argparse.Namespace, beside: Sequence[Load], process_loads: Sequence[Load]) -> int:
+    """Print the permissible force in a motion that is given, and write it; arguments as in `run`."""
+    others = [name for name in NUMBERS if name not in NOT_CAPACITIES]
+    refuse_beside_motion(options, "flywheel", "friction", "at_speed", *NOT_CAPACITIES, *(name.replace("-", "_") for name in others))
+    motion = motion_of(press, options, None)
+    efforts = _efforts(press, options)
+    capable = {name: effort.of(coordinate) for name, effort, coordinate in efforts}
+    bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
+    found = rate_motion(press, motion, Capacities(options.nominal_force, bearings=bearings, drivers=capable), loads=beside)
+    process = inverse_dynamics(press, motion, process_loads, bearings=()) if process_loads else None
+    lines = [] if process is None else process_summary(press, motion, process, found.utilisation(process), prescribed=True)
+    if options.out is not None:
+        make_folder(options.out)
+    print("\n".join([str(found), *lines]))
+    acting = [*beside, *process_loads]
+    limits = [("nominal force", written(options.nominal_force, "N"))]
+    limits += [(f"{coordinate.effort} {name}", written(capable[name], coordinate.effort_unit)) for name, _, coordinate in efforts]
+    limits += [(f"bearing {name}", written(force, "N")) for name, force in bearings.items()]
+    print_inputs([*of_press(press), ("motion", motion_in_words(motion)), *limits, *(of_loads(acting) if acting else []), stated()])
+    if options.out is not None:
+        found.to_csv(options.out / "ratings.csv")
+        print(f"\nwrote {options.out / 'ratings.csv'}")
+    return 0
+
+
+def _efforts(press: Linkage, options: argparse.Namespace) -> list[tuple[str, OfDriver, DriverCoordinate]]:
+    """Names of drivers with what --torque says of each, and their coordinates."""
+    given = by_driver(press, "--torque", options.torque, "=5e3")
+    return [(name, effort, press.driver_coordinates[press.drivers.index(name)]) for name, effort in given.items()]
+
+
 def add_capacity_options(parser: argparse.ArgumentParser, *, required: bool) -> None:
     """Options of `rated`; ``required``: whether a press is always rated."""
     option = parser.add_argument
@@ -127,9 +163,12 @@ def add_capacity_options(parser: argparse.ArgumentParser, *, required: bool) -> 
         option(f"--{name}", type=quantity(unit), metavar=value, help=words)
     option(
         "--torque",
-        type=driver_effort,
+        type=named(driver_effort),
+        action="append",
+        default=[],
         metavar="NM",
-        help="torque capacity at the driver joint, in place of --nominal-height; force capacity of a driver that slides [N]",
+        help="torque capacity at the driver joint, in place of --nominal-height; force capacity of a driver that slides [N]; of several"
+        " drivers A=NM, given several times",
     )
     option(
         "--bearing", action="append", default=[], metavar="NAME=N", help="largest force in a bearing or guide; may be given several times"
@@ -168,7 +207,7 @@ def rated(
     if flywheel is not None and options.speed_drop is not None:
         given["flywheel_inertia"] = flywheel.inertia
     coordinate = press.driver_coordinates[0]
-    torque = None if options.torque is None else options.torque.of(coordinate)
+    torque = next((effort.of(coordinate) for _, effort, coordinate in _efforts(press, options)), None)
     bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
     capacities = Capacities(options.nominal_force, bearings=bearings, torque=torque, **given)
     speed = options.speed.of(coordinate)

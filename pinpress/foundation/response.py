@@ -625,8 +625,8 @@ def _given_period(motion: Motion, period: float) -> tuple[float, int]:
         if abs(count * step - period) <= SAME_STEP * step:
             return period, count
     raise PinpressError(
-        f"period is {period:.10g} s, but the {states} states take {(states - 1) * step:.10g} s in steps of {step:.6g} s: give the motion over"
-        " one period in equal steps"
+        f"period is {period:.10g} s, but the {states} states take {(states - 1) * step:.10g} s in steps of {step:.6g} s: give the motion"
+        " over one period in equal steps"
     )
 
 

@@ -1,3 +1,5 @@
+from .along_motion import MotionRatings as MotionRatings
+from .along_motion import rate_motion as rate_motion
 from .eccentric_loads import Gibs as Gibs
 from .eccentric_loads import GuideReaction as GuideReaction
 from .eccentric_loads import eccentric_load as eccentric_load

@@ -47,10 +47,7 @@ GAUSS = np.polynomial.legendre.leggauss(3)  # nodes and weights, with which the 
 LOBATTO = np.array([-1.0, -math.sqrt(3 / 7), 0.0, math.sqrt(3 / 7), 1.0]), np.array([9.0, 49.0, 64.0, 49.0, 9.0]) / 90
 SETTLED = 1e-13  # share of the whole work: a step is not halved further where that changes its work by less
 MOST_HALVINGS = 40
-NO_RATINGS = (
-    "ratings are those of a press with one, whose position gives the height; compare the capacities with driving_torque and bearing_force"
-    " of inverse_dynamics under the process load, in the motion that the drivers make"
-)
+NO_RATINGS = "ratings are those of a press with one, whose position gives the height; rate_motion finds the force along their motion"
 UNITS = {
     "nominal_force": "N",
     "nominal_height": "m",
@@ -72,6 +69,8 @@ class Capacities(Frozen):
         nominal_height: height above bottom dead centre from which downwards the crank's torque permits the nominal force [m].
         torque: torque capacity at the driver joint, in place of the nominal height [N m]; of a driver that slides its force [N].
         bearings: name of a bearing or guide -> largest magnitude of the force in it, in a planar press the radial force [N].
+        drivers: name of a driver -> its torque capacity [N m], or the force capacity of one that slides [N], in place of ``torque``; for
+            `rate_motion`, of presses with several drivers.
         flywheel_inertia: moment of inertia of the flywheel reduced to the driver joint, without the linkage [kg m2].
         speed_drop: largest drop of the flywheel's speed in a stroke, divided by the speed [-]. It goes with the flywheel. Usual values are
             0.2 to 0.3 in single strokes and 0.1 to 0.15 in continuous ones.
@@ -89,18 +88,29 @@ class Capacities(Frozen):
     nominal_height: float | None = None
     torque: float | None = None
     bearings: Mapping[str, float] = field(default_factory=lambda: FrozenMapping({}))
+    drivers: Mapping[str, float] = field(default_factory=lambda: FrozenMapping({}))
     flywheel_inertia: float | None = None
     speed_drop: float | None = None
     motor_power: float | None = None
     slide_acceleration: float | None = None
     shaking_force: float | None = None
-    _effort_unit: str | None = field(default=None, init=False, repr=False, compare=False)  # of the torque, where it was given with one
+    # Units of the torque (None) and of capacities of drivers by their names, where they were given with one.
+    _effort_units: Mapping[str | None, str] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if is_quantity(self.torque):
-            unit = "N" if is_multiple(self.torque, "N") else "N m"
-            object.__setattr__(self, "torque", positive("torque", self.torque, unit))
-            object.__setattr__(self, "_effort_unit", unit)
+        if not isinstance(self.drivers, Mapping):
+            raise PinpressError(f"drivers is {shown(self.drivers)}: give a mapping of names to torques [N m], e.g. {{'A': 5e3}}")
+        efforts: dict[str | None, float | None] = {None: self.torque, **self.drivers}
+        units = {name: "N" if is_multiple(given, "N") else "N m" for name, given in efforts.items() if is_quantity(given)}
+        object.__setattr__(self, "_effort_units", FrozenMapping(units))
+        if None in units:
+            object.__setattr__(self, "torque", positive("torque", self.torque, units[None]))
+        capable = {
+            name: positive(f"the capacity of driver {shown(name)}", value, units.get(name, "N m")) for name, value in self.drivers.items()
+        }
+        object.__setattr__(self, "drivers", FrozenMapping(capable))
+        if self.drivers and self.torque is not None:
+            raise PinpressError("torque and drivers both state what the drivers bear: leave torque out")
         for name, unit in UNITS.items():
             value = getattr(self, name)
             if value is not None or name == "nominal_force":
@@ -134,11 +144,20 @@ class Capacities(Frozen):
         return found
 
 
-def refuse_other_effort(given: Capacities, coordinate: DriverCoordinate) -> None:
-    """Raise PinpressError where the torque was given in a unit that a driver with this coordinate does not have."""
-    if given._effort_unit not in (None, coordinate.effort_unit):
+def refuse_other_effort(given: Capacities, coordinate: DriverCoordinate, driver: str | None = None) -> None:
+    """Raise PinpressError where the torque, or the capacity of a named driver, was given in a unit that a driver with this coordinate does
+    not have."""
+    unit = given._effort_units.get(driver)
+    if unit not in (None, coordinate.effort_unit):
+        what = "torque" if driver is None else f"the capacity of driver {shown(driver)}"
         moves = "turns" if coordinate.turns else "slides"
-        raise PinpressError(f"torque is given in {given._effort_unit}, but the driver {moves}: give it in {coordinate.effort_unit}")
+        raise PinpressError(f"{what} is given in {unit}, but the driver {moves}: give it in {coordinate.effort_unit}")
+
+
+def refuse_by_driver(given: Capacities) -> None:
+    """Raise PinpressError where capacities are given by drivers, which only `rate_motion` takes."""
+    if given.drivers:
+        raise PinpressError("drivers states capacities along a motion, see rate_motion: give that of the one driver as torque")
 
 
 def capacities_in_words(given: Capacities, coordinate: DriverCoordinate) -> Inputs:
@@ -436,7 +455,7 @@ def governing_limits(rated: RatedStroke, points: int) -> GoverningLimits:
     height = rated.capacities.nominal_height
     marks = [] if height is None else [angle_at(rated, "nominal_height", height)]
     angle = _in_order(rated, np.concatenate([np.linspace(rated.top, rated.bottom, points), marks]))
-    names = _governing(_capped(rated, angle))
+    names = governing_names(_capped(rated, angle))
     next_names: dict[float, str] = {}
     for k in range(len(angle) - 1):
         if names[k] != names[k + 1]:
@@ -444,7 +463,7 @@ def governing_limits(rated: RatedStroke, points: int) -> GoverningLimits:
     every = _in_order(rated, np.concatenate([angle, list(next_names)]))
     forces = _capped(rated, every)
     # At a change two limits permit equal forces up to rounding, which must not decide which of them governs.
-    governing = tuple(next_names.get(float(at), name) for at, name in zip(every, _governing(forces), strict=True))
+    governing = tuple(next_names.get(float(at), name) for at, name in zip(every, governing_names(forces), strict=True))
     return GoverningLimits(every, forces, governing, tuple(k for k, at in enumerate(every) if float(at) in next_names))
 
 
@@ -649,7 +668,7 @@ def _changes(rated: RatedStroke, first: str, second: str, low: float, high: floa
     """Crank angles between two at which another limit begins to govern, and that limit: the second one at last, others may come between."""
     at = _crossing(rated, first, second, low, high)
     forces = _capped(rated, np.array([at]))
-    (least,) = _governing(forces)
+    (least,) = governing_names(forces)
     if at not in (low, high) and forces[least][0] < (1 - TIE) * min(forces[first][0], forces[second][0]):
         yield from _changes(rated, first, least, low, at)
         yield from _changes(rated, least, second, at, high)
@@ -678,7 +697,7 @@ def _capped(rated: RatedStroke, angle: Array) -> dict[str, Array]:
     return {name: np.minimum(force, rated.capacities.nominal_force) for name, force in permitted_forces(rated, rated.motion(angle)).items()}
 
 
-def _governing(forces: Mapping[str, Array]) -> tuple[str, ...]:
-    """Name of the limit with the smallest force at every height, and of those that are equal but for rounding the first."""
+def governing_names(forces: Mapping[str, Array]) -> tuple[str, ...]:
+    """Name of the limit with the smallest force in every state, and of those that are equal but for rounding the first."""
     names, limits = list(forces), np.array(list(forces.values()))
     return tuple(names[k] for k in np.argmax(limits <= (1 + TIE) * limits.min(axis=0), axis=0))

@@ -30,6 +30,7 @@ from .permissible_force import (
     known_bearings,
     permitted_work,
     rated_stroke,
+    refuse_by_driver,
     refuse_other_effort,
     refuse_overloaded_idle,
     refuse_unrated,
@@ -230,6 +231,7 @@ def rate(
     """
     known_bearings(capacities, press)
     press.refuse_several_drivers(NO_RATINGS)
+    refuse_by_driver(capacities)
     refuse_other_effort(capacities, press.driver_coordinates[0])
     turning = press.driver_coordinates[0].turns
     speed, points = _speed(speed, turning), whole_number("points", points, 3, MOST_POINTS)

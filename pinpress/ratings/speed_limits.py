@@ -25,7 +25,17 @@ from ..kinematics.slide_path import stroke_turns
 from ..linkage.linkage import Linkage
 from ..loads.link import Load
 from ..loads.process import ProcessLoad
-from .permissible_force import BEARING, NO_RATINGS, TORQUE, Capacities, known_bearings, largest_factor, refuse_other_effort, without_masses
+from .permissible_force import (
+    BEARING,
+    NO_RATINGS,
+    TORQUE,
+    Capacities,
+    known_bearings,
+    largest_factor,
+    refuse_by_driver,
+    refuse_other_effort,
+    without_masses,
+)
 
 SHAKING, ACCELERATION = "shaking force", "slide acceleration"
 STATES = 360  # states of a turn at which every limit is evaluated first
@@ -91,6 +101,7 @@ def speed_limit(
     press.refuse_sliding_driver(
         "the highest constant speed is that of a crank; ratings.rate(press, speed, capacities, at_speed=True) says whether a speed may be"
     )
+    refuse_by_driver(capacities)
     refuse_other_effort(capacities, press.driver_coordinates[0])
     if torque is not None:
         torque = positive("torque", torque, "N m")

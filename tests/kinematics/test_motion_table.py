@@ -109,7 +109,7 @@ def test_what_one_driver_has_is_refused_with_a_remedy() -> None:
         (lambda: pp.dead_centres(press), "see the lowest state of their motion"),
         (lambda: pp.steady_state(press, 1.0, drive=pp.drives.ConstantTorque(1.0)), "let it run with simulate"),
         (lambda: pp.simulate_batch(press, 1.0, speed=[1.0, 2.0]), "call simulate for each"),
-        (lambda: pp.ratings.rate(press, 1.0, pp.ratings.Capacities(1e6)), "compare the capacities with driving_torque"),
+        (lambda: pp.ratings.rate(press, 1.0, pp.ratings.Capacities(1e6)), "rate_motion finds the force along their motion"),
         (lambda: pp.inverse_dynamics(press, motion, loads=[blanking]), "give datum=, a slide position [m]"),
         (lambda: pp.measures.driving_energy(pp.inverse_dynamics(press, motion)), "driving_torque * crank_speed"),
         (lambda: pp.measures.duty_cycle(pp.simulate(press, 1e-3, speed=[1.0, 0.5])), "see drive_torque, drive_speed and drive_work"),

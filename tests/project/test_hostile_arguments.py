@@ -63,6 +63,7 @@ MADE |= {
 }
 MADE |= {
     "PressRatings",
+    "MotionRatings",
     "Reactions",
     "Run",
     "DeflectedSlide",

@@ -13,7 +13,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.loads.process import ConstantForce
-from pinpress.ratings.permissible_force import Capacities, _governing, largest_factor
+from pinpress.ratings.permissible_force import Capacities, governing_names, largest_factor
 from pinpress.ratings.rating import rate
 
 SPEED = 90 * pp.RPM
@@ -189,10 +189,10 @@ def test_the_nominal_height_is_listed_once():
 def test_of_limits_that_are_equal_but_for_rounding_the_first_governs():
     least = np.array([1e5, 2e5, np.inf])
     limits = {"nominal force": least, "torque": least * (1 - 1e-15), "bearing A": least - np.array([0.0, 1.0, 0.0])}
-    assert _governing(limits) == ("nominal force", "bearing A", "nominal force")
+    assert governing_names(limits) == ("nominal force", "bearing A", "nominal force")
 
 
-def test_where_the_governing_limit_changes_two_permit_the_same():
+def test_where_thegoverning_names_limit_changes_two_permit_the_same():
     capacities = Capacities(3e6, nominal_height=0.013, bearings={"A": 1.2e6, "D": 4e6}, flywheel_inertia=6000, speed_drop=0.3)
     coarse, fine = (rate(shipped("zxn2_3000b"), 70 * pp.RPM, capacities, points=n) for n in (31, 301))
     assert len(coarse.changes) >= 2

@@ -383,6 +383,7 @@ def made():
             CAPACITIES,
             pp.ratings.rate(press(), SPEED, CAPACITIES, points=9),
             pp.ratings.speed_limit(press(), CAPACITIES),
+            pp.ratings.rate_motion(press(), pp.cycle(press(), 1.0, points=9), pp.ratings.Capacities(1e5, drivers={"O": 5e4})),
             pp.ratings.Gibs(0.3, 0.1),
         ),
         pp.ratings.eccentric_load(

@@ -114,6 +114,23 @@ def test_report(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert deflected.deflection.max() < 0
 
 
+def test_ratings(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--nominal-force", "300kN", "--torque", "A=9kNm", "--torque", "B=1e4", "--bearing", "S=290kN"]
+    text = printed(capsys, "ratings", *MOTION, *words, "--load", "drawing:force=100kN,start=20mm,datum=-975mm", "--out", "out")
+    press, motion = wanted()
+    given = pp.ratings.Capacities(3e5, drivers={"A": 9e3, "B": 1e4}, bearings={"S": 2.9e5})
+    found = pp.ratings.rate_motion(press, motion, given)
+    assert str(found) in text
+    assert ["torque", "B", "10000", "N", "m"] in [line.split() for line in text.splitlines()]
+    process = pp.inverse_dynamics(press, motion, loads=[pp.loads.DeepDrawing(1e5, 0.02, datum=-0.975)])
+    assert f"of the permissible force         {100 * found.utilisation(process).max():.2f} %" in text
+    assert Path("out/ratings.csv").read_text(encoding="utf-8").startswith("time [s],crank_angle_A [rad],crank_angle_B [rad],")
+    limit = ["ratings", *MOTION, "--nominal-force", "300kN"]
+    assert "write e.g. --torque A=5e3" in refused(capsys, *limit, "--torque", "9e3")
+    assert "--nominal-height is for a press at constant speed" in refused(capsys, *limit, "--nominal-height", "3mm")
+    assert "give --motion FILE" in refused(capsys, "ratings", "press.yaml", "--speed", "30", "--nominal-force", "300kN")
+
+
 def test_report_on_mounts(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     corners = [f"{x}/{y}/-1.3" for x in (-0.5, 0.5) for y in (-0.5, 0.5)]
     stands = ["--frame", "mass=6t,centre=0/0/-0.5,inertia=2500/2200/1500"]

@@ -1173,6 +1173,17 @@ def calls() -> dict[str, Call]:
             },
         ),
         (
+            "rate_motion",
+            pp.ratings.rate_motion,
+            lambda: {
+                "press": press(),
+                "motion": motion(),
+                "capacities": pp.ratings.Capacities(1e5, drivers={"O": 1e6}),
+                "loads": [],
+                "engine": "auto",
+            },
+        ),
+        (
             "speed_limit",
             pp.ratings.speed_limit,
             lambda: {

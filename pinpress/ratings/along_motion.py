@@ -1,0 +1,211 @@
+"""The process force that a press may exert along a motion that is given, of one driver or several, such as that of two servo motors.
+
+In a state of the motion all reactions are affine in the process force F: R = R0 + F R1. R0 are those of the press with its weights, inertia
+forces and springs in this motion, R1 those of its links without mass to a force of 1 N. |R0 + F R1| = C gives the force that a capacity C
+permits, see `permissible_force`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..common import tables
+from ..common.arguments import expect, typed
+from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.frozen import FrozenMapping, read_only
+from ..common.quantities import Array
+from ..common.results import Tabular
+from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..kinematics.motion import Motion, refuse_motion_of_another
+from ..linkage.linkage import Linkage, OfPress
+from ..loads.link import Load, PointForce
+from .permissible_force import (
+    BEARING,
+    NOMINAL,
+    Capacities,
+    governing_names,
+    known_bearings,
+    largest_factor,
+    refuse_other_effort,
+    refuse_unrated,
+    without_masses,
+)
+
+ROWS = 16  # rows of the table of states, beside that of the least force
+INSTEAD = {
+    "nominal_height": "there is no one bottom dead centre; give torques, drivers={...}",
+    "flywheel_inertia": "there is no one stroke that takes energy; see driving_torque * crank_speed of inverse_dynamics",
+    "motor_power": "see driving_torque * crank_speed of inverse_dynamics",
+    "slide_acceleration": "compare it with slide_acceleration of the motion",
+    "shaking_force": "compare it with shaking_force of inverse_dynamics",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionRatings(OfPress, Tabular):
+    """The process force that a press may exert in each of the n states of a motion. All arrays are read-only.
+
+    A process force presses on the slide along its guide, upwards in an upright press, as the process does on the way down.
+
+    Attributes:
+        press_name: name of the press.
+        capacities: capacities as they were given.
+        motion: the motion.
+        loads: springs, balance cylinders and constant forces that act beside the process, as they were given.
+        force: (n,) permissible process force, the smallest that a limit permits [N].
+        limits: name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
+            "torque A" or, of a driver that slides, "driving force A", with the drivers' names, and "bearing NAME".
+        limited_by: (n,) name of the limit that governs.
+    """
+
+    _press: Linkage
+    capacities: Capacities
+    motion: Motion
+    loads: tuple[Load, ...]
+    force: Array
+    limits: Mapping[str, Array]
+    limited_by: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        return f"MotionRatings of {self.press_name}: {len(self.force)} states, at least {self.force.min():.6g} N"
+
+    @property
+    def _pictured(self) -> tuple[str, ...]:
+        return "slide_position [m]", "force [N]"
+
+    def __str__(self) -> str:
+        """The least permissible force, and some states with what limits it there."""
+        least = int(self.force.argmin())
+        some = sorted({least, *np.linspace(0, len(self.force) - 1, ROWS).round().astype(int).tolist()})
+        rows = [["state", "slide position [mm]", "velocity [m/s]", "force [kN]", "limited by"]]
+        for k in some:
+            position, velocity = 1e3 * self.motion.slide_position[k], self.motion.slide_velocity[k]
+            rows.append(
+                [self.motion.place(k), f"{position:.3f}", f"{velocity:.4f}", f"{self.force[k] / 1e3:.2f}", self.limited_by[k]],
+            )
+        return "\n".join(
+            [
+                f"{self.press_name}, permissible process force in this motion, beside weights and inertia forces",
+                tables.entry("least of all states", f"{self.force[least] / 1e3:.6g}", "kN", f"at {self.motion.place(least)}"),
+                "",
+                *tables.fitted(rows),
+            ]
+        )
+
+    def utilisation(self, reactions: Reactions) -> Array:
+        """(n,) process force of reactions divided by the permissible force in the same state [-], read-only: 1 where the press is used up,
+        above 1 where it is overloaded.
+
+        Args:
+            reactions: reactions of the same press to the same motion under process loads.
+
+        Raises:
+            PinpressError: the reactions are of another press or another motion.
+        """
+        expect("reactions", reactions, Reactions, "inverse_dynamics")
+        given, mine = reactions.motion, self.motion
+        if reactions._press.name != self.press_name:
+            raise PinpressError(
+                f"the reactions are of {reactions._press.name}, the ratings of {self.press_name}: give those of the same press"
+            )
+        if not all(np.array_equal(getattr(given, name), getattr(mine, name)) for name in ("joint_position", "v", "a")):
+            raise PinpressError("the reactions are of another motion: give inverse_dynamics(press, ratings.motion, loads)")
+        return read_only(reactions.process_force / self.force)
+
+    def columns(self) -> dict[str, Array | list[str]]:
+        """A row for each state: time and drivers, the slide, the permissible force, and what each limit permits."""
+        motion = self.motion
+        return {
+            **{name: column for name, column in motion.columns().items() if name == "time [s]"},
+            **motion.position_columns(),
+            "slide_position [m]": motion.slide_position,
+            "slide_velocity [m/s]": motion.slide_velocity,
+            "force [N]": self.force,
+            "limited_by": list(self.limited_by),
+            **{f"{name} [N]": force for name, force in self.limits.items()},
+        }
+
+
+@typed
+def rate_motion(
+    press: Linkage, motion: Motion, capacities: Capacities, *, loads: Sequence[Load] = (), engine: str = "auto"
+) -> MotionRatings:
+    """Find the process force that a press may exert in each state of a motion, beside weights and inertia forces.
+
+    It serves servo presses and presses with several drivers, each of which has a capacity of its own; `rate` is for a crank at constant
+    speed. Friction is left out: compare torques and bearing forces of `inverse_dynamics` with the capacities where it counts.
+
+    Args:
+        press: a press with a slide.
+        motion: a motion of this press, of `servo_cycle`, `read_motion`, `simulate` or `cycle`.
+        capacities: the nominal force, capacities of the drivers (``drivers``; ``torque`` where there is one) and of bearings.
+        loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, which act beside the process.
+        engine: as in `cycle`.
+
+    Raises:
+        PinpressError: the press has no slide, the motion is of another press, a capacity is none of a motion or in a unit that the driver
+            does not have, a load is a process load, or the press exceeds a capacity without a process, in the state that is named.
+        UnknownNameError: the press has no such driver, bearing or link.
+        SingularityError: the linkage locks in a state.
+    """
+    expect("motion", motion, Motion, "servo_cycle")
+    bearings, torques = known_bearings(capacities, press), _of_drivers(press, capacities)
+    refuse_unrated(press, loads, {}, at_speed=True)
+    refuse_motion_of_another(press, motion)
+    _ = press.slide_guide  # which refuses a press without a slide
+    idle = inverse_dynamics(press, motion, loads, engine=engine, bearings=bearings)
+    pushed = [PointForce(str(press.slide), press.slide_direction)]
+    unit = inverse_dynamics(without_masses(press), motion, pushed, engine=engine, bearings=bearings)
+    limits = {NOMINAL: np.full(len(motion.crank_angle), capacities.nominal_force)}
+    for name, capacity in torques.items():
+        column = press.drivers.index(name)
+        coordinate = press.driver_coordinates[column]
+        before, slope = (each.driving_torque.reshape(len(motion.crank_angle), -1)[:, [column]] for each in (idle, unit))
+        _refuse_exceeded(motion, before, capacity, f"the driving {coordinate.effort} of {shown(name)}", coordinate.effort_unit)
+        limits[f"{'torque' if coordinate.turns else 'driving force'} {name}"] = largest_factor(before, slope, capacity)
+    for name in bearings:
+        before, slope, capacity = idle.bearing_force[name], unit.bearing_force[name], capacities.bearings[name]
+        _refuse_exceeded(motion, before, capacity, f"the force in bearing {shown(name)}", "N")
+        limits[BEARING + name] = largest_factor(before, slope, capacity)
+    capped = {name: read_only(np.minimum(force, capacities.nominal_force)) for name, force in limits.items()}
+    return MotionRatings(
+        _press=press,
+        capacities=capacities,
+        motion=motion,
+        loads=tuple(loads),
+        force=read_only(np.min(list(capped.values()), axis=0)),
+        limits=FrozenMapping(capped),
+        limited_by=governing_names(capped),
+    )
+
+
+def _of_drivers(press: Linkage, capacities: Capacities) -> dict[str, float]:
+    """Capacities of drivers by their names; raises as `rate_motion` where capacities are none of a motion."""
+    for name, instead in INSTEAD.items():
+        if getattr(capacities, name) is not None:
+            raise PinpressError(f"{name} is no capacity of a motion that is given: {instead}")
+    if capacities.torque is not None:
+        first = press.drivers[0]
+        press.refuse_several_drivers(f"torque names none of them; give drivers={{{first!r}: {capacities.torque:g}}}")
+        refuse_other_effort(capacities, press.driver_coordinates[0])
+        return {press.driver: capacities.torque}
+    for name in capacities.drivers:
+        if name not in press.drivers:
+            raise UnknownNameError("driver", name, press.drivers)
+        refuse_other_effort(capacities, press.driver_coordinates[press.drivers.index(name)], name)
+    return {name: capacities.drivers[name] for name in press.drivers if name in capacities.drivers}
+
+
+def _refuse_exceeded(motion: Motion, before: Array, capacity: float, what: str, unit: str) -> None:
+    """Raise PinpressError where a reaction (n, k) exceeds its capacity without a process."""
+    size = np.linalg.norm(before, axis=1)
+    worst = int(size.argmax())
+    if size[worst] > capacity:
+        raise PinpressError(
+            f"{what} is {size[worst]:.6g} {unit} at {motion.place(worst)} without a process, but the capacity is {capacity:.6g} {unit}:"
+            " move more slowly, or raise the capacity"
+        )
