@@ -121,7 +121,7 @@ def test_ratings(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     given = pp.ratings.Capacities(3e5, drivers={"A": 9e3, "B": 1e4}, bearings={"S": 2.9e5})
     found = pp.ratings.rate_motion(press, motion, given)
     assert str(found) in text
-    assert ["torque", "B", "10000", "N", "m"] in [line.split() for line in text.splitlines()]
+    assert ["torque", "B", "10", "kN", "m"] in [line.split() for line in text.splitlines()]
     process = pp.inverse_dynamics(press, motion, loads=[pp.loads.DeepDrawing(1e5, 0.02, datum=-0.975)])
     assert f"of the permissible force         {100 * found.utilisation(process).max():.2f} %" in text
     assert Path("out/ratings.csv").read_text(encoding="utf-8").startswith("time [s],crank_angle_A [rad],crank_angle_B [rad],")
