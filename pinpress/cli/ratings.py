@@ -127,22 +127,24 @@ def run(options: argparse.Namespace) -> int:
 def _along_motion(press: Linkage, options: argparse.Namespace, beside: Sequence[Load], process_loads: Sequence[Load]) -> int:
     """Print the permissible force in a motion that is given, and write it; arguments as in `run`."""
     others = [name for name in NUMBERS if name not in NOT_CAPACITIES]
-    refuse_beside_motion(options, "flywheel", "friction", "at_speed", *NOT_CAPACITIES, *(name.replace("-", "_") for name in others))
+    refuse_beside_motion(options, "flywheel", "at_speed", *NOT_CAPACITIES, *(name.replace("-", "_") for name in others))
     motion = motion_of(press, options, None)
-    efforts = _efforts(press, options)
+    efforts, friction = _efforts(press, options), part_specs.frictions(options.friction, press)
     capable = {name: effort.of(coordinate) for name, effort, coordinate in efforts}
     bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
-    found = rate_motion(press, motion, Capacities(options.nominal_force, bearings=bearings, drivers=capable), loads=beside)
+    capacities = Capacities(options.nominal_force, bearings=bearings, drivers=capable)
+    found = rate_motion(press, motion, capacities, loads=beside, friction=friction)
     process = inverse_dynamics(press, motion, process_loads, bearings=()) if process_loads else None
     lines = [] if process is None else process_summary(press, motion, process, found.utilisation(process), prescribed=True)
     if options.out is not None:
         make_folder(options.out)
     print("\n".join([str(found), *lines]))
     acting = [*beside, *process_loads]
+    under = [*(of_loads(acting) if acting else []), *(of_friction(friction) if friction else [])]
     limits = [("nominal force", written(options.nominal_force, "N"))]
     limits += [(f"{coordinate.effort} {name}", written(capable[name], coordinate.effort_unit)) for name, _, coordinate in efforts]
     limits += [(f"bearing {name}", written(force, "N")) for name, force in bearings.items()]
-    print_inputs([*of_press(press), ("motion", motion_in_words(motion)), *limits, *(of_loads(acting) if acting else []), stated()])
+    print_inputs([*of_press(press), ("motion", motion_in_words(motion)), *limits, *under, stated()])
     if options.out is not None:
         found.to_csv(options.out / "ratings.csv")
         print(f"\nwrote {options.out / 'ratings.csv'}")

@@ -2,29 +2,36 @@
 
 In a state of the motion all reactions are affine in the process force F: R = R0 + F R1. R0 are those of the press with its weights, inertia
 forces and springs in this motion, R1 those of its links without mass to a force of 1 N. |R0 + F R1| = C gives the force that a capacity C
-permits, see `permissible_force`.
+permits. With friction |R| still crosses C once, which is found by Newton's method; see `permissible_force`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..common import tables
 from ..common.arguments import expect, typed
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import FrozenMapping, read_only
+from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..common.results import Tabular
-from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
+from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage, OfPress
-from ..loads.link import Load, PointForce
+from ..loads.link import Friction, Load, PointForce
 from .permissible_force import (
     BEARING,
+    BESIDE,
+    FURTHEST,
     NOMINAL,
+    SAME,
+    TIE,
     Capacities,
     governing_names,
     known_bearings,
@@ -55,6 +62,7 @@ class MotionRatings(OfPress, Tabular):
         capacities: capacities as they were given.
         motion: the motion.
         loads: springs, balance cylinders and constant forces that act beside the process, as they were given.
+        friction: the friction of bearings and guides, as it was given.
         force: (n,) permissible process force, the smallest that a limit permits [N].
         limits: name of a limit -> (n,) process force that it permits alone, at most the nominal force [N]. The names are "nominal force",
             "torque A" or, of a driver that slides, "driving force A", with the drivers' names, and "bearing NAME".
@@ -65,6 +73,7 @@ class MotionRatings(OfPress, Tabular):
     capacities: Capacities
     motion: Motion
     loads: tuple[Load, ...]
+    friction: Mapping[str, Friction]
     force: Array
     limits: Mapping[str, Array]
     limited_by: tuple[str, ...]
@@ -87,9 +96,10 @@ class MotionRatings(OfPress, Tabular):
             rows.append(
                 [self.motion.place(k), f"{position:.3f}", f"{velocity:.4f}", f"{self.force[k] / 1e3:.2f}", self.limited_by[k]],
             )
+        beside = "weights and inertia forces" + ", with friction" * bool(self.friction)
         return "\n".join(
             [
-                f"{self.press_name}, permissible process force in this motion, beside weights and inertia forces",
+                f"{self.press_name}, permissible process force in this motion, beside {beside}",
                 tables.entry("least of all states", f"{self.force[least] / 1e3:.6g}", "kN", f"at {self.motion.place(least)}"),
                 "",
                 *tables.fitted(rows),
@@ -132,55 +142,162 @@ class MotionRatings(OfPress, Tabular):
 
 @typed
 def rate_motion(
-    press: Linkage, motion: Motion, capacities: Capacities, *, loads: Sequence[Load] = (), engine: str = "auto"
+    press: Linkage,
+    motion: Motion,
+    capacities: Capacities,
+    *,
+    loads: Sequence[Load] = (),
+    friction: Mapping[str, Friction] = NONE_GIVEN,
+    engine: str = "auto",
 ) -> MotionRatings:
     """Find the process force that a press may exert in each state of a motion, beside weights and inertia forces.
 
     It serves servo presses and presses with several drivers, each of which has a capacity of its own; `rate` is for a crank at constant
-    speed. Friction is left out: compare torques and bearing forces of `inverse_dynamics` with the capacities where it counts.
+    speed.
 
     Args:
         press: a press with a slide.
         motion: a motion of this press, of `servo_cycle`, `read_motion`, `simulate` or `cycle`.
         capacities: the nominal force, capacities of the drivers (``drivers``; ``torque`` where there is one) and of bearings.
         loads: springs and dampers, e.g. a balance cylinder, and constant forces on links, which act beside the process.
+        friction: of bearings and guides, by their names, as in `inverse_dynamics`: in a state at rest there is none.
         engine: as in `cycle`.
 
     Raises:
-        PinpressError: the press has no slide, the motion is of another press, a capacity is none of a motion or in a unit that the driver
-            does not have, a load is a process load, or the press exceeds a capacity without a process, in the state that is named.
+        PinpressError: the press has no slide, friction locks it, the motion is of another press, a capacity is none of a motion or in a
+            unit that the driver does not have, a load is a process load, or the press exceeds a capacity without a process, in the state
+            that is named.
         UnknownNameError: the press has no such driver, bearing or link.
         SingularityError: the linkage locks in a state.
     """
     expect("motion", motion, Motion, "servo_cycle")
-    bearings, torques = known_bearings(capacities, press), _of_drivers(press, capacities)
-    refuse_unrated(press, loads, {}, at_speed=True)
+    limits = [*_driver_limits(press, capacities), *(_bearing_limit(capacities, name) for name in known_bearings(capacities, press))]
+    refuse_unrated(press, loads, friction, at_speed=True)
     refuse_motion_of_another(press, motion)
     _ = press.slide_guide  # which refuses a press without a slide
-    idle = inverse_dynamics(press, motion, loads, engine=engine, bearings=bearings)
-    pushed = [PointForce(str(press.slide), press.slide_direction)]
-    unit = inverse_dynamics(without_masses(press), motion, pushed, engine=engine, bearings=bearings)
-    limits = {NOMINAL: np.full(len(motion.crank_angle), capacities.nominal_force)}
-    for name, capacity in torques.items():
-        column = press.drivers.index(name)
-        coordinate = press.driver_coordinates[column]
-        before, slope = (each.driving_torque.reshape(len(motion.crank_angle), -1)[:, [column]] for each in (idle, unit))
-        _refuse_exceeded(motion, before, capacity, f"the driving {coordinate.effort} of {shown(name)}", coordinate.effort_unit)
-        limits[f"{'torque' if coordinate.turns else 'driving force'} {name}"] = largest_factor(before, slope, capacity)
-    for name in bearings:
-        before, slope, capacity = idle.bearing_force[name], unit.bearing_force[name], capacities.bearings[name]
-        _refuse_exceeded(motion, before, capacity, f"the force in bearing {shown(name)}", "N")
-        limits[BEARING + name] = largest_factor(before, slope, capacity)
-    capped = {name: read_only(np.minimum(force, capacities.nominal_force)) for name, force in limits.items()}
+    given = _Given(press, motion, capacities, tuple(loads), FrozenMapping(friction), engine)
+    idle = given.under(0.0)
+    for limit in limits:
+        _refuse_exceeded(motion, limit, limit.size(idle))
+    permitted = _beside_friction(given, limits) if friction else _affine(given, limits, idle)
+    most = capacities.nominal_force
+    capped = {name: read_only(np.minimum(force, most)) for name, force in ({NOMINAL: np.full(given.count, most)} | permitted).items()}
     return MotionRatings(
         _press=press,
         capacities=capacities,
         motion=motion,
-        loads=tuple(loads),
+        loads=given.loads,
+        friction=given.friction,
         force=read_only(np.min(list(capped.values()), axis=0)),
         limits=FrozenMapping(capped),
         limited_by=governing_names(capped),
     )
+
+
+class _Limit(NamedTuple):
+    """A capacity of a driver or bearing.
+
+    Attributes:
+        name: as in `MotionRatings.limits`.
+        what: bears it, in words.
+        capacity: largest magnitude [N or N m].
+        unit: of it.
+        reaction: gives the driving torque or bearing force (n, k) of reactions.
+    """
+
+    name: str
+    what: str
+    capacity: float
+    unit: str
+    reaction: Callable[[Reactions], Array]
+
+    def size(self, reactions: Reactions) -> Array:
+        """Magnitudes (n,) in reactions."""
+        return np.asarray(np.linalg.norm(self.reaction(reactions), axis=1))
+
+
+@dataclass(frozen=True, eq=False)
+class _Given:
+    """The arguments of `rate_motion`, checked."""
+
+    press: Linkage
+    motion: Motion
+    capacities: Capacities
+    loads: tuple[Load, ...]
+    friction: Mapping[str, Friction]
+    engine: str
+
+    @property
+    def count(self) -> int:
+        return len(self.motion.crank_angle)
+
+    @property
+    def bearings(self) -> tuple[str, ...]:
+        return tuple(self.capacities.bearings)
+
+    def under(self, force: Array | float) -> Reactions:
+        """Reactions under process forces, one or (n,) [N], beside weights, inertia forces and the other loads."""
+        pushed = PointForce(str(self.press.slide), np.full(self.count, force)[:, None] * self.press.slide_direction)
+        loads = [*self.loads, pushed]
+        return inverse_dynamics(self.press, self.motion, loads, self.friction, engine=self.engine, bearings=self.bearings)
+
+
+def _affine(given: _Given, limits: Sequence[_Limit], idle: Reactions) -> dict[str, Array]:
+    """The forces (n,) that limits permit where all reactions are affine in the process force."""
+    pushed = [PointForce(str(given.press.slide), given.press.slide_direction)]
+    unit = inverse_dynamics(without_masses(given.press), given.motion, pushed, engine=given.engine, bearings=given.bearings)
+    return {limit.name: largest_factor(limit.reaction(idle), limit.reaction(unit), limit.capacity) for limit in limits}
+
+
+def _beside_friction(given: _Given, limits: Sequence[_Limit]) -> dict[str, Array]:
+    """The forces (n,) that limits permit where friction goes with weights and inertia forces too; infinite where they are beyond
+    `FURTHEST`.
+
+    Raises:
+        PinpressError: friction locks the linkage, or a smaller force than one that is permitted is not.
+    """
+    nominal = given.capacities.nominal_force
+    largest, step, found = FURTHEST * nominal, BESIDE * nominal, {}
+    furthest = given.under(largest)
+    for limit in limits:
+        limited = limit.size(furthest) > limit.capacity
+
+        def missing(force: Array, limit: _Limit = limit, limited: NDArray[np.bool_] = limited) -> tuple[Array, Array]:
+            """Shares less 1 and their slopes; of states that nothing limits what has a root of its own."""
+            share, beside = (limit.size(given.under(some)) / limit.capacity for some in (force, force + step))
+            return np.where(limited, share - 1.0, force / largest - 0.5), np.where(limited, (beside - share) / step, 1.0 / largest)
+
+        force = bracketed_roots(missing, np.zeros(given.count), np.full(given.count, largest), relative=SAME)
+        for part in (0.25, 0.5, 0.75):
+            beyond = limited & (limit.size(given.under(part * force)) > (1.0 + TIE) * limit.capacity)
+            if beyond.any():
+                place = given.motion.place(int(beyond.argmax()))
+                raise PinpressError(
+                    f"at {place} friction leaves no one permissible force: '{limit.name}' permits {force[beyond.argmax()]:.6g} N, but not"
+                    " every smaller force; rate the motion without friction"
+                )
+        found[limit.name] = np.where(limited, force, np.inf)
+    return found
+
+
+def _driver_limits(press: Linkage, capacities: Capacities) -> Iterator[_Limit]:
+    """The capacities of drivers; raises as `_of_drivers`."""
+    for name, capacity in _of_drivers(press, capacities).items():
+        column = press.drivers.index(name)
+        coordinate = press.driver_coordinates[column]
+
+        def torque(reactions: Reactions, column: int = column) -> Array:
+            return reactions.driving_torque.reshape(len(reactions.driving_torque), -1)[:, [column]]
+
+        kind = "torque" if coordinate.turns else "driving force"
+        yield _Limit(f"{kind} {name}", f"the driving {coordinate.effort} of {shown(name)}", capacity, coordinate.effort_unit, torque)
+
+
+def _bearing_limit(capacities: Capacities, name: str) -> _Limit:
+    def force(reactions: Reactions) -> Array:
+        return reactions.bearing_force[name]
+
+    return _Limit(BEARING + name, f"the force in bearing {shown(name)}", capacities.bearings[name], "N", force)
 
 
 def _of_drivers(press: Linkage, capacities: Capacities) -> dict[str, float]:
@@ -200,12 +317,11 @@ def _of_drivers(press: Linkage, capacities: Capacities) -> dict[str, float]:
     return {name: capacities.drivers[name] for name in press.drivers if name in capacities.drivers}
 
 
-def _refuse_exceeded(motion: Motion, before: Array, capacity: float, what: str, unit: str) -> None:
-    """Raise PinpressError where a reaction (n, k) exceeds its capacity without a process."""
-    size = np.linalg.norm(before, axis=1)
+def _refuse_exceeded(motion: Motion, limit: _Limit, size: Array) -> None:
+    """Raise PinpressError where reactions (n,) exceed a capacity without a process."""
     worst = int(size.argmax())
-    if size[worst] > capacity:
+    if size[worst] > limit.capacity:
         raise PinpressError(
-            f"{what} is {size[worst]:.6g} {unit} at {motion.place(worst)} without a process, but the capacity is {capacity:.6g} {unit}:"
-            " move more slowly, or raise the capacity"
+            f"{limit.what} is {size[worst]:.6g} {limit.unit} at {motion.place(worst)} without a process, but the capacity is"
+            f" {limit.capacity:.6g} {limit.unit}: move more slowly, or raise the capacity"
         )

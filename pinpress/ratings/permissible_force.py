@@ -100,8 +100,8 @@ class Capacities(Frozen):
     def __post_init__(self) -> None:
         if not isinstance(self.drivers, Mapping):
             raise PinpressError(f"drivers is {shown(self.drivers)}: give a mapping of names to torques [N m], e.g. {{'A': 5e3}}")
-        efforts: dict[str | None, float | None] = {None: self.torque, **self.drivers}
-        units = {name: "N" if is_multiple(given, "N") else "N m" for name, given in efforts.items() if is_quantity(given)}
+        efforts: list[tuple[str | None, object]] = [(None, self.torque), *self.drivers.items()]
+        units = {name: "N" if is_multiple(given, "N") else "N m" for name, given in efforts if is_quantity(given)}
         object.__setattr__(self, "_effort_units", FrozenMapping(units))
         if None in units:
             object.__setattr__(self, "torque", positive("torque", self.torque, units[None]))

@@ -1,5 +1,7 @@
 """Process forces along a motion, of one driver or several: put back on the press they use up what governs and nothing more."""
 
+from typing import Any
+
 import numpy as np
 import pint
 import pytest
@@ -27,30 +29,34 @@ def motion(press):
     return pp.servo_cycle(press, np.column_stack([TURNED, -TURNED + 0.4 * np.sin(TURNED)]), time=TIME, period=1.0)
 
 
-def used(press, motion, capacities, force, loads=()):
+RUBBING = {name: pp.loads.Friction(0.06, radius=0.05) for name in ("A", "B", "P", "Q", "S")} | {"slide_guide": pp.loads.Friction(0.05)}
+
+
+def used(press, motion, capacities, force, loads=(), friction=None):
     """Name of a limit -> (n,) share of it that a process force takes."""
     pushed = pp.loads.PointForce(press.slide, force[:, None] * press.slide_direction)
-    found = pp.inverse_dynamics(press, motion, [*loads, pushed])
+    found = pp.inverse_dynamics(press, motion, [*loads, pushed], friction or {})
     torques = found.driving_torque.reshape(len(force), -1)
     shares = {f"torque {name}": np.abs(torques[:, press.drivers.index(name)]) / most for name, most in capacities.drivers.items()}
     shares |= {f"bearing {name}": np.linalg.norm(found.bearing_force[name], axis=1) / most for name, most in capacities.bearings.items()}
     return shares | {"nominal force": force / capacities.nominal_force}
 
 
+@pytest.mark.parametrize("friction", [{}, RUBBING], ids=["smooth", "rubbing"])
 @pytest.mark.parametrize("spring", [False, True])
-def test_the_permissible_force_uses_up_the_limit_that_governs(press, motion, spring):
+def test_the_permissible_force_uses_up_the_limit_that_governs(press, motion, spring, friction):
     loads = [pp.loads.SpringDamper("slide", press.root, 5e3, 200.0, 0.5)] if spring else []
     capacities = Capacities(3e5, drivers={"A": 9e3, "B": 1e4}, bearings={"S": 2.9e5, "P": 2e5})
-    found = rate_motion(press, motion, capacities, loads=loads)
+    found = rate_motion(press, motion, capacities, loads=loads, friction=friction)
     assert {"torque A", "torque B"} < set(found.limited_by)
-    shares = used(press, motion, capacities, found.force, loads)
+    shares = used(press, motion, capacities, found.force, loads, friction)
     governing = np.array([shares[name][k] for k, name in enumerate(found.limited_by)])
     np.testing.assert_allclose(governing, 1.0, rtol=1e-9)
     assert np.max(list(shares.values())) < 1 + 1e-9
     for name, force in found.limits.items():
         np.testing.assert_array_less(found.force, force * (1 + 1e-12) + 1e-9)
         limited = force < capacities.nominal_force
-        np.testing.assert_allclose(used(press, motion, capacities, force, loads)[name][limited], 1.0, rtol=1e-9)
+        np.testing.assert_allclose(used(press, motion, capacities, force, loads, friction)[name][limited], 1.0, rtol=1e-9)
 
 
 def test_the_torques_of_a_slow_press_follow_from_virtual_work(press):
@@ -65,14 +71,16 @@ def test_the_torques_of_a_slow_press_follow_from_virtual_work(press):
     assert found.limited_by == ("torque A",)
 
 
-def test_one_driver_at_constant_speed_is_rated_as_by_rate():
+@pytest.mark.parametrize("friction", [{}, {"A": pp.loads.Friction(0.05, radius=0.1), "slide_guide": pp.loads.Friction(0.05)}])
+def test_one_driver_at_constant_speed_is_rated_as_by_rate(friction):
     press = shipped("zxn2_3000b")
     capacities = Capacities(3e6, torque=1.3e5, bearings={"A": 1.5e6, "D": 3.3e6})
-    expected = rate(press, 7.0, capacities, at_speed=True)
+    expected = rate(press, 7.0, capacities, at_speed=True, friction=friction)
     motion = pp.servo_cycle(press, expected.crank_angle, speed=7.0, acceleration=0.0)
-    found = rate_motion(press, motion, capacities)
+    found = rate_motion(press, motion, capacities, friction=friction)
     np.testing.assert_allclose(found.force, expected.force, rtol=1e-9)
-    named = rate_motion(press, motion, Capacities(3e6, drivers={press.driver: UNITS.Quantity(130.0, "kN m")}, bearings=capacities.bearings))
+    torque: Any = UNITS.Quantity(130.0, "kN m")
+    named = rate_motion(press, motion, Capacities(3e6, drivers={press.driver: torque}, bearings=capacities.bearings), friction=friction)
     np.testing.assert_array_equal(named.force, found.force)
 
 

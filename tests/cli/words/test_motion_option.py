@@ -116,10 +116,11 @@ def test_report(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_ratings(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["--nominal-force", "300kN", "--torque", "A=9kNm", "--torque", "B=1e4", "--bearing", "S=290kN"]
+    words += ["--friction", "A:coefficient=0.05,radius=60mm"]
     text = printed(capsys, "ratings", *MOTION, *words, "--load", "drawing:force=100kN,start=20mm,datum=-975mm", "--out", "out")
     press, motion = wanted()
     given = pp.ratings.Capacities(3e5, drivers={"A": 9e3, "B": 1e4}, bearings={"S": 2.9e5})
-    found = pp.ratings.rate_motion(press, motion, given)
+    found = pp.ratings.rate_motion(press, motion, given, friction={"A": pp.loads.Friction(0.05, radius=0.06)})
     assert str(found) in text
     assert ["torque", "B", "10", "kN", "m"] in [line.split() for line in text.splitlines()]
     process = pp.inverse_dynamics(press, motion, loads=[pp.loads.DeepDrawing(1e5, 0.02, datum=-0.975)])

@@ -1180,6 +1180,7 @@ def calls() -> dict[str, Call]:
                 "motion": motion(),
                 "capacities": pp.ratings.Capacities(1e5, drivers={"O": 1e6}),
                 "loads": [],
+                "friction": {},
                 "engine": "auto",
             },
         ),
