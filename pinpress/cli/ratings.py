@@ -11,13 +11,13 @@ from ..common import tables
 from ..common.errors import PinpressError
 from ..common.files import make_folder
 from ..common.quantities import RPM, DriverCoordinate
-from ..dynamics.inputs import motion_in_words, of_friction, of_loads, of_press, stated, written
+from ..dynamics.inputs import motion_in_words, of_friction, of_loads, of_press, stated
 from ..dynamics.inverse_dynamics import Reactions, inverse_dynamics
 from ..dynamics.summary import process_summary
-from ..kinematics.motion import cycle
+from ..kinematics.motion import Motion, cycle
 from ..linkage.linkage import Linkage
 from ..loads.link import Friction, Load, StandingLoad
-from ..ratings.along_motion import rate_motion
+from ..ratings.along_motion import MotionRatings, limits_in_words, rate_motion
 from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
 from .words import part_specs
@@ -126,14 +126,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _along_motion(press: Linkage, options: argparse.Namespace, beside: Sequence[Load], process_loads: Sequence[Load]) -> int:
     """Print the permissible force in a motion that is given, and write it; arguments as in `run`."""
-    others = [name for name in NUMBERS if name not in NOT_CAPACITIES]
-    refuse_beside_motion(options, "flywheel", "at_speed", *NOT_CAPACITIES, *(name.replace("-", "_") for name in others))
-    motion = motion_of(press, options, None)
-    efforts, friction = _efforts(press, options), part_specs.frictions(options.friction, press)
-    capable = {name: effort.of(coordinate) for name, effort, coordinate in efforts}
-    bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
-    capacities = Capacities(options.nominal_force, bearings=bearings, drivers=capable)
-    found = rate_motion(press, motion, capacities, loads=beside, friction=friction)
+    motion, friction = motion_of(press, options, None), part_specs.frictions(options.friction, press)
+    found = rated_along(press, motion, options, beside, friction)
     process = inverse_dynamics(press, motion, process_loads, bearings=()) if process_loads else None
     lines = [] if process is None else process_summary(press, motion, process, found.utilisation(process), prescribed=True)
     if options.out is not None:
@@ -141,14 +135,22 @@ def _along_motion(press: Linkage, options: argparse.Namespace, beside: Sequence[
     print("\n".join([str(found), *lines]))
     acting = [*beside, *process_loads]
     under = [*(of_loads(acting) if acting else []), *(of_friction(friction) if friction else [])]
-    limits = [("nominal force", written(options.nominal_force, "N"))]
-    limits += [(f"{coordinate.effort} {name}", written(capable[name], coordinate.effort_unit)) for name, _, coordinate in efforts]
-    limits += [(f"bearing {name}", written(force, "N")) for name, force in bearings.items()]
-    print_inputs([*of_press(press), ("motion", motion_in_words(motion)), *limits, *under, stated()])
+    print_inputs([*of_press(press), ("motion", motion_in_words(motion)), *limits_in_words(found), *under, stated()])
     if options.out is not None:
         found.to_csv(options.out / "ratings.csv")
         print(f"\nwrote {options.out / 'ratings.csv'}")
     return 0
+
+
+def rated_along(
+    press: Linkage, motion: Motion, options: argparse.Namespace, loads: Sequence[Load], friction: Mapping[str, Friction]
+) -> MotionRatings:
+    """The ratings of a press along a motion by `add_capacity_options`; other arguments and errors as of `rated`."""
+    refuse_beside_motion(options, "flywheel", "at_speed", *(name.replace("-", "_") for name in NUMBERS))
+    capable = {name: effort.of(coordinate) for name, effort, coordinate in _efforts(press, options)}
+    bearings = part_specs.by_bearing("--bearing", options.bearing, "N", "force", "2e6")
+    capacities = Capacities(options.nominal_force, bearings=bearings, drivers=capable)
+    return rate_motion(press, motion, capacities, loads=loads, friction=friction)
 
 
 def _efforts(press: Linkage, options: argparse.Namespace) -> list[tuple[str, OfDriver, DriverCoordinate]]:

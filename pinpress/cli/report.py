@@ -159,7 +159,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _refuse_what_is_incomplete(options: argparse.Namespace) -> None:
     """Raise PinpressError where an option is given without the one that it belongs to."""
-    refuse_beside_motion(options, "nominal_force", "flywheel", "motor")
+    refuse_beside_motion(options, "flywheel", "motor")
     beside = ratings.capacities_given(options)
     if options.nominal_force is None and beside:
         raise PinpressError(f"{beside[0]} is for the ratings: give --nominal-force too, the largest process force at any height")
@@ -181,7 +181,10 @@ def _results(
 ) -> Iterator[Tabular]:
     """What the options ask for beside motion and forces."""
     coordinate, loads = press.driver_coordinates[0], acting["loads"]
-    if options.nominal_force is not None:
+    if options.nominal_force is not None and options.motion is not None:
+        standing = [load for load in loads if isinstance(load, StandingLoad)]
+        yield ratings.rated_along(press, reactions.motion, options, standing, acting["friction"])
+    elif options.nominal_force is not None:
         beside = [load for load in loads if options.at_speed and isinstance(load, StandingLoad)]
         yield ratings.rated(press, options, beside, acting["friction"])
     if options.motor is not None:

@@ -21,6 +21,7 @@ from ..common.frozen import FrozenMapping, read_only
 from ..common.numerics import bracketed_roots
 from ..common.quantities import Array
 from ..common.results import Tabular
+from ..dynamics.inputs import Inputs, written
 from ..dynamics.inverse_dynamics import NONE_GIVEN, Reactions, inverse_dynamics
 from ..kinematics.motion import Motion, refuse_motion_of_another
 from ..linkage.linkage import Linkage, OfPress
@@ -192,6 +193,14 @@ def rate_motion(
         limits=FrozenMapping(capped),
         limited_by=governing_names(capped),
     )
+
+
+def limits_in_words(ratings: MotionRatings) -> Inputs:
+    """The capacities of a rating along a motion, by their names."""
+    given, press = ratings.capacities, ratings._press
+    rows = [("nominal force", written(given.nominal_force, "N"))]
+    rows += [(limit.name, written(limit.capacity, limit.unit)) for limit in _driver_limits(press, given)]
+    return [*rows, *((f"bearing {name}", written(force, "N")) for name, force in given.bearings.items())]
 
 
 class _Limit(NamedTuple):

@@ -9,10 +9,11 @@ import numpy as np
 from ...common import tables
 from ...common.quantities import Array
 from ...dynamics.harmonics import is_cycle
+from ...ratings.along_motion import MotionRatings, limits_in_words
 from ...ratings.permissible_force import capacities_in_words
 from ...ratings.rating import PressRatings, conditions_in_words, data_in_words, listed_heights
 from .. import charts
-from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table
+from .blocks import Block, Facts, Figure, Figures, Line, LineChart, Section, Table, with_prefix
 from .shown import Shown, refuse_others
 
 ACROSS = "height above bottom dead centre [mm]"
@@ -28,6 +29,24 @@ def section(ratings: PressRatings, shown: Shown) -> Section:
     return Section(
         "Ratings", blocks, [*capacities_in_words(ratings.capacities, ratings.driver_coordinate)], f"At {conditions_in_words(ratings)}."
     )
+
+
+def along_motion(ratings: MotionRatings, shown: Shown) -> Section:
+    """The section of ratings along the motion of the page; raises `PinpressError` where they are of another press or motion."""
+    refuse_others("rating", ratings._press, shown)
+    use, states = ratings.utilisation(shown.reactions), shown.frames.states
+    least, most = int(ratings.force.argmin()), int(use.argmax())
+    figures = [Figure("least permissible force", with_prefix(float(ratings.force[least]), "N"), f"at {shown.motion.place(least)}")]
+    if use.any():
+        figures.append(Figure("of the permissible force", f"{100 * use[most]:.4g} %", f"at {shown.motion.place(most)}"))
+    scale = tables.scale("N", [ratings.capacities.nominal_force])
+    lines = [Line("permissible force", scale.factor * ratings.force[states], strong=True)]
+    lines += [Line(name, scale.factor * force[states]) for name, force in ratings.limits.items()]
+    if use.any():
+        lines.append(Line("process force", scale.factor * shown.reactions.process_force[states]))
+    blocks: list[Block] = [Figures(figures), LineChart("Permissible process force", scale.unit, lines), *_use(use, shown)]
+    note = "In this motion, beside weights and inertia forces" + ", with friction" * bool(ratings.friction)
+    return Section("Ratings", blocks, limits_in_words(ratings), f"{note}.")
 
 
 def _figures(ratings: PressRatings, shown: Shown, use: Array) -> list[Block]:

@@ -20,6 +20,7 @@ from ...foundation.mounted_press import MountedPress, VibrationModes
 from ...foundation.response import FrameMotion
 from ...foundation.speed_response import Isolation, SpeedResponse
 from ...foundation.whirl_modes import WhirlDiagram
+from ...ratings.along_motion import MotionRatings
 from ...ratings.rating import PressRatings
 from ...servo.comparison import MotionComparison
 from ...servo.motion_optimum import MotionOptimum
@@ -39,6 +40,7 @@ from .shown import Shown
 
 MAKERS: Mapping[type[Tabular], Callable[[Any, Shown], Section]] = {
     PressRatings: ratings.section,
+    MotionRatings: ratings.along_motion,
     ElasticRun: elastic_motion.motion,
     Run: driving.section,
     BalancedPress: balancing.section,

@@ -126,6 +126,11 @@ def test_ratings(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     process = pp.inverse_dynamics(press, motion, loads=[pp.loads.DeepDrawing(1e5, 0.02, datum=-0.975)])
     assert f"of the permissible force         {100 * found.utilisation(process).max():.2f} %" in text
     assert Path("out/ratings.csv").read_text(encoding="utf-8").startswith("time [s],crank_angle_A [rad],crank_angle_B [rad],")
+    assert printed(capsys, "report", *MOTION, *words, "--load", "drawing:force=100kN,start=20mm,datum=-975mm", "--out", "r.html")
+    data = data_in(Path("r.html"))
+    (section,) = [each for each in data["report"]["sections"] if each["title"] == "Ratings"]
+    assert section["blocks"][0]["figures"][1]["value"] == f"{100 * found.utilisation(process).max():.4g} %"
+    assert ["bearing S", "290 kN"] in data["report"]["inputs"][0]["rows"]
     limit = ["ratings", *MOTION, "--nominal-force", "300kN"]
     assert "write e.g. --torque A=5e3" in refused(capsys, *limit, "--torque", "9e3")
     assert "--nominal-height is for a press at constant speed" in refused(capsys, *limit, "--nominal-height", "3mm")
@@ -173,7 +178,7 @@ def test_one_driver(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         (["analyse", "press.yaml", "--speed", "30"], "give --motion FILE, a table with the columns time [s], A [deg], B [deg]"),
         (["analyse", *MOTION, "--points", "90"], "leave it out, the states are those of --motion"),
         (["analyse", *MOTION, "--flywheel", "3"], "--flywheel is for a press at constant speed: give --speed in place of --motion"),
-        (["report", *MOTION, "--nominal-force", "3e6", "--out", "r.html"], "--nominal-force is for a press at constant speed"),
+        (["report", *MOTION, "--nominal-force", "3e6", "--nominal-height", "3mm", "--out", "r.html"], "--nominal-height is for a press at"),
         (["analyse", *MOTION, "--zero", "tdc"], "leave out --zero tdc"),
         (["analyse", "zxn2_3000b", "--speed", "70", "--period", "1"], "--period is that of --motion"),
         (["servo", "press.yaml", "--time", "1", "--drive", "inertia=1,ratio=6,peak_torque=2"], "the best motion is that of one crank"),
