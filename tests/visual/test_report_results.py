@@ -305,7 +305,7 @@ def test_results_of_another_press_are_refused(name: str, ratings: Any, steady: A
 
 def test_what_has_no_section_is_refused_by_name(press: Any, loaded: Any, tmp_path: Path) -> None:
     harmonics = pp.measures.harmonics(loaded.motion, loaded.shaking_force)
-    with pytest.raises(pp.PinpressError, match=r"a report has no section for .*; give any of PressRatings, ElasticRun, Run"):
+    with pytest.raises(pp.PinpressError, match=r"a report has no section for .*; give any of PressRatings, MotionRatings, ElasticRun, Run"):
         pp.report(press, loaded.motion, tmp_path / "out.html", reactions=loaded, results=[harmonics])
 
 
