@@ -323,7 +323,7 @@ def flywheel_moment(press: Linkage, motion: Motion, flywheel: Flywheel | Mapping
             raise UnknownNameError("driver", name, press.drivers)
         place = press.drivers.index(name)
         joint = press.driver_indices[place]
-        expect(f"flywheel of {shown(name)}", wheel, Flywheel, "pp.drives.Flywheel(inertia=...)")
+        expect(f"flywheel of {shown(name)}", wheel, Flywheel, "Flywheel")
         if np.ndim(wheel.inertia):
             raise PinpressError("flywheel has the inertias of several scenarios: give one inertia")
         if not press.driver_coordinates[place].turns:

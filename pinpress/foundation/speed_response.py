@@ -253,6 +253,9 @@ def isolate(
     wanted = "a share, more than 0 and less than 1"
     limit = float(suitable_numbers("transmitted", transmitted, wanted, suits=lambda share: 0 < share < 1))
     most_sag = None if sag is None else float(suitable_numbers("sag", sag, "a positive length [m]", suits=lambda length: length > 0))
+    press.refuse_several_drivers(
+        "mounts are sought over the speeds of one crank; compare steady_response of several mounts in their motion"
+    )
     given = mounted(press, frame, mounts)
     frequency, harmonics = wrench_spectra(given, speed)
     shaking = shaking_rms(given, harmonics)

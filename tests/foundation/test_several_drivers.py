@@ -88,6 +88,10 @@ def test_what_several_drivers_do_not_have_is_refused(motors, geared):
         foundation.steady_response(system, reactions, points=POINTS, period=PERIOD, flywheel=pp.drives.Flywheel(1.0))
     with pytest.raises(UnknownNameError, match="driver"):
         foundation.steady_response(system, reactions, points=POINTS, period=PERIOD, flywheel={"Q": pp.drives.Flywheel(1.0)})
+    with pytest.raises(PinpressError, match="mounts are sought over the speeds of one crank"):
+        foundation.isolate(press, *parts, speeds=[5.0, 10.0], transmitted=0.5)
+    with pytest.raises(PinpressError, match="one speed does not say"):
+        foundation.over_speeds(system, [5.0, 10.0], points=POINTS)
     with pytest.raises(PinpressError):
         foundation.mounted(geared[0].press, *parts, motion=reactions.motion)
 
