@@ -39,7 +39,7 @@ from .over_angle import collocation
 from .over_angle.angle_solver import MOST_PERIODS
 from .over_angle.collocation import CollocationSolution, panel_integrals
 from .over_angle.mesh import Indices, build_mesh, mesh_borders
-from .over_angle.refinement import cuts, interpolate_onto, passed_corners, stopping_panels
+from .over_angle.refinement import cuts, interpolate_onto, passed_corners, stopping_panels, unsettled_panels
 from .over_angle.segment import drive_torque, nearly_at_rest, place_at
 from .reduced_model import COORDINATES, INERTIA, energies, reduced_model_of
 from .run import Run, allowed_error, energy_error, state_count
@@ -49,8 +49,9 @@ Mask = NDArray[np.bool_]
 
 AT_ONCE = 334  # scenarios in one array: more make it no faster, but take more memory
 MOST_KEPT = 24  # panels beyond those of the model that are taken over into the next period
-MOST_CUTS = 12  # most rounds of cutting panels; scenarios that need more are run alone
-FINE = 5e-11  # with a smaller tolerance of the panels, halving them resolves no corner of a drive's torque in these rounds
+MOST_CUTS = 24  # most rounds of cutting panels; scenarios that need more are run alone
+MOST_PANELS = 100_000  # panels beyond those of the model times scenarios: with more, runs alone are faster, and take less memory
+FINE = 5e-11  # with a smaller tolerance of panels, halving them until they resolve every corner may take longer than runs alone
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -383,6 +384,12 @@ class BatchSolver:
             solution = collocation.solve(driven, mesh, self.energy, guess, beside=beside)
             passed = running_sums(self.clock, solution.durations)
             unfit = stopping_panels(solution)
+            wild = unsettled_panels(solution, unfit, going & ~self.alone)
+            if tolerance >= FINE and len(wild):  # on narrower panels Newton's method gets past a corner
+                middles = 0.5 * (mesh.borders[wild] + mesh.borders[wild + 1])
+                mesh = build_mesh(driven, self.anchor, self.direction, np.sort(np.concatenate([mesh.borders, middles])))
+                guess, beside = interpolate_onto(solution, mesh), None
+                continue
             if tolerance < FINE and driven.drive is not None:
                 unfit |= passed_corners(solution, driven.drive)
             # what follows the end of the run does not matter
@@ -394,6 +401,8 @@ class BatchSolver:
             coarse = cuts(solution, upto, tolerance, driven.drive, slice(None) if len(which) == len(going) else which)
             if not len(coarse):
                 return solution, passed
+            if (len(mesh.kinds) + len(coarse) - len(driven.model.borders)) * len(going) > MOST_PANELS:
+                break
             mesh = build_mesh(driven, self.anchor, self.direction, np.sort(np.concatenate([mesh.borders, coarse])))
             guess, beside = interpolate_onto(solution, mesh), None
         self.alone |= going

@@ -36,6 +36,13 @@ def stopping_panels(solution: CollocationSolution) -> NDArray[np.bool_]:
     return np.asarray(found)
 
 
+def unsettled_panels(solution: CollocationSolution, stopping: NDArray[np.bool_], which: NDArray[np.bool_]) -> Indices:
+    """The first panels on which Newton's method has not settled for one of the scenarios ``which`` (S,), of those that stop on none before;
+    ``stopping``: (p, S), of `stopping_panels`."""
+    first = np.where(stopping.any(axis=0), stopping.argmax(axis=0), len(stopping))
+    return np.unique(solution.settled[which & (solution.settled < len(stopping)) & (first == solution.settled)])
+
+
 def passed_corners(solution: CollocationSolution, drive: Drive) -> NDArray[np.bool_]:
     """On which panels (p, S) the crank passes a corner of the drive's torque."""
     speeds = _speeds_with_borders(solution)
