@@ -48,6 +48,7 @@ from ..loads.link import Load, PointForce
 from .clearances import KNOWN_TO, GuideClearance, play
 from .clearances_over_speed import SLOWEST
 from .dead_centre_scatter import DeadCentreScatter
+from .scatter import widest_coverage
 from .temperatures import Temperatures, heat
 
 WINDOW = np.radians(6.0)  # on both sides of the rigid dead centre, where that of the press is looked for [rad]
@@ -142,8 +143,11 @@ class AccuracyBudget(OfPress, Tabular):
             places = "".join(f"  {cell:>{width}}" for cell, width in zip(cells, widths[2:], strict=True))
             lines.append(f"  {first:>{widths[0]}}  {condition:{widths[1]}}{places}")
         if self.machining is not None:
-            low, high = self.machining.height.band()
-            lines.append(f"  machining: {1e3 * low:+.4f} to {1e3 * high:+.4f} mm in 99.73 % of presses, which the setting takes away")
+            height = self.machining.height
+            coverage = widest_coverage(height)
+            low, high = height.band(coverage) if coverage else (height.deviation.min(), height.deviation.max())
+            presses = f"{100 * coverage:g} % of presses" if coverage else f"{len(height.deviation)} presses"
+            lines.append(f"  machining: {1e3 * low:+.4f} to {1e3 * high:+.4f} mm in {presses}, which the setting takes away")
         if abs(self.largest_rise) > NEGLIGIBLE:
             where = f"{self.worst.speed / size:.4g} {unit}, {self.worst.condition}"
             most = f"{1e3 * self._change(self.decides):+.4f} mm by {self.decides}"

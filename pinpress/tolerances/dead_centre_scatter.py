@@ -26,13 +26,16 @@ from ..kinematics.motion import Motion, doubt_speeds, motion_through_change_poin
 from ..kinematics.slide_path import TurningPoints, turning_points
 from ..linkage.linkage import Linkage, OfPress
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
-from .endings import Ending, shapes_of, sound
 from .scatter import Scatter, scatter
-from .shapes import Shapes
+from .sets_of_lengths.endings import Ending, shapes_of, sound
+from .sets_of_lengths.flat_dead_centres import TurningPoint, outermost_positions
+from .sets_of_lengths.shapes import Shapes
 
 SAMPLES = 100_000
 REACH = 3.0  # multiples of what first order says by which turning points may lie apart that could become the outermost one
 GRID = 181  # crank angles of a stroke among which a height is looked for
+STEPS = 360  # of a turn, or of the travel of a driver that slides, in which sets with a flat dead centre are followed
+FLAT = 1e-6  # share of the mean speed of the slide below which it does not turn back at a place of first order
 UNMOVED = 1e-12  # derivatives of the slide's place and travel below which a dimension moves nothing
 
 
@@ -159,7 +162,7 @@ def bottom_dead_centre(
     if motion is None:
         refuse_several_drivers(press)
         points, shapes = turning_points(press), _shapes(press, checked)
-        bottom, top = (_outermost(shapes, points, drawn, upwards) for upwards in (False, True))
+        bottom, top = (_outermost(shapes, points, checked, drawn, upwards) for upwards in (False, True))
     else:
         if forces or speeds:
             raise PinpressError("forces and speeds at a height are those of a crank that turns through its dead centres: leave motion out")
@@ -234,16 +237,14 @@ class _DeadCentre(NamedTuple):
         angle: of the crank [rad].
         gradient: (k,) derivatives of the position by the dimensions.
         moves: (k,) whether a dimension moves the slide beside it.
-        endings: the turning points that can be the outermost ones in a press of the sample.
-        upwards: whether it is the upper one.
+        points: the turning points that can be the outermost ones in a press of the sample.
     """
 
     nominal: float
     angle: float
     gradient: Array
     moves: NDArray[np.bool_]
-    endings: tuple[Ending, ...]
-    upwards: bool
+    points: tuple[TurningPoint, ...]
 
     def positions(self, shapes: Shapes, deviations: Array) -> Array:
         """Slide position (n,) of presses with deviations (k, n) there [m].
@@ -251,9 +252,8 @@ class _DeadCentre(NamedTuple):
         Raises:
             PinpressError: some of these presses cannot be closed there.
         """
-        where = f"at {'top' if self.upwards else 'bottom'} dead centre"
-        found = [sound(shapes, deviations, ending, where).position for ending in self.endings]
-        return np.asarray(np.max(found, axis=0) if self.upwards else np.min(found, axis=0))
+        found = [outermost_positions(shapes, deviations, point) for point in self.points]
+        return np.asarray(np.max(found, axis=0) if self.points[0].upwards else np.min(found, axis=0))
 
 
 def dead_centre_gradients(press: Linkage, parts: Sequence[Dimension], motion: Motion | None = None) -> tuple[Array, Array]:
@@ -294,27 +294,41 @@ def _at_end(shapes: Shapes, motion: Motion, upwards: bool) -> _DeadCentre:
     """The outermost state of a motion, where the drivers stand in every press."""
     state = ends_of(shapes.press, motion)[upwards]
     local = _Local.of(shapes, motion, state)
-    ending = Ending(local.start, np.zeros_like(local.position_slopes), "held")
+    held = TurningPoint(Ending(local.start, np.zeros_like(local.position_slopes), "held"), upwards)
     angle = float(np.ravel(motion.crank_angle[state])[0])
-    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), (ending,), upwards)
+    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), (held,))
 
 
-def _outermost(shapes: Shapes, points: TurningPoints, drawn: Array, upwards: bool) -> _DeadCentre:
+def _outermost(shapes: Shapes, points: TurningPoints, parts: Sequence[Dimension], drawn: Array, upwards: bool) -> _DeadCentre:
     """A dead centre of the nominal press, with the other turning points that can be outermost where dimensions deviate as in a sample."""
     first = points.first_of_the_farthest(upwards)
     local = _Local.at(shapes, float(points.places[first]))
-    reach = REACH * float(np.abs(local.position_slopes) @ np.abs(drawn).max(axis=1))
+    spread = REACH * np.maximum(np.abs(drawn).max(axis=1), [part.tolerance for part in parts])
     behind = (points.positions[first] - points.positions) * (1.0 if upwards else -1.0)
-    others = [int(k) for k in np.flatnonzero(behind <= reach) if k != first]
-    endings = []
-    for k in (first, *others):
-        at = local if k == first else _Local.at(shapes, float(points.places[k]))
-        if k < points.limits:
-            endings.append(Ending(at.start, np.zeros_like(at.rate_slopes), "held"))
-        else:
-            endings.append(Ending(at.start, -at.rate_slopes / at.second, "dead centre"))
+    found = [_turning(shapes, points, first, local, upwards)]
+    for k in (k for k in range(len(behind)) if k != first):
+        other = _Local.at(shapes, float(points.places[k]))
+        if behind[k] <= np.maximum(np.abs(local.position_slopes), np.abs(other.position_slopes)) @ spread:
+            found.append(_turning(shapes, points, k, other, upwards))
     angle = float(points.places[first])
-    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), tuple(endings), upwards)
+    return _DeadCentre(local.position, angle, local.position_slopes, _moving(shapes, local), tuple(found))
+
+
+def _turning(shapes: Shapes, points: TurningPoints, k: int, at: _Local, upwards: bool) -> TurningPoint:
+    """A turning point of the nominal press."""
+    limits, travel = points.places[: points.limits], 2 * np.pi * points.turns
+    if len(limits):
+        travel = float(np.ptp(limits))
+    speed = float(np.ptp(points.positions)) / travel
+    if k < points.limits:
+        ways: tuple[int, ...] = (1,) if points.places[k] < limits.max() else (-1,)
+        ending = Ending(at.start, np.zeros_like(at.rate_slopes), "held")
+    else:
+        ways = (1, -1)
+        straight = abs(at.second) > FLAT * speed
+        ending = Ending(at.start, -at.rate_slopes / at.second if straight else np.zeros_like(at.rate_slopes), "dead centre")
+    steps = STEPS * points.turns
+    return TurningPoint(ending, upwards, ways, at.second, speed, travel / steps, steps)
 
 
 def _moving(shapes: Shapes, local: _Local) -> NDArray[np.bool_]:

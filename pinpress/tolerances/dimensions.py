@@ -1,7 +1,8 @@
 """Dimensions of a press that scatter: which pivots each of them moves, how far, and how it is distributed.
 
 A deviation d of a dimension moves its pivots by d times the dimension's direction, on straight lines: an angle is one to first order only,
-its pivot leaves the arc by half the arm times the square of the angle (0.02 um at an arm of 0.5 m and an angle of 0.01 deg).
+its pivot leaves the arc by half the arm times the square of the angle (0.02 um at an arm of 0.5 m and an angle of 0.01 deg). Bearings in
+one place of a link of a planar press are on one pin, as where three links meet, and move together.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ STEEP = 0.1  # tolerance of an angle that is hardly meant [rad]
 MOST_SAMPLES = 10**7
 LEAST_MEASURED = 2
 FLAT = 1e-12  # share of the largest moment by which rounding may make a correlation matrix indefinite
+ONE_PLACE = 1e-9  # distance of two bearings of a link as a share of the linkage's size below which they are on one pin
 IN_LINE = 1e-9  # sine of the angle of two arms below which they are in one line
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -186,7 +188,9 @@ def link_length(
     body = _common_body(press, first, second)
     arm = _arm(press, body, first, second)
     along = arm / np.linalg.norm(arm)
-    return Dimension(_joined(first, second) if name is None else name, _moved_pin(press, body, second, along), tolerance, shape, sd)
+    return Dimension(
+        _joined(first, second) if name is None else name, _moved_pin(press, body, press.link_of(body), second, along), tolerance, shape, sd
+    )
 
 
 @typed
@@ -233,7 +237,7 @@ def pin_angle(
     away = np.cross(normal, other) * (1.0 if np.cross(one, other) @ normal >= 0 else -1.0)  # the angle grows
     return Dimension(
         f"angle {_joined(first, vertex, second)}" if name is None else name,
-        _moved_pin(press, body, second, away),
+        _moved_pin(press, body, press.link_of(body), second, away),
         tolerance,
         shape,
         sd,
@@ -282,7 +286,8 @@ def pin_position(
     _refuse_unknown("link", where, press.links)
     directed(press, {(bearing, where): along})  # refuses links that the bearing is not on
     called = f"{bearing} {called}" if link is None else f"{bearing} {called} in {link}"
-    return Dimension(called if name is None else name, {(bearing, where): along}, tolerance, shape, sd)
+    body = _body(press, where)
+    return Dimension(called if name is None else name, _moved_pin(press, body, where, bearing, along), tolerance, shape, sd)
 
 
 def _common_body(press: Linkage, *pins: str) -> int:
@@ -291,8 +296,7 @@ def _common_body(press: Linkage, *pins: str) -> int:
     for pin in pins:
         _refuse_unknown("bearing", pin, press.bearings)
         bodies.append(_ends(press, press.bearings.index(pin)))
-        place = press.bearings.index(pin)
-        if place < len(press.joints) and not press.axes[place].turns:
+        if not _is_pin(press, pin):
             raise PinpressError(f"{pin!r} is a guide, no pin: its place is pin_position(press, {pin!r}, 'x', ...)")
     if len(set(pins)) < len(pins):
         raise PinpressError(f"a pin is named twice in {', '.join(pins)}: name pins that differ")
@@ -318,6 +322,12 @@ def _ends(press: Linkage, bearing: int) -> set[int]:
     return {int(loop.joint1), int(loop.joint2)}
 
 
+def _body(press: Linkage, link: str) -> int:
+    import pinocchio as pin  # to save start-up time
+
+    return int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)
+
+
 def _frame(press: Linkage, body: int) -> Any:
     """Placement of the first link of a body in the body's frame."""
     import pinocchio as pin  # to save start-up time
@@ -336,13 +346,32 @@ def _position(press: Linkage, body: int, bearing: str) -> Array:
     return np.array(_frame(press, body).actInv(point))
 
 
-def _moved_pin(press: Linkage, body: int, bearing: str, by: Array) -> dict[tuple[str, str], Array]:
-    """The direction that moves one pin of a link. The origin of the link's frame cannot be moved in it: all others move the other way."""
-    link, origin = press.link_of(body), body - 1
-    if not body or bearing != press.joints[origin]:
-        return {(bearing, link): by}
-    others = [each for place, each in enumerate(press.bearings) if place != origin and body in _ends(press, place)]
-    return {(other, link): -by for other in others}
+def _moved_pin(press: Linkage, body: int, link: str, bearing: str, by: Array) -> dict[tuple[str, str], Array]:
+    """The direction that moves one pin of a link, in the frame of the link. The origin of the body's frame cannot be moved in it: all
+    others move the other way."""
+    pin = _bearings_of_pin(press, body, bearing)
+    if not body or press.joints[body - 1] not in pin:
+        return {(each, link): by for each in pin}
+    return {(each, link): -by for each in _bearings_on(press, body) if each not in pin}
+
+
+def _bearings_of_pin(press: Linkage, body: int, bearing: str) -> list[str]:
+    """The bearings of a body that are on one pin with this one: of a planar press those in one place, as where three links meet. In space
+    they may be the axes of a cross."""
+    if not _is_pin(press, bearing) or _normal(press, body) is None:
+        return [bearing]
+    at, near = _position(press, body, bearing), ONE_PLACE * press.size
+    others = (each for each in _bearings_on(press, body) if _is_pin(press, each))
+    return [each for each in others if np.linalg.norm(_position(press, body, each) - at) <= near]
+
+
+def _bearings_on(press: Linkage, body: int) -> list[str]:
+    return [each for place, each in enumerate(press.bearings) if body in _ends(press, place)]
+
+
+def _is_pin(press: Linkage, bearing: str) -> bool:
+    place = press.bearings.index(bearing)
+    return place >= len(press.joints) or press.axes[place].turns
 
 
 def _arm(press: Linkage, body: int, first: str, second: str) -> Array:
@@ -413,10 +442,8 @@ def _doubt_size(press: Linkage, part: Dimension) -> None:
 
 def _extent(press: Linkage, link: str) -> float:
     """Largest distance between two bearings of a link [m]; the size of the linkage where it has one alone."""
-    import pinocchio as pin  # to save start-up time
-
-    body = int(press.model.frames[press.model.getFrameId(link, pin.BODY)].parentJoint)
-    points = [_position(press, body, name) for place, name in enumerate(press.bearings) if body in _ends(press, place)]
+    body = _body(press, link)
+    points = [_position(press, body, name) for name in _bearings_on(press, body)]
     return max((float(np.linalg.norm(one - other)) for one in points for other in points), default=0.0) or press.size
 
 
@@ -433,6 +460,7 @@ def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[st
             coefficients that contradict each other.
     """
     names, result = [part.name for part in parts], np.eye(len(parts))
+    given: set[frozenset[str]] = set()
     for pair, value in (correlation or {}).items():
         if not (isinstance(pair, tuple) and len(pair) == 2) or pair[0] == pair[1]:
             raise PinpressError(f"correlation: {shown(pair)} is no pair of names: write (dimension, dimension)")
@@ -444,8 +472,9 @@ def correlation_matrix(parts: Sequence[Dimension], correlation: Mapping[tuple[st
                     " of its own, which moves the pivots of both"
                 )
         place = names.index(pair[0]), names.index(pair[1])
-        if result[place]:
+        if frozenset(pair) in given:
             raise PinpressError(f"correlation: {shown(pair)} is given twice: give each pair once")
+        given.add(frozenset(pair))
         result[place] = result[place[::-1]] = suitable_numbers(
             f"correlation of {pair[0]} and {pair[1]}", value, "a number from -1 to 1", suits=lambda found: abs(found) <= 1.0
         )

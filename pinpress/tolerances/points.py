@@ -45,9 +45,9 @@ from ..kinematics.servo_motion import servo_cycle
 from ..kinematics.slide_path import dead_centres
 from ..linkage.linkage import Linkage, OfPress
 from .dimensions import Dimension, checked_dimensions, correlation_matrix, drawn_deviations
-from .endings import Ending, shapes_of, sound
 from .scatter import Scatter, scatter
-from .shapes import Shapes
+from .sets_of_lengths.endings import Ending, shapes_of, sound
+from .sets_of_lengths.shapes import Shapes
 from .single_chains import SingleChain
 from .virtual_work import unit_forces
 

@@ -188,7 +188,7 @@ def heat(press: Linkage, temperatures: Temperatures, *, motion: Motion | None = 
             up = press.model.jointPlacements[slide].rotation.T @ press.slide_direction
             shift = shift + float(place @ up) + np.float64(temperatures.face)
         found[_named(press, body, temperatures)] = coefficients.get(body, temperatures.of("")) * shift
-    warm = {name: value for name, value in temperatures.rise.items() if value}
+    warm = {_named(press, body, temperatures): value for body, value in rises.items() if value}
     return HeatShift(
         _press=press,
         rise=FrozenMapping(dict(temperatures.rise)),

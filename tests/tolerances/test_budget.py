@@ -107,3 +107,12 @@ def test_the_lowest_place_may_be_aside_of_the_rigid_dead_centre(crank_slide):
 def test_budgets_that_cannot_be_are_refused(crank_slide, arguments, said):
     with pytest.raises(pp.PinpressError, match=said):
         tol.budget(crank_slide, **{"speeds": [1.0], **arguments})
+
+
+@pytest.mark.parametrize(("samples", "said"), [(4000, "in 99.73 % of presses"), (300, "in 95 % of presses"), (5, "in 5 presses")])
+def test_machining_is_shown_of_small_samples_too(crank_slide, samples, said):
+    machining = tol.bottom_dead_centre(crank_slide, [tol.link_length(crank_slide, "O", "P", 1e-4)], samples=samples)
+    text = str(tol.budget(crank_slide, speeds=1.0, clearance={"W": 1e-5}, machining=machining))
+    assert said in next(line for line in text.splitlines() if "machining" in line)
+    if samples == 5:
+        assert f"{1e3 * machining.height.deviation.min():+.4f} to {1e3 * machining.height.deviation.max():+.4f} mm" in text

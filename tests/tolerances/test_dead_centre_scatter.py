@@ -1,5 +1,7 @@
 """The scatter of dead centres: every press of a sample is the reshaped one, first order is exact, numbers of a six-bar press hold."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from support import texts
@@ -12,9 +14,9 @@ from pinpress.derivatives import pivot_positions, reshaped
 from pinpress.derivatives.motion import directed
 from pinpress.kinematics.servo_motion import angle_on_flank
 from pinpress.tolerances.dead_centre_scatter import dead_centre_gradients
-from pinpress.tolerances.endings import Ending, followed_to
-from pinpress.tolerances.planar_shapes import PlanarShapes
-from pinpress.tolerances.spatial_shapes import SpatialShapes
+from pinpress.tolerances.sets_of_lengths.endings import Ending, followed_to
+from pinpress.tolerances.sets_of_lengths.planar_shapes import PlanarShapes
+from pinpress.tolerances.sets_of_lengths.spatial_shapes import SpatialShapes
 
 tol = pp.tolerances
 SLIDING = "a toggle that a screw moves"
@@ -41,13 +43,18 @@ def all_pivots(press, tolerance):
     ]
 
 
-def built(press, found, k):
-    """Press k of a sample, made anew."""
+def moved_pivots(press, parts, deviations):
+    """Where the pivots of a press stand whose dimensions deviate."""
     at = pivot_positions(press)
-    for part, deviation in zip(found.parts, found.deviations[:, k], strict=True):
+    for part, deviation in zip(parts, deviations, strict=True):
         for key, vector in part.direction.items():
             at[key] = at[key] + deviation * np.asarray(vector)
-    return reshaped(press, at)
+    return at
+
+
+def built(press, found, k):
+    """Press k of a sample, made anew."""
+    return reshaped(press, moved_pivots(press, found.parts, found.deviations[:, k]))
 
 
 @pytest.fixture(scope="module")
@@ -261,6 +268,56 @@ def test_a_turning_point_may_become_the_outermost_one_where_one_dimension_alone_
     ends = [pp.dead_centres(built(press, found, int(k))) for k in order[[0, -1]]]
     assert sum(abs(each.top_angle - nominal.top_angle) > 1.0 for each in ends) == 1
     assert found.top.nominal + found.top.deviation[order[[0, -1]]] == pytest.approx([each.top_position for each in ends], abs=1e-12)
+
+
+KNUCKLE = """
+units: mm
+frame: A O
+pins:
+  A: [0, 0]
+  O: [600, -300]
+  P: {{from: O, length: 100, angle: 60}}
+  K: {{A: 300, P: {rod}, side: left}}
+  S: {{K: 400, x: 0, side: down}}
+links:
+  crank: {{pins: O P, mass: 20}}
+  rod: {{pins: P K, mass: 10}}
+  upper: {{pins: A K, mass: 10}}
+  lower: {{pins: K S, mass: 10}}
+  slide: {{pins: S, guide: up, mass: 100}}
+drive: O
+"""
+
+
+@pytest.mark.parametrize("short", [0.0, 0.01, 1.0, -0.01, -1.0])
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-3])
+def test_a_knuckle_that_some_presses_stretch_and_others_do_not(short, tolerance, tmp_path):
+    """Crank and rod in line reach the stretched knuckle, or they do not: two circles tell where the slide is then lowest. The rod of the
+    nominal press is ``short`` of it [mm]."""
+    (tmp_path / "knuckle.yaml").write_text(KNUCKLE.format(rod=500 - short))
+    press = pp.build(tmp_path / "knuckle.yaml")
+    parts = [tol.link_length(press, "O", "P", tolerance), tol.link_length(press, "P", "K_lower", tolerance)]
+    found = tol.bottom_dead_centre(press, parts, samples=3000)
+    reach = 0.6 - 1e-3 * short + found.deviations.sum(axis=0)
+    aside = np.arcsin((0.54 - reach**2) / np.hypot(0.36, 0.18)) - np.arctan2(0.18, 0.36)  # crank and rod in line
+    aside = np.maximum(aside, 0.0)  # beyond it the knuckle passes through the stretched pose
+    lowest = -0.3 * np.cos(aside) - np.sqrt(0.4**2 - (0.3 * np.sin(aside)) ** 2)
+    assert found.height.nominal + found.height.deviation == pytest.approx(lowest, abs=2e-15)
+
+
+@pytest.mark.filterwarnings("ignore:.*moves the slide at neither:pinpress.PinpressWarning")
+def test_a_toggle_whose_screw_passes_the_stretched_pose_in_some_presses():
+    """Its lower place is the limit of the screw, or a turning point just short of it."""
+    press = pp.build(Path(pp.__file__).parent / "pin_table" / "templates" / "toggle.yaml")
+    found = tol.bottom_dead_centre(press, all_pivots(press, 0.003 * press.size), samples=200)
+    tolerances, inside = np.array([part.tolerance for part in found.parts]), 0
+    corners = np.sign(found.gradient) * tolerances
+    for k, deviations in enumerate([-corners, corners, *found.deviations[:, :6].T]):
+        found_here = found.height.corners[k] if k < 2 else found.height.deviation[k - 2]
+        ends = pp.dead_centres(reshaped(press, moved_pivots(press, found.parts, deviations)))
+        inside += ends.bottom_angle < press.branch.angles[-1] - 1e-3
+        assert found.height.nominal + found_here == pytest.approx(ends.bottom_position, abs=1e-13)
+    assert 0 < inside < 8
 
 
 def test_a_dimension_that_moves_the_slide_at_one_end_alone_is_not_doubted():

@@ -118,6 +118,7 @@ def test_correlations_that_contradict_each_other_are_refused(press):
         ({("AB", "BC"): 1.1}, "a number from -1 to 1"),
         ({("AB", "AB"): 0.5}, "no pair of names"),
         ({("AB", "BC"): 0.1, ("BC", "AB"): 0.2}, "given twice"),
+        ({("AB", "BC"): 0.0, ("BC", "AB"): 0.2}, "given twice"),
         ({("AB", "XY"): 0.1}, "no dimension 'XY'"),
         ({("AB", "DE"): 0.1}, "'DE' is not normal"),
     ]:
@@ -132,3 +133,22 @@ def test_tolerances_in_mm_and_degrees_are_doubted(press):
         checked_dimensions(press, [tol.pin_angle(press, "C", "D", "E", 0.5)])
     with pytest.warns(pp.PinpressWarning, match="give deviations from the nominal"):
         tol.link_length(press, "E", "F", 5e-5, shape=[0.48001, 0.47999])
+
+
+def test_a_pin_on_which_three_links_meet_moves_as_one(tmp_path):
+    """A rod of a knuckle press carries both links of the knuckle: its length moves both bearings of the knee, by either name."""
+    table = (
+        "units: mm\nframe: A O\npins: {A: [0, 0], O: [600, -300], P: {from: O, length: 100, angle: 60}, "
+        "K: {A: 300, P: 498, side: left}, S: {K: 400, x: 0, side: down}}\n"
+        "links: {crank: {pins: O P, mass: 20}, rod: {pins: P K, mass: 9}, upper: {pins: A K, mass: 9}, lower: {pins: K S, mass: 9}, "
+        "slide: {pins: S, guide: up, mass: 100}}\ndrive: O\n"
+    )
+    (tmp_path / "knuckle.yaml").write_text(table)
+    (tmp_path / "longer.yaml").write_text(table.replace("P: 498", "P: 499"))
+    press, longer = pp.build(tmp_path / "knuckle.yaml"), pp.build(tmp_path / "longer.yaml")
+    for name in ("K_lower", "K_upper"):
+        part = tol.link_length(press, "P", name, 1e-3)
+        assert set(part.direction) == {("K_lower", "rod"), ("K_upper", "rod")}
+        assert pp.dead_centres(moved(press, part, 1e-3)).top_position == pytest.approx(pp.dead_centres(longer).top_position, abs=1e-12)
+        assert set(tol.pin_position(press, name, "z", 1e-3, link="rod").direction) == set(part.direction)
+    assert set(tol.pin_position(press, "O", "x", 1e-3).direction) == {("O", "frame")}

@@ -10,7 +10,7 @@ from support import texts
 import pinpress as pp
 from pinpress.derivatives import pivot_positions
 from pinpress.derivatives.motion import directed
-from pinpress.tolerances.endings import Ending, followed_to, shapes_of
+from pinpress.tolerances.sets_of_lengths.endings import Ending, followed_to, shapes_of
 
 R, L = 0.1, 0.4  # of the shipped crank-slide, drawn at bottom dead centre [m]
 DEVIATIONS = np.geomspace(1e-4, 6e-2, 60)

@@ -70,3 +70,15 @@ def test_heat_that_cannot_be_is_refused_by_name(six_bar):
     with pytest.warns(pp.PinpressWarning, match=r"'rod' is 303\.15 K: give by how much the link is warmer"):
         Temperatures({"rod": 303.15})
     assert np.isclose(Temperatures({"rod": 5.0}).times(0.5).rise["rod"], 2.5)
+
+
+def test_links_that_are_welded_together_are_warm_as_one():
+    """Both may be named; the link that they make counts once."""
+    cap = '<link name="cap"/><joint name="weld" type="fixed"><parent link="rod"/><child link="cap"/></joint></robot>'
+    press = texts.load(texts.shipped("crank_slide").text.decode().replace("</robot>", cap))
+    found = tolerances.heat(press, tolerances.Temperatures({"rod": 5.0, "cap": 5.0}, 1e-5))
+    assert found.bottom_shift == pytest.approx(-5e-5 * 0.4)
+    assert list(found.bottom_by_link) == ["rod"]
+    assert found.columns()["bottom_shift [m]"] == pytest.approx([0.0, -5e-5 * 0.4])
+    with pytest.raises(pp.PinpressError, match=r"'cap' of .* is welded to a link with another value"):
+        tolerances.heat(press, tolerances.Temperatures({"rod": 5.0, "cap": 4.0}))

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..common.errors import PinpressError
-from ..common.quantities import Array
-from ..derivatives.motion import CONTRADICTED, Displacements
-from ..engines.spatial.bodies import motion_axes
-from ..engines.spatial.closing import PassiveColumns
-from ..engines.spatial.equations import Equations, Loops, Moved, build_loops, drift, equations
-from ..linkage.linkage import Linkage
+from ...common.errors import PinpressError
+from ...common.quantities import Array
+from ...derivatives.motion import CONTRADICTED, Displacements
+from ...engines.spatial.bodies import motion_axes
+from ...engines.spatial.closing import PassiveColumns
+from ...engines.spatial.equations import Equations, Loops, Moved, build_loops, drift, equations
+from ...linkage.linkage import Linkage
 from .shapes import Evaluated, Shapes
 
 

@@ -13,13 +13,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..common.errors import PinpressError
-from ..common.products import product
-from ..common.quantities import Array
-from ..derivatives.motion import Displacements
-from ..engines.engine import ACCEPTED, MOST_NEWTON_STEPS
-from ..engines.planar.engine import PlanarEngine
-from ..linkage.linkage import Linkage
+from ...common.errors import PinpressError
+from ...common.products import product
+from ...common.quantities import Array
+from ...derivatives.motion import Displacements
+from ...engines.engine import ACCEPTED, MOST_NEWTON_STEPS
+from ...engines.planar.engine import PlanarEngine
+from ...linkage.linkage import Linkage
 from .planar_shapes import PlanarShapes
 from .shapes import Evaluated, Shapes
 from .spatial_shapes import SpatialShapes
@@ -28,6 +28,7 @@ PIECE = 2048  # sets that are worked through at a time: their arrays stay in the
 TURNED = 1e-9  # last step of the crank [rad, or lengths of the linkage]
 TURNED_BACK = 1e-5  # last step at a dead centre, where what is left after it, its square, moves the slide by no more than rounding
 CORRECTED = 0.25  # share of what first order moves it by, by which Newton's method may correct a joint
+FAR = 0.2  # way of a joint beyond which first order tells nothing, so that the share is of this [rad, or lengths of the linkage]
 NEARLY = 1e-3  # correction that is accepted in any case [rad, or lengths of the linkage]
 
 
@@ -66,11 +67,13 @@ class Ended(NamedTuple):
     Attributes:
         position: (n,) slide position [m].
         rate: (n,) derivative of the slide position by the crank angle [m/rad].
+        second: (n,) its second derivative.
         sound: (n,) whether the set is closed, has come to its end, and is the nominal assembly.
     """
 
     position: Array
     rate: Array
+    second: Array
     sound: NDArray[np.bool_]
 
 
@@ -81,21 +84,26 @@ def sound(shapes: Shapes, deviations: Array, ending: Ending, where: str) -> Ende
         PinpressError: some of these presses cannot be closed there.
     """
     ended = followed_to(shapes, deviations, ending)
-    lost = np.flatnonzero(~ended.sound)
+    refuse_lost(shapes, deviations, ended.sound, where)
+    return ended
+
+
+def refuse_lost(shapes: Shapes, deviations: Array, sound: NDArray[np.bool_], where: str) -> None:
+    """Raise PinpressError where sets of deviations (k, n) are not ``sound`` (n,)."""
+    lost = np.flatnonzero(~sound)
     if len(lost):
         first = ", ".join(f"{value:.3g}" for value in deviations[:, lost[0]])
         raise PinpressError(
             f"{len(lost)} of {deviations.shape[1]} presses, worst corners among them, cannot be closed {where}, or not as"
             f" {shapes.press.name} is assembled; the first of them deviates by {first} [m or rad]: make the tolerances smaller"
         )
-    return ended
 
 
 def followed_to(shapes: Shapes, deviations: Array, ending: Ending) -> Ended:
     """Every set of deviations (k, n) at its end. It never raises, see `sound`."""
     still, first = shapes.joint_slopes(ending.start)
     slopes, count = still + first * ending.angle_slopes, deviations.shape[1]
-    whole = Ended(np.empty(count), np.empty(count), np.empty(count, dtype=bool))
+    whole = Ended(np.empty(count), np.empty(count), np.empty(count), np.empty(count, dtype=bool))
     for begin in range(0, count, PIECE):
         sets = slice(begin, begin + PIECE)
         for all_sets, part in zip(whole, _piece(shapes, deviations[:, sets], ending.part(sets), slopes), strict=True):
@@ -118,9 +126,16 @@ def _piece(shapes: Shapes, deviations: Array, ending: Ending, slopes: Array) -> 
                 break
             x = x + found.step + turn * (found.first + 0.5 * turn * found.second)
         x = x + found.step + turn * (found.first + 0.5 * turn * found.second)
-        corrected = np.abs(x - ending.start[:, None] - moved).max(axis=0)
-        near = corrected <= CORRECTED * np.abs(moved).max(axis=0) + NEARLY * (1 + shapes.press.size)
-    return Ended(shapes.position(x, deviations), sign * (found.first[guide] + turn * found.second[guide]), close & at_rest & near)
+        sound = close & at_rest & same_assembly(shapes, x - ending.start[:, None], moved)
+    rate, second = found.first[guide] + turn * found.second[guide], found.second[guide]
+    return Ended(shapes.position(x, deviations), sign * rate, sign * second, sound)
+
+
+def same_assembly(shapes: Shapes, way: Array, moved: Array) -> NDArray[np.bool_]:
+    """Whether sets (n,) are the nominal assembly still, which have gone by ``way`` (nv, n), where first order has them go by ``moved``."""
+    size = 1 + shapes.press.size
+    told = np.minimum(np.abs(moved).max(axis=0), FAR * size)
+    return np.asarray(np.abs(way - moved).max(axis=0) <= CORRECTED * told + NEARLY * size)
 
 
 def _turned(shapes: Shapes, x: Array, deviations: Array, found: Evaluated, ending: Ending) -> Array:

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..common.products import product
-from ..common.quantities import Array
-from ..linkage.linkage import Linkage
+from ...common.products import product
+from ...common.quantities import Array
+from ...linkage.linkage import Linkage
 
 
 class Evaluated(NamedTuple):
