@@ -140,6 +140,25 @@ def test_orders_stay_sharp_while_the_speed_changes(how):
         found.of("A", 2.3)
 
 
+@pytest.mark.parametrize("order", [1.0, 7.0, 12.0])
+def test_orders_keep_their_size_up_to_the_fewest_samples_that_are_taken(order):
+    """Order 12 of a crank whose speed swings by 1.5 % about 50 rad/s, at 2.5 samples a period where it is fastest."""
+    rate = 2.5 * 12 * 50 * 1.016 / (2 * np.pi)
+    time = np.arange(int(40 * 2 * np.pi / 50 * rate)) / rate
+    angle = 50 * time + 0.05 * np.sin(15 * time)
+    columns = {"time [s]": time, "A [m/s2]": 2 * np.cos(order * angle + 0.3) + 9.81, "crank [rad]": angle}
+    found = measured.vibration(columns, ONE, angle="crank [rad]").order_spectra(12, turns=8)
+    np.testing.assert_allclose(found.of("A", order), 2.0, rtol=2e-3)
+
+
+def test_noise_alone_has_no_peaks_and_windows_are_those_that_are_averaged():
+    rng = np.random.default_rng(3)
+    record = one(rng.normal(size=len(TIME)))
+    for resolution in (None, 0.06, 0.4, 3.0):
+        assert len(record.spectra(resolution).lines) == 0
+    assert record.spectra(0.08).windows == 2  # of 12 500 samples each in 20 000, half of one apart
+
+
 def test_given_speeds_lay_runs_beside_each_other():
     runs = [{"time [s]": TIME, "A [m/s2]": size * np.sin(speed * TIME)} for size, speed in ((1.0, 20.0), (4.0, 40.0))]
     found = measured.vibration(runs, ONE, speed=[20.0, 40.0]).order_spectra(3, turns=10)
