@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..common.arguments import number, numbers, typed
+from ..common.arguments import LARGEST, SMALLEST, number, numbers, typed
 from ..common.errors import PinpressError, caution, shown
 from ..common.frozen import FrozenMapping
 from ..common.quantities import Array
@@ -28,6 +28,7 @@ GAP = 4.5  # times the common step between samples, from which on a step is a ga
 UNEVEN = 0.02  # standard deviation of the steps by their median, above which sampling is called uneven
 JUMP = 0.5  # share of a turn of the counter by which an angle changes where it starts anew
 ROLLOVERS = (2.0**16, 2.0**24, 2.0**32)  # counts after which counters start anew
+RESTING = 20.0  # times the median between two changes of the angle, from which on the crank rests
 FLAT = 12  # samples in a row at the very extreme that look like saturation
 BRAKING = 0.1  # share of the sum of sizes of the power by which its mean is below 0 where a sign is wrong
 FEWEST_A_TURN = 12  # samples
@@ -41,6 +42,7 @@ CURRENTS = {"A": 1.0, "mA": 1e-3, "kA": 1e3}
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6}
 FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6}
 LENGTHS = {"m": 1.0, "mm": 1e-3}
+_UNITS = {"torque": "N m", "current": "A"}
 SPEEDS = ("rpm", "r/min", "1/min", "min-1", "rad/s", "deg/s", "Hz")
 
 
@@ -65,10 +67,11 @@ class MeasuredRun(Tabular):
 
     Raises:
         PinpressError: a column is not finite, or has another length than the time; times do not rise, or have a gap; the angle jumps, or
-            rests all the time; too few samples.
+            rests all the time; a torque or current of a size that no press has; too few samples.
 
     Warns:
-        PinpressWarning: sampling is uneven; the torque stays at its extreme, as where a drive cuts it off; the mean power is negative.
+        PinpressWarning: sampling is uneven; the torque stays at its extreme, as where a drive cuts it off; the crank rests in a part of a
+            record with torque; the mean power is negative.
     """
 
     time: Array
@@ -233,6 +236,10 @@ def _check_torque(run: MeasuredRun) -> None:
         return
     if not np.ptp(effort):
         raise PinpressError(f"{run.name}: the {word} is the same in all samples ({effort[0]:.6g}); give the column that was measured")
+    largest = float(np.abs(effort).max())
+    if not SMALLEST <= largest <= LARGEST:
+        raise PinpressError(f"{run.name}: the largest {word} is {largest:.4g} {_UNITS[word]}, as of no press; see to its unit")
+    _doubt_rest(run)
     for extreme in (effort.max(), effort.min()):
         longest, others = longest_rest(effort, extreme)
         if longest >= FLAT and longest > 3 * others:
@@ -247,6 +254,19 @@ def _check_torque(run: MeasuredRun) -> None:
         caution(
             f"{run.name}: the mean power is {'' if run.torque is None else f'{power:.4g} W, '}below 0, as if the press drove its motor:"
             " give the ratio with the other sign, record(..., ratio=-20.7), or the angle's, angle_ratio="
+        )
+
+
+def _doubt_rest(run: MeasuredRun) -> None:
+    """Warn of a crank that stands in a part of a record with torque."""
+    changes = np.flatnonzero(np.diff(run.angle)) + 1
+    ends = np.concatenate([[0], changes, [len(run.angle)]])
+    lengths = np.diff(ends)
+    k = int(lengths.argmax())
+    if lengths[k] > max(RESTING * np.median(lengths), FEWEST):
+        caution(
+            f"{run.name}: the crank rests for {lengths[k] * run.sampling:.4g} s from {run.time[ends[k]]:.6g} s on, where a brake may hold it"
+            " and friction has no direction: leave this part out, record(..., between=(start, end))"
         )
 
 

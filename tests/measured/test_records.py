@@ -139,6 +139,8 @@ def test_wrong_columns_are_named(tmp_path, angle, torque, words):
         ("angle", put(slice(None), 3.0), "rests all the time at 171.887 deg"),
         ("angle", lambda angle: angle.__imul__(20.0), r"sample at \d+ Hz or more"),
         ("torque", put(slice(None), 3.0), "is the same in all samples"),
+        ("torque", lambda torque: torque.__imul__(1e-300), r"largest torque is .*e-298 N m, as of no press"),
+        ("torque", lambda torque: torque.__imul__(1e300), r"largest torque is .*e\+302 N m, as of no press"),
     ],
 )
 def test_what_cannot_be_used_is_refused(column, change, words):
@@ -162,11 +164,19 @@ def test_a_press_that_turns_backwards_may_be_sampled_as_coarsely(way):
         ("torque", lambda torque: np.minimum(torque, 120, out=torque), r"stays at 120 for \d+ samples from"),
         ("torque", lambda torque: torque.__imul__(-1.0), r"below 0, as if the press drove its motor.*other sign"),
         ("time", lambda time: time.__iadd__(1e-3 * np.sin(1e4 * time)), "record at a fixed rate"),
+        ("angle", put(slice(250, None), ANGLE[250]), r"the crank rests for 0.75 s from 1.25 s on, where a brake.*between="),
     ],
 )
 def test_what_is_hardly_meant_is_warned_of(column, change, words):
     with pytest.warns(pp.PinpressWarning, match=words):
         changed(column, change)
+
+
+def test_an_encoder_that_is_coarse_does_not_rest():
+    """Counts of 5 degrees, which last for up to 30 samples, and a servo press that pauses for as long."""
+    time = np.arange(4000) / 1000
+    for angle in (np.radians(5.0) * np.floor(40 * time), 5.0 * time - 5.0 * np.clip(time - 2.0, 0.0, 0.03)):
+        MeasuredRun(time, angle, 100.0 + np.sin(time))
 
 
 def test_files_that_are_none(tmp_path):
