@@ -264,9 +264,10 @@ def _doubt_rest(run: MeasuredRun) -> None:
     lengths = np.diff(ends)
     k = int(lengths.argmax())
     if lengths[k] > max(RESTING * np.median(lengths), FEWEST):
+        rest, begin = lengths[k] * run.sampling, run.time[ends[k]]
         caution(
-            f"{run.name}: the crank rests for {lengths[k] * run.sampling:.4g} s from {run.time[ends[k]]:.6g} s on, where a brake may hold it"
-            " and friction has no direction: leave this part out, record(..., between=(start, end))"
+            f"{run.name}: the crank rests for {rest:.4g} s from {begin:.6g} s on, where a brake may hold it and friction has no direction:"
+            " leave this part out, record(..., between=(start, end))"
         )
 
 

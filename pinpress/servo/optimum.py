@@ -299,6 +299,9 @@ def _refuse_open(
         raise PinpressError('time is missing: give the time of a cycle [s], e.g. time=60 / 25; or minimise="time"')
     if time is not None and not time > dwell:
         raise PinpressError(f"time is {time:g} s, and the path rests for {dwell:g} s: give a longer time")
+    feeding = max((each.time for each in limits if isinstance(each, limits_.FeedWindow)), default=0.0)
+    if time is not None and not time > feeding:
+        raise PinpressError(f"time is {time:g} s, and the FeedWindow asks for {feeding:g} s of it: give a longer time, or a shorter window")
     if time is None and len(wanted) > 1:
         raise PinpressError("time is missing: weights are relative to the motion with the least heat, which takes a time; give one")
     if wanted != {"time": 1.0}:

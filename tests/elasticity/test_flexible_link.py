@@ -204,6 +204,21 @@ def test_stroke_with_a_rod_that_bends():
     assert bent.peaks["P4"] != pytest.approx(rigid.peaks["P4"], rel=1e-3)
 
 
+def test_kinetic_energy_of_a_rod_that_bends_is_what_the_other_links_leave():
+    """Shapes have the modal mass 1 kg, so that the share of a rigid link is its own m v^2 + J w^2."""
+    press = shipped(JF75G)
+    modes = natural_frequencies(press, Elastic(stiffness_of(press), flexible_links=[main_rod(modes=3)]), angle=[0.3])
+    left = np.ones(modes.natural_frequency.shape[1])
+    for body, inertia in enumerate(list(press.model.inertias)[1:]):
+        name, moved = press.link_of(body + 1), modes.shapes[0, :, body]
+        if name != "main_rod":
+            normal = press.engine().turning_axes(body + 1)[0]
+            own = inertia.mass * (moved[:, :2] ** 2).sum(axis=1) + normal @ inertia.inertia @ normal * moved[:, 2] ** 2
+            np.testing.assert_allclose(modes.kinetic_energy[name][0], own, rtol=1e-9, atol=1e-12)
+            left -= own
+    np.testing.assert_allclose(modes.kinetic_energy["main_rod"][0], left, rtol=1e-9, atol=1e-9)
+
+
 def test_rigid_limit():
     """An idle stroke comes to that of a rigid rod in proportion to the rod's compliance."""
     rigid, *soft = stroke(), *(stroke(main_rod(area=AREA * times, second_moment=BENDING * times, modes=2)) for times in (20, 40))

@@ -11,7 +11,7 @@ import pinpress as pp
 from pinpress.measured import MeasuredRun, identifiability, identify
 from pinpress.measured.estimates.base_parameters import base_parameters
 from pinpress.measured.estimates.cones import _in_plane, _in_space, _inside
-from pinpress.measured.estimates.least_squares import Fit
+from pinpress.measured.estimates.least_squares import Fit, _noise, _sandwich
 from pinpress.measured.estimates.weak_form import smoothed
 from pinpress.measured.regressor import inertial_equations, loss_columns
 
@@ -242,6 +242,40 @@ def test_friction_of_pins_and_guide_goes_with_the_forces_of_the_press_found():
     assert found.friction["A"].coefficient * found.friction["A"].radius == pytest.approx(found.values["pins friction"])
     motion = pp.cycle(press_of("zxn2_3000b"), 5.0, points=40)
     assert found.torque(motion).mean() > pp.inverse_dynamics(found.press, motion).driving_torque.mean() + 700
+
+
+def test_currents_without_noise_tell_the_motor_constant():
+    """The same records with and without a mass on the slide; the constant is far from 1, and the press from what is described."""
+    made = {"constant": 95.0, "noise": 0.0, "in_bearings": 0.0}
+    runs = rubbing("zxn2_3000b", **made)[:2] + rubbing("zxn2_3000b", added=1000.0, **made)[:2]
+    found = identify(press_of("zxn2_3000b"), runs, prior=0.5, friction=("crank",), cylinder=True)
+    assert found.motor_constant == pytest.approx(95.0, rel=1e-3)
+    assert found.values["crank friction"] == pytest.approx(800.0, rel=1e-2)
+
+
+@pytest.mark.filterwarnings("ignore:run. samples are:pinpress.PinpressWarning")  # uneven
+def test_samples_that_a_bus_lost_change_little():
+    """A sixth of them, each alone; sums over time take what is left by its distances."""
+    runs, _ = clean("zxn2_3000b", rate=2000.0, friction=("crank",), losses=(900.0, 50.0))
+    rng, kept = np.random.default_rng(4), []
+    for each in runs:
+        lost = rng.random(len(each.time)) < 0.2
+        lost[1:] &= ~lost[:-1]
+        kept.append(MeasuredRun(each.time[~lost], each.angle[~lost], each.torque[~lost]))
+    found = identify(press_of("zxn2_3000b"), kept, friction=("crank",))
+    assert found.values["crank friction"] == pytest.approx(900.0, abs=0.5)
+    assert found.values["crank viscous friction"] == pytest.approx(50.0, abs=0.2)
+
+
+def test_noise_and_sandwiches_count_what_was_fitted_and_what_was_known():
+    """Of 12 rows with 8 unknowns four are left to tell the noise; without residuals the sandwich is what is known beforehand, passed on."""
+    rng = np.random.default_rng(2)
+    columns = rng.normal(size=(12, 8))
+    found = [_noise(columns, rng.normal(size=12), 12) ** 2 for _ in range(4000)]
+    assert np.mean(found) == pytest.approx(1.0, rel=0.05)
+    information, covariance = np.diag([4.0, 9.0]), np.array([[2.0, 0.5], [0.5, 1.0]])
+    still = _sandwich(rng.normal(size=(50, 2)), np.zeros(50), information, covariance)
+    np.testing.assert_allclose(still, covariance @ information @ covariance)
 
 
 @pytest.mark.exhaustive

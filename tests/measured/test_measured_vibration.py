@@ -29,6 +29,10 @@ def test_units_gains_and_directions(tmp_path):
     """A column in V with a gain, one in g, and the same in m/s2 are one acceleration; a file of points says what a mapping does."""
     wave = np.sin(2 * np.pi * 8 * TIME[:2000])
     table = {"t [ms]": 1000 * TIME[:2000], "a [V]": wave, "b [g]": wave, "c [m/s2]": 9.80665 * wave}
+    millivolts = measured.vibration(
+        {"time [s]": TIME[:2000], "A [mV]": wave}, {"A [mV]": measured.Accelerometer((1, 2, 3), "y", gain=20.0)}
+    )
+    np.testing.assert_allclose(millivolts.runs[0].acceleration[:, 0], 0.02 * wave, atol=1e-12)
     points = {
         "a [V]": measured.Accelerometer((1, 2, 3), "-y", gain=9.80665),
         "b [g]": measured.Accelerometer(("crown", (1, 2, 3)), (0, 0, 2)),

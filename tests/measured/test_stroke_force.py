@@ -59,6 +59,25 @@ def test_a_force_that_is_linear_between_heights_is_found():
     assert found.work == pytest.approx(np.trapezoid(TABLE.forces, KNOTS), rel=2e-3)
 
 
+def test_a_force_on_a_press_that_turns_backwards_is_found():
+    """The way down is told by the slide's speed, not by its travel over the angle."""
+    press, time = shipped(NAME), np.arange(1200) / 1000
+    angle = pp.dead_centres(press).top_angle - SPEED * time
+    motion = pp.servo_cycle(press, angle, speed=-SPEED)
+    needed = pp.inverse_dynamics(press, motion, loads=[TABLE], bearings=()).driving_torque
+    found = sensor().force(measured.MeasuredRun(time, angle, needed))
+    np.testing.assert_allclose(found.force, TABLE.forces, atol=0.01 * 9e5)
+
+
+def test_noise_of_a_coarse_encoder_is_that_of_its_steps():
+    """Even within a count: a step by the root of 12, where most samples in a row are alike, so that their differences hide it."""
+    time, step = np.arange(4000) / 1000, 2 * np.pi / 512
+    angle = step * np.round((0.9 * time + 0.1 * np.sin(time)) / step)
+    run = measured.MeasuredRun(time, angle, 2.0 + np.cos(angle))
+    assert run.resolution == pytest.approx(step)
+    assert stroke_force._smooth(run).noise == pytest.approx(step / np.sqrt(12), rel=1e-6)
+
+
 def test_an_idle_press_has_no_force():
     found = sensor().force(recorded(None, wave=0.05))
     assert np.abs(found.force).max() < 50

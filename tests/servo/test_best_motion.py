@@ -600,6 +600,7 @@ def test_in_words():
             "nothing limits the speed: a crank that never rests .* top_speed",
         ),
         ({"time": 0.1, "path": servo.Stop(0.2)}, "the path rests for 0.2 s"),
+        ({"limits": [servo.FeedWindow(0.1, 2.5)]}, "time is 2.4 s, and the FeedWindow asks for 2.5 s of it"),
         ({"limits": [servo.RmsTorque()]}, "RmsTorque has no torque"),
         ({"limits": SLOW}, "limits is one SlideSpeed"),
         ({"minimise": "price"}, 'give "heat", "time", "energy" or "peak"'),

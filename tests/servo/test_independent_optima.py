@@ -6,12 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize
 from support import texts
 from support.oracles import servo_by_energies as by_energies
 
 import pinpress as pp
 from pinpress import servo
+from pinpress.simulation.reduced_model import energies
 
 COINED = [0.002, 0.001, 0.0005, 0.0], [0.0, 0.30e6, 0.70e6, 1.60e6]
 DRAWING, DRAWN = [pp.loads.DeepDrawing(1.5e6, 0.06)], by_energies.drawn(1.5e6, 0.06)
@@ -226,3 +227,45 @@ def test_a_falling_torque_by_another_local_search(path):
     assert best.bound < other * (1.0 + 1e-3)
     assert other < best.value
     assert best.value == pytest.approx(other, rel=1e-2)
+
+
+@pytest.mark.parametrize("window", [0.65, 0.7])
+def test_a_turn_that_slows_down_for_its_feed_window_by_a_general_solver(window):
+    """Without limits a faster turn would need less; at an even speed the slide is above 150 mm for 0.62 s of each. The same heat, of
+    energies between the nodes, is minimised by SciPy over all speeds. An rms torque is one over the turn, for which it cannot wait."""
+    press, drive = texts.shipped("crank_slide"), servo.ServoDrive(inertia=0.02, ratio=10.0)
+    best = servo.best_motion(press, drive, time=1.0, path=servo.Turn(), limits=[servo.FeedWindow(0.15, window)], points=40)
+    step, bottom = np.diff(best.angle), pp.dead_centres(press).bottom_position
+    kinetic, potential = energies(press, pp.servo_cycle(press, best.angle, speed=1.0))
+    below = pp.servo_cycle(press, best.angle[:-1] + 0.5 * step, speed=1.0).slide_position - bottom < 0.15
+
+    def times(logarithms):
+        speed = np.exp(np.append(logarithms, logarithms[0]))
+        return 2 * step / (speed[1:] + speed[:-1])
+
+    def heat(logarithms):
+        square = np.exp(2 * np.append(logarithms, logarithms[0]))
+        torque = np.diff((kinetic + 0.5 * 2.0) * square + potential) / step
+        return 1e-3 * (torque**2 * times(logarithms)).sum()
+
+    rules = [
+        {"type": "eq", "fun": lambda x: times(x).sum() - 1.0},
+        {"type": "ineq", "fun": lambda x: 1.0 - window - times(x)[below].sum()},
+    ]
+    start = np.log(np.where(below, 1.2, 0.8) * 2 * np.pi)
+    other = minimize(heat, start, method="SLSQP", constraints=rules, options={"maxiter": 500, "ftol": 1e-9})
+    assert other.success
+    ours = np.log(best.speed[:-1])
+    assert times(ours).sum() == pytest.approx(1.0, abs=1e-4)
+    assert times(ours)[below].sum() < 1.0 - window + 1e-4
+    assert heat(ours) == pytest.approx(other.fun, rel=2e-3)
+    assert best.missed < 1e-3
+    assert best.bound < best.value
+
+    def with_rms(share):
+        limits = [servo.FeedWindow(0.15, window), servo.RmsTorque(share * best.motion.rms_motor_torque)]
+        return servo.best_motion(press, drive, time=1.0, path=servo.Turn(), limits=limits, points=40)
+
+    assert with_rms(1.1).value == pytest.approx(best.value, rel=2e-3)
+    with pytest.raises(pp.PinpressError, match="no turn that takes 1 s was found"):
+        with_rms(0.8)

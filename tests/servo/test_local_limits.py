@@ -12,6 +12,7 @@ from pinpress.kinematics.motion import motion_through_change_points
 from pinpress.servo import optimum
 from pinpress.servo.conic import local_limits
 from pinpress.servo.conic.bounds import motion_problem
+from pinpress.servo.conic.coefficients import coefficients, path_grid
 from pinpress.simulation.reduced_model import energies
 
 PATHS = {
@@ -52,6 +53,22 @@ def follow(grid):
     count = len(grid.step)
     pairs = [(k, k + 1) for k in range(count - 1) if grid.leg[k] == grid.leg[k + 1] or grid.legs.dwells[grid.leg[k]] == 0]
     return np.array([*pairs, *([(count - 1, 0)] if grid.legs.closed else [])]).T
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_coefficients_of_bearings_are_the_forces_of_any_motion(way):
+    """The crank at any speed and acceleration, under weight and a load by height: those of inverse dynamics."""
+    press, load = texts.shipped("zxn2_3000b"), pp.loads.DeepDrawing(1e6, start=0.05)
+    grid = path_grid(press, servo.Turn(backwards=way < 0).legs(press), [0.05], 40)
+    found = coefficients(press, grid, [load], {}, 2.0, ["E", "slide_guide"])
+    angle = (grid.angle[:-1] + found.inner * grid.step).ravel()
+    speed, acceleration = way * np.random.default_rng(5).uniform(1.0, 8.0, len(angle)), np.linspace(-60.0, 90.0, len(angle))
+    motion = pp.servo_cycle(press, angle, speed=speed, acceleration=acceleration)
+    reactions = pp.inverse_dynamics(press, motion, loads=[load])
+    for name, each in found.bearings.items():
+        parts = (part.reshape(-1, 3) for part in (each.by_acceleration, each.by_square, each.fixed))
+        force = sum(factor[:, None] * part for factor, part in zip((acceleration, speed**2, np.ones_like(speed)), parts, strict=True))
+        np.testing.assert_allclose(force[:, [0, 2]], reactions.bearing_force[name][:, [0, 2]], atol=1e-9 * 1e6)
 
 
 @pytest.mark.parametrize("path", PATHS)

@@ -270,6 +270,56 @@ def test_a_turning_point_may_become_the_outermost_one_where_one_dimension_alone_
     assert found.top.nominal + found.top.deviation[order[[0, -1]]] == pytest.approx([each.top_position for each in ends], abs=1e-12)
 
 
+def test_a_place_that_one_dimension_hardly_moves_may_be_passed_by_another():
+    """A cylinder drives a toggle from one end of its travel through the stretched pose to the other end, which is 0.02 mm less high. The
+    trunnion is moved square to the cylinder's line at the first end, where that does nothing."""
+    beside, trunnion = (-0.15, 0.14998), np.array([-0.6, 0.3])
+    knees = [np.array([x, -np.sqrt(0.3**2 - x * x)]) for x in beside]
+    one, other = (knee - trunnion for knee in knees)
+    drawn = np.linalg.norm(np.array([-0.05, -np.sqrt(0.3**2 - 0.05**2)]) - trunnion)
+    low, high = (1e3 * (np.linalg.norm(each) - drawn) for each in (one, other))
+    press = pp.build(
+        units="mm",
+        frame="U G",
+        pins={"U": [0, 0], "K": [-50, float(-1e3 * np.sqrt(0.3**2 - 0.05**2))], "S": {"K": 340, "x": 0, "side": "down"}, "G": [-600, 300]},
+        links={
+            "upper": {"pins": "U K", "mass": 20},
+            "lower": {"pins": "K S", "mass": 20},
+            "barrel": {"pins": "G", "mass": 95, "com": [250, 0], "inertia": 4.2},
+            "piston": {
+                "pins": "K",
+                "guide": {"cylinder": "barrel G K"},
+                "travel": [low, high],
+                "mass": 40,
+                "com": [-300, 0],
+                "inertia": 1.4,
+            },
+            "slide": {"pins": "S", "guide": "up", "mass": 1400},
+        },
+        drive="cylinder",
+    )
+    square = np.array([-one[1], one[0]]) / np.linalg.norm(one)
+    part = tol.pin_position(press, "G", (square[0], 0.0, square[1]), 2e-3)
+    found = tol.bottom_dead_centre(press, [part], samples=40)
+    assert abs(found.top.gradient[0]) < 1e-9
+    ends = [pp.dead_centres(built(press, found, k)) for k in range(8)]
+    assert 0 < sum(each.top_angle > 0.0 for each in ends) < 8
+    assert found.top.nominal + found.top.deviation[:8] == pytest.approx([each.top_position for each in ends], abs=1e-12)
+
+
+def test_a_guide_whose_axis_points_down_changes_nothing():
+    text = texts.shipped("crank_slide").text.decode()
+    down = texts.load(text.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 0 -1"/>'))
+    assert (texts.load(text).slide_guide.sign, down.slide_guide.sign) == (1.0, -1.0)
+    found = [
+        tol.bottom_dead_centre(press, [tol.link_length(press, "P", "W", 1e-3)], forces={0.05: 1e5}, speeds={0.05: -7.0}, samples=50)
+        for press in (texts.load(text), down)
+    ]
+    for one, other in zip(*(each.quantities for each in found), strict=True):
+        assert other.nominal + other.deviation == pytest.approx(one.nominal + one.deviation, rel=1e-12)
+        assert other.gradient == pytest.approx(one.gradient, rel=1e-10)
+
+
 KNUCKLE = """
 units: mm
 frame: A O

@@ -82,3 +82,14 @@ def test_links_that_are_welded_together_are_warm_as_one():
     assert found.columns()["bottom_shift [m]"] == pytest.approx([0.0, -5e-5 * 0.4])
     with pytest.raises(pp.PinpressError, match=r"'cap' of .* is welded to a link with another value"):
         tolerances.heat(press, tolerances.Temperatures({"rod": 5.0, "cap": 4.0}))
+
+
+def test_the_face_of_a_slide_that_is_welded_to_its_carriage_is_measured_from_the_slide():
+    """The ram hangs 0.2 m below the carriage that the guide leads; its face is another 0.1 m lower."""
+    weld = '<joint name="weld" type="fixed"><parent link="slide"/><child link="ram"/><origin xyz="0 0 -0.2"/></joint>'
+    ram = f'<link name="ram"/>{weld}</robot>'
+    text = texts.shipped("crank_slide").text.decode().replace("</robot>", ram)
+    press = texts.load(text, slide="ram")
+    assert press.slide == "ram"
+    found = tolerances.heat(press, tolerances.Temperatures({"ram": 10.0}, 1e-5, face=-0.1))
+    assert found.bottom_shift == pytest.approx(-1e-4 * 0.3)

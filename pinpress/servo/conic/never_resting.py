@@ -34,6 +34,7 @@ LATE, FAR_LATE = 1e-4, 5e-4  # shares by which a cycle is longer than asked for 
 SETTLED, NEARLY = 1e-4, 1e-3  # relative changes of the value that end the rounds, and above which the motion is said not to be settled
 SLOWEST = 0.1  # least speed of the crank, in its mean speed or the limit of speed there
 ROOM = 0.5  # share by which a program with such losses may be late, to the power of the round
+NO_HURRY = 10.0  # share by which one without them may be
 ROUGH, FINE, CLOSE = 1e-5, 1e-7, 1e-9  # tolerances of programs of the proof, whose bounds are far apart anyhow, and of rounds of tangents
 COARSE, FINER = 36, 4  # segments of the coarse path, and how many times as many the next one has
 MANY_ROUNDS, SOME_ROUNDS, FEW_ROUNDS = 40, 12, 3  # of tangents on the coarse path, the next one and the last; up to thrice as many
@@ -89,9 +90,10 @@ def turn_in_time(
     bound, passing = _passing_the_mean_speed(_never_resting(coarse))
     found = None
     starts = [_even(coarse), *([] if passing is None else [passing])]
-    if limits.power is not None or limits.rate is not None:  # an even speed may be far from what they allow
+    if limits.power is not None or limits.rate is not None or coarse.rms is not None:  # an even speed may be far from what they allow
+        cool = coarse if coarse.rms is None else replace(coarse, rms=None, weights={"heat": 1.0})
         with contextlib.suppress(NoTurnError):
-            starts.append(_rounds(coarse, starts[0], LocalLimits(None, None, False), MANY_ROUNDS).answer.b)
+            starts.append(_rounds(cool, starts[0], LocalLimits(None, None, False), MANY_ROUNDS).answer.b)
     for start in starts:
         try:
             turn = _rounds(coarse, start, limits, MANY_ROUNDS)
@@ -141,13 +143,11 @@ def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) 
     b = _in_time(problem, b)
     for k in range(3 * rounds):
         rows = [_time_tangent(problem, b, problem.time), *tangents(problem, b, limits)]
-        limited = replace(whole, bounds=(*whole.bounds, *rows), time=None)
-        # losses that grow with the speed have a program count on a slower crank than that of its own motion, unless time presses
-        most_time = problem.time * (1.0 + max(ROOM**k, FAR_LATE)) if problem.drive.viscous or problem.drive.iron else None
-        answer = _solved(replace(limited, time=most_time, time_name=""), sizes_of(problem, b), FINE)
+        limited = replace(whole, bounds=(*whole.bounds, *rows))
+        answer = _solved(_with_end(limited, max(ROOM**k, FAR_LATE)), sizes_of(problem, b), FINE)
         if not isinstance(answer, Solution):
             break
-        found = TimedTurn(answer, limited, abs(value - answer.value) / abs(answer.value))
+        found = TimedTurn(answer, replace(limited, time=None), abs(value - answer.value) / abs(answer.value))
         value = answer.value
         late = float(segment_times(problem.coefficients, answer.b).sum()) / problem.time - 1.0
         if (found.change <= SETTLED and late <= LATE) or (k + 1 >= rounds and late <= FAR_LATE):
@@ -159,6 +159,27 @@ def _rounds(problem: MotionProblem, b: Array, limits: LocalLimits, rounds: int) 
             " or path=servo.Stop(), which pauses"
         )
     return found
+
+
+def _with_end(problem: MotionProblem, late: float) -> MotionProblem:
+    """The problem of a turn that takes at least its time, with an end of it where one is needed; ``late``: share by which it may be late.
+
+    Losses that grow with the speed have a program count on a slower crank than that of its own motion, unless time presses. A feed window
+    is what a cycle leaves over, and a mean torque is one over a cycle, for which a turn could wait if its time had no end. Time outside the
+    window, and heat, are the same wherever this end is.
+    """
+    assert problem.time is not None
+    loses = problem.drive.viscous or problem.drive.iron
+    if not loses and problem.below is None and problem.rms is None:
+        return replace(problem, time=None, time_name="")
+    added = late if loses else NO_HURRY
+    return replace(
+        problem,
+        time=problem.time * (1.0 + added),
+        time_name="",
+        feed_time=problem.feed_time + added * problem.time,
+        rms=None if problem.rms is None else problem.rms / np.sqrt(1.0 + added),
+    )
 
 
 def _refuse_late(problem: MotionProblem, found: TimedTurn) -> None:
@@ -199,8 +220,18 @@ def _most(problem: MotionProblem) -> Array:
 
 
 def _even(problem: MotionProblem) -> Array:
-    """An even speed, where limits of speed allow it."""
-    return np.minimum(_most(problem), _mean_square(problem))
+    """An even speed, where limits of speed allow it; a faster one outside a feed window that it would not keep, and a slower one inside."""
+    mean = np.full(len(problem.coefficients.grid.angle), _mean_square(problem))
+    below = problem.below
+    if below is not None:
+        assert problem.time is not None
+        times, rest = segment_times(problem.coefficients, mean), problem.time - problem.feed_time
+        if times[below].sum() > rest > 0.0:
+            outside = np.append(below, False) | np.append(False, below)
+            slower = times[~below].sum() / problem.feed_time
+            mean *= np.where(outside, times[below].sum() / rest, slower) ** 2
+            mean[[0, -1]] = mean[[0, -1]].min()
+    return np.asarray(np.minimum(_most(problem), mean))
 
 
 def _never_resting(problem: MotionProblem) -> MotionProblem:
