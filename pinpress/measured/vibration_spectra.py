@@ -22,6 +22,7 @@ from .accelerometers import VibrationRun
 WINDOWS = 8  # windows side by side in the default resolution; half-overlapping ones are about twice as many
 CARRIED = 0.8  # share of half the sampling rate up to which recorders keep amplitudes
 FINER = 4  # samples for each of the record's, between which splines are laid
+REACH = 20  # samples of the record to both sides, from which those between are made
 STANDING_OUT = 4.0  # a peak that is named has at least this many times the density of the valleys beside it
 INDEPENDENT = 0.9  # share of half-overlapping Hann windows that count as independent
 BY_CHANCE = 0.01  # of spectra of noise alone, the share in which a peak is named
@@ -190,7 +191,7 @@ def order_spectra(runs: Sequence[VibrationRun], channels: tuple[str, ...], order
 def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float, Array]]:
     """Mean speed and amplitudes (orders, channels) of each window of a run."""
     from scipy.interpolate import make_interp_spline  # slow to import
-    from scipy.signal import resample_poly
+    from scipy.signal import firwin, resample_poly
 
     if run.angle is None:
         raise PinpressError(f"{run.name}: nothing says where the crank is: give angle=, tacho= or speed= to vibration")
@@ -214,7 +215,8 @@ def _windows(run: VibrationRun, highest: float, turns: int) -> list[tuple[float,
     slowest = (angle[-1] - angle[0]) / (run.time[-1] - run.time[0])
     points = 1 << int(np.ceil(np.log2(max(run.rate * 2 * np.pi / min(slowest, fastest) * 2, 8 * highest))))
     # a spline through few samples a period flattens it: 16 % at 2.5 of them, 0.1 % at ten
-    fine = resample_poly(run.acceleration, FINER, 1, axis=0, padtype="line")
+    between = firwin(2 * REACH * FINER + 1, 1 / FINER, window=("kaiser", 8.0))  # keeps amplitudes to 1e-4, up to what recorders keep
+    fine = resample_poly(run.acceleration, FINER, 1, axis=0, window=between, padtype="line")
     resampled = make_interp_spline(np.arange(len(fine)) / FINER, fine, k=3)
     sample, moment = (make_interp_spline(angle, each, k=3) for each in (np.arange(len(angle)), run.time))
     window = np.hanning(turns * points + 1)[:-1, None]
