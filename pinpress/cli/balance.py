@@ -1,7 +1,6 @@
 """`pinpress balance`: the best counterweights of a press."""
 
 import argparse
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -35,16 +34,17 @@ from .words.options import (
     table_parameters,
     with_zero,
 )
+from .words.part_values import numbers
 from .words.units import quantity, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}
 MASS = "added_mass"
-REGION = "LINK:at=X/Y/Z, LINK:radius=R[,centre=X/Y/Z], LINK:corner=X/Y/Z,corner=X/Y/Z,... or LINK:replaces"
+REGION = "LINK:at=X/Y/Z, LINK:radius=R[,centre=X/Y/Z], LINK:corner=X/Y/Z,corner=X/Y/Z,... or LINK:replaces, with [,mass=LEAST/MOST]"
 CRITERION = f"{'|'.join(KINDS)}:QUANTITY[:BEARING][:AXIS] or {MASS}"
 EPILOG = f"""\
 regions: {REGION}
   a point; a circle in the plane of motion; a segment or polygon of corners; or the link itself, with more or less mass in its own shape.
-  Lengths are in m, or have units (300mm), in the link's own frame. All take ,least=KG ,most=KG (default: 0 and no limit) and
+  Lengths are in m, or have units (300mm), in the link's own frame. All take ,mass=LEAST/MOST in kg (default: 0/inf, without limit) and
   ,gyration=R, the radius of gyration of the counterweight's material. With ,replaces behind a place the counterweight replaces the link's
   own mass. With several dies, settings or speeds ,reset=mass is a mass that is set anew for each, ,reset=position one that moves in its
   shape.
@@ -53,7 +53,7 @@ criteria: {CRITERION}
   Range and rms leave the constant part out, peaks count it.
 
 {part_specs.explained("load", "spring")}
-e.g. pinpress balance zxn2_3000b --speed 70 --region crank:radius=0.3 --region rod:radius=0.3,most=200 --minimise range:shaking_force:z
+e.g. pinpress balance zxn2_3000b --speed 70 --region crank:radius=0.3 --region rod:radius=0.3,mass=0/200 --minimise range:shaking_force:z
      --limit range:shaking_force:x=1000 --limit added_mass=661 --out out --report
 """
 
@@ -226,10 +226,10 @@ def _write(balanced: BalancedPress, as_drawn: Linkage, folder: Path, with_report
 
 
 def _region(words: str) -> CounterweightRegion:
-    """The region that words such as ``rod:radius=0.3,most=200`` mean."""
+    """The region that words such as ``rod:radius=0.3,mass=0/200`` mean."""
 
     def wrong(problem: str) -> PinpressError:
-        return PinpressError(f"--region {words}: {problem}; it takes {REGION}; write e.g. --region crank:radius=0.3,most=200")
+        return PinpressError(f"--region {words}: {problem}; it takes {REGION}; write e.g. --region crank:radius=0.3,mass=0/200")
 
     link, _, keys = words.rpartition(":")  # a link's name may have a colon in it
     if not link:
@@ -248,7 +248,7 @@ def _region(words: str) -> CounterweightRegion:
     corners = tuple(given.pop("corner", ()))
     fields = {name: value for name, (value,) in given.items()}
     try:
-        return CounterweightRegion(link, (fields.pop("least", 0.0), fields.pop("most", math.inf)), corners=corners, **fields)
+        return CounterweightRegion(link, corners=corners, **fields)
     except PinpressError as error:
         raise wrong(str(error)) from None
 
@@ -313,6 +313,14 @@ def _point(text: str) -> Vector:
     return x, y, z
 
 
+def _least_and_most(text: str) -> tuple[float, float]:
+    try:
+        least, most = numbers(text, "kg")
+    except ValueError:
+        raise ValueError("not the least and the most, as 0/200 or 5/inf") from None
+    return least, most
+
+
 def _alone(text: str) -> bool:
     if text:
         raise ValueError("but takes no value")
@@ -324,8 +332,7 @@ KEYS: Mapping[str, Callable[[str], Any]] = {
     "radius": partial(read_quantity, unit="m"),
     "centre": _point,
     "corner": _point,
-    "least": partial(read_quantity, unit="kg"),
-    "most": partial(read_quantity, unit="kg"),
+    "mass": _least_and_most,
     "gyration": partial(read_quantity, unit="m"),
     "replaces": _alone,
     "reset": str,

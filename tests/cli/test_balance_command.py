@@ -19,7 +19,7 @@ from pinpress.cli.main import main
 from pinpress.cli.words.part_specs import LOADS
 
 ROOT = Path(__file__).resolve().parents[2]
-REGIONS = ["--region", "crank:radius=0.3", "--region", "rod:radius=0.3,most=200"]
+REGIONS = ["--region", "crank:radius=0.3", "--region", "rod:radius=0.3,mass=0/200"]
 ASKED = ["--minimise", "range:shaking_force:z", "--limit", "range:shaking_force:x=1000", "--limit", "added_mass=400"]
 X, Z = pp.balancing.Range("shaking_force", "x"), pp.balancing.Range("shaking_force", "z")
 
@@ -117,7 +117,7 @@ def test_several_speeds_are_cases(capsys: pytest.CaptureFixture[str], tmp_path: 
 def test_dies_are_conditions(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """One counterweight for each die, by 15 / 29.7 of its mass more."""
     words = ["jf75g_125", "--points", 72, "--minimise", "range:shaking_force:z"]
-    words += ["--region", "counterweight:at=0/0/0,least=-600,most=600,reset=mass", "--die", 100, "--die", "400kg"]
+    words += ["--region", "counterweight:at=0/0/0,mass=-600/600,reset=mass", "--die", 100, "--die", "400kg"]
     text = printed(capsys, *words, "--speed", 300, "--out", tmp_path, "--report")
     assert "condition 0: die of 100 kg, 300 r/min of joint O, 72 states\n  condition 1: die of 400 kg, 300 r/min" in text
     first, second = (float(read(tmp_path / f"counterweights_{k}.csv")["mass [kg]"][0]) for k in range(2))
@@ -135,7 +135,7 @@ def test_settings_are_conditions(capsys: pytest.CaptureFixture[str], tmp_path: P
     words: list[object] = ["eccentric_blocks", "--speed", 300, "--points", 72]
     words += ["--minimise", "range:shaking_force:z", "--limit", "range:shaking_force:x=1"]
     for side in ("left", "right"):
-        words += ["--region", f"crank_{side}:at=-150mm/0/0,least=-100,most=100,reset=mass"]
+        words += ["--region", f"crank_{side}:at=-150mm/0/0,mass=-100/100,reset=mass"]
     text = printed(capsys, *words, "--setting", "r=10", "--setting", "r=15", "--setting", "r=20", "--out", tmp_path)
     assert "condition 0: r=10, 300 r/min of joint O_left, 72 states\n  condition 1: r=15, 300" in text
     assert "setting       r=20" in text
@@ -222,9 +222,9 @@ def asked(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> dict[str, Any]:
     ("words", "region"),
     [
         ("crank:at=-0.1428/0/0", pp.balancing.CounterweightRegion("crank", at=(-0.1428, 0.0, 0.0))),
-        ("crank:at=0/0/0,least=-20,most=0", pp.balancing.CounterweightRegion("crank", (-20.0, 0.0), at=(0.0, 0.0, 0.0))),
+        ("crank:at=0/0/0,mass=-20/0", pp.balancing.CounterweightRegion("crank", (-20.0, 0.0), at=(0.0, 0.0, 0.0))),
         (
-            "crank:radius=0.3,centre=0.1/0/-0.2,least=5",
+            "crank:radius=0.3,centre=0.1/0/-0.2,mass=5/inf",
             pp.balancing.CounterweightRegion("crank", (5.0, math.inf), radius=0.3, centre=(0.1, 0.0, -0.2)),
         ),
         (
@@ -232,7 +232,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> dict[str, Any]:
             pp.balancing.CounterweightRegion("rod", corners=((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), gyration=0.1),
         ),
         ("auxiliary_rod:replaces", pp.balancing.CounterweightRegion("auxiliary_rod", replaces=True)),
-        ("rod:radius=0.3,most=200,replaces", pp.balancing.CounterweightRegion("rod", (0.0, 200.0), radius=0.3, replaces=True)),
+        ("rod:radius=0.3,mass=0/200,replaces", pp.balancing.CounterweightRegion("rod", (0.0, 200.0), radius=0.3, replaces=True)),
         ("left:rod:at=1/2/3", pp.balancing.CounterweightRegion("left:rod", at=(1.0, 2.0, 3.0))),
     ],
 )
@@ -281,8 +281,11 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
         (["--region", "crank:at=1/2/high"], ["at is '1/2/high', not x, y, z"]),
         (["--region", "crank:radius=1,radius=2"], ["radius is given twice"]),
         (["--region", "crank:replaces=yes"], ["replaces is 'yes', but takes no value"]),
-        (["--region", "crank:most=5"], ["give its place"]),
-        (["--region", "crank:radius=1,least=-5"], ["only a hole at a point"]),
+        (["--region", "crank:mass=0/5"], ["give its place"]),
+        (["--region", "crank:radius=1,mass=-5/5kg"], ["only a hole at a point"]),
+        (["--region", "crank:radius=1,mass=200"], ["mass is '200', not the least and the most, as 0/200 or 5/inf"]),
+        (["--region", "crank:radius=1,mass=2/1"], ["mass is (2.0, 1.0): give the least and the most"]),
+        (["--region", "crank:radius=1,most=5"], ["no key 'most'", "[,mass=LEAST/MOST]", "crank:radius=0.3,mass=0/200"]),
         (["--region", "cranck:radius=1"], ["no link 'cranck', did you mean 'crank'?"]),
         (["--region", "frame:at=0/0/0"], ["'frame' does not move"]),
         (["--minimise", "shaking"], ["--minimise shaking: no criterion 'shaking'", "there are: range, rms, peak, added_mass", "[=WEIGHT]"]),

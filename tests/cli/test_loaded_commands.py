@@ -226,7 +226,7 @@ def test_recording_shows_the_loaded_press(tmp_path: Path) -> None:
 
 
 def test_balancing_under_a_spring(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["balance", "crank_slide", "--speed", "70", "--region", "crank:radius=0.1,most=50", "--minimise", "peak:bearing_force:O"]
+    words = ["balance", "crank_slide", "--speed", "70", "--region", "crank:radius=0.1,mass=0/50", "--minimise", "peak:bearing_force:O"]
     force = []
     for spring in ([], ["--spring", SPRING]):
         assert main([*words, "--points", "36", *spring]) == 0
