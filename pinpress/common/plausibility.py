@@ -62,12 +62,24 @@ def speeds(name: str, values: Array | float, coordinate: DriverCoordinate = CRAN
 
 
 def angles(name: str, values: Array) -> None:
-    """Warn of crank angles [rad], of any shape, that are whole degrees of a turn or two."""
+    """Warn of crank angles [rad], one, (n,) or (n, drivers), that are degrees of a turn or two.
+
+    Whole radians alone do not tell, as a crank may turn through many. The degrees that people write are multiples of fifteen; or several
+    multiples of five; or steps of fewer from a multiple of fifteen to another, where the last step may be left out.
+    """
     largest = float(np.abs(values).max(initial=0.0))
     if not 30.0 <= largest <= 720.0 or (values % 1.0).any():
         return
-    if (values % 15.0 == 0.0).all() or (values.size > 2 and np.ptp(values) >= 30.0):
+    several = values.size > 2 and np.ptp(values) >= 30.0
+    if (values % 15.0 == 0.0).all() or (several and ((values % 5.0 == 0.0).all() or _between_multiples(values, 15.0))):
         caution(f"{name} is {'' if values.size == 1 else 'up to '}{largest:g} rad: if degrees are meant, write numpy.radians({name})")
+
+
+def _between_multiples(values: Array, unit: float) -> bool:
+    """Whether values (n,) or (n, columns) begin at multiples of a unit, and end at such, or would one step later."""
+    first, last = values[0], values[-1]
+    ends = (last, 2 * last - values[-2]) if len(values) > 1 else (last,)
+    return not (first % unit).any() and any(not (end % unit).any() for end in ends)
 
 
 def motor(

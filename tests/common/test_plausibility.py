@@ -19,6 +19,7 @@ from support.texts import shipped
 
 import pinpress as pp
 from pinpress.cli.main import main
+from pinpress.common import plausibility
 
 URDF = Path(__file__).resolve().parents[2] / "urdf"
 CRANK_SLIDE = (URDF / "crank_slide.urdf").read_text(encoding="utf-8")
@@ -440,6 +441,43 @@ def test_parts_in_other_units_are_warned_of(name):
         make()
     assert len(caught) == 1
     assert caught[0].filename == __file__
+
+
+DEGREES = {
+    "one": [90.0],
+    "a turn": np.arange(0.0, 361.0),
+    "a turn without its end": np.arange(0.0, 360.0),
+    "in twos, without its end": np.arange(-90.0, 90.0, 2.0),
+    "tens": np.arange(10.0, 351.0, 10.0),
+    "three": [0.0, 45.0, 180.0],
+    "of a servo program": [0.0, 83.0, 157.0, 203.0, 360.0],
+}
+RADIANS = {
+    "one": [100.0],
+    "many turns": np.arange(0.0, 101.0),
+    "backwards": -np.arange(0.0, 605.0),
+    "from somewhere": np.arange(7.0, 67.0),
+    "far away": np.arange(0.0, 901.0),
+    "a table": 2 * np.arange(0.0, 40.0),
+}
+
+
+@pytest.mark.parametrize("name", DEGREES)
+def test_whole_degrees_are_doubted(name):
+    with pytest.warns(pp.PinpressWarning, match=re.escape("rad: if degrees are meant, write numpy.radians(angle)")):
+        pp.servo_cycle(texts.shipped("crank_slide"), DEGREES[name], speed=5.0, acceleration=0.0)
+
+
+@pytest.mark.parametrize("name", RADIANS)
+def test_whole_radians_are_not_doubted(name):
+    pp.servo_cycle(texts.shipped("crank_slide"), RADIANS[name], speed=5.0, acceleration=0.0)
+
+
+def test_degrees_of_several_drivers_are_doubted():
+    going = np.arange(0.0, 91.0)
+    with pytest.warns(pp.PinpressWarning, match="angle is up to 90 rad: if degrees"):
+        plausibility.angles("angle", np.column_stack([going, np.zeros(91)]))
+    plausibility.angles("angle", np.column_stack([going, going + 7.0]))
 
 
 ODD_NUMBERS = {
