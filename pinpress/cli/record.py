@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     if len(set(paths)) < len(paths):
         raise PinpressError("--out, --video and --png name one file: give each its own")
     from ..visual.film import film, image  # slow to import
-    from ..visual.recording import record
+    from ..visual.recording import key_frames, record
 
     if not options.forces and (options.load or options.spring or options.friction or options.stiffness):
         raise PinpressError("--no-forces leaves out what loads, springs and friction would show: leave out either")
@@ -97,7 +97,11 @@ def run(options: argparse.Namespace) -> int:
     if options.motion is None and not math.isfinite(options.at.of(coordinate)):
         raise PinpressError(f"--at is {options.at.text}: give a crank angle in degrees")
     motion = motion_of(press, options, options.speed)
-    instant = _time(motion, options.at.of(coordinate)) if options.motion is None else _instant(motion, options.at.text)
+    instant = (
+        _time(motion, options.at.of(coordinate))
+        if options.motion is None
+        else _instant(options.at.text, float(key_frames(press, motion).time[-1]))
+    )
     reactions = inverse_dynamics(press, motion, **acting) if options.forces else None
     with tempfile.TemporaryDirectory() as folder:
         page = options.out or Path(folder, "recording.html")
@@ -121,9 +125,8 @@ def _time(motion: Motion, at: float) -> float:
     return float(at / motion.crank_speed[0] % (2 * math.pi * motion.period_turns / abs(motion.crank_speed[0])))
 
 
-def _instant(motion: Motion, text: str) -> float:
-    """Time [s] from the first state of a motion that is not at constant speed, in words."""
-    duration = float(motion.time[-1] - motion.time[0])
+def _instant(text: str, duration: float) -> float:
+    """Time [s] from the first state of a motion that is not at constant speed, in words; ``duration``: of its recording [s]."""
     try:
         instant = read_quantity(text, "s")
     except ValueError:

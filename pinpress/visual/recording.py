@@ -252,12 +252,13 @@ def key_frames(press: Linkage, motion: Motion) -> KeyFrames:
     time = motion.time - motion.time[0]
     crank = np.asarray(motion.crank_angle).reshape(len(time), -1)[:, 0]  # of several drivers, the first
     period, first = _period(press, motion), motion.driver_coordinates[0]  # there and back is the turn of a driver that slides
-    last = _time_back(press, motion, time) if period is None else _closing_time(time, crank, period)
+    round_again = None if period is None else _closing_time(time, crank, period)
+    last = _time_back(press, motion, time) if round_again is None else round_again
     order = np.arange(len(time))
     if last is not None:  # the first state once more, so that the loop has no jump
         order, time = np.append(order, 0), np.append(time, last)
         whole = 0.0 if not first.turns else 2 * np.pi * np.rint((crank[-1] - crank[0]) / (2 * np.pi))
-        crank = np.append(crank, crank[0] + (whole if period is None else np.sign(crank[-1] - crank[0]) * period))
+        crank = np.append(crank, crank[0] + (whole if round_again is None else np.sign(crank[-1] - crank[0]) * period))
     turns = float(np.abs(np.diff(crank)).sum() / (2 * np.pi if first.turns else 2 * np.ptp(crank) or 1.0))
     if turns * FEWEST_PER_TURN > MOST:
         raise PinpressError(
@@ -325,10 +326,10 @@ def _closing_time(time: Array, crank: Array, period: float) -> float | None:
 
 
 def _time_back(press: Linkage, motion: Motion, time: Array) -> float | None:
-    """Time at which the first state comes again [s], one step after the last, if several drivers move, or one that slides, and all joints
-    are back then, those that turn after whole turns; else None."""
+    """Time at which the first state comes again [s], one step after the last, if all joints are back then, those that turn after whole
+    turns; else None."""
     x, v, a = motion.joint_position, motion.v, motion.a
-    if (len(motion.drivers) == 1 and motion.driver_coordinates[0].turns) or len(time) < 3 or not motion.crank_speed.any():
+    if len(time) < 3 or not motion.crank_speed.any():
         return None
     step = float(time[-1] - time[-2])
     short, slow = x[0] - x[-1] - 0.5 * step * (v[0] + v[-1]), v[0] - v[-1] - 0.5 * step * (a[0] + a[-1])
