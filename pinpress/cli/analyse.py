@@ -90,6 +90,7 @@ def run(options: argparse.Namespace) -> int:
     _ = traced(press, options.trace)  # a wrong one is found before the work
     flywheel, motor = _driving(press, options)
     reactions, times = _computed(press, options)
+    before = None if options.before is None else press_before(options)
     ratings = permissible(press, options)
     results: list[Tabular] = [] if ratings is None else [ratings]
     more: list[str] = []
@@ -108,7 +109,6 @@ def run(options: argparse.Namespace) -> int:
     table = [] if options.motion is None else [("motion from", options.motion)]
     print_inputs([*stated, *table, *driving, *capacities, computed])
     if options.out is not None:
-        before = None if options.before is None else press_before(options)
         make_folder(options.out)
         reactions.to_csv(options.out / "cycle.csv")
         write_pages(press, reactions, options, ["cycle.csv"], before, results, flywheel)

@@ -13,6 +13,7 @@ from ..common.files import path_of
 from ..common.reading.entries import Entry as Entry
 from ..common.reading.entries import FileKind, given_entries, read_entries
 from ..linkage.loading import shipped_table
+from .templates import TEMPLATES
 
 CALL = "build(...)"  # in place of a file's name, of a table or values that a call gives
 MOST_BASES = 20
@@ -47,12 +48,15 @@ def read_table(path: str | os.PathLike[str]) -> Entry:
     """The table of a YAML file, or of a shipped press by its name, laid over the one that it names as its ``base``.
 
     Raises:
-        PinTableError: the file cannot be read, is no YAML, or has a key twice; with the line.
+        PinTableError: the file cannot be read, is no YAML, or has a key twice; with the line. There is only a template of this name.
     """
     given = path_of("path", path)
     shipped = None if os.path.exists(given) else shipped_table(given)
     if shipped is None and given.lower().endswith(MODELS):
         raise PinTableError(given, None, "", "this is no table of pins", "pp.load(path) and pinpress check read URDF, SDF and MJCF files")
+    if shipped is None and not os.path.exists(given) and (name := Path(given).stem) in TEMPLATES:
+        remedy = f"make one of the template of this name: pinpress new {name}.yaml --template {name}, then give {name}.yaml"
+        raise PinTableError(given, None, "", "no such file", remedy)
     return _with_bases(Path(given) if shipped is None else shipped, ())
 
 

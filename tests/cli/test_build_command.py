@@ -43,6 +43,14 @@ def test_from_a_template_to_forces(folder, capsys):
     assert figures(capsys.readouterr().out) == figures(outputs[1])
 
 
+@pytest.mark.parametrize("words", ["analyse knuckle --speed 60", "check knuckle", "check knuckle.yaml", "build knuckle", "view knuckle"])
+def test_a_template_in_place_of_a_file_says_how_to_make_one(folder, capsys, words):
+    assert main(words.split()) == 2
+    assert "knuckle: no such file; make one of the template" in capsys.readouterr().err.replace(".yaml: no", ": no")
+    with pytest.raises(pp.PinTableError, match=r"pinpress new rssp\.yaml --template rssp, then give rssp\.yaml"):
+        pp.build("rssp")
+
+
 def test_the_slide_of_a_table_is_named(folder, capsys):
     assert main(["new", "press.yaml", "--template", "crank-slide"]) == 0
     text = (folder / "press.yaml").read_text(encoding="utf-8").replace("slide:", "ram:")

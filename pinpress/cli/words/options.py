@@ -21,6 +21,7 @@ from ...linkage.linkage import Linkage
 from ...linkage.loading import load, presses
 from ...loads.link import Friction, Load
 from ...loads.mounts import Frame, Mount
+from ...pin_table.templates import TEMPLATES
 from ...simulation.elastic.description import Elastic, Stiffness
 from . import part_specs
 from .part_specs import ALL, COLUMNS
@@ -131,7 +132,8 @@ def load_other(options: argparse.Namespace, file: str, slide: str | None = None)
 
 
 def _is_table(file: str) -> bool:
-    return file.lower().endswith((".yaml", ".yml"))
+    """Whether a file is a pin table, or would be one: for the name of a template reading says how to make it."""
+    return file.lower().endswith((".yaml", ".yml")) or (file in TEMPLATES and not Path(file).exists())
 
 
 def drawn(table: str, specs: Sequence[str] = (), option: str = "--set ") -> DrawnPress:
