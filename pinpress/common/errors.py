@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
-from .quantities import CRANK, DriverCoordinate
+from .quantities import CRANK
 
 _COLLECTED: ContextVar[list[str] | None] = ContextVar("collected", default=None)  # of one thread, unlike filters of warnings
 _LONGEST_SHOWN = 200  # most characters of a value in a message
@@ -89,27 +89,28 @@ class AssemblyError(PinpressError):
     """The loops of a linkage do not close at a crank angle.
 
     Attributes:
-        crank_angle: angle of the driver joint [rad]; position of one that slides [m].
+        crank_angle: angle of the driver joint [rad]; position of one that slides [m]; of several drivers, that of the first.
         gap: largest distance left between the two sides of a loop [m].
         iterations: steps of Newton's method taken.
     """
 
-    def __init__(self, problem: str, crank_angle: float, gap: float, iterations: int, coordinate: DriverCoordinate = CRANK) -> None:
+    def __init__(self, problem: str, crank_angle: float, gap: float, iterations: int, place: str = "") -> None:
         self.crank_angle, self.gap, self.iterations = crank_angle, gap, iterations
-        super().__init__(f"{problem} ({coordinate.at(crank_angle)}, {1e3 * gap:.3g} mm open after {iterations} iterations)")
+        place = place or CRANK.at(crank_angle)  # of a driver that slides, or several, in words
+        super().__init__(f"{problem} ({place}, {1e3 * gap:.3g} mm open after {iterations} iterations)")
 
 
 class SingularityError(PinpressError):
     """The driver does not determine the linkage at a crank angle: the linkage locks there, or two assemblies meet.
 
     Attributes:
-        crank_angle: angle of the driver joint [rad]; position of one that slides [m].
+        crank_angle: angle of the driver joint [rad]; position of one that slides [m]; of several drivers, that of the first.
         smallest_singular_value: smallest singular value of the passive joints' columns in the loop Jacobian, scaled to unit length [-].
     """
 
-    def __init__(self, problem: str, crank_angle: float, smallest_singular_value: float, coordinate: DriverCoordinate = CRANK) -> None:
+    def __init__(self, problem: str, crank_angle: float, smallest_singular_value: float, place: str = "") -> None:
         self.crank_angle, self.smallest_singular_value = crank_angle, smallest_singular_value
-        super().__init__(f"{problem} ({coordinate.at(crank_angle)})")
+        super().__init__(f"{problem} ({place or CRANK.at(crank_angle)})")
 
 
 class SimulationError(PinpressError):

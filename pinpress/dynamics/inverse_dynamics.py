@@ -346,7 +346,7 @@ def _refuse_change_points(press: Linkage, motion: Motion) -> None:
             f"bearing forces have no value at the change point of {motion.linkage}, where they grow without bounds: leave this state out",
             angle,
             0.0,
-            press.driver_coordinates[0],
+            press.driver_coordinates[0].at(angle),
         )
 
 

@@ -154,14 +154,17 @@ def _walk(
         nodes, gained = found.nodes, found.gain_per_period
         if len(nodes) == 1:
             raise SingularityError(
-                "the linkage locks at its drawn pose; draw it elsewhere", 0.0, float(np.abs(nodes[0].margins).min()), follower.coordinate
+                "the linkage locks at its drawn pose; draw it elsewhere",
+                0.0,
+                float(np.abs(nodes[0].margins).min()),
+                follower.coordinate.at(0.0),
             )
         table = _table(follower, nodes, found.passed)
         if table is not None:
             period = None if gained is None else nodes[-1].angle - nodes[0].angle
             return Branch(*table, period, np.zeros_like(drawn) if gained is None else gained, found.locks, found.passed)
         follower = follower._replace(longest=follower.longest / 2)
-    raise AssemblyError("the drawn assembly moves too fast to be followed", 0.0, 0.0, 0, follower.coordinate)
+    raise AssemblyError("the drawn assembly moves too fast to be followed", 0.0, 0.0, 0, follower.coordinate.at(0.0))
 
 
 def leads_on(close: Close, branch: Branch, size: float, tolerance: float, gap: Gap) -> bool:
@@ -278,7 +281,7 @@ def out_of_branch(branch: Branch, upwards: bool) -> PinpressError:
         f"the linkage locks: from its drawn pose the driver {'turns' if coordinate.turns else 'slides'} only from"
         f" {low * coordinate.scale:.6g} to {coordinate.shown(high)}; change the link lengths, or keep the motion inside",
         *lock,
-        coordinate,
+        coordinate.at(lock.angle),
     )
 
 
@@ -370,7 +373,7 @@ def _table(follower: Follower, nodes: list[Node], passed: tuple[ChangePoint, ...
             float(angles[worst]) * follower.unit,
             closure.widest,
             closure.iterations,
-            follower.coordinate,
+            follower.coordinate.at(float(angles[worst]) * follower.unit),
         )
     if not (closure.widest <= follower.tolerance and moved.max() <= LARGEST_CORRECTION * (1 + follower.size)):
         return None

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..common.errors import AssemblyError
-from ..common.quantities import Array, ComplexArray, DriverCoordinate
+from ..common.quantities import Array, ComplexArray
 from .forces import AppliedConditions, AppliedForce, BearingLoads, Wrenches
 
 PIECE = 2048  # crank angles that are worked through at a time: their arrays stay in the cache
@@ -275,6 +275,6 @@ class Engine(Protocol):
         """Kinetic and potential energy of closed states."""
 
 
-def other_linkage(crank_angle: float, gap: float, coordinate: DriverCoordinate) -> AssemblyError:
-    """The error for states whose gap [m] is above `LOOSEST`."""
-    return AssemblyError("the motion leaves the loops of this linkage open: it is another one's", crank_angle, gap, 0, coordinate)
+def other_linkage(crank_angle: float, gap: float, place: str) -> AssemblyError:
+    """The error for states whose gap [m] is above `LOOSEST`; ``place``: where the drivers are, in words."""
+    return AssemblyError("the motion leaves the loops of this linkage open: it is another one's", crank_angle, gap, 0, place)

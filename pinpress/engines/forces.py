@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from ..common.arguments import number
 from ..common.errors import PinpressError, UnknownNameError, shown
 from ..common.frozen import Frozen
-from ..common.quantities import Array, DriverCoordinate
+from ..common.quantities import Array
 
 REST = 1e-12  # share of the motion's largest speed below which a bearing rests: at a dead centre its speed is rounding
 MOST_ITERATIONS = 200  # of friction efforts and bearing forces in turn: many are needed only where friction nearly locks the linkage
@@ -166,7 +166,7 @@ class FrictionLaw:
         sliding = max(self.size * turning, np.abs(speeds[~self.turns]).max(initial=0.0))
         return np.where(np.abs(speeds) <= REST * np.where(self.turns, turning, sliding)[:, None], 0.0, speeds)
 
-    def efforts(self, speeds: Array, forces: Callable[[Array], Array], angle: Array, coordinate: DriverCoordinate) -> Array:
+    def efforts(self, speeds: Array, forces: Callable[[Array], Array], place: Callable[[int], str]) -> Array:
         """Friction efforts (bearings, n), opposed to the speeds: negative where the speed is positive [N m, of a guide N].
 
         Bearing forces depend on friction and friction on them: both are found in turn until they no longer change.
@@ -174,8 +174,7 @@ class FrictionLaw:
         Args:
             speeds: (bearings, n) speeds of the bearings [rad/s, of a guide m/s], exactly zero where one rests.
             forces: function of friction efforts (bearings, n) that returns the radial forces (bearings, n) under them [N].
-            angle: (n,) positions of the driver, for the message of an error [rad or m].
-            coordinate: what these positions are.
+            place: gives where the drivers are in a state, in words, for the message of an error.
 
         Raises:
             PinpressError: there are no consistent forces, because friction locks the linkage, or nearly so.
@@ -197,7 +196,7 @@ class FrictionLaw:
                 break
         worst = int(np.argmax(np.where(np.isfinite(change), change, np.inf)))
         raise PinpressError(
-            f"friction locks the linkage, or nearly so, at {coordinate.at(angle[worst])}: no consistent bearing forces are found;"
+            f"friction locks the linkage, or nearly so, at {place(worst)}: no consistent bearing forces are found;"
             " lower the coefficients of friction, or keep away from the dead point"
         )
 

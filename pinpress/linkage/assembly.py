@@ -185,7 +185,7 @@ def followed_from(engine: Engine, spatial_model: SpatialModel, start: Array, ang
 def _followed_to(engine: Engine, spatial_model: SpatialModel, start: Array, before: Array, after: Array, name: str) -> Array:
     """Closed position (nv,) of a linkage with several drivers, walked to from a closed position (nv,) between two driver positions
     (drivers,); raises SingularityError."""
-    close_drivers, coordinates = engine.closing_function(), spatial_model.coordinates
+    close_drivers = engine.closing_function()
     distance = float(np.linalg.norm((after - before) / _counted_as_angle(spatial_model)))
     along = (after - before) / distance if distance else np.zeros_like(after)
 
@@ -194,9 +194,10 @@ def _followed_to(engine: Engine, spatial_model: SpatialModel, start: Array, befo
 
     end = follow(close, start, distance, spatial_model.size, ACCEPTED * engine.tolerance)
     if isinstance(end, SingularPosition):
-        here, there = (", ".join(c.shown(float(x)) for c, x in zip(coordinates, at, strict=True)) for at in (before, after))
-        problem = f"{name} locks between the driver positions {here} and {there}"
-        raise SingularityError(problem, float((before + end.angle * along)[0]), end.margin, coordinates[0])
+        locked = before + end.angle * along
+        from_here, to_there, place = map(spatial_model.place_of_drivers, (before, after, locked))
+        problem = f"{name} locks on the way from {from_here} to {to_there}: keep the motion away from there"
+        raise SingularityError(problem, float(locked[0]), end.margin, place)
     return end
 
 
@@ -309,7 +310,13 @@ def _closed_piece(engine: Engine, spatial_model: SpatialModel, angles: Array, gu
     if not (closure.widest <= tolerance and moved.max() <= near):
         worst = int(np.argmin((closure.gap <= tolerance) & (moved <= near)))
         problem = f"the loops of {name} do not close on the drawn branch"
-        raise AssemblyError(problem, float(angles[worst]), float(closure.gap[worst]), closure.iterations, spatial_model.coordinates[0])
+        raise AssemblyError(
+            problem,
+            float(angles[worst]),
+            float(closure.gap[worst]),
+            closure.iterations,
+            spatial_model.coordinates[0].at(float(angles[worst])),
+        )
     return closure
 
 
@@ -340,7 +347,13 @@ def _closed_through_change_points(engine: Engine, spatial_model: SpatialModel, b
     gap = engine.gaps(position)
     if not gap.max() <= ACCEPTED * spatial_model.tolerance:
         worst = int(gap.argmax())
-        raise AssemblyError(f"the loops of {name} do not close", float(angles[worst]), float(gap[worst]), 0, spatial_model.coordinates[0])
+        raise AssemblyError(
+            f"the loops of {name} do not close",
+            float(angles[worst]),
+            float(gap[worst]),
+            0,
+            spatial_model.coordinates[0].at(float(angles[worst])),
+        )
     position += branch.gain_per_period[:, None] * turns
     position[spatial_model.drivers[0]] = angles
     return Closure(position, first, second, gap, float(gap.max()), 0)

@@ -106,7 +106,7 @@ def test_where_a_driver_cannot_stand_is_said(tmp_path: Path) -> None:
     assert ask(session, "set", values=values, speed=30.0, shapes=False).sender is None
     good = list(values)
     values[1] = 20.0
-    assert "two_servos locks between" in ask(session, "set", values=values, speed=30.0, shapes=False).sender["text"]
+    assert "two_servos locks on the way from" in ask(session, "set", values=values, speed=30.0, shapes=False).sender["text"]
     assert session.whole()["values"] == good
 
 

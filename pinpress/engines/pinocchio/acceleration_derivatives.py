@@ -147,7 +147,7 @@ class ForwardDerivatives:
         held = int(np.count_nonzero(sizes > CLEAR * sizes[0]))
         if not dynamics.rank - len(self.gears) <= held <= dynamics.rank:
             problem = f"the loops of {dynamics.name} nearly lose an equation: derivatives would be lost in rounding"
-            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[held - 1] / sizes[0]), dynamics.coordinate)
+            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[held - 1] / sizes[0]), dynamics.spatial.place(x))
         return held, 0.5 * float(sizes[held - 1])
 
     def _gears_needed(self, jacobian: Array, held: int) -> NDArray[np.int64]:
@@ -190,7 +190,9 @@ class ForwardDerivatives:
         rank, dynamics = self.dynamics.rank, self.dynamics
         if rank and not sizes[rank - 1] > SMALLEST_MARGIN * sizes[0]:
             problem = f"the loops of {dynamics.name} lose equations: two assemblies meet"
-            raise SingularityError(problem, float(x[dynamics.driver]), float(sizes[rank - 1] / (sizes[0] or 1.0)), dynamics.coordinate)
+            raise SingularityError(
+                problem, float(x[dynamics.driver]), float(sizes[rank - 1] / (sizes[0] or 1.0)), dynamics.spatial.place(x)
+            )
         return _Span(left[:, :rank], right[:rank].T / units[:, None] / sizes[:rank], scales)
 
     def _jacobian(self, x: Array) -> Array:

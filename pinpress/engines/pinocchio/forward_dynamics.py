@@ -90,7 +90,7 @@ class ForwardDynamics:
         """
         self._made_of = spatial, closed, rank, armature, name
         self.name, self.joints, self.driver, self.rank = name, tuple(spatial.model.names)[1:], spatial.drivers[0], rank
-        self.coordinate = spatial.coordinates[0]
+        self.spatial = spatial
         self.size, self.tolerance, self.still = spatial.size, spatial.tolerance, np.zeros(spatial.model.nv)
         self._make_tree(spatial, armature)
         by_loop = self._held_points(spatial, closed)
@@ -244,7 +244,7 @@ class ForwardDynamics:
                 break
             if steps == MOST_NEWTON_STEPS:
                 problem = f"the loops of {self.name} do not close near this state"
-                raise AssemblyError(problem, float(x[self.driver]), gap, steps, self.coordinate)
+                raise AssemblyError(problem, float(x[self.driver]), gap, steps, self.spatial.place(x))
             at = at + self._needed(factor, pivots, orthogonal, np.concatenate((self.none, *self.gaps, self.coupled.dot(at) - self.offsets)))
             steps += 1
         free = orthogonal[:, rank:]
@@ -300,7 +300,7 @@ class ForwardDynamics:
         left = free.T.dot(efforts - pin.rnea(model, data, x, v, result))
         root, rates, failed = self.lapack.dposv(free.T.dot(mass.dot(free)), left)
         if failed or not min(root.diagonal().tolist()) > self.least:
-            problem = f"no mass resists a motion of {self.name} at {self.coordinate.at(x[self.driver])}"
+            problem = f"no mass resists a motion of {self.name} at {self.spatial.place(x)}"
             raise self._trouble(
                 x, v, efforts, PinpressError(f"{problem}: give mass to the links that move there, or inertia to the driver")
             )
@@ -327,7 +327,7 @@ class ForwardDynamics:
         if rank and not abs(factor[rank - 1, rank - 1]) > SMALLEST_MARGIN * abs(factor[0, 0]):
             smallest = float(abs(factor[rank - 1, rank - 1])) / (float(abs(factor[0, 0])) or 1.0)
             problem = f"the loops of {self.name} lose equations: two assemblies meet"
-            locked = SingularityError(problem, float(x[self.driver]), smallest, self.coordinate)
+            locked = SingularityError(problem, float(x[self.driver]), smallest, self.spatial.place(x))
             raise self._trouble(x, self.still, self.still, locked)
         return factor, pivots, self.lapack.dorgqr(factor[:, : len(x)], scales)[0]
 
@@ -363,8 +363,9 @@ class ForwardDynamics:
 
     def overflow(self, x: Array) -> PinpressError:
         """The error of numbers that are not finite at a position (nv,)."""
-        where = self.coordinate.at(x[self.driver])
-        return PinpressError(f"the motion of {self.name} at {where} is too fast for floating point: lower speeds or efforts")
+        return PinpressError(
+            f"the motion of {self.name} at {self.spatial.place(x)} is too fast for floating point: lower speeds or efforts"
+        )
 
     def _weight(self) -> float:
         """Weight of all links [N]; without gravity the force that accelerates them at 1 rad/s2."""

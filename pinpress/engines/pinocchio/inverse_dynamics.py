@@ -89,7 +89,7 @@ class _State:
         self.x, self.v, self.a = x, v, a
         self.rows = equations.at(x)
         if not np.abs(self.rows.gaps).max(initial=0.0) <= LOOSEST * spatial.size:
-            raise other_linkage(float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps), spatial.coordinates[0])
+            raise other_linkage(float(x[spatial.drivers[0]]), equations.widest(self.rows.gaps), spatial.place(x))
         self.passive = PassiveJacobian(self.rows.columns, spatial)
         self.placements, self.wrenches = equations.placements, equations.wrenches
         self.rotations = [placement.rotation for placement in self.placements]
@@ -130,8 +130,7 @@ class _State:
         def radial(efforts: Array) -> Array:
             return np.asarray(np.linalg.norm(self.radial(multipliers(efforts[:, 0]), directions), axis=1)[:, None])
 
-        driver = self.x[self.spatial.drivers[0]][None]
-        efforts = law.efforts(speeds[:, None], radial, driver, self.spatial.coordinates[0])[:, 0]
+        efforts = law.efforts(speeds[:, None], radial, lambda _: self.spatial.place(self.x))[:, 0]
         return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * speeds
 
     def directions(self, spins: Array, sizes: Array) -> Array:

@@ -26,6 +26,7 @@ from ...common.quantities import CRANK, RAM, Array, DriverCoordinate
 from ..joints import Axis, Coupling, LoopJoint, Slot, axes, configuration, data_of, drawn_placements, joints_between, slots
 
 PARALLEL_TO_ROUNDING = 1e-14  # sine of an angle that rounding leaves between parallel axes: an entry as small is zero
+FEW = 6  # drivers whose positions a message lists
 PointPair = tuple[int, pin.SE3, int, pin.SE3]
 """Two points that a loop holds together: joint and place in its frame, of either side."""
 
@@ -62,6 +63,19 @@ class SpatialModel:
     def coordinates(self) -> tuple[DriverCoordinate, ...]:
         """What the coordinates of the drivers are."""
         return tuple(CRANK if self.axes[driver].turns else RAM for driver in self.drivers)
+
+    def place(self, position: Array) -> str:
+        """Where the drivers are at joint coordinates (nv,), in words: "crank angle 30 deg", of several "A 30 deg, B -30 deg"."""
+        return self.place_of_drivers(position[list(self.drivers)])
+
+    def place_of_drivers(self, positions: Array) -> str:
+        """`place` by the positions (drivers,) of the drivers [rad or m]; of many drivers the first few are named."""
+        if len(self.drivers) == 1:
+            return self.coordinates[0].at(float(positions[0]))
+        names = [str(self.model.names[driver + 1]) for driver in self.drivers]
+        each = [f"{name} {of.shown(float(at))}" for name, of, at in zip(names, self.coordinates, positions, strict=True)]
+        more = len(each) - FEW
+        return ", ".join(each) if more <= 0 else f"{', '.join(each[:FEW])} and {more} more"
 
     @cached_property
     def on_loop(self) -> NDArray[np.bool_]:

@@ -211,7 +211,8 @@ def closed_basis(plane: Plane, position: Array) -> ComplexArray:
     widest = gaps(plane, position, basis)
     if not widest.max() <= LOOSEST * plane.size:
         worst = int(widest.argmax())
-        raise other_linkage(float(position[plane.driver, worst]), float(widest[worst]), plane.coordinate)
+        angle = float(position[plane.driver, worst])
+        raise other_linkage(angle, float(widest[worst]), plane.coordinate.at(angle))
     return basis
 
 
@@ -361,7 +362,7 @@ def _friction(
                 sizes[joint] = np.hypot(sizes[joint], axial[joint])
         return sizes
 
-    return friction.law.efforts(friction.speeds, radial, friction.angle, plane.coordinate)
+    return friction.law.efforts(friction.speeds, radial, lambda state: plane.coordinate.at(float(friction.angle[state])))
 
 
 def _resisted(plane: Plane, friction_efforts: Array) -> Array:

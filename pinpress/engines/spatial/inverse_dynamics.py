@@ -142,7 +142,7 @@ class _Balance:
         if wrong.any():
             i = int(np.argmax(wrong))
             gap = float(found.widest()[i])
-            raise other_linkage(float(self.states.position[spatial.drivers[0], i]), gap, spatial.coordinates[0])
+            raise other_linkage(float(self.states.position[spatial.drivers[0], i]), gap, spatial.place(self.states.position[:, i]))
 
     # -------------------------------------------------------------------------------------------------------------------- friction
 
@@ -184,7 +184,7 @@ class _Balance:
             return np.asarray(np.sqrt(np.einsum("bin,bin->bn", vectors, vectors)))
 
         spatial = self.loops.spatial
-        efforts = law.efforts(speeds, radial, self.states.position[spatial.drivers[0]], spatial.coordinates[0])
+        efforts = law.efforts(speeds, radial, lambda state: spatial.place(self.states.position[:, state]))
         friction = self.friction(efforts, directions)
         return self.multipliers(friction), friction, -efforts * speeds
 
