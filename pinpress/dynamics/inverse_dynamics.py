@@ -279,8 +279,6 @@ def inverse_dynamics(
     """
     refuse_other_joints(press, motion)
     chosen = press.engine(engine)
-    if not isinstance(loads, list | tuple) and isinstance(loads, Load):  # looking whether something follows a protocol takes long
-        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
     wanted = _wanted(press, bearings)
     _refuse_change_points(press, motion)
     law, compliance = friction_law(friction, press), compliances(stiffness, press.bearings)

@@ -150,8 +150,6 @@ Limit = SlideSpeed | CrankSpeed | SlideAcceleration | CrankAcceleration | Bearin
 
 def checked(limits: object) -> tuple[Limit, ...]:
     """The limits; raises PinpressError where one is none."""
-    if isinstance(limits, Limit):
-        raise PinpressError(f"limits is one {type(limits).__name__}: give a list, limits=[...]")
     found = tuple(limits)  # type: ignore[arg-type, var-annotated]  # a sequence, as `typed` has seen
     for each in found:
         if not isinstance(each, Limit):

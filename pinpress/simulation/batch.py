@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..common.arguments import in_unit, is_whole_number, number, suitable_numbers, typed
-from ..common.errors import PinpressError, SimulationError, UnknownScenarioError, shown
+from ..common.errors import PinpressError, SimulationError, UnknownScenarioError
 from ..common.frozen import read_only
 from ..common.numerics import gauss_rule, polynomial_values, running_sums, values_and_slopes
 from ..common.parameters import pick_scenarios, scenario_lengths
@@ -32,7 +32,7 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
-from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
+from .driven_press import DrivenPress, driven_press
 from .failures import failure
 from .law_trials import asked_drive
 from .over_angle import collocation
@@ -160,13 +160,11 @@ def simulate_batch(
         SimulationError: the crank would make too many turns.
     """
     began = clock.perf_counter()
-    if not isinstance(press, Linkage):
-        raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
     press.refuse_several_drivers("scenarios are those of a press with one; call simulate for each")
     press.refuse_sliding_driver("scenarios are those of a crank; call simulate for each")
     until, tolerance = number("duration", duration, "s", positive=True), checked_tolerance(tolerance)
     states = state_count(points, 0.0)
-    refuse_unlisted_loads(loads)
+    loads = list(loads)  # of what is gone through once, too
     unit = press.driver_coordinates[0].unit
     angle, speed = in_unit("angle", angle, unit), in_unit("speed", speed, f"{unit}/s")
     if not _is_number(angle):

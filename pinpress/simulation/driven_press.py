@@ -302,7 +302,6 @@ def driven_press(
     assert isinstance(flywheel, Flywheel | None)
     assert isinstance(clutch, Clutch | None)
     assert isinstance(brake, Brake | None)
-    refuse_unlisted_loads(loads)
     prescribed, drive = (drive, None) if isinstance(drive, PrescribedSpeed) else (None, drive)
     if drive is not None:
         check_drive(drive)
@@ -379,7 +378,6 @@ def press_with_drives(press: Linkage, drive: object, flywheel: object, loads: Se
         press.refuse_several_drivers("clutch and brake are for one; leave them out")
     drives: Mapping[str, Drive] = _by_driver(press, "drive", drive, Drive)
     flywheels: Mapping[str, Flywheel] = _by_driver(press, "flywheel", flywheel, Flywheel)
-    refuse_unlisted_loads(loads)
     coordinates, forces = _of_loads(press, loads)
     inertias = np.zeros(len(press.drivers))
     for k, (name, joint) in enumerate(zip(press.drivers, press.driver_indices, strict=True)):
@@ -410,15 +408,6 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
             follows = "give one whose torque follows from speed, angle and time"
             raise PinpressError(f"drive of {shown(joint)} has states of its own, which drives of several drivers cannot have: {follows}")
     return by_joint
-
-
-def refuse_unlisted_loads(loads: object) -> None:
-    """Raise PinpressError where loads are no list."""
-    if isinstance(loads, list | tuple):
-        return
-    if isinstance(loads, Load) and not isinstance(loads, type):
-        raise PinpressError(f"loads is one {type(loads).__name__}: give a list, loads=[...]")
-    raise PinpressError(f"loads is {shown(loads)}: give a list, loads=[...]")
 
 
 def _of_loads(press: Linkage, loads: Sequence[Load]) -> "tuple[list[Coordinate], list[GeneralizedForce]]":

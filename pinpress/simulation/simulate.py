@@ -39,7 +39,7 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.link import Friction, Load
 from ..loads.link import law as friction_law
-from .driven_press import DrivenPress, driven_press, press_with_drives, refuse_unlisted_loads
+from .driven_press import DrivenPress, driven_press, press_with_drives
 from .elastic.description import Elastic
 from .failures import failure, told_of
 from .hybrid_system import HOLDING
@@ -165,18 +165,14 @@ def simulate(
             where, and for which reason of `failures`.
     """
     began = clock.perf_counter()
-    if not isinstance(press, Linkage):
-        raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
     if elastic is not None and (_method(press, method) != "reduced" or step is not None) and len(press.drivers) == 1:
         raise PinpressError("an elastic motion has a method and steps of its own: leave out method and step")
     method = _method(press, method)
     until = number("duration", duration, "s", positive=True)
     error = checked_tolerance(tolerance, elastic)
     fixed = _fixed_step(step, until)
-    if progress is not None and (not callable(progress) or isinstance(progress, type)):
-        raise PinpressError(f"progress is {shown(progress)}: give a function of the time reached [s]")
     state_count(points, 0.0)
-    refuse_unlisted_loads(loads)
+    loads = list(loads)  # of what is gone through once, too
     if len(press.drivers) == 1:
         refuse_scenarios("simulate", speed, (drive, flywheel, *loads))
     angles, speeds = _start(press, "angle", angle), _start(press, "speed", speed, "/s")

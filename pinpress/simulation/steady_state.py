@@ -27,7 +27,7 @@ from ..linkage.linkage import Linkage
 from ..loads import caller_laws
 from ..loads.caller_laws import LawError
 from ..loads.link import Friction, Load
-from .driven_press import DrivenPress, driven_press, refuse_unlisted_loads
+from .driven_press import DrivenPress, driven_press
 from .elastic.description import Elastic
 from .failures import failure, told_of
 from .law_trials import asked_drive
@@ -141,13 +141,11 @@ def steady_state_near(
     """The `steady_state`, by that of the same press, springs and loads at another constant speed, where there is one that leads to it."""
     began = clock.perf_counter()
     state_count(points, 0.0)
-    if not isinstance(press, Linkage):
-        raise PinpressError(f"press is {shown(press)}: give a Linkage, as load returns it")
     press.refuse_several_drivers("a steady state is that of a press with one; let it run with simulate")
     press.refuse_sliding_driver("it has no steady state; let it run with simulate, or prescribe its motion with cycle or servo_cycle")
     start, near, tolerance = number("angle", angle, "rad"), _speed(speed), checked_tolerance(tolerance, elastic)
     refuse_far("angle", np.array(start), press.driver_coordinates)
-    refuse_unlisted_loads(loads)
+    loads = list(loads)  # of what is gone through once, too
     refuse_scenarios("steady_state", speed, (drive, flywheel, *loads))
     resolved = tolerance if elastic is None else 0.0
     driven = driven_press(press, asked_drive(drive, near), flywheel, caller_laws.asked_loads(loads), None, None, friction, resolved)

@@ -1169,3 +1169,13 @@ def test_a_step_far_too_long_is_said():
     die = pp.loads.ElasticDie(0.002, 1e10)
     with pytest.raises(pp.SimulationError, match="not finite"):
         pp.simulate(texts.shipped("crank_slide"), 0.1, speed=-31.4, flywheel=pp.drives.Flywheel(2.5), loads=[die], step=0.0214)
+
+
+def test_loads_may_be_anything_that_is_gone_through(press):
+    blanking = pp.loads.Blanking(3e5, 0.006, 0.002)
+    options = {"speed": 20.0, "flywheel": pp.drives.Flywheel(100.0)}
+    listed, once = (pp.simulate(press, 0.3, loads=loads, **options) for loads in ([blanking], iter([blanking])))
+    assert once.load_work[-1] == listed.load_work[-1] > 0
+    motion = pp.cycle(press, 20.0, points=60)
+    torques = [pp.inverse_dynamics(press, motion, loads=loads).driving_torque for loads in ([blanking], iter([blanking]))]
+    np.testing.assert_array_equal(*torques)
