@@ -9,7 +9,8 @@ from ..common.files import make_folder
 from ..common.quantities import RPM
 from ..dynamics.inputs import described, of_press, stated
 from .words import part_specs
-from .words.options import add_out_option, add_press_options, load_press, print_inputs, write_pictures
+from .words.outputs import add_out_option, print_inputs, write_pictures
+from .words.press import add_press_options, load_press
 from .words.progress import progress
 from .words.units import quantity
 

@@ -24,19 +24,10 @@ from ..visual.recording import traced
 from .report import POINTS, add_before_option, add_nominal_options, add_points_option, permissible, press_before
 from .run_summary import duty_summary
 from .words import part_specs
+from .words.forces import add_flywheel_option, add_force_options, forces
 from .words.motions import add_motion_options, motion_of, refuse_beside_motion
-from .words.options import (
-    SIGNS,
-    add_flywheel_option,
-    add_force_options,
-    add_page_options,
-    add_press_options,
-    forces,
-    load_press,
-    print_inputs,
-    refuse_pages_without_folder,
-    write_pages,
-)
+from .words.outputs import SIGNS, add_page_options, print_inputs, refuse_pages_without_folder, write_pages
+from .words.press import add_press_options, load_press
 from .words.units import quantity
 
 EXAMPLE = "e.g. pinpress analyse zxn2_3000b --speed 70 --load drawing:force=1500kN,start=40mm --out out --report"

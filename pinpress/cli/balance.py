@@ -19,22 +19,11 @@ from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..linkage.linkage import Linkage
 from ..linkage.writing import write_urdf
 from .words import part_specs
+from .words.forces import add_force_options, loads
 from .words.motions import add_motion_options, motion_of
-from .words.options import (
-    add_force_options,
-    add_out_option,
-    add_press_options,
-    add_refused_option,
-    drawn,
-    load_as_drawn,
-    loads,
-    print_inputs,
-    refuse_without_table,
-    say_written,
-    table_parameters,
-    with_zero,
-)
+from .words.outputs import add_out_option, print_inputs, say_written
 from .words.part_values import numbers
+from .words.press import add_press_options, add_refused_option, drawn, load_as_drawn, refuse_without_table, table_parameters, with_zero
 from .words.units import quantity, read_quantity
 
 KINDS = {"range": Range, "rms": Rms, "peak": Peak}

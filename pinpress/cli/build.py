@@ -14,7 +14,7 @@ from ..common.errors import PinpressError, PinpressWarning, PinTableError
 from ..kinematics.check import check, said_in_a_line
 from ..linkage.urdf.document import MOST_BYTES
 from ..pin_table.templates import TEMPLATES, template
-from .words.options import add_refused_option, add_slide_option, drawn
+from .words.press import add_refused_option, add_slide_option, drawn
 
 if TYPE_CHECKING:
     from ..pin_table.building import DrawnPress

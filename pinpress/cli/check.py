@@ -7,7 +7,7 @@ from ..common.errors import PinTableError
 from ..common.results import Records
 from ..kinematics.check import CheckResult, check
 from ..linkage.urdf.document import Finding
-from .words.options import add_reading_options, add_refused_option, drawn, names_table
+from .words.press import add_reading_options, add_refused_option, drawn, names_table
 
 
 def add(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

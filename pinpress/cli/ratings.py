@@ -22,18 +22,10 @@ from ..ratings.permissible_force import Capacities, capacities_in_words
 from ..ratings.rating import PressRatings, rate
 from .words import part_specs
 from .words.by_driver import by_driver, named
+from .words.forces import add_flywheel_option, add_force_options, loads
 from .words.motions import add_motion_options, motion_of, refuse_beside_motion, refuse_without_motion
-from .words.options import (
-    add_flywheel_option,
-    add_force_options,
-    add_out_option,
-    add_press_options,
-    add_refused_option,
-    load_press,
-    loads,
-    print_inputs,
-    write_pictures,
-)
+from .words.outputs import add_out_option, print_inputs, write_pictures
+from .words.press import add_press_options, add_refused_option, load_press
 from .words.units import OfDriver, driver_effort, quantity
 
 if TYPE_CHECKING:

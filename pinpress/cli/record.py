@@ -13,16 +13,10 @@ from ..common.quantities import CRANK, RAM
 from ..dynamics.inverse_dynamics import inverse_dynamics
 from ..kinematics.motion import Motion
 from .words import part_specs
+from .words.forces import add_force_options, forces
 from .words.motions import add_motion_options, motion_of
-from .words.options import (
-    SIGNS,
-    add_force_options,
-    add_press_options,
-    add_refused_option,
-    add_trace_option,
-    forces,
-    load_press,
-)
+from .words.outputs import SIGNS, add_trace_option
+from .words.press import add_press_options, add_refused_option, load_press
 from .words.progress import progress
 from .words.units import OfDriver, driver_position, read_quantity
 

@@ -24,22 +24,11 @@ from ..simulation.steady_state import steady_state
 from ..visual.recording import traced
 from . import balance, ratings
 from .words import part_specs
+from .words.forces import Forces, add_flywheel_option, add_force_options, forces
 from .words.motions import add_motion_options, motion_of, refuse_beside_motion
-from .words.options import (
-    SIGNS,
-    Forces,
-    add_flywheel_option,
-    add_force_options,
-    add_joint_option,
-    add_mount_options,
-    add_press_options,
-    add_trace_option,
-    forces,
-    load_other,
-    load_press,
-    mounted_press,
-    named_point,
-)
+from .words.outputs import SIGNS, add_trace_option, named_point
+from .words.press import add_press_options, load_other, load_press
+from .words.springs import add_joint_option, add_mount_options, mounted_press
 from .words.units import OfDriver, driver_speed, quantity
 
 if TYPE_CHECKING:

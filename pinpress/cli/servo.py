@@ -20,7 +20,9 @@ from ..servo.limits import BearingForce, CrankAcceleration, CrankSpeed, FeedWind
 from ..servo.paths import Path as ServoPath
 from ..servo.paths import Pendulum, Pulse, Stop, Turn
 from .words import part_specs
-from .words.options import add_force_options, add_out_option, add_press_options, load_press, loads, print_inputs, say_written
+from .words.forces import add_force_options, loads
+from .words.outputs import add_out_option, print_inputs, say_written
+from .words.press import add_press_options, load_press
 from .words.units import quantity, read_quantity
 
 if TYPE_CHECKING:

@@ -22,21 +22,11 @@ from ..visual.reports.elastic_motion import elastic_in_words
 from .run_summary import journals, simulation_summary
 from .words import part_specs
 from .words.by_driver import by_driver, named, parted
-from .words.options import (
-    SIGNS,
-    add_flywheel_option,
-    add_force_options,
-    add_page_options,
-    add_press_options,
-    add_spring_options,
-    load_press,
-    loads,
-    print_inputs,
-    refuse_pages_without_folder,
-    springs,
-    write_pages,
-)
+from .words.forces import add_flywheel_option, add_force_options, loads
+from .words.outputs import SIGNS, add_page_options, print_inputs, refuse_pages_without_folder, write_pages
+from .words.press import add_press_options, load_press
 from .words.progress import progress
+from .words.springs import add_spring_options, springs
 from .words.units import OfDriver, driver_position, driver_speed, quantity
 
 BAR = "{percentage:3.0f} % |{bar}| {n:.3f} of {total:.3f} s, {remaining} to go"

@@ -13,13 +13,8 @@ from ..common.quantities import RPM
 from ..dynamics.inputs import Inputs, of_press, stated
 from ..kinematics.motion_table import read_motion
 from .words.motions import MOTION, add_period_option, refuse_without_motion
-from .words.options import (
-    add_out_option,
-    add_press_options,
-    load_press,
-    print_inputs,
-    write_pictures,
-)
+from .words.outputs import add_out_option, print_inputs, write_pictures
+from .words.press import add_press_options, load_press
 from .words.units import quantity, read_quantity
 
 if TYPE_CHECKING:

@@ -4,18 +4,10 @@ import argparse
 import sys
 
 from .words import part_specs
-from .words.options import (
-    SIGNS,
-    SPEED,
-    add_force_options,
-    add_press_options,
-    forces,
-    load_press,
-    names_table,
-    naming_values,
-    table_parameters,
-    with_zero,
-)
+from .words.forces import add_force_options, forces
+from .words.motions import SPEED
+from .words.outputs import SIGNS
+from .words.press import add_press_options, load_press, names_table, naming_values, table_parameters, with_zero
 from .words.units import OfDriver, driver_speed
 
 EPILOG = f"""\

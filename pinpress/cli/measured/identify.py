@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from ...common.errors import PinpressError, shown
 from ...common.files import make_folder
 from ...dynamics.inputs import of_press, stated
-from ..words.options import add_out_option, add_press_options, load_press, print_inputs, write_pictures
+from ..words.outputs import add_out_option, print_inputs, write_pictures
+from ..words.press import add_press_options, load_press
 from ..words.records import add_column_options, add_identification_options, identification, identification_in_words, read_record
 from ..words.units import read_quantity
 

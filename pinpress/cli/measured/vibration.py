@@ -11,7 +11,9 @@ from ...common.files import make_folder
 from ...common.quantities import RPM
 from ...dynamics.inputs import Inputs, of_press, stated
 from ..words import part_specs
-from ..words.options import add_mount_options, add_out_option, load_other, mounted_press, print_inputs, write_pictures
+from ..words.outputs import add_out_option, print_inputs, write_pictures
+from ..words.press import load_other
+from ..words.springs import add_mount_options, mounted_press
 from ..words.units import read_quantity
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from ...common.errors import PinpressError
 from ...kinematics.motion import POINTS, Motion, cycle
 from ...kinematics.motion_table import read_motion
 from ...linkage.linkage import Linkage
-from .options import SPEED
 from .units import OfDriver, driver_speed, quantity
 
+SPEED = "crank speed, in r/min, negative: backwards; highest speed of a driver that slides, in mm/s"
 MOTION = (
     "CSV file with the motion of one driver or several over time; its first line names the columns with their units: time [s], and the"
     " name of every driver, A [deg], or ram_guide [mm] of one that slides"
