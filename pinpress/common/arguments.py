@@ -382,10 +382,10 @@ def _odd(values: Iterable[Any], level: int = 1) -> bool:
 
 # Texts with units: factors to the first unit of each row, which is the one that help and messages name.
 _ROWS: tuple[Mapping[str, float], ...] = (
-    {"m": 1.0, "mm": 1e-3, "um": 1e-6, "cm": 1e-2, "in": 0.0254},
+    {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "cm": 1e-2, "in": 0.0254},
     {"N": 1.0, "kN": 1e3, "MN": 1e6, "tf": 9806.65},
     {"r/min": 1.0, "rpm": 1.0, "spm": 1.0, "Hz": 60.0, "rad/s": 30 / math.pi, "deg/s": 1 / 6},
-    {"deg": 1.0, "rad": 180 / math.pi},
+    {"deg": 1.0, "°": 1.0, "rad": 180 / math.pi},
     {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     {"kg": 1.0, "g": 1e-3, "t": 1e3},
     {"kg/m3": 1.0, "t/m3": 1e3},
@@ -395,7 +395,7 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"W": 1.0, "kW": 1e3, "MW": 1e6},
     {"Hz": 1.0, "kHz": 1e3},
     {"m/s": 1.0, "mm/s": 1e-3},
-    {"mm": 1.0, "m": 1e3, "um": 1e-3, "cm": 10.0, "in": 25.4},
+    {"mm": 1.0, "m": 1e3, "um": 1e-3, "µm": 1e-3, "cm": 10.0, "in": 25.4},
     {"mm/s": 1.0, "m/s": 1e3, "m/min": 1e3 / 60},
     {"m/s2": 1.0, "mm/s2": 1e-3},
     {"rad/s2": 1.0, "deg/s2": math.pi / 180},
@@ -420,7 +420,7 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"-": 1.0, "%": 1e-2},
 )
 UNITS = {next(iter(row)): row for row in _ROWS}
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z%].*?)?\s*")
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.,+\-_].*?)?\s*")
 
 
 def read_quantity(text: str, unit: str) -> float:
@@ -438,6 +438,7 @@ def read_quantity(text: str, unit: str) -> float:
             raise ValueError(f"no number{remedy}") from None
     number, given = parts.groups()
     known = UNITS[unit]
+    given = given and given.replace("\u03bc", "\u00b5")  # the letter mu for the sign of a millionth
     if given and given not in known:
         raise ValueError(f"in {given!r}, which is none of {', '.join(known)}{suggestion(given, known)}")
     return float(number) * known[given] if given else float(number)

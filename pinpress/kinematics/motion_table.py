@@ -121,5 +121,7 @@ def _lacking(press: Linkage, table: Channels) -> str:
     for driver, coordinate, names in zip(press.drivers, press.driver_coordinates, _names(press, 0), strict=True):
         if not any(name in table.columns for name in names):
             missing = f"{table.file} has no column for driver {driver!r} of {press.name}"
-            return f"{missing}: call it {driver} [{coordinate.shown_unit}]; there are: {', '.join(table.columns)}"
+            unit = coordinate.shown_unit
+            called = " or ".join(f"{name} [{unit}]" for name in (names[0], *names[2:]))  # names[1] is that of files of pinpress
+            return f"{missing}: call it {called}; there are: {', '.join(table.columns)}"
     raise AssertionError("a driver has no column")

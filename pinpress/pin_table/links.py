@@ -24,6 +24,7 @@ LIGHTEST, HEAVIEST = 25.0, 25e3  # of solid parts, from foam to tungsten and bey
 MASSLESS = 1e-6  # mass of every link where the table says ``masses: none`` [kg]
 SLENDER = 1 / 10  # thickness of a rod of which only the mass is given, beside its length
 FAR_BESIDE = 1 / 4  # a centre of mass is hardly meant to be farther beside a rod, divided by its length
+WAYS = "up, down, left, right, an angle, or two points"  # of a guide
 KEYS = ("pins", "guide", "travel", "mass", "com", "inertia", "gyration", "section", "overhang", "box", "disc", "density", "parts", "note")
 PART_KEYS = ("mass", "disc", "box", "density", "at", "inertia", "note")
 SOLIDS = ("section", "box", "disc")
@@ -187,7 +188,7 @@ class _Reader:
             if len(entry.value) != 1:
                 entry.refuse(f"{len(entry.value)} names of a guide", "write one: {slot: C D}")
             ((name, entry),) = entry.value.items()
-        words = entry.names("up, down, left, right, an angle, or two points")
+        words = entry.names(WAYS)
         if len(words) == 1:
             return Guide(name, FRAME, self._direction(entry, words[0]))
         if len(words) > 3:
@@ -195,7 +196,7 @@ class _Reader:
         start, end = words[-2:]
         for word in (start, end):
             if word not in self.pins:
-                entry.refuse(f"no pin {word}{suggestion(word, self.pins)}", f"name some of {', '.join(self.pins)}")
+                entry.refuse(f"no pin {word}{suggestion(word, self.pins)}", f"name some of {', '.join(self.pins)}, or write {WAYS}")
         carrier = words[0] if len(words) == 3 else self._carrier(link, entry, start, end)
         if len(words) == 3 and carrier not in (*self.items, FRAME):
             entry.refuse(f"no link {carrier}{suggestion(carrier, self.items)}", f"name one of {', '.join(self.items)} or {FRAME}")
@@ -229,7 +230,9 @@ class _Reader:
         if word.lstrip("-") in AXES and word.count("-") < 2:
             return np.array(AXES[word.lstrip("-")]) * (-1.0 if word.startswith("-") else 1.0)
         if word in self.pins:
-            entry.refuse(f"the guide has one point, {word}", "name two points, up, down, left, right or an angle")
+            entry.refuse(f"the guide has one point, {word}", f"write {WAYS}")
+        if word.isidentifier() and word not in self.parameters:
+            entry.refuse(f"no direction {word!r}{suggestion(word, (*SIDES, *self.parameters))}", f"write {WAYS}")
         angle = np.radians(number(replace(entry, value=word), self.parameters))
         return np.array([np.cos(angle), 0.0, np.sin(angle)])
 

@@ -68,7 +68,7 @@ def test_drivers_that_turn_and_slide_with_decimal_commas(tmp_path: Path) -> None
     assert result.title.count(" N m") == 1
 
 
-@pytest.mark.parametrize("head", ["A [deg]", "angle [deg]", "crank_angle [rad]"])
+@pytest.mark.parametrize("head", ["A [deg]", "angle [deg]", "angle [°]", "crank_angle [rad]"])
 def test_one_driver(head: str, tmp_path: Path) -> None:
     press = texts.shipped("zxn2_3000b")
     time = np.linspace(0.0, 1.0, 91)
@@ -79,13 +79,24 @@ def test_one_driver(head: str, tmp_path: Path) -> None:
     np.testing.assert_allclose(found.slide_acceleration, want.slide_acceleration, rtol=0, atol=1e-9)
 
 
+def test_of_one_driver_both_names_of_its_column_are_told(tmp_path: Path) -> None:
+    path = table(tmp_path / "m.csv", "t [s],crank [deg]", np.linspace(0.0, 1.0, 9), np.zeros(9))
+    with pytest.raises(
+        pp.PinpressError, match=r"call it A \[deg\] or angle \[deg\]; there are: t, crank"
+    ):
+        pp.read_motion(texts.shipped("zxn2_3000b"), path)
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("time [s],O [deg]\n0,1\n1,2\n", "has no column for driver 'P' of geared_five_bar: call it P [deg]; there are: time, O"),
+        (
+            "time [s],O [deg]\n0,1\n1,2\n",
+            "has no column for driver 'P' of geared_five_bar: call it P [deg]; there are: time, O",
+        ),
         ("O [deg],P [deg]\n0,1\n1,2\n", "has no column of time: call it time [s]; there are: O, P"),
         ("time,O,P\n0,1,2\n1,2,2\n", "column 'O' has no unit: write it behind the name, O [deg]"),
-        ("time [s],O [mm],P [deg]\n0,1,2\n1,2,2\n", "column 'O' is in 'mm', which is none of deg, rad"),
+        ("time [s],O [mm],P [deg]\n0,1,2\n1,2,2\n", "column 'O' is in 'mm', which is none of deg, °, rad"),
         ("time [kg],O [deg],P [deg]\n0,1,2\n1,2,2\n", "column 'time' is in 'kg', which is none of s, ms"),
         ("time [s],O [deg],P [deg]\n0,1,2\n0,2,2\n", "m.csv: time does not rise"),
         ("time [s],O [deg],P [deg]\n0,1,2\n1,x,2\n", "row 2 of the numbers has 'x' as O"),

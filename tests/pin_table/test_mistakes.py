@@ -96,6 +96,22 @@ def test_odd_yaml_is_refused(text, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("guide", "words"),
+    [
+        ("vertical", "no direction 'vertical'; write up, down, left, right, an angle, or two points"),
+        ("upp", "no direction 'upp', did you mean 'up'?"),
+        ("W", "the guide has one point, W; write up"),
+        ([0, 1], "no pin 0; name some of O, P, W, or write up, down"),
+    ],
+)
+def test_a_guide_says_how_it_may_be_written(guide, words):
+    links = {"crank": {"pins": "O P", "mass": 20}, "rod": {"pins": "P W", "mass": 15}, "slide": {"pins": "W", "guide": guide, "mass": 9}}
+    pins = {"O": [0, 0], "P": [0, 100], "W": [0, -300]}
+    with pytest.raises(pp.PinTableError, match=re.escape(words)):
+        pp.build(units="mm", frame="O", pins=pins, links=links, drive="O")
+
+
+@pytest.mark.parametrize(
     ("values", "words"),
     [
         ({"r": 5, "x": 2}, "no parameter x"),

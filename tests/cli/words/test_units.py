@@ -31,6 +31,9 @@ from pinpress.drives.transmission import Geared, PrescribedSpeed
         (".5", "m", 0.5),
         ("inf", "m", math.inf),
         ("120kN/mm", "N/m", 1.2e8),
+        ("50µm", "m", 5e-5),
+        ("50\u03bcm", "m", 5e-5),
+        ("-30°", "deg", -30),
     ],
 )
 def test_quantities(text, unit, value):
@@ -38,7 +41,15 @@ def test_quantities(text, unit, value):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"), [("12kn", "did you mean 'kN'"), ("12mm", "none of N, kN"), ("1,5", "after a point"), ("", "no number"), ("x", "no")]
+    ("text", "said"),
+    [
+        ("12kn", "did you mean 'kN'"),
+        ("12mm", "none of N, kN"),
+        ("1,5", "after a point"),
+        ("", "no number"),
+        ("x", "no"),
+        ("3€", "in '€', which"),
+    ],
 )
 def test_what_is_none(text, said):
     with pytest.raises(ValueError, match=said):
