@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from ..common.arguments import expect, number, numbers, typed
-from ..common.errors import PinpressError, UnknownNameError, shown
+from ..common.errors import PinpressError, UnknownNameError, cautions_collected, shown
 from ..common.frozen import Frozen
 from ..common.quantities import Array
 from ..common.results import Record
@@ -185,7 +185,8 @@ def mass_response(
     largest = np.abs(masses.masses).max()
     factor = moving_mass(press) / largest if largest > 0 else 1.0
     added = [PointForce(masses.link, factor * f, tuple(p)) for f, p in zip(force, masses.points, strict=True) if f.any()]
-    after = inverse_dynamics(press, condition.motion, [*condition.loads, *added], bearings=tuple(reactions.bearing_force))
+    with cautions_collected():  # a region that is far off, and the loads, are warned of where they are given
+        after = inverse_dynamics(press, condition.motion, [*condition.loads, *added], bearings=tuple(reactions.bearing_force))
     return MassResponse(
         *shaking,
         driving_torque=(after.driving_torque - reactions.driving_torque) / factor,
@@ -271,7 +272,7 @@ def _added_inertia(press: Linkage, weight: Counterweight) -> tuple[int, pin.Iner
 
 def _inertia_forces(press: Linkage, motion: Motion, masses: PointMasses) -> tuple[Array, Array]:
     """World positions (p, n, 3) of the masses [m], and weight plus inertia force (p, n, 3) of each [N]."""
-    places = [point_on_body(press, masses.link, tuple(point), "counterweight", "position") for point in masses.points]
-    joint, points = places[0][0], np.array([point for _, point in places])
-    position, acceleration = press.engine().point_accelerations(motion.states(press), joint, points)
+    frame = press.model.frames[press.model.getFrameId(masses.link, pin.BODY)]
+    points = masses.points @ frame.placement.rotation.T + frame.placement.translation
+    position, acceleration = press.engine().point_accelerations(motion.states(press), frame.parentJoint, points)
     return position, masses.masses[:, None, None] * (press.model.gravity.linear - acceleration)

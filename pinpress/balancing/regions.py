@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
+from ..common import plausibility
 from ..common.arguments import any_numbers, in_unit, numbers, suitable_numbers, truth_value
 from ..common.conic_program import AT_MOST, CONE, Rows
 from ..common.errors import PinpressError, UnknownNameError, shown
@@ -162,6 +163,8 @@ def region_variables(press: Linkage, region: CounterweightRegion, inertia_counts
     if region.link not in press.links:
         raise UnknownNameError("link", region.link, press.links)
     joint, _ = carrying_joint(press, region.link, region.centre, region.words)
+    for name, length in (("radius", region.radius), ("gyration", region.gyration)):
+        plausibility.length(f"{region.words}: {name}", length or 0.0, press.size)
     replaced = press.model.inertias[joint] if region.replaces else None
     if region.radius is None and not region.corners:
         return _point_variables(press, region, joint, replaced, unit)

@@ -97,11 +97,16 @@ class _Sheet:
         self._label(x + (26 if link.guide is not None else 8), y + (24 if link.guide is not None else -10), link.name, colour)
 
     def dimensions(self, link: Link, pins: Mapping[str, Pin], unit: float) -> None:
-        """Lengths from the first pin of a link to its others."""
-        a, *others = (pins[name].point for name in link.pins)
-        for b in {tuple(point): point for point in others}.values():
+        """Lengths from the first pin of a link to its others, and those between others that the table gives."""
+        first, *others = link.pins
+        given = [(start, end) for end in others for start, _ in pins[end].lengths if start in others]
+        shown = set[tuple[tuple[float, ...], ...]]()
+        for start, end in (*((first, other) for other in others), *given):
+            a, b = (pins[name].point for name in (start, end))
+            ends = tuple(sorted((tuple(a.tolist()), tuple(b.tolist()))))
             length = float(np.linalg.norm(b - a))
-            if length > 0:
+            if length > 0 and ends not in shown:
+                shown.add(ends)
                 x, y = self.at((a + b)[[0, 2]] / 2)
                 self._label(x + 8, y + 16, f"{length / unit:.6g}", None, "dimension")
 

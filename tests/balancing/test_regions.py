@@ -229,3 +229,13 @@ def test_regions_in_the_plane_of_two_motors():
     assert found.value == pytest.approx(want.value, rel=1e-7)
     ranges = [float(np.ptp(each.reactions_after[0].shaking_force[:, 0])) for each in (found, want)]
     assert ranges[0] == pytest.approx(ranges[1], rel=1e-5)
+
+
+def test_a_region_in_millimetres_is_doubted(six_bar, turn):
+    for region, said in (
+        (pp.balancing.CounterweightRegion("crank", radius=300.0), "radius is 300 m, beside a linkage of 1.86488 m: give it in m, 300e-3"),
+        (pp.balancing.CounterweightRegion("crank", at=(0.1, 0.0, 0.2), gyration=90.0), "gyration is 90 m, beside a linkage"),
+    ):
+        with pytest.warns(pp.PinpressWarning) as caught:
+            balanced(six_bar, turn, region)
+        assert all(f"region on 'crank': {said}" in str(warning.message) for warning in caught)

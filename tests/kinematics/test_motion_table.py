@@ -81,9 +81,7 @@ def test_one_driver(head: str, tmp_path: Path) -> None:
 
 def test_of_one_driver_both_names_of_its_column_are_told(tmp_path: Path) -> None:
     path = table(tmp_path / "m.csv", "t [s],crank [deg]", np.linspace(0.0, 1.0, 9), np.zeros(9))
-    with pytest.raises(
-        pp.PinpressError, match=r"call it A \[deg\] or angle \[deg\]; there are: t, crank"
-    ):
+    with pytest.raises(pp.PinpressError, match=r"call it A \[deg\] or angle \[deg\]; there are: t, crank"):
         pp.read_motion(texts.shipped("zxn2_3000b"), path)
 
 

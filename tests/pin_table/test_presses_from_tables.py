@@ -309,6 +309,19 @@ def test_sketches_are_drawings():
     assert {"A", "B", "C", "D", "E", "F", "143", "1243", "375", "480", "crank", "slide"} <= words
 
 
+def test_a_plate_shows_all_its_lengths_of_the_table():
+    pins = {
+        "O": [0, 0],
+        "G": [-620, -250],
+        "P": [0, 125],
+        "Q": {"P": 520, "G": 430, "side": "left"},
+        "R": {"P": 380, "Q": 330, "side": "down"},
+    }
+    links = {"crank": {"pins": "O P"}, "plate": {"pins": "P Q R"}, "rocker": {"pins": "G Q"}}
+    sketch = draft(units="mm", frame="O G", pins=pins, links=links, drive="O", masses="none").sketch
+    assert re.findall(r'class="dimension">([^<]*)', sketch) == ["125", "520", "380", "330", "430"]
+
+
 @pytest.mark.parametrize(
     ("travel", "said"),
     [
