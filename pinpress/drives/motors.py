@@ -309,8 +309,8 @@ class ServoMotor(SpeedTorqueDrive):
     """A servo motor that follows a motion program of its shaft.
 
     The program is the cubic spline through its points that stands still at both ends, because the shaft is held at the first angle before
-    and at the last one afterwards: its speed does not jump. The torque is stiffness x error of angle + damping x error of speed, limited to
-    the peak torque.
+    and at the last one afterwards: its speed does not jump. For a run that begins in the middle of a motion the program begins earlier, at
+    a negative time. The torque is stiffness x error of angle + damping x error of speed, limited to the peak torque.
 
     Attributes:
         times: (k,) rising times of the program's points [s].

@@ -121,9 +121,10 @@ class _Shock(NamedTuple):
 
 def shock(plain: Linkage, slowest: float, loads: list[ProcessLoad]) -> _Shock:
     """A blank breaks on the press on springs, whose servo slows down to a share of its even speed near break-through."""
-    angle = np.linspace(FIRST, FIRST + 2 * np.pi, 4001)
+    angle = np.linspace(FIRST - 0.1, FIRST + 2 * np.pi, 4065)  # from before the run on, because a program stands still at its ends
     pace = EVEN * (1 - (1 - slowest) * np.exp(-(((angle - PAUSE) / NEAR) ** 2)))
     times = np.concatenate([[0.0], np.cumsum(0.5 * (1 / pace[1:] + 1 / pace[:-1]) * np.diff(angle))])
+    times -= np.interp(FIRST, angle, times)
     servo = ServoMotor(times, angle, stiffness=2e7, damping=2e5, peak_torque=1e6, inertia=60.0)
     springs = Elastic(Stiffness(BEARINGS, {"slide_guide": GIBS_TURNING}, frame=TIE_RODS), damping_ratio=0.03, crown_mass=CROWN)
     until = float(np.interp(np.radians(375), angle, times))

@@ -30,8 +30,9 @@ from ..common.arguments import in_unit, number, suitable_numbers, typed
 from ..common.errors import PinpressError, SimulationError, caution, shown
 from ..common.parameters import refuse_scenarios
 from ..common.quantities import Array
+from ..drives.motors import ServoMotor
 from ..drives.protocol import Drive
-from ..drives.transmission import Brake, Clutch, Flywheel, PrescribedSpeed
+from ..drives.transmission import Brake, Clutch, Flywheel, Geared, PrescribedSpeed
 from ..dynamics.inverse_dynamics import NONE_GIVEN
 from ..kinematics.motion import doubt_speeds
 from ..linkage.assembly import refuse_far
@@ -163,6 +164,10 @@ def simulate(
         PinpressError: an argument makes no sense.
         SimulationError: the press stalls, runs against a lock, or has no inertia, or the energy does not balance. The error says when,
             where, and for which reason of `failures`.
+
+    Warns:
+        PinpressWarning: numbers of drives, loads and speeds that are hardly meant; a press that stands at the end; a driver that moves at
+            the start, where the program of its `ServoMotor` stands still.
     """
     began = clock.perf_counter()
     if elastic is not None and (_method(press, method) != "reduced" or step is not None) and len(press.drivers) == 1:
@@ -184,6 +189,7 @@ def simulate(
         driven = _driven(press, method, drive, flywheel, loads, clutch, brake, friction, error if elastic is None else 0.0)
         problem = _problem(driven, method, angles, speeds, until, error, fixed)
         doubt_speeds(press, problem.speed)
+        _doubt_programs(press, drive, problem.speed)
         if elastic is not None:
             from .elastic.simulate_elastic import elastic_simulation  # a third of what a rigid run imports of ours
 
@@ -193,6 +199,19 @@ def simulate(
     if (since := trajectory.standing) is not None:
         _tell_of_standstill(run, since)
     return run
+
+
+def _doubt_programs(press: Linkage, drive: Drive | PrescribedSpeed | Mapping[str, Drive] | None, speeds: Array) -> None:
+    """Warn of servo motors whose program stands still where the run begins, though their driver moves there."""
+    drives = drive if isinstance(drive, Mapping) else {press.driver: drive}
+    for driver, coordinate, speed in zip(press.drivers, press.driver_coordinates, speeds, strict=True):
+        motor = part.drive if isinstance(part := drives.get(driver), Geared) else part
+        if isinstance(motor, ServoMotor) and speed and motor.times[0] >= 0.0:
+            unit, size = coordinate.shown_speed
+            caution(
+                f"the run begins with {speed / size:.4g} {unit} of {driver}, where its ServoMotor's program stands still: begin the program"
+                " before 0 s, or the run at rest"
+            )
 
 
 def _tell_of_standstill(run: Run, since: float) -> None:

@@ -156,6 +156,24 @@ def test_two_servo_motors_follow_their_programs():
     assert "simulated from A 0 deg at 0 r/min, B 0 deg at 0 r/min, 0.5 s" in dict(inputs_of(pp.inverse_dynamics(press, run)))["motion"]
 
 
+def test_a_program_that_stands_still_where_the_run_moves_is_doubted():
+    press, time, motor = five_bar(), np.linspace(0.0, 0.5, 41), {"stiffness": 2e4, "damping": 900.0, "peak_torque": 5e3}
+    swing = 0.3 * np.sin(4 * np.pi * time)
+    drive = {"A": pp.drives.ServoMotor(time, swing, **motor), "B": pp.drives.Geared(pp.drives.ServoMotor(time, -5 * swing, **motor), 5.0)}
+    speed = 0.3 * 4 * np.pi * np.array([1.0, -1.0])
+    with pytest.warns(pp.PinpressWarning) as caught:
+        pp.simulate(press, 0.01, speed=speed, drive=drive, points=2)
+    said = [
+        "the run begins with 36 r/min of A, where its ServoMotor's program",
+        "the run begins with -36 r/min of B, where its ServoMotor's",
+    ]
+    assert [str(each.message)[: len(words)] for each, words in zip(caught, said, strict=True)] == said
+    earlier, before = time - 0.1, 0.3 * np.sin(4 * np.pi * (time - 0.1))
+    drive = {"A": pp.drives.ServoMotor(earlier, before, **motor), "B": pp.drives.ServoMotor(earlier, -before, **motor)}
+    run = pp.simulate(press, 0.01, speed=speed, drive=drive, points=2)
+    assert np.abs(run.drive_torque).max() < 100.0
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -96,11 +96,12 @@ def test_a_pause_before_break_through_lowers_the_shock():
     stiffness = pp.elasticity.Stiffness({"O": 3e9, "P2": 4e9, "P4": 4e9, "slide_guide": 2e9}, {"slide_guide": 2e8}, frame=3e9)
     springs = pp.elasticity.Elastic(stiffness, damping_ratio=0.03, crown_mass=4000)
     blank = RateSensitiveBlanking(6e5, 0.004, 0.002, 0.05, 1e-3, peak=0.003, remaining=0.5)
-    angle = np.linspace(np.pi, 3 * np.pi, 3001)
+    angle = np.linspace(np.pi - 0.1, 3 * np.pi, 3049)
     reverse = {}
     for slowest in (1.0, 0.02):
         pace = 1 - (1 - slowest) * np.exp(-(((angle - 5.81) / 0.05) ** 2))
         times = np.concatenate([[0.0], np.cumsum(0.5 * (1 / pace[1:] + 1 / pace[:-1]) * np.diff(angle) / w)])
+        times -= np.interp(np.pi, angle, times)
         motor = pp.drives.ServoMotor(times, angle, stiffness=2e7, damping=2e5, peak_torque=1e6, inertia=60)
         given = {"angle": np.pi, "speed": w, "drive": motor, "loads": [blank], "elastic": springs, "points": 4001, "tolerance": 1e-3}
         run = pp.simulate(press, 0.75 * times[-1], **given)

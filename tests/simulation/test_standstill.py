@@ -152,7 +152,7 @@ def test_a_servo_press_that_dwells_on_its_work(knuckle, method):
 
 @pytest.mark.one_in(2)
 def test_a_press_that_stands_to_the_end_says_so(press, method):
-    servo = pp.drives.ServoMotor([0.0, 1.0], [3.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0)
+    servo = pp.drives.ServoMotor([-0.2, 1.0], [2.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0)
     with pytest.warns(pp.PinpressWarning, match=r"the press stands from 0\.\d+ s to the end, at crank angle .* deg"):
         run = pp.simulate(
             press,

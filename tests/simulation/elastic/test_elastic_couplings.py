@@ -156,7 +156,7 @@ class Jumping(pp.drives.SpeedTorqueDrive):
 
 
 def servo(speed):
-    times = np.linspace(0.0, 0.1, 6)
+    times = np.linspace(-0.02, 0.1, 7)
     return pp.drives.ServoMotor(times, 1.0 + speed * times, 2e5, 2e3, 1e5, inertia=1.0)
 
 
