@@ -420,7 +420,7 @@ _ROWS: tuple[Mapping[str, float], ...] = (
     {"-": 1.0, "%": 1e-2},
 )
 UNITS = {next(iter(row)): row for row in _ROWS}
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\s\d.,+\-_].*?)?\s*")
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[A-Za-z%]|[^\x00-\x7f]).*?)?\s*")
 
 
 def read_quantity(text: str, unit: str) -> float:
