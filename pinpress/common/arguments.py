@@ -384,7 +384,7 @@ def _odd(values: Iterable[Any], level: int = 1) -> bool:
 _ROWS: tuple[Mapping[str, float], ...] = (
     {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "cm": 1e-2, "in": 0.0254},
     {"N": 1.0, "kN": 1e3, "MN": 1e6, "tf": 9806.65},
-    {"r/min": 1.0, "rpm": 1.0, "spm": 1.0, "Hz": 60.0, "rad/s": 30 / math.pi, "deg/s": 1 / 6},
+    {"r/min": 1.0, "rpm": 1.0, "1/min": 1.0, "spm": 1.0, "Hz": 60.0, "rad/s": 30 / math.pi, "deg/s": 1 / 6},
     {"deg": 1.0, "°": 1.0, "rad": 180 / math.pi},
     {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     {"kg": 1.0, "g": 1e-3, "t": 1e3},
@@ -437,8 +437,12 @@ def read_quantity(text: str, unit: str) -> float:
             remedy = ": write decimals after a point" if re.fullmatch(r"\s*[-+]?\d+,\d+.*", text) else ""
             raise ValueError(f"no number{remedy}") from None
     number, given = parts.groups()
-    known = UNITS[unit]
-    given = given and given.replace("\u03bc", "\u00b5")  # the letter mu for the sign of a millionth
-    if given and given not in known:
+    return float(number) * unit_factor(given, unit) if given else float(number)
+
+
+def unit_factor(given: str, unit: str) -> float:
+    """How large a unit is in another one that `UNITS` has; raises ValueError where it is of something else."""
+    known, given = UNITS[unit], given.replace("\u03bc", "\u00b5")  # the letter mu for the sign of a millionth
+    if given not in known:
         raise ValueError(f"in {given!r}, which is none of {', '.join(known)}{suggestion(given, known)}")
-    return float(number) * known[given] if given else float(number)
+    return known[given]

@@ -14,7 +14,7 @@ import os
 
 import numpy as np
 
-from ..common.arguments import read_quantity, typed
+from ..common.arguments import typed, unit_factor
 from ..common.errors import PinpressError
 from ..common.quantities import RPM, Array, DriverCoordinate
 from ..linkage.linkage import Linkage
@@ -100,7 +100,7 @@ def _in_si_units(table: Channels, column: Column, name: str, coordinate: DriverC
 
 def _factor(table: Channels, name: str, given: str, unit: str) -> float:
     try:
-        return read_quantity(f"1 {given}", unit)
+        return unit_factor(given, unit)
     except ValueError as error:
         raise PinpressError(f"{table.file}: column {name!r} is {error}") from None
 

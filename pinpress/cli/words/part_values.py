@@ -8,7 +8,7 @@ import math
 import re
 
 from ...common import files
-from ...common.arguments import UNITS, read_quantity
+from ...common.arguments import UNITS, read_quantity, unit_factor
 from ...common.errors import PinpressError
 from ...common.quantities import DriverCoordinate
 from ...common.reading.cells import read_rows
@@ -84,7 +84,7 @@ def pairs_of_file(path: str, columns: tuple[str, str]) -> list[tuple[float, floa
 def _units_of_header(row: list[str], columns: tuple[str, str]) -> tuple[float, float]:
     """Factors to the columns' own units of what a header names in brackets, as in ``height [mm], force [kN]``."""
     first, second = (
-        1.0 if (given := re.search(r"\[(.+?)\]", cell)) is None else read_quantity(f"1 {given[1].strip()}", column.partition("[")[2][:-1])
+        1.0 if (given := re.search(r"\[(.+?)\]", cell)) is None else unit_factor(given[1].strip(), column.partition("[")[2][:-1])
         for cell, column in zip([*row, "", ""][:2], columns, strict=True)
     )
     return first, second

@@ -8,7 +8,7 @@ import re
 from typing import NamedTuple
 
 from .. import files
-from ..arguments import UNITS, read_quantity
+from ..arguments import UNITS, unit_factor
 
 SEPARATORS = ";\t,"  # the first of them in the first line parts the cells
 _DECIMAL_COMMA = re.compile(r"([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)")
@@ -74,7 +74,7 @@ def factor_to(unit: str, head: str) -> float:
     """
     _, given = parted(head)
     try:
-        return read_quantity(f"1 {given}", unit) if given else 1.0
+        return unit_factor(given, unit) if given else 1.0
     except ValueError:
         raise ValueError(f"{given!r} in {head!r} is none of {', '.join(UNITS[unit])}") from None
 

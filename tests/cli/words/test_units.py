@@ -10,7 +10,7 @@ from support.presses import sliding_presses
 import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.cli.words import part_specs
-from pinpress.common.arguments import UNITS, read_quantity
+from pinpress.common.arguments import UNITS, read_quantity, unit_factor
 from pinpress.common.quantities import CRANK, RAM
 from pinpress.drives.motors import ConstantTorque, ServoMotor
 from pinpress.drives.transmission import Geared, PrescribedSpeed
@@ -54,6 +54,12 @@ def test_quantities(text, unit, value):
 def test_what_is_none(text, said):
     with pytest.raises(ValueError, match=said):
         read_quantity(text, "N")
+
+
+def test_units_of_columns():
+    assert unit_factor("1/min", "r/min") == unit_factor("rpm", "r/min") == 1.0
+    with pytest.raises(ValueError, match="in '1/min', which is none of deg"):
+        unit_factor("1/min", "deg")
 
 
 def test_first_units_are_those_that_help_names():
