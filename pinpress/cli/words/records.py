@@ -44,7 +44,7 @@ def add_identification_options(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE,SD",
-        help='weighed or gauged, in SI units: "slide mass=2200,5" [repeatable]',
+        help='weighed or gauged, in SI units: "slide mass=2200,5"; may be given several times',
     )
     option(
         "--friction", default="crank,slide_guide", metavar="KINDS", help="of crank, pins, slide_guide, gibs, or none (default: %(default)s)"
