@@ -1,6 +1,7 @@
 """All files of the library: they are written whole or not at all, and read only if they are regular files of bounded size."""
 
 import errno
+import itertools
 import os
 import secrets
 import stat
@@ -10,7 +11,9 @@ from contextlib import ExitStack, contextmanager, suppress
 from io import FileIO
 from pathlib import Path
 
-from .errors import PinpressError, shown
+from .errors import PinpressError, shown, suggestion
+
+MOST_NAMES = 1000  # of a folder that are compared with one that is not there
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> Path:
@@ -196,8 +199,18 @@ def read(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def reason(error: OSError | ValueError) -> str:
-    """Why a file could not be read."""
-    return getattr(error, "strerror", None) or str(error)
+    """Why a file could not be read; of one that is not there, whether its folder has one of nearly its name."""
+    said = getattr(error, "strerror", None) or str(error)
+    return said + alike(error.filename) if isinstance(error, FileNotFoundError) and isinstance(error.filename, str) else said
+
+
+def alike(path: str) -> str:
+    """The words ", did you mean 'x'?" where the folder of a path that is not there has a file of nearly its name, else an empty text."""
+    folder, name = os.path.split(path)
+    try:
+        return suggestion(name, itertools.islice(os.listdir(folder or os.curdir), MOST_NAMES))
+    except (OSError, ValueError):
+        return ""
 
 
 def path_of(name: str, path: object) -> str:

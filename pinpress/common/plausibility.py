@@ -211,9 +211,9 @@ def onset(load: str, start: float, high: float) -> None:
     caution(f"{load} begins at {start:g} m above its datum, and the slide's stroke ends at {high:.6g} m: it begins with a jump; lower it")
 
 
-def forces(load: str, largest: float, weight: float) -> None:
-    """Warn of a process load that is small beside the ``weight`` of the slide [N]: its ``largest`` force may be in kN."""
-    if 0.0 < largest < min(WEAK, FEEBLE * weight):
+def forces(load: str, largest: float, weight: float, feeble: float = FEEBLE) -> None:
+    """Warn of a process load whose ``largest`` force is a ``feeble`` share of the ``weight`` of the slide [N], or less: it may be in kN."""
+    if 0.0 < largest < min(WEAK, feeble * weight):
         share = f"{100 * largest / weight:.2g} % of the weight of the slide"
         caution(f"{load}: its largest force is {largest:g} N, {share}: if kN are meant, write {1e3 * largest:g}")
     elif GIANT[0] * weight < largest < GIANT[1] * weight:

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from ..common.arguments import LARGEST, numbers, typed
 from ..common.errors import PinpressError, UnknownNameError, UrdfError, caution, shown, suggestion
-from ..common.files import path_of
+from ..common.files import alike, path_of
 from ..common.quantities import Array
 from ..engines.joints import Coupling, LoopJoint
 from . import assembly_checks, mobility
@@ -116,7 +116,7 @@ def located(path: str | os.PathLike[str]) -> str | os.PathLike[str]:
         return path  # reading it says what is wrong with it
     shipped = presses()
     remedy = f"name a URDF file or a shipped press ({', '.join(shipped)})"
-    raise UrdfError(file, None, None, f"no such file{suggestion(file, shipped)}", remedy)
+    raise UrdfError(file, None, None, f"no such file{suggestion(file, shipped) or alike(file)}", remedy)
 
 
 def shipped_table(name: str) -> Path | None:

@@ -99,9 +99,17 @@ class _Growing:
         self.by: dict[str, tuple[str | None, str]] = {}  # pin (None: its guide) and parent of every hung link
         self.special = {*parts.drivers, *parts.gears, *(leader for leader, _ in parts.gears.values())}
 
+    def _refuse_held(self, link: Link) -> None:
+        """Raise PinTableError where a link that slides in the frame has a pin that is fixed there."""
+        held = next((pin for pin in link.pins if pin in self.parts.frame), None)
+        if held is not None:
+            remedy = f"take {held} out of frame:, or leave the guide out"
+            link.entry.refuse(f"it is to slide in the frame, and its pin {held} is fixed there", remedy)
+
     def tree(self) -> Tree:
         """Hang all links, then name the bearings."""
         for name in self.sliders:
+            self._refuse_held(self.links[name])
             self._hang(name, None, FRAME)
         while len(self.hung) <= len(self.links):
             self._hang(*self._next())

@@ -252,7 +252,7 @@ def rate(
 def _doubt_capacities(press: Linkage, capacities: Capacities, speed: float) -> None:
     """Warn of capacities that are nothing beside the weight of the slide."""
     weight = GRAVITY * float(press.model.inertias[press.slide_guide.joint + 1].mass)
-    plausibility.forces("nominal_force", capacities.nominal_force, weight)
+    plausibility.forces("nominal_force", capacities.nominal_force, weight, feeble=0.3)
     if press.driver_coordinates[0].turns and capacities.motor_power is not None:
         plausibility.torque("motor_power by speed", capacities.motor_power / abs(speed), 0.5 * weight * dead_centres(press).stroke)
 

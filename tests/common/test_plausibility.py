@@ -581,6 +581,10 @@ ODD_NUMBERS = {
         lambda: pp.ratings.rate(shipped("crank_slide"), 6.0, pp.ratings.Capacities(40.0, torque=4e3)),
         "nominal_force: its largest force is 40 N, 4.1 % of the weight of the slide: if kN are meant, write 40000",
     ),
+    "nominal force beside its weight": (
+        lambda: pp.ratings.rate(shipped("crank_slide"), 6.0, pp.ratings.Capacities(250.0, torque=4e3)),
+        "nominal_force: its largest force is 250 N, 25 % of the weight of the slide: if kN are meant, write 250000",
+    ),
     "motor's power": (
         lambda: pp.ratings.rate(shipped("crank_slide"), 6.0, pp.ratings.Capacities(4e4, torque=4e3, motor_power=2.2)),
         "motor_power by speed is 0.3667 N m at the crank, 0.37 % of the 98.1 N m that hold the weight of the slide",

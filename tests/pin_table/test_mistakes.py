@@ -95,6 +95,24 @@ def test_odd_yaml_is_refused(text, tmp_path):
         pp.build(path)
 
 
+def test_a_slide_that_is_pinned_to_the_frame_is_named(tmp_path):
+    path = tmp_path / "press.yaml"
+    path.write_bytes(template("crank-slide").replace(b"frame: O", b"frame: O W"))
+    with pytest.raises(pp.PinTableError, match=r"links: slide: it is to slide in the frame, and its pin W is fixed there; take W out of"):
+        pp.build(path)
+
+
+def test_a_file_of_nearly_the_same_name_is_told(tmp_path):
+    (tmp_path / "press.yaml").write_bytes(template("crank-slide"))
+    with pytest.raises(pp.PinTableError, match=r"No such file or directory, did you mean 'press\.yaml'\?; give the path of a pin table"):
+        pp.build(tmp_path / "press.yml")
+    (tmp_path / "press.urdf").write_text(pp.build(tmp_path / "press.yaml").text.decode(), encoding="utf-8")
+    with pytest.raises(pp.UrdfError, match=r"pres\.urdf: cannot be read: No such file or directory, did you mean 'press\.urdf'\?"):
+        pp.load(tmp_path / "pres.urdf")
+    with pytest.raises(pp.UrdfError, match=r"no such file, did you mean 'press\.urdf'\?; name a URDF file"):
+        pp.load(tmp_path / "pressurdf")
+
+
 @pytest.mark.parametrize(
     ("guide", "words"),
     [
