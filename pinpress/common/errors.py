@@ -188,12 +188,17 @@ def caution(message: str) -> None:
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """The words ", did you mean 'x'?" where a known name is close to the one given, else an empty string."""
+    """The words ", did you mean 'x'?" where a known name is close to the one given, else an empty string.
+
+    Bearings of a pin in which several links meet have its name and that of a link, ``K_upper``: for the pin, all of them are close.
+    """
     if len(name) > _LONGEST_NAME:
         return ""
     known = list(known)
     if same := next((other for other in known if other.lower() == name.lower() and other != name), None):
         return f", did you mean {same!r}?"
+    if name and (of_a_pin := [other for other in known if other.startswith(f"{name}_")][:3]):
+        return f", did you mean {' or '.join(map(repr, of_a_pin))}?"
     import difflib  # only on the way to an error
 
     close = difflib.get_close_matches(name, [other for other in known if len(other) <= _LONGEST_NAME], n=1)

@@ -136,3 +136,10 @@ def test_process_pools_report_them():
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
         for error in built():
             same(raised(pool.submit(raise_one, type(error)).result, 20), error)
+
+
+def test_of_a_pin_of_several_links_all_bearings_are_suggested():
+    error = pp.UnknownNameError("bearing", "K", ["D", "K_lower", "H", "K_upper", "Kurbel"])
+    assert str(error).startswith("no bearing 'K', did you mean 'K_lower' or 'K_upper'?; there are: D, ")
+    assert "did you mean 'H'?" in str(pp.UnknownNameError("bearing", "h", ["H", "h_2"]))  # another case first
+    assert "mean" not in str(pp.UnknownNameError("bearing", "", ["_a", "b"]))
