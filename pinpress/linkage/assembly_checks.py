@@ -5,7 +5,7 @@ loaded.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -133,7 +133,7 @@ def _mobility(press: Linkage, rows: Rows, freedom: int) -> Finding:
     drive = "one joint drives" if len(press.drivers) == 1 else f"{len(press.drivers)} joints drive"
     problem = f"mobility is {freedom}, but {drive}"
     if freedom > len(press.drivers):
-        problem += f": with {_driver(press)} held still, {_joints(mobility.undetermined(press, rows))} can move"
+        problem += f": with {_joints(press.drivers)} held still, {_joints(mobility.undetermined(press, rows))} can move"
         read = ((each, _read_otherwise(press, each)) for each in mobility.constraints(press))
         exchanged = next((f"{each.title}: {likely}" for each, likely in read if likely), None)
         remedy = _without_axis(press) or exchanged or "a <loop_joint> is missing, a link hangs free, or a driver is missing"
@@ -241,7 +241,7 @@ def _dead_point(press: Linkage, rows: Rows) -> Iterator[Finding]:
     values = singular_values(columns)
     if rank(columns) == columns.shape[1]:
         return
-    problem = f"{_driver(press)} does not determine the drawn pose"
+    problem = f"{_joints(press.drivers)} {'does' if len(press.drivers) == 1 else 'do'} not determine the drawn pose"
     free = _joints(mobility.undetermined(press, rows))
     remedy = _without_axis(press) or f"draw the linkage away from its dead point ({free} can move with the driver held still)"
     smallest = float(values.min()) if len(values) == columns.shape[1] else 0.0
@@ -282,11 +282,7 @@ def _robot(press: Linkage) -> str:
     return press.document.called("robot", press.name)
 
 
-def _driver(press: Linkage) -> str:
-    return f"joint {', '.join(map(repr, press.drivers))}"
-
-
-def _joints(names: list[str]) -> str:
+def _joints(names: Sequence[str]) -> str:
     return f"joint {names[0]!r}" if len(names) == 1 else f"joints {', '.join(map(repr, names))}"
 
 

@@ -402,6 +402,9 @@ def _by_driver(press: Linkage, name: str, given: object, kind: type) -> Mapping[
     for joint, value in by_joint.items():
         if joint not in press.drivers:
             raise UnknownNameError("driver", joint, press.drivers)
+        if isinstance(value, PrescribedSpeed):
+            instead = "a ServoMotor follows a program, and servo_cycle moves all of them as given"
+            raise PinpressError(f"drive of {shown(joint)} is {shown(value)}, which holds the speed of a single driver: {instead}")
         if not isinstance(value, kind) or isinstance(value, type):
             raise PinpressError(f"{name} of {shown(joint)} is {shown(value)}: give a {kind.__name__}")
         if isinstance(value, Drive) and value.state:
