@@ -162,7 +162,7 @@ DRIVES = {
     "inverter": pp.drives.Geared(pp.drives.InverterMotor(30.0, 1440 * pp.RPM, 50.0, inertia=0.02), 20.0),
     "slip clutch": pp.drives.Geared(pp.drives.SlipClutchMotor(30.0, 1450 * pp.RPM, 1320 * pp.RPM, 1200 * pp.RPM, inertia=0.1), 20.0),
     "slip clutch with lag": pp.drives.Geared(pp.drives.SlipClutchMotor(30.0, 1450 * pp.RPM, 1320 * pp.RPM, 1200 * pp.RPM, lag=0.1), 20.0),
-    "servo": pp.drives.ServoMotor([0.0, 1.0], [3.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0),
+    "servo": pp.drives.ServoMotor([-0.2, 1.0], [2.0, 9.0], 1e4, 1e2, 5e3, inertia=2.0),
 }
 
 
