@@ -325,7 +325,7 @@ def test_inertia_of_a_drive_that_makes_no_sense(press, inertia):
 def test_a_law_that_fails_is_not_taken_for_a_missing_steady_state(press):
     """Its excitation makes it go from period to period over time; beyond 25 rad/s its torque ends."""
     drive = Own(above(25.0, fails), timed=True, state=(0.0,), rates=lambda w, a, t, s: (1.0 - s[0],))
-    with pytest.raises(pp.SimulationError, match=r"Own: torque at speed 2\d\.\d* rad/s.*cannot be worked out: ZeroDivisionError"):
+    with pytest.raises(pp.SimulationError, match=r"Own: torque at speed 25 rad/s.*cannot be worked out: ZeroDivisionError"):
         pp.steady_state(press, 8.0, drive=drive, flywheel=START["flywheel"])
 
 
