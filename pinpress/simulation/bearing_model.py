@@ -268,20 +268,22 @@ class _Sampling:
             return press.engine().bearing_loads(state, loads, efforts, states.v).radial.transpose(0, 2, 1)
 
         weight = radial()
-        parts = [
-            (radial(a=pace**2 * states.v) - weight) / pace**2,
-            (radial(v=pace, a=pace**2 * states.a) - weight) / pace**2,
-            weight,
-        ]
+
+        def part(vectors: Array, scale: float) -> Array:
+            """What vectors have beside those of weights, for a unit of what is as large as a scale; zero where that is rounding."""
+            left = vectors - weight
+            return np.where(np.abs(left) > NOTHING * max(force, np.abs(vectors).max(initial=0.0)), left, 0.0) / scale
+
+        parts = [part(radial(a=pace**2 * states.v), pace**2), part(radial(v=pace, a=pace**2 * states.a), pace**2), weight]
         for unit_force in self.unit_forces:
             units = unit_force(motion)
             scale = force / (max((float(np.abs(each.force).max()) for each in units), default=0.0) or 1.0)
             loads = [AppliedForce(each.joint, each.point, scale * each.force) for each in units]
-            parts.append((radial(loads=loads) - weight) / scale)
+            parts.append(part(radial(loads=loads), scale))
         for bearing, turns in zip(self.with_friction.tolist(), self.turns.tolist(), strict=True):
             efforts, effort = zero.copy(), force * (press.size if turns else 1.0)
             efforts[bearing] = effort
-            parts.append((radial(efforts=efforts) - weight) / effort)
+            parts.append(part(radial(efforts=efforts), effort))
         speed = press.engine().bearing_loads(states, (), zero, states.v).speed[self.with_friction]
         every = np.array(parts)
         # beside the forces of all bearings those of some are rounding, as in the guide of a symmetric press, which no polynomials resolve

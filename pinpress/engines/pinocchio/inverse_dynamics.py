@@ -16,7 +16,17 @@ from numpy.typing import NDArray
 
 from ...common.quantities import Array
 from ..engine import LOOSEST, ClosedStates, other_linkage
-from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Objective, Wrenches, lexicographic_least_squares
+from ..forces import (
+    RANK,
+    REST,
+    AppliedConditions,
+    AppliedForce,
+    BearingLoads,
+    FrictionLaw,
+    Objective,
+    Wrenches,
+    lexicographic_least_squares,
+)
 from ..joints import configuration
 from .kinematics import PassiveJacobian
 from .model import Equations, Rows, SpatialModel
@@ -32,31 +42,31 @@ def inverse_dynamics(spatial: SpatialModel, states: ClosedStates, conditions: Ap
     # the driving torque does not depend on how idle forces are shared
     shared = bool(wanted or (conditions.with_gear_torques and spatial.couplings))
     equations = spatial.equations()
-    spins = None if law is None else _loop_spins(spatial, equations, states.position, states.v)
-    speeds = None if law is None or spins is None else law.moving(np.concatenate([states.v, np.linalg.norm(spins, axis=2)]))
+    turning = None if law is None else _loop_turning(spatial, equations, states.position, states.v)
+    speeds = None if law is None or turning is None else law.moving(np.concatenate([states.v, turning[0]]))
     for i in range(n):
         applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in conditions.loads]
         state = _State(spatial, equations, states.position[:, i], states.v[:, i].copy(), states.a[:, i].copy(), applied)
         efforts, couples = np.zeros(count), np.zeros((len(spatial.loops), 3))
-        if law is None or spins is None or speeds is None:
+        if law is None or turning is None or speeds is None:
             multipliers = state.multipliers(efforts, couples, conditions.compliance, shared)
         else:
-            multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], spins[:, i], conditions.compliance)
+            multipliers, efforts, couples, lost = state.with_friction(law, speeds[:, i], turning[1][:, i], conditions.compliance)
             result.friction[:, i] = lost
         state.fill(result, i, multipliers, efforts, couples, wanted)
     return result
 
 
 def bearing_loads(spatial: SpatialModel, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
-    """See `Engine.bearing_loads`; the speeds of loops are magnitudes."""
+    """See `Engine.bearing_loads`."""
     n, count, equations = states.v.shape[1], spatial.model.nv, spatial.equations()
-    spins = _loop_spins(spatial, equations, states.position, rates)
-    speed = np.concatenate([rates, np.linalg.norm(spins, axis=2)])
+    loop_speeds, loop_axes = _loop_turning(spatial, equations, states.position, rates)
+    speed = np.concatenate([rates, loop_speeds])
     radial = np.zeros((*efforts.shape, 3))
     for i in range(n):
         applied = [(load.joint, load.point, load.force[i], np.zeros(3)) for load in loads]
         state = _State(spatial, equations, states.position[:, i], states.v[:, i].copy(), states.a[:, i].copy(), applied)
-        directions = state.directions(spins[:, i], speed[count:, i])
+        directions = state.directions(loop_axes[:, i])
         multipliers = state.multipliers(efforts[:count, i], efforts[count:, i, None] * directions[count:], None)
         radial[:, i] = state.radial(multipliers, directions)
     return BearingLoads(speed, radial)
@@ -109,20 +119,22 @@ class _State:
             return found
         return found + idle @ lexicographic_least_squares(self._objectives(found, idle, couples, compliance))
 
-    def with_friction(self, law: FrictionLaw, speeds: Array, spins: Array, compliance: Array | None) -> tuple[Array, Array, Array, Array]:
+    def with_friction(
+        self, law: FrictionLaw, speeds: Array, loop_axes: Array, compliance: Array | None
+    ) -> tuple[Array, Array, Array, Array]:
         """Multipliers (rows,), friction efforts (nv,) of the joints, friction couples (nl, 3) of the loops, and power lost (bearings,) [W].
 
         Args:
             law: friction of the bearings.
-            speeds: (bearings,) of the bearings; those of loops are the magnitudes of their ``spins``.
-            spins: (nl, 3) angular velocity of body 2 against body 1, world axes [rad/s].
+            speeds: (bearings,) of the bearings, zero where one rests.
+            loop_axes: (nl, 3) about which those of loops are, world axes.
             compliance: (bearings,) as in `AppliedConditions`.
 
         Raises:
             PinpressError: friction locks the linkage.
         """
         count = len(self.effort)
-        directions = self.directions(spins, speeds[count:])
+        directions = self.directions(loop_axes * (speeds[count:] != 0)[:, None])
 
         def multipliers(efforts: Array) -> Array:
             return self.multipliers(efforts[:count], efforts[count:, None] * directions[count:], compliance)
@@ -133,11 +145,10 @@ class _State:
         efforts = law.efforts(speeds[:, None], radial, lambda _: self.spatial.place(self.x))[:, 0]
         return multipliers(efforts), efforts[:count], efforts[count:, None] * directions[count:], -efforts * speeds
 
-    def directions(self, spins: Array, sizes: Array) -> Array:
-        """Axes (bearings, 3) about or along which the bearings move, world axes; those of loops are of ``spins`` (nl, 3) of these sizes
-        (nl,), and zero where one does not turn."""
+    def directions(self, loop_axes: Array) -> Array:
+        """Axes (bearings, 3) about or along which the bearings move, world axes; those of loops are given (nl, 3)."""
         axes = [self.rotations[j + 1] @ axis.direction for j, axis in enumerate(self.spatial.axes)]
-        return np.concatenate([np.array(axes), spins / np.where(sizes == 0, 1.0, sizes)[:, None]])
+        return np.concatenate([np.array(axes), loop_axes])
 
     def radial(self, multipliers: Array, directions: Array) -> Array:
         """Vectors (bearings, 3) across the axes of the bearings, whose lengths are the radial forces [N]."""
@@ -240,11 +251,24 @@ def _moments(spatial: SpatialModel, placements: pin.StdVec_SE3, forces: Array, m
     return np.concatenate([joints, moments]).reshape(-1, k)
 
 
-def _loop_spins(spatial: SpatialModel, equations: Equations, position: Array, v: Array) -> Array:
-    """Angular velocities (nl, n, 3) of body 2 against body 1 of the loops, world axes [rad/s]."""
-    result = np.zeros((len(spatial.loops), v.shape[1], 3))
+def _loop_turning(spatial: SpatialModel, equations: Equations, position: Array, v: Array) -> tuple[Array, Array]:
+    """How body 2 turns against body 1 of the loops: speeds (nl, n) [rad/s], and the axes (nl, n, 3) about which they are, world axes.
+
+    A revolute loop has its own axis, and its speed a sign. The speed of another loop is a magnitude; where that is rounding beside the
+    fastest joint, speed and axis are zero.
+    """
+    count, n, data = len(spatial.loops), v.shape[1], equations.data
+    spins, own = np.zeros((count, n, 3)), np.zeros((count, n, 3))
+    revolute = [k for k, loop in enumerate(spatial.loops) if loop.type == "revolute"]
     q = configuration(spatial.slots, position)
-    for i in range(v.shape[1]):
-        turning = pin.computeJointJacobians(spatial.model, equations.data, np.ascontiguousarray(q[:, i]))[3:]
-        result[:, i] = (turning @ (spatial.incidence * v[:, i, None])).T
-    return result
+    for i in range(n):
+        turning = pin.computeJointJacobians(spatial.model, data, np.ascontiguousarray(q[:, i]))[3:]
+        spins[:, i] = (turning @ (spatial.incidence * v[:, i, None])).T
+        for k in revolute:
+            own[k, i] = data.oMi[spatial.loops[k].joint1].rotation @ spatial.loops[k].rotation1[:, 0]
+    lengths = np.array([1.0 if axis.turns else spatial.size for axis in spatial.axes])
+    sizes = np.linalg.norm(spins, axis=2)
+    sizes[sizes <= REST * (np.abs(v) / lengths[:, None]).max(axis=0)] = 0.0
+    axes = np.where(sizes[..., None] > 0, spins / np.where(sizes > 0, sizes, 1.0)[..., None], 0.0)
+    axes[revolute], sizes[revolute] = own[revolute], (own[revolute] * spins[revolute]).sum(axis=2)
+    return sizes, axes

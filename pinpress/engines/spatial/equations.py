@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ...common.frozen import Frozen
 from ...common.quantities import Array
 from ..engine import PIECE
+from ..forces import REST
 from ..joints import Matrix, matrix, product
 from ..pinocchio.model import PARALLEL_TO_ROUNDING, SpatialModel, coupling_equations
 from .blocks import Blocks, InBlocks, build_blocks
@@ -328,8 +329,21 @@ def drift(loops: Loops, found: Equations, axes: Array, v: Array) -> Array:
     return result
 
 
-def loop_spins(loops: Loops, placed: Placements, v: Array) -> Array:
-    """Angular velocities (nl, 3, n) of body 2 against body 1 of the loops [rad/s], at joint rates (nv, n)."""
+def loop_turning(loops: Loops, placed: Placements, v: Array) -> tuple[Array, Array]:
+    """How body 2 turns against body 1 of the loops, at joint rates (nv, n).
+
+    Returns speeds (nl, n) [rad/s], and the axes (nl, 3, n) about which they are. A revolute loop has its own axis, and its speed a sign,
+    so that it is smooth where the loop turns back. The speed of another loop is a magnitude; where that is rounding beside the fastest
+    joint, speed and axis are zero.
+    """
     turning = np.where(loops.bodies.turns[:, None, None], placed.axis, 0.0) * v[:, None]
     count, _, n = turning.shape
-    return np.asarray(product(loops.spinning, turning.reshape(count, 3 * n)).reshape(-1, 3, n))
+    spins = np.asarray(product(loops.spinning, turning.reshape(count, 3 * n)).reshape(-1, 3, n))
+    speeds, lengths = np.sqrt((spins * spins).sum(axis=1)), np.where(loops.bodies.turns, 1.0, loops.spatial.size)
+    speeds[speeds <= REST * (np.abs(v) / lengths[:, None]).max(axis=0)] = 0.0
+    axes = np.where(speeds[:, None] > 0.0, spins / np.where(speeds > 0.0, speeds, 1.0)[:, None], 0.0)
+    for k, loop in enumerate(loops.spatial.loops):
+        if loop.type == "revolute":
+            axes[k] = np.einsum("ikn,k->in", placed.rotation[loop.joint1], loop.rotation1[:, 0])
+            speeds[k] = (axes[k] * spins[k]).sum(axis=0)
+    return speeds, axes

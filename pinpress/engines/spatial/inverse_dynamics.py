@@ -19,7 +19,7 @@ from ..engine import LOOSEST, ClosedStates, other_linkage
 from ..forces import RANK, AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
 from .bodies import Placements, accelerations, components_first, cross, inertia_forces, motion_axes, sum_carried, velocities
 from .closing import PassiveColumns
-from .equations import PURE, Equations, Loops, equations, loop_spins
+from .equations import PURE, Equations, Loops, equations, loop_turning
 from .sharing import Chains, SharedByAll, SharedByNeighbours, shared_by_all, shared_by_neighbours
 
 
@@ -46,7 +46,7 @@ def inverse_dynamics(loops: Loops, states: ClosedStates, conditions: AppliedCond
 
 
 def bearing_loads(loops: Loops, states: ClosedStates, loads: Sequence[AppliedForce], efforts: Array, rates: Array) -> BearingLoads:
-    """See `Engine.bearing_loads`; the speeds of loops are magnitudes."""
+    """See `Engine.bearing_loads`."""
     n = states.v.shape[1]
     speed, radial = np.empty_like(efforts), np.empty((*efforts.shape, 3))
     for start in range(0, n, loops.piece):
@@ -154,17 +154,16 @@ class _Balance:
         return _Friction(efforts[: self.count], efforts[self.count :, None] * directions[self.count :])
 
     def speeds(self) -> Array:
-        """Speeds (bearings, n) of all bearings, those of loops as magnitudes."""
+        """Speeds (bearings, n) of all bearings, those of loops as of `loop_turning`."""
         return _all_speeds(self.loops, self.found.placed, self.states.v)
 
     def ways(self, rates: Array) -> tuple[Array, Array]:
-        """Speeds (bearings, n) at joint rates (nv, n), of loops their magnitudes, and the axes (bearings, 3, n) about or along which the
-        bearings move, world axes; zero of a loop that does not turn."""
-        spins = loop_spins(self.loops, self.found.placed, rates)
-        sizes = np.sqrt((spins * spins).sum(axis=1))
-        directions = components_first(self.count + len(sizes), self.n)
-        directions[: self.count], directions[self.count :] = self.found.placed.axis, spins / np.where(sizes == 0, 1.0, sizes)[:, None]
-        return np.concatenate([rates, sizes]), directions
+        """Speeds (bearings, n) at joint rates (nv, n), and the axes (bearings, 3, n) about or along which the bearings move, world axes;
+        those of loops as of `loop_turning`."""
+        speeds, axes = loop_turning(self.loops, self.found.placed, rates)
+        directions = components_first(self.count + len(speeds), self.n)
+        directions[: self.count], directions[self.count :] = self.found.placed.axis, axes
+        return np.concatenate([rates, speeds]), directions
 
     def with_friction(self, law: FrictionLaw, speeds: Array) -> tuple[Array, _Friction, Array]:
         """Multipliers (rows, n), friction, and the power lost (bearings, n) [W].
@@ -319,14 +318,13 @@ class _Balance:
 
 
 def _speeds(loops: Loops, states: ClosedStates, pieces: Sequence[slice]) -> Array:
-    """Speeds (bearings, n) of all bearings, those of loops as magnitudes."""
+    """Speeds (bearings, n) of all bearings, those of loops as of `loop_turning`."""
     parts = ((equations(loops, states.position[:, some]).placed, states.v[:, some]) for some in pieces)
     return np.concatenate([_all_speeds(loops, *part) for part in parts], axis=1)
 
 
 def _all_speeds(loops: Loops, placed: Placements, v: Array) -> Array:
-    spins = loop_spins(loops, placed, v)
-    return np.concatenate([v, np.sqrt((spins * spins).sum(axis=1))])
+    return np.concatenate([v, loop_turning(loops, placed, v)[0]])
 
 
 # --------------------------------------------------------------------------------------------- what multipliers are as forces and moments
