@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ..common.errors import PinpressError
+from ..common.errors import PinpressError, SingularityError
 from ..common.numerics import horner
 from ..common.quantities import Array
 from ..common.results import Record
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 LOOSE = 1e-6  # rounding of many turns by which an angle may lie outside the range of a reduced model [rad]
 STANDING = 1e-6  # speed of a joint up to which it stands [m/s]
+ELSEWHERE = 0.1  # distance of a joint from the drawn assembly from which on the linkage is in another one [rad, lengths of the linkage]
 MOVING = 1e3  # a joint that is faster than the crank by more than this factor moves though the crank stands
 
 
@@ -107,10 +108,10 @@ class ReducedDynamics:
     def at(self, position: Array, speed: Array) -> CrankState:
         angle, rate = float(position[0]), float(speed[0])
         borders, period = self.borders, self.table.period
-        local = angle
+        local, loose = angle, 0.0
         if period is not None:
-            local -= (angle - borders[0]) // period * period
-        if not borders[0] - LOOSE <= local <= borders[-1] + LOOSE:
+            local, loose = angle - (angle - borders[0]) // period * period, LOOSE
+        if not borders[0] - loose <= local <= borders[-1] + loose:
             count = self.table.coefficients.shape[1] - COORDINATES  # NaN makes an integrator that looks ahead try a shorter step
             return CrankState(angle, rate, [(math.nan, math.nan)] * count, math.nan, math.nan, math.nan, [math.nan] * count)
         panel = min(max(bisect_right(borders, local) - 1, 0), len(borders) - 2)
@@ -275,7 +276,11 @@ class FullDynamics:
 
     def _beside(self, position: Array) -> tuple[Array, Array, Array] | None:
         """Joint coordinates and their first two derivatives by the crank angle (nv,) beside a change point, where the equations of the
-        loops do not determine them; None elsewhere."""
+        loops do not determine them; None elsewhere.
+
+        Raises:
+            SingularityError: beyond a lock the linkage has come to the change point in another assembly than the drawn one.
+        """
         for point in self.change_points:
             period = self.press.branch_through_change_points.period
             turns = 0.0 if period is None else round((position[self.crank] - point.angle) / period)
@@ -284,6 +289,8 @@ class FullDynamics:
                 at, first, second = (values[:, 0] for values in point.at(np.array([angle])))
                 at = at + turns * self.press.branch_through_change_points.gain_per_period
                 at[self.crank] = position[self.crank]
+                if np.abs(self.units * (at - position)).max() > ELSEWHERE * self.press.size:
+                    raise SingularityError("the linkage comes to a change point in another assembly than the drawn one", angle, 0.0)
                 return at, first, second
         return None
 

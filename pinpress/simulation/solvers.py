@@ -23,7 +23,7 @@ from .hybrid_system import HybridSystem, Mode
 from .over_angle.angle_solver import AngleSolver
 from .over_angle.collocation import LEAST
 from .over_angle.segment import AngleSegment
-from .reduced_model import INERTIA, lock_reached
+from .reduced_model import INERTIA, ReducedModel, lock_reached
 from .trajectory import INTEGRALS, RepetitionSegment, Segment, StandstillSegment, State, Trajectory
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 AGAIN = 4.0  # the crank is followed over its angle again from this multiple of the kinetic energy at which it was no longer sure to turn
 LITTLE = 1e-4  # share of the range of the potential energy: a crank with less kinetic energy is not followed over its angle
+BESIDE_END = 1e-5  # share of the range of a crank that locks: steps over time that find no way on as near to its end have come to the lock
 
 Progress = Callable[[float], None]
 
@@ -195,17 +196,23 @@ class OverTime:
         except SimulationError as error:
             least, where = _least_inertia(driven)
             reached = error.crank_angle
-            if (
-                not driven.model.coordinate.turns
-                and reached is not None
-                and not driven.model.borders[0] < reached < driven.model.borders[-1]
-            ):
-                raise lock_reached(driven.model, reached, error.time) from error
+            end = None if reached is None else _end_at(driven.model, reached)
+            if end is not None:
+                raise lock_reached(driven.model, end, error.time) from error
             if least > 0 or isinstance(error, LawError):
                 raise
             angle = where if error.crank_angle is None else error.crank_angle
             raise failure("no inertia", error.time, angle, inertia=least) from error
         return segment, State(segment.end, float(y[0]), float(y[1]), y[-len(INTEGRALS) :])
+
+
+def _end_at(model: ReducedModel, angle: float) -> float | None:
+    """The end of a model without a period at which a crank angle is, or beyond which; None where it is at none."""
+    low, high = float(model.borders[0]), float(model.borders[-1])
+    beside = BESIDE_END * (high - low)
+    if model.period is not None or low + beside < angle < high - beside:
+        return None
+    return low if angle <= low + beside else high
 
 
 class _Followed:

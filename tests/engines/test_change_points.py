@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from support import texts
 from support.exploring import examples
-from support.generators import random_linkages
+from support.generators import random_linkages, redundant_linkages
 
 import pinpress as pp
 from pinpress.kinematics.motion import motion_through_change_points
@@ -241,3 +241,50 @@ def test_a_driver_that_slides_through_a_change_point(method):
     run = pp.simulate(press, 0.25, angle=0.1, speed=-0.5, drive=pp.drives.ConstantTorque(60.0), method=method)
     assert len(press.branch_through_change_points.change_points) == 1
     np.testing.assert_allclose([run.crank_angle[-1], run.crank_speed[-1]], expected, rtol=0, atol=1e-9)
+
+
+def locking_parallelogram(geared):
+    """A parallelogram whose coupler moves a slide by a rod that is too short to follow it all the way; or the same with gears in place of
+    the pin C."""
+    arm = 0.3 * np.exp(0.9j)
+    top, foot = 0.5 + arm, 0.45 + 0.42j
+    drawing = random_linkages.Drawing("parallelogram")
+    drawing.joint("O", "frame", "crank", 0j)
+    drawing.joint("B", "crank", "coupler", arm)
+    drawing.joint("D", "frame", "second", 1.0 + 0j)
+    drawing.joint("E", "coupler", "rod", top)
+    drawing.joint("guide", "frame", "slide", foot, along=1j)
+    drawing.loop("W", "rod", "slide", foot)
+    if not geared:
+        drawing.loop("C", "coupler", "second", 1.0 + arm)
+    for link, centre in (
+        ("crank", 0.5 * arm),
+        ("coupler", 0.4 + arm),
+        ("second", 1.0 + 0.6 * arm),
+        ("rod", 0.5 * (top + foot)),
+        ("slide", foot),
+    ):
+        drawing.body(link, 3.0, centre)
+    text = drawing.urdf("O")
+    for joint, multiplier in (("B", -1.0), ("D", 1.0)) if geared else ():
+        text = redundant_linkages.mimicking(text, joint, "O", multiplier)
+    return texts.load(text)
+
+
+def test_a_change_point_beyond_a_lock_is_met_in_another_assembly():
+    """Over the lock the rod folds to its other side. At the change point on the way back the drawn assembly's polynomials do not hold, and
+    the run ends, where it went over to the drawn assembly in a leap."""
+    free, geared = locking_parallelogram(False), locking_parallelogram(True)
+    point = min(free.branch_through_change_points.change_points, key=lambda each: abs(each.angle))
+    through = pp.simulate(geared, 1.0, speed=15.0, method="constraint", points=1001)
+    furthest = int(through.crank_angle.argmax())
+    assert through.crank_angle[-1] < point.angle < through.crank_angle[furthest]
+    back = furthest + int(np.argmax(through.crank_angle[furthest:] < point.angle + point.half))
+    until = float(through.time[back]) - 0.002
+    run = pp.simulate(free, until, speed=15.0, method="constraint", points=5)
+    same = pp.simulate(geared, until, speed=15.0, method="constraint", points=5)
+    order = [run.joints.index(joint) for joint in same.joints]
+    np.testing.assert_allclose(run.joint_position[:, order], same.joint_position, rtol=0, atol=1e-8)
+    with pytest.raises(pp.SimulationError, match="locks ahead") as caught:
+        pp.simulate(free, 1.0, speed=15.0, method="constraint")
+    assert abs(caught.value.crank_angle - point.angle) < 1.01 * point.half

@@ -580,6 +580,22 @@ def test_against_the_lock(speed):
     assert through.crank_speed.min() < 0.0 < through.crank_speed.max()  # the rod is over its dead centre, and the crank turns back
 
 
+@pytest.mark.parametrize("speed", [30.0, -30.0])
+@pytest.mark.parametrize(
+    "options",
+    [{"method": "implicit"}, {"loads": [pp.loads.TimeForce(lambda time: 0.0 * time)]}],
+    ids=["implicit", "timed"],
+)
+def test_against_the_lock_over_time(speed, options):
+    """Steps over time end there too, and at the same time. One that went beyond the lock, where the equation is none, came back from it."""
+    press = texts.load(rod_of(0.09))
+    expected = refused("lock", press, 2.0, speed=speed, flywheel=pp.drives.Flywheel(5.0))
+    error = refused("lock", press, 2.0, speed=speed, flywheel=pp.drives.Flywheel(5.0), **options)
+    assert error.reason == expected.reason == "runs against a lock"
+    assert error.time == pytest.approx(expected.time, abs=2e-4)
+    assert error.crank_angle == pytest.approx(expected.crank_angle, abs=1e-6)
+
+
 def test_within_the_locks(method):
     """It swings as long as it does not reach them."""
     press = texts.load(rod_of(0.09))
