@@ -25,6 +25,7 @@ from .following import COARSE_STEP, FIRST_STEP, SMALLEST_MARGIN, Follower, Node,
 SUBDIVISION = 8  # nodes of the table per step of the walk
 LARGEST_CORRECTION = 1e-3  # by which Newton's method may move a joint from its prediction [rad, or lengths of the linkage]
 NEARLY_CLOSED = 1e-6  # gap that Newton's method leaves only where redundant equations contradict each other [lengths of the linkage]
+FARTHEST_SLIDE = 1e3  # travel of a slide on a loop at which the walk ends [lengths of the linkage]
 MOST_TURNS = 16  # the walk ends after this many turns of the crank if the linkage is not back at its start
 
 
@@ -92,6 +93,11 @@ class Returning(NamedTuple):
     on_loop: NDArray[np.bool_]
     turns: NDArray[np.bool_]
 
+    def farthest(self, size: float) -> Array:
+        """How far a joint (nv,) may move in a linkage of this size: a slide between guides that become parallel moves beyond all bounds,
+        and the rounding of its loop with it."""
+        return np.where(self.on_loop & ~self.turns, FARTHEST_SLIDE * size, np.inf)
+
     def whole_turns(self, gained: Array, tolerance: float) -> Array | None:
         """By how much every joint (nv,) has advanced over a period, if all joints on loops are back after ``gained`` (nv,), but for whole
         turns; else None. A geared shaft that is on no loop may have any angle."""
@@ -130,14 +136,15 @@ def walk(
         AssemblyError: its loops do not stay closed, or it moves too fast to be followed.
     """
     if travel is None:
-        return _walk(Follower(close, size, tolerance, COARSE_STEP, smallest_margin), drawn, returning, gap, begin, None)
+        follower = Follower(close, size, tolerance, COARSE_STEP, smallest_margin, farthest=returning.farthest(size))
+        return _walk(follower, drawn, returning, gap, begin, None)
     unit = travel.unit
 
     def close_travel(angle: Array, guess: Array) -> Closure:
         found = close(angle * unit, guess)
         return replace(found, first=found.first * unit, second=found.second * unit**2)
 
-    follower = Follower(close_travel, size, tolerance, COARSE_STEP, smallest_margin, unit, RAM)
+    follower = Follower(close_travel, size, tolerance, COARSE_STEP, smallest_margin, unit, RAM, returning.farthest(size))
     ends = travel.lower / unit, travel.upper / unit
     found = _walk(follower, drawn, returning, gap, begin / unit, ends).over_travel(unit)
     reached = [angle if lock else end for angle, lock, end in zip(found.angles[[0, -1]], found.locks, travel[:2], strict=True)]

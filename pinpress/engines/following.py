@@ -48,6 +48,7 @@ class Follower(NamedTuple):
         smallest_margin: margin below which the walk ends.
         unit: travel of a driver that slides, counted as 1 rad [m].
         coordinate: of the driver.
+        farthest: (nv,) how far a joint may move from its start [rad or m]; the walk ends beyond that.
     """
 
     close: Close
@@ -57,6 +58,7 @@ class Follower(NamedTuple):
     smallest_margin: float = SMALLEST_MARGIN
     unit: float = 1.0
     coordinate: DriverCoordinate = CRANK
+    farthest: Array | float = np.inf
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -104,13 +106,16 @@ def extend_walk(follower: Follower, nodes: list[Node], target: float) -> Singula
     direction = 1.0 if target > nodes[-1].angle else -1.0
     step = FIRST_STEP
     weight = 1.0 / (1.0 + follower.size)
+    share = 0.5 * min(1.0, follower.longest / COARSE_STEP)  # towards a singularity all steps are as much shorter as the longest one is
     while abs(target - nodes[-1].angle) > 0:
         last = nodes[-1]
         ahead = _singularity_ahead(nodes[-2], last) if len(nodes) > 1 else np.inf
         margin = float(np.abs(last.margins).min(initial=1.0))
+        if np.any(np.abs(last.position - nodes[0].position) > follower.farthest):
+            return SingularPosition(last.angle, margin)
         if margin < follower.smallest_margin:
             return SingularPosition(last.angle + direction * min(ahead, follower.longest), margin)
-        step = min(step, 0.5 * ahead)
+        step = min(step, share * ahead)
         remaining = abs(target - last.angle)
         # the last step of a turn is stretched or cut to end on it exactly
         angle = target if remaining <= 1.01 * step else last.angle + direction * step

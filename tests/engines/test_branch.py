@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from support import texts
-from support.generators.random_linkages import Group, Spec, drawn, four_bar
+from support.generators.random_linkages import Drawing, Group, Spec, drawn, four_bar
 from support.generators.spatial_linkages import bennett
 
 import pinpress as pp
@@ -396,3 +396,43 @@ def test_joints_far_away_have_turned_as_often(name, turns):
     assert np.abs(np.diff(followed, axis=0)).max() < 0.2
     far = pp.servo_cycle(press, angle=[0.3 + 2 * np.pi * turns], speed=1.0).joint_position[0]
     np.testing.assert_allclose(far, followed[0] + turns * (followed[-1] - followed[0]), rtol=0, atol=1e-9)
+
+
+def tangent():
+    """A slide 0.5 m beside a crank's pivot, which the crank pushes by a guide of its own: it is at 0.5 m tan q."""
+    drawing = Drawing("tangent")
+    drawing.joint("O", "frame", "crank", 0j)
+    drawing.joint("S", "crank", "block", 0.5 + 0j, along=1 + 0j)
+    drawing.joint("G", "frame", "slide", 0.5 + 0j, along=1j)
+    drawing.loop("W", "block", "slide", 0.5 + 0j)
+    for link in ("crank", "block", "slide"):
+        drawing.body(link, 2.0, 0.4 + 0.1j)
+    return drawing.urdf("O")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_slide_that_moves_beyond_all_bounds_is_followed_far(engine):
+    """Towards a right angle its guides become parallel: the linkage locks there, and is exact before it."""
+    press = texts.load(tangent())
+    low, high = press.branch.angles[[0, -1]]
+    assert -np.pi / 2 < low < -np.pi / 2 + 2e-3
+    assert np.pi / 2 - 2e-3 < high < np.pi / 2
+    angle = np.linspace(-1.55, 1.55, 40)
+    motion = pp.servo_cycle(press, angle=angle, speed=2.0, acceleration=0.0, engine=engine)
+    guide = motion.joints.index("G")
+    np.testing.assert_allclose(motion.joint_position[:, guide], 0.5 * np.tan(angle), rtol=1e-11)
+    np.testing.assert_allclose(motion.v[:, guide], 1.0 / np.cos(angle) ** 2, rtol=1e-11)
+    assert locked(press, angle=[0.0, 1.6], speed=1.0) == pytest.approx(np.pi / 2, abs=2e-3)
+
+
+def test_a_slide_that_a_loop_holds_where_it_is():
+    """Nothing but its guide goes round the loop: the lengths round it are the rounding of its points."""
+    drawing = Drawing("held", world=pin.rpy.rpyToMatrix(0.3, 0.5, 0.7))
+    drawing.joint("O", "frame", "crank", 0j)
+    drawing.joint("G", "frame", "slide", 0.31 + 0.57j, along=np.exp(0.7j), rpy=(0.2, 0.3, 0.4))
+    drawing.loop("L", "frame", "slide", 0.73 + 0.19j)
+    for link in ("crank", "slide"):
+        drawing.body(link, 2.0, 0.4 + 0.1j)
+    press = texts.load(drawing.urdf("O"))
+    motion = pp.cycle(press, speed=1.0)
+    assert np.abs(motion.joint_position[:, motion.joints.index("G")]).max() < 1e-14

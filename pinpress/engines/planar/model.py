@@ -35,6 +35,7 @@ EPSILON = float(np.finfo(float).eps)
 COORDINATES = 40_960  # joint coordinates of the states that are worked through at a time: their arrays take some megabytes
 DEEP = 12  # mean number of joints between a link and the frame from which on sums joint by joint are faster than sparse matrices
 PARALLEL = 1e-12  # a linkage is spatial where a joint axis is further from the plane's normal than this [rad]
+ROUNDING = 1e-12  # share of the distances of points from the world origin below which the length of a loop is rounding
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -297,7 +298,11 @@ def build_plane(
     if blocks is None:
         return None
     revolute, prismatic = tree.revolute, tree.prismatic
-    size = max((_length({row: entry for row, entry in gap.items() if row <= len(revolute)}) for gap in gaps), default=0.0) or 1.0
+    size = max((_length({row: entry for row, entry in gap.items() if row <= len(revolute)}) for gap in gaps), default=0.0)
+    reach = max((_length(first.row) for first, _ in ends), default=0.0)
+    if size <= ROUNDING * reach:  # slides alone go round the loops, so that the lengths round them are the rounding of points
+        size = reach
+    size = size or 1.0
     units = [size if turning[coupling.follower] else 1.0 for coupling in couplings]
     coupling_rows = [_coupling_row(coupling, unit) for coupling, unit in zip(couplings, units, strict=True)]
     driven = {k: len(loops) + row for row, (k, joint) in enumerate(columns) if joint == driver}
