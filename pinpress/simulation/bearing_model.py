@@ -36,6 +36,7 @@ POWERS = np.arange(NODES)
 SETTLED = 1e-9  # relative step of Newton's method that ends it: the next would be about its square
 STILL = 1e-11  # share of a bearing's largest speed that is rounding
 NOTHING = 1e-13  # share of the largest vector of a part below which a component is rounding throughout
+RESTING = 1e-10  # share of the fastest bearing's speed below which that of one that rests is rounding, which is larger near a lock
 
 UnitForce = Callable[[Motion], Sequence[AppliedForce]]
 """The forces on links over a motion for which a generalized force of 1 along a coordinate stands."""
@@ -227,7 +228,9 @@ def build_bearing_model(
     count, sampling = len(with_friction), _Sampling(press, with_friction, unit_forces)
     sampled = resolved_panels(sampling.rows, sampling.missed, reduced.borders, resolution)
     coefficients = sampled.coefficients
-    still = np.abs(coefficients[:, :count]).max(axis=(0, 2)) <= NOTHING * np.where(some.turns, 1.0, press.size)
+    speeds = np.abs(coefficients[:, :count]).max(axis=2) / np.where(some.turns, 1.0, press.size)
+    fastest = speeds.max(axis=1).clip(min=1.0 if press.driver_coordinates[0].turns else 1.0 / press.size)  # near a lock without bounds
+    still = (speeds <= RESTING * fastest[:, None]).all(axis=0)
     coefficients[:, np.flatnonzero(still)] = 0.0  # speeds of bearings that do not move are rounding
     vectors = coefficients[:, count:].reshape(len(coefficients), -1, count, 3, NODES)  # (p, parts, K, 3, q)
     size = np.abs(vectors).max(axis=(0, 4))
@@ -272,7 +275,7 @@ class _Sampling:
         def part(vectors: Array, scale: float) -> Array:
             """What vectors have beside those of weights, for a unit of what is as large as a scale; zero where that is rounding."""
             left = vectors - weight
-            return np.where(np.abs(left) > NOTHING * max(force, np.abs(vectors).max(initial=0.0)), left, 0.0) / scale
+            return np.where(np.abs(left) > NOTHING * np.abs(vectors).max(axis=(0, 1), initial=force), left, 0.0) / scale
 
         parts = [part(radial(a=pace**2 * states.v), pace**2), part(radial(v=pace, a=pace**2 * states.a), pace**2), weight]
         for unit_force in self.unit_forces:

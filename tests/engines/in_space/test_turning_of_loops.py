@@ -5,7 +5,7 @@ import pytest
 from support import texts
 from support.generators.redundant_linkages import three_cranks
 from support.generators.spatial_crank_slide import SPATIAL
-from support.generators.spatial_linkages import four_bar
+from support.generators.spatial_linkages import Drawing, four_bar
 
 import pinpress as pp
 from pinpress.loads.link import Friction
@@ -82,3 +82,28 @@ def test_a_shut_lid_takes_no_power():
     runs = [pp.simulate(press, 0.1, speed=5.0, friction=friction) for friction in (open_press, open_press | {"A": Friction(0.1, 0.02)})]
     np.testing.assert_allclose(runs[1].crank_angle, runs[0].crank_angle, rtol=0, atol=1e-10)
     assert runs[0].lost[-1] > 0.0
+
+
+def swinging_strut():
+    """A strut between two balls, one of them three pins, whose last pin swings it about the line through both. The hinge H rests."""
+    drawing = Drawing("strut", seed=2)
+    foot, hinge, top = np.array([0.1, 0.2, 0.0]), np.array([0.5, 0.1, 0.4]), np.array([0.7, 0.6, 0.3])
+    axes = np.linalg.qr(np.array([[0.5, 0.2, -0.8], [0.1, 0.9, 0.2], [0.7, -0.3, 0.4]]))[0]
+    links = ["frame", "fork", "cross", "strut"]
+    for k, name in enumerate("ABC"):
+        drawing.joint(name, links[k], links[k + 1], foot, axes[k])
+        drawing.body(links[k + 1], 1.0, foot + 0.1 * axes[k], 0.2)
+    drawing.joint("H", "strut", "head", hinge, np.array([0.6, 0.0, 0.8]))
+    drawing.body("head", 2.0, 0.5 * (hinge + top), 0.2)
+    drawing.loop("T", "spherical", "head", "frame", top)
+    return drawing.urdf("C")
+
+
+def test_a_hinge_that_rests_rubs_in_no_run():
+    """Near the locks of the strut the fastest pins have no bounds, and what rounding leaves of the hinge's speed has none either."""
+    press = texts.load(swinging_strut())
+    assert any(press.branch.locks)
+    friction = {name: Friction(0.03, 0.02) for name in press.bearings}
+    run = pp.simulate(press, 0.1, speed=0.5, friction=friction, points=21)
+    torque = pp.inverse_dynamics(press, run, friction=friction).driving_torque
+    assert np.abs(torque).max() < 1e-8
