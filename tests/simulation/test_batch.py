@@ -783,6 +783,19 @@ def test_a_batch_without_arrays_is_one_scenario(press):
     same(runs, 0, pp.simulate(press, 0.3, points=31, **blanked(press)))
 
 
+@pytest.mark.parametrize("count", [2, 3])
+def test_one_of_several_dies_is_resolved_alone(textbook, count):
+    """Contacts are lost in one scenario alone, whose panels are cut while the others are settled."""
+    height, masses = 0.006, sum(body.mass for body in textbook.model.inertias)
+    energy = 0.5 * 5 * masses * 0.2**2 * 10.0**2
+    speeds, stiffness = 10.0 * np.linspace(0.9, 1.1, count), 10 * 0.6 * energy / height**2 * np.linspace(0.3, 1.0, count)
+    wheel = pp.drives.Flywheel(5 * masses * 0.2**2)
+    runs = pp.simulate_batch(textbook, 1.0, speed=speeds, flywheel=wheel, loads=[pp.loads.ElasticDie(height, stiffness)])
+    for place, (speed, hard) in enumerate(zip(speeds, stiffness, strict=True)):
+        own = pp.simulate(textbook, 1.0, speed=float(speed), flywheel=wheel, loads=[pp.loads.ElasticDie(height, float(hard))])
+        assert runs.crank_angle[-1, place] == pytest.approx(own.crank_angle[-1], abs=BOUND)
+
+
 # ---------------------------------------------------------------------------------------------------------------------- energy audit
 
 
