@@ -235,7 +235,7 @@ def law(gain: float) -> Case:
         f"speed wanted less torque by gain, the time by quadrature, {ALLOWED:.0e} rad",
         lambda method: run(method, drive=SpeedLaw(gain, SPEED)),
         ends_at(expected),
-        ("auto", "implicit", "constraint") if gain < 1e10 else ("auto", "implicit"),
+        ("auto", "implicit", "constraint"),
         lambda method: run(method, drive=SpeedLaw(1e3, SPEED)),
     )
 
@@ -268,7 +268,7 @@ def servo(stiffness: float) -> Case:
         f"behind its program by torque / stiffness, {ALLOWED:.0e} rad",
         lambda method: run(method, 0.0, drive=motor, points=121),
         judge,
-        ("auto", "constraint") if stiffness < 1e11 else ("auto",),
+        ("auto", "constraint"),
         lambda method: run(method, 0.0, drive=ServoMotor(motor.times, motor.angles, 1e3, 1e2, 1e15)),
     )
 
