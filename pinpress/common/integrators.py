@@ -29,7 +29,7 @@ ASIDE = (-7e-14, 3e-14)  # relative changes of a state that show how the rates a
 CLEAR, LONGER = 1e4, 1e3  # ratio of the change of a rate to its rounding that gives a slope, and by which changes grow until they do
 EXACT = 1e-15  # rates that are known to this share of themselves are not rounded by forces
 ROUNDINGS = 10.0  # multiple of the rounding that stiff forces pass on: no step is shortened for less
-SLOWEST = 0.9  # largest ratio of a correction to the one before with which Newton's method goes on
+SLOWEST = 0.9  # ratio of a correction to the one before above which it does not become smaller
 SAFETY = 0.9  # share of the step that would just meet the tolerance
 LEAST_CHANGE, MOST_CHANGE = 0.1, 8.0  # factors by which a step may differ from the one before
 FAILED, MOST_KEPT = 0.25, 0.7  # smallest and largest factor by which a step is shortened where Newton's method does not converge
@@ -177,7 +177,7 @@ class RadauIIA(OdeSolver):  # type: ignore[misc]
         self.before: tuple[float, Array] | None = None  # length of the last step, and changes of its stages (s, m)
         self.error_before: tuple[float, float] | None = None  # length and error of the last step
         self.noise = np.zeros(len(y0))
-        self.pace = 0.0  # largest ratio of a correction to the one before, in the last step that was tried
+        self.pace = 0.0  # mean ratio of the last two corrections to those before, in the last step that was tried; 0: too few
         self.stage_rates = np.empty((STAGES, len(y0)))
 
     def _first_step(self, span: float) -> float:

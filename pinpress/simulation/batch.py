@@ -384,24 +384,22 @@ class BatchSolver:
             unfit = stopping_panels(solution)
             wild = unsettled_panels(solution, unfit, going & ~self.alone)
             if tolerance >= FINE and len(wild):  # on narrower panels Newton's method gets past a corner
-                middles = 0.5 * (mesh.borders[wild] + mesh.borders[wild + 1])
-                mesh = build_mesh(driven, self.anchor, self.direction, np.sort(np.concatenate([mesh.borders, middles])))
-                guess, beside = interpolate_onto(solution, mesh), None
-                continue
-            if tolerance < FINE and driven.drive is not None:
-                unfit |= passed_corners(solution, driven.drive)
-            # what follows the end of the run does not matter
-            self.alone |= going & (unfit & (passed[:-1] < until)).any(axis=0)
-            which = np.flatnonzero(going & ~self.alone)
-            if not len(which):
-                return solution, passed
-            upto = int((passed[:-1, which] < until).any(axis=1).sum())
-            coarse = cuts(solution, upto, tolerance, driven.drive, slice(None) if len(which) == len(going) else which)
-            if not len(coarse):
-                return solution, passed
-            if (len(mesh.kinds) + len(coarse) - len(driven.model.borders)) * len(going) > MOST_PANELS:
+                places = 0.5 * (mesh.borders[wild] + mesh.borders[wild + 1])
+            else:
+                if tolerance < FINE and driven.drive is not None:
+                    unfit |= passed_corners(solution, driven.drive)
+                # what follows the end of the run does not matter
+                self.alone |= going & (unfit & (passed[:-1] < until)).any(axis=0)
+                which = np.flatnonzero(going & ~self.alone)
+                if not len(which):
+                    return solution, passed
+                upto = int((passed[:-1, which] < until).any(axis=1).sum())
+                places = cuts(solution, upto, tolerance, driven.drive, slice(None) if len(which) == len(going) else which)
+                if not len(places):
+                    return solution, passed
+            if (len(mesh.kinds) + len(places) - len(driven.model.borders)) * len(going) > MOST_PANELS:
                 break
-            mesh = build_mesh(driven, self.anchor, self.direction, np.sort(np.concatenate([mesh.borders, coarse])))
+            mesh = build_mesh(driven, self.anchor, self.direction, np.sort(np.concatenate([mesh.borders, places])))
             guess, beside = interpolate_onto(solution, mesh), None
         self.alone |= going
         return solution, passed

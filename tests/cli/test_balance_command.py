@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.in_browser import data_in
+from support.refused_commands import one_line
 from support.texts import shipped
 
 import pinpress as pp
@@ -32,13 +33,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
 
 
 def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
-    """The one line on stderr of a command that is refused."""
-    assert main(["balance", *map(str, arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("pinpress: ")
-    assert err.count("\n") == 1
-    return err
+    return one_line(capsys, "balance", *arguments)
 
 
 def six_bar(*speeds: float, points: int = 120) -> pp.balancing.BalancedPress:

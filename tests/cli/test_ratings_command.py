@@ -4,6 +4,7 @@ import importlib.util
 from pathlib import Path
 
 import pytest
+from support.refused_commands import one_line
 from support.texts import shipped
 
 import pinpress as pp
@@ -27,11 +28,7 @@ def printed(capsys, *arguments):
 
 
 def refused(capsys, *arguments):
-    assert main(["ratings", *map(str, arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("pinpress: ")
-    return err
+    return one_line(capsys, "ratings", *arguments)
 
 
 def test_it_prints_the_ratings_and_writes_nothing(capsys, monkeypatch, tmp_path):

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.in_browser import data_in
+from support.refused_commands import one_line
 from support.texts import shipped
 
 import pinpress as pp
@@ -29,12 +30,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
 
 
 def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
-    """The one line on stderr of a command that is refused."""
-    assert main(["servo", *map(str, arguments)]) == 2
-    err = capsys.readouterr().err
-    assert err.startswith("pinpress: ")
-    assert err.count("\n") == 1
-    return err
+    return one_line(capsys, "servo", *arguments)
 
 
 def best(**more: Any) -> pp.servo.MotionOptimum:

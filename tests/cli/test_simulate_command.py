@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from support import texts
 from support.generators.period_presses import of_two_motors
+from support.refused_commands import one_line
 
 import pinpress as pp
 from pinpress.cli import main, simulate
@@ -49,13 +50,7 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
 
 
 def refused(capsys: pytest.CaptureFixture[str], *arguments: object) -> str:
-    """The one line on stderr of a command that is refused."""
-    assert main.main(["simulate", *map(str, arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("pinpress: ")
-    assert err.count("\n") == 1
-    return err
+    return one_line(capsys, "simulate", *arguments)
 
 
 PREFIXES = {"k": 1e3, "M": 1e6}

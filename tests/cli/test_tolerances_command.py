@@ -3,6 +3,7 @@
 import importlib.util
 
 import pytest
+from support.refused_commands import one_line
 from support.texts import shipped
 
 import pinpress as pp
@@ -25,11 +26,7 @@ def printed(capsys, *arguments):
 
 
 def refused(capsys, *arguments):
-    assert main(["tolerances", *map(str, arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("pinpress: ")
-    return err
+    return one_line(capsys, "tolerances", *arguments)
 
 
 def test_it_prints_what_the_library_gives(capsys, asked, tmp_path):

@@ -32,6 +32,7 @@ from support.generators.malformed_linkages import (
 )
 from support.generators.malformed_urdf import INERTIAL
 from support.generators.spatial_linkages import bennett, four_bar
+from support.refused_commands import refused
 
 import pinpress as pp
 from pinpress.cli.main import main
@@ -529,14 +530,7 @@ def test_warnings_are_no_failure(tmp_path, capsys):
     "arguments", [[], ["none.urdf"], ["zxn2"], ["zxn2_3000b", "--driver", "Q"], ["zxn2_3000b", "--slide", "rod"], ["zxn2_3000b", "--fast"]]
 )
 def test_wrong_usage(arguments, capsys):
-    try:
-        code: object = main(["check", *arguments])
-    except SystemExit as end:  # argparse's
-        code = end.code
-    assert code == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err
+    refused(capsys, "check", *arguments)
 
 
 def test_wrong_usage_is_the_status_of_the_process():

@@ -271,6 +271,19 @@ def test_with_fine_tolerances_those_that_pass_a_corner_run_alone_at_once(monkeyp
     assert len(rounds) < batch.MOST_CUTS
 
 
+def test_scenarios_that_need_too_many_panels_run_alone(monkeypatch):
+    """Whether panels are cut because they do not resolve, or because Newton's method has not settled on them: it takes memory for all."""
+    driven = driven_press(texts.shipped("crank_slide"), STRONG, pp.drives.Flywheel(np.array([40.0, 56.0])), [], None, None)
+    solver = BatchSolver(driven, 0.0, np.array([6.0, 6.0]), np.array([0.0, 1.5]))
+    solutions, solve = [], collocation.solve
+    monkeypatch.setattr(batch, "MOST_PANELS", -1)
+    monkeypatch.setattr(collocation, "solve", lambda *given, **named: solutions.append(solve(*given, **named)) or solutions[-1])
+    solver.run(1e-9)
+    assert solver.alone.all()
+    assert len(solutions) == 1
+    assert (solutions[0].settled < len(solutions[0].mesh.kinds)).any()
+
+
 @pytest.mark.usefixtures("none_alone")
 def test_more_than_fit_at_once(press):
     """130 scenarios, three arrays of panels: each sixteenth is compared, and their order is kept."""

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.refused_commands import refused
 from support.texts import shipped
 
 import pinpress as pp
@@ -62,12 +63,4 @@ def test_one_stroke_of_a_press_as_described(capsys, tmp_path):
     ],
 )
 def test_wrong_words(capsys, words, said):
-    code: str | int | None
-    try:
-        code = main(["force", *COLUMNS, "zxn2_3000b", str(RECORDS / "stroke.csv"), *words])
-    except SystemExit as end:
-        code = end.code
-    out, err = capsys.readouterr()
-    assert code == 2
-    assert said in err
-    assert out == ""
+    assert said in refused(capsys, "force", *COLUMNS, "zxn2_3000b", str(RECORDS / "stroke.csv"), *words)

@@ -8,6 +8,7 @@ from support import texts
 from support.generators.period_presses import of_two_motors
 from support.in_browser import data_in
 from support.presses.two_servos import TWO_SERVOS
+from support.refused_commands import refused
 
 import pinpress as pp
 from pinpress.cli.main import main
@@ -35,11 +36,6 @@ MOTION = ["press.yaml", "--motion", "motion.csv", "--period", "1"]
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     assert main(list(arguments)) == 0
     return capsys.readouterr().out
-
-
-def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    assert main(list(arguments)) == 2
-    return capsys.readouterr().err
 
 
 def test_build(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
