@@ -76,7 +76,10 @@ def test_the_smallest_motor_of_a_catalogue(capsys: pytest.CaptureFixture[str]) -
     catalogue = ["--motors", ROOT / "docs/servo_motors.csv", "--ratios", "60,80", "--gear-inertia", 50, "--points", 120]
     out = printed(capsys, *TASK, *SLIDE, *catalogue)
     assert out.startswith("MotorChoice for zxn2_3000b: example 800, ratio 60, ")
-    assert "none of the motors suffices" in refused(capsys, *TASK, *SLIDE, *catalogue[:2], "--ratios", 200)
+    assert main(["servo", *map(str, [*TASK, *SLIDE, *catalogue[:2], "--ratios", 200])]) == 2
+    table, said = capsys.readouterr()
+    assert "too warm" in table
+    assert "none of the motors suffices" in said
 
 
 def test_every_kind_of_path_and_limit_makes_its_part() -> None:
