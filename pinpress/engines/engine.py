@@ -33,12 +33,10 @@ class Jacobian(NamedTuple):
     Attributes:
         rows: (rows, n) of `planar.model.Plane.closure`: gaps of the loops, then columns of their Jacobian.
         factors: what `planar.kinematics.factored` made of them.
-        answers: at most one `planar.inverse_dynamics.ForcesBySpeed` of these configurations.
     """
 
     rows: ComplexArray
     factors: Sequence[Any]
-    answers: list[Any]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -242,12 +242,10 @@ class ChainClosure:
         chain: the chain.
         branch: the branch.
         angle: (n,) crank angles [rad or m].
-        answers: at most one `inverse_dynamics.ForcesBySpeed` of these angles.
     """
 
     def __init__(self, chain: Chain, branch: Branch, angle: Array) -> None:
         self.chain, self.branch, self.angle = chain, branch, angle
-        self.answers: list[Any] = []
 
     @cached_property
     def _whole(self) -> Closed:

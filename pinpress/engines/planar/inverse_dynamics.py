@@ -14,13 +14,13 @@ derivative of the basis. A link's moment of inertia J adds J u'' for its rotor u
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...common.quantities import Array, ComplexArray
 from ..engine import LOOSEST, ClosedStates, other_linkage
-from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, SomeVectors, Wrenches
+from ..forces import AppliedConditions, AppliedForce, BearingLoads, FrictionLaw, Wrenches
 from ..joints import product
 from . import out_of_plane, statics
 from .bodies import Bodies, OpenTree, forces_of_joints, forces_of_tree, work_of_tree
@@ -30,9 +30,7 @@ from .kinematics import basis_acceleration, basis_at, gaps, known_basis, known_j
 from .model import Plane, put_in_plane, put_normal, to_complex
 from .tree import turning_efforts
 
-FEW = 2  # speeds up to which working out `ForcesBySpeed.parts` would take longer
 OnChain = Callable[[Chain], ChainBodies]
-FAST = 1e6  # speed of the driver at which weights hardly count beside inertia forces [rad/s or m/s]
 
 
 def inverse_dynamics(
@@ -53,25 +51,11 @@ def inverse_dynamics(
         and conditions.law is None
         and (conditions.compliance is None or (not bodies.plane.redundant and not out_of_plane.is_loaded(bodies, conditions.loads)))
     ):
-        return _on_chain(on_chain(states.closure.chain), states, conditions, wanted)
-    return _at_constant_speed(bodies, states, conditions, wanted) or _computed(bodies, states, conditions, wanted)
+        return chain_forces(on_chain(states.closure.chain), states, conditions.loads, wanted, conditions.with_gear_torques)
+    return _by_blocks(bodies, states, conditions, wanted)
 
 
-def _on_chain(fixed: ChainBodies, states: ChainStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
-    """`inverse_dynamics` of a chain of dyads."""
-    speed, loads = states.speed, conditions.loads
-    if not loads and isinstance(speed, float) and not isinstance(states.acceleration, np.ndarray):
-
-        def at(other: float) -> Wrenches:
-            return chain_forces(fixed, ChainStates(states.closure, other, 0.0), (), wanted, conditions.with_gear_torques)
-
-        kept = _by_speed(states.closure.answers, fixed.bodies, wanted, conditions, speed, at)
-        if kept is not None:
-            return kept
-    return chain_forces(fixed, states, loads, wanted, conditions.with_gear_torques)
-
-
-def _computed(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
+def _by_blocks(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches:
     """`inverse_dynamics`, in pieces, from the states alone."""
     plane, law, n = bodies.plane, conditions.law, states.v.shape[1]
     result = Wrenches.zeros(1, len(plane.offsets), len(plane.parents) + len(plane.loop_heights), n, len(wanted))
@@ -88,82 +72,6 @@ def _computed(bodies: Bodies, states: ClosedStates, conditions: AppliedCondition
         else:
             _fill_with_all_bearings(bodies, piece, acting, friction, wanted, filled)
     return result
-
-
-class ForcesBySpeed(NamedTuple):
-    """Wrenches at kept configurations by a constant speed of the driver, without loads and friction: sweeps and ratings ask for the same
-    angles at many speeds.
-
-    Attributes:
-        bodies: inertial constants of the linkage.
-        wanted: the bearings.
-        with_gear_torques: as in `AppliedConditions`.
-        computed: the first speeds that were asked for. Their wrenches are always computed from the states: the same question has the same
-            answer.
-        parts: the wrenches of inertia forces at the driver's speed 1, and those at rest; None until further speeds are asked for.
-    """
-
-    bodies: Bodies
-    wanted: Sequence[int]
-    with_gear_torques: bool
-    computed: tuple[float, ...]
-    parts: tuple[Wrenches, Wrenches] | None = None
-
-
-def _at_constant_speed(bodies: Bodies, states: ClosedStates, conditions: AppliedConditions, wanted: Sequence[int]) -> Wrenches | None:
-    """`inverse_dynamics` from the wrenches that are kept by speed; None where they do not serve."""
-    if states.jacobian is None or conditions.loads or conditions.law is not None or conditions.compliance is not None:
-        return None
-    speeds = states.v[bodies.plane.driver]
-    speed = float(speeds[0])
-    if states.a[bodies.plane.driver].any() or (speeds != speed).any():
-        return None
-
-    def at(other: float) -> Wrenches:
-        by = other / speed
-        return _computed(bodies, states.with_rates(states.v * by, states.a * (by * by)), conditions, wanted)
-
-    return _by_speed(states.jacobian.answers, bodies, wanted, conditions, speed, at)
-
-
-def _by_speed(
-    answers: list[Any],
-    bodies: Bodies,
-    wanted: Sequence[int],
-    conditions: AppliedConditions,
-    speed: float,
-    at: Callable[[float], Wrenches],
-) -> Wrenches | None:
-    """The wrenches at a constant speed from those that are kept in ``answers``, see `ForcesBySpeed`; None where they do not serve.
-    ``at``: works out the wrenches at a speed."""
-    known, with_gear_torques = answers[0] if answers else None, conditions.with_gear_torques
-    if known is None or known.bodies is not bodies or known.wanted != wanted or known.with_gear_torques != with_gear_torques:
-        answers[:] = [ForcesBySpeed(bodies, wanted, with_gear_torques, (speed,))]
-        return None
-    if not speed or speed in known.computed:
-        return None
-    if known.parts is None and len(known.computed) < FEW:
-        answers[:] = [known._replace(computed=(*known.computed, speed))]
-        return None
-    inertia, weight = known.parts or _parts_by_speed(at)
-    answers[:] = [known._replace(parts=(inertia, weight))]
-    square = speed * speed
-    torque, coupling, force = (square * getattr(inertia, name) + getattr(weight, name) for name in ("torque", "coupling", "force"))
-    if isinstance(weight.moment, SomeVectors):
-        moment: Any = SomeVectors(square * inertia.moment.some + weight.moment.some, weight.moment.places)
-    else:
-        moment = square * inertia.moment + weight.moment
-    return Wrenches(torque, coupling, weight.friction, force, moment)
-
-
-def _parts_by_speed(at: Callable[[float], Wrenches]) -> tuple[Wrenches, Wrenches]:
-    """`ForcesBySpeed.parts`, from the wrenches at rest and at a speed at which weights hardly count."""
-    weight, inertia = at(0.0), at(FAST)
-    moments = [pair for pair in zip(inertia.moment, weight.moment, strict=True) if pair[0].flags.writeable]
-    for by, rest in (*((getattr(inertia, name), getattr(weight, name)) for name in ("torque", "coupling", "force")), *moments):
-        by -= rest
-        by /= FAST**2
-    return inertia, weight
 
 
 def _bearing_speeds(plane: Plane, rates: Array) -> Array:
@@ -308,7 +216,7 @@ def _turning(
 
 def _statics(bodies: Bodies, states: ClosedStates, open_tree: OpenTree, compliance: Array | None) -> statics.Statics:
     """The equations of loops and gear pairs; ``compliance`` as in `AppliedConditions`."""
-    plane, basis, (rows, factors, _) = bodies.plane, known_basis(states), known_jacobian(bodies.plane, states)
+    plane, basis, (rows, factors) = bodies.plane, known_basis(states), known_jacobian(bodies.plane, states)
     return statics.build(plane, rows, factors, open_tree.subtree_force, bodies.minus_incidence, basis, compliance)
 
 
@@ -391,7 +299,7 @@ def _fill_with_some_bearings(
     second = basis_acceleration(plane, basis, states.v, states.a)
     second[0] = 1.0
     joint_efforts = _efforts(bodies, basis, work_of_tree(bodies, second), loads)
-    rows, factors, _ = known_jacobian(plane, states)
+    rows, factors = known_jacobian(plane, states)
     pins = np.empty((len(plane.loop_heights), basis.shape[1]), complex)
     statics.transmit(plane, rows, factors, joint_efforts, pins, result.coupling)
     result.torque[0] = joint_efforts[plane.driver]

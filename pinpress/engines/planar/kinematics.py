@@ -57,7 +57,7 @@ def close(plane: Plane, angle: Array, guess: Array, with_margins: bool = False) 
             solve(plane, rows, factored(plane, rows), [*gaps, *slips], step)
             x += step
             steps += 1
-        jacobian = Jacobian(rows, factored(plane, rows), [])
+        jacobian = Jacobian(rows, factored(plane, rows))
         first, second = _influence(plane, basis, jacobian)
         margins = _margins(plane, rows) if with_margins else None
     return Closure(x, first, second, gap, worst, steps, margins, basis, jacobian)
@@ -72,12 +72,12 @@ def influence(plane: Plane, basis: ComplexArray) -> tuple[Array, Array]:
 def jacobian_at(plane: Plane, basis: ComplexArray) -> Jacobian:
     """The loop equations at configurations with this ``basis`` (nb, n)."""
     rows = product(plane.closure, basis)
-    return Jacobian(rows, factored(plane, rows), [])
+    return Jacobian(rows, factored(plane, rows))
 
 
 def _influence(plane: Plane, basis: ComplexArray, jacobian: Jacobian) -> tuple[Array, Array]:
     """Influence coefficients, given the loop equations at these configurations."""
-    rows, factors, _ = jacobian
+    rows, factors = jacobian
     first, second = np.empty((2, len(plane.parents), basis.shape[1]))
     drive(plane, rows, factors, first)
     opened = _opened_by_turning(plane, basis, first)

@@ -4,7 +4,7 @@ shipped press, of scenes with springs and friction, and of linkages in space.
 Run `python tests/benchmarks/mechanics/inverse_dynamics.py`; `--quick` for a fifth of the repeats. pytest does not collect this file.
 Every contestant starts from crank angles and the loaded press and ends with the driving torque and the force of every pin and
 guide as arrays. A press keeps its closures of the last few grids of crank angles: "new angles" takes another number of angles in each call,
-so that none are found, "other speed" the same angles at another speed, whose forces are scaled from those that are kept. Contestants take
+so that none are found, "other speed" the same angles at another speed, whose closures are found. Contestants take
 turns within each repeat, so that whatever else the machine does meets all of them.
 """
 
