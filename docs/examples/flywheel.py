@@ -1,8 +1,9 @@
 """How large must the flywheel be?
 
 The stroke that repeats under motor and load is found directly for flywheels of many sizes. A motor is overheated
-where its utilisation is above 1; the smallest flywheel that keeps it below is the answer, with the drop of speed that
-it leaves.
+where its utilisation, rms by rated torque, is above 1; the smallest flywheel that keeps it below is the least one,
+with the drop of speed that it leaves. It has no reserve: starts, friction and losses other than those of torque come
+on top.
 """
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,9 @@
 """How much higher may I go in speed?
 
 At a given crank angle every force of the idle press is A w² + c, so the speed at which a bearing reaches its capacity
-is a root, not a search. Each limit is computed by itself.
+is a root, not a search. Each limit is computed by itself, with an assumed capacity. A faster press also takes longer
+to stop, and its flywheel, clutch and brake have limits of their own, which are left out here: ask the maker before
+you speed it up.
 """
 
 import matplotlib.pyplot as plt

@@ -175,7 +175,7 @@ def permissible_breakthrough(
     are (n,) arrays, for example over the height, or single numbers.
 
     Args:
-        reverse_force: permitted reverse load; builders often name 10 to 20 % of the nominal force [N].
+        reverse_force: permitted reverse load, as the maker of the press states it; often 10 % of the nominal force [N].
         stiffness: stiffness of the press, 1 / `SlideCompliance.compliance` [N/m].
         mass: `SlideCompliance.effective_mass` and the mass of the upper die together [kg].
         damping_ratio: as for `snap_through` [-].
