@@ -1,7 +1,6 @@
 """The command line: `pinpress`, or `python -m pinpress`."""
 
 import argparse
-import io
 import sys
 
 from ..common.command_end import ended
@@ -28,7 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _run(arguments: list[str] | None) -> int:
     options = _parser().parse_args(arguments)
-    if isinstance(sys.stdout, io.TextIOWrapper):
+    if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")  # names may have characters that the terminal's encoding lacks
     return int(options.run(options))
 

@@ -9,7 +9,8 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, redirect_stdout, suppress
+from typing import Any
 
 INTERRUPTED = 130  # exit code of a command that Ctrl-C ended, as in shells: 128 + the signal's number
 
@@ -17,25 +18,23 @@ INTERRUPTED = 130  # exit code of a command that Ctrl-C ended, as in shells: 128
 def ended(program: str, run: Callable[[], int]) -> int:
     """Run a command to its end, its output written out. Warnings of ours are lines on stderr.
 
-    Returns its exit code: 2 where the input is at fault or the output cannot be written, 0 where nobody reads the output any more, as with
-    ``| head``, 130 after Ctrl-C.
+    Returns its exit code: 2 where the input is at fault or the output cannot be written, 130 after Ctrl-C. A reader that closes the output,
+    as ``| head`` does, does not end the command: it still writes its files.
     """
     from .errors import PinpressError  # not at the top: Ctrl-C must be handled before anything else is imported
 
     if signal.getsignal(signal.SIGINT) is _end_at_once:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        try:
-            with _plain_warnings():
-                return run()
-        finally:
-            if sys.stdout is not None:
-                sys.stdout.flush()
+        with redirect_stdout(sys.stdout and _Output(sys.stdout)):
+            try:
+                with _plain_warnings():
+                    return run()
+            finally:
+                if sys.stdout is not None:
+                    sys.stdout.flush()
     except PinpressError as error:
         return _refused(program, " ".join(str(error).split()), 2)
-    except BrokenPipeError:
-        _silence()
-        return 0
     except KeyboardInterrupt:
         return _refused(program, "interrupted", INTERRUPTED)
     except OSError as error:
@@ -43,6 +42,35 @@ def ended(program: str, run: Callable[[], int]) -> int:
             raise
         _silence()
         return _refused(program, f"cannot write the output: {error.strerror or error}", 2)
+
+
+class _Output:
+    """Standard output that goes on without its reader: what nobody reads any more is discarded."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write a text, unless its reader has gone."""
+        with self._reader_may_go():
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Write out what is in the buffer, unless its reader has gone."""
+        with self._reader_may_go():
+            self._stream.flush()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    @staticmethod
+    @contextmanager
+    def _reader_may_go() -> Iterator[None]:
+        try:
+            yield
+        except BrokenPipeError:
+            _silence()
 
 
 @contextmanager

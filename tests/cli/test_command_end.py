@@ -47,6 +47,19 @@ def test_output_that_nobody_reads(unbuffered):
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_files_are_written_for_nobody_too(tmp_path, unbuffered):
+    """`pinpress analyse ... --out out | head -1`: the files are still wanted."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    arguments = ["analyse", "crank_slide", "--speed", "60", "--points", "24", "--out", "out"]
+    ended = run("module", *arguments, stdout=writer, env={"PYTHONUNBUFFERED": unbuffered}, cwd=tmp_path)
+    os.close(writer)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {"cycle.csv", "recording.html"}
+
+
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("command", "module"),
