@@ -8,7 +8,7 @@ import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from io import FileIO
+from io import BytesIO, FileIO
 from pathlib import Path
 
 from .errors import PinpressError, shown, suggestion
@@ -196,6 +196,27 @@ def read(path: str | os.PathLike[str], most: int) -> bytes:
     if content is None or len(content) > most:
         raise OSError(errno.EFBIG, f"larger than {most / 1e6:g} MB")
     return content
+
+
+def uncompressed(path: str, content: bytes, most: int) -> bytes:
+    """The content of a file, which is compressed if its name ends in ``.gz`` or ``.bz2``; raises OSError if it is not whole, or has more
+    than ``most`` bytes."""
+    ending = path.lower().rpartition(".")[2]
+    if ending not in ("gz", "bz2"):
+        return content
+    import bz2  # to save start-up time
+    import gzip
+    import zlib
+
+    unpacked = gzip.GzipFile(fileobj=BytesIO(content)) if ending == "gz" else bz2.BZ2File(BytesIO(content))
+    try:
+        with unpacked:
+            found = unpacked.read(most + 1)
+    except (EOFError, zlib.error) as error:
+        raise OSError(errno.EINVAL, f"what is compressed in it is not whole: {error}") from error
+    if len(found) > most:
+        raise OSError(errno.EFBIG, f"uncompressed it is larger than {most / 1e6:g} MB")
+    return found
 
 
 def reason(error: OSError | ValueError) -> str:

@@ -58,14 +58,22 @@ def by_axis(name: str, unit: str, vector: Array) -> dict[str, Array]:
 
 
 def write_csv(path: str | os.PathLike[str], columns: Columns) -> None:
-    """Write columns with their names as header, numbers to full precision; what has no value is left empty.
+    """Write columns with their names as header, numbers to full precision; what has no value is left empty. A file whose name ends with
+    .gz is compressed.
 
     Raises:
         PinpressError: a number that is not finite, or the file cannot be written.
     """
     _refuse_not_finite(columns)
     lines = csv_lines(itertools.chain([columns], zip(*map(_values, columns.values()), strict=True)))
-    files.write(path, "".join(f"{line}\n" for line in lines).encode())
+    content = "".join(f"{line}\n" for line in lines).encode()
+    with files.refused(path):
+        compressed = os.fspath(path).lower().endswith(".gz")
+    if compressed:
+        import gzip  # to save start-up time
+
+        content = gzip.compress(content, mtime=0)  # no time: equal tables make equal files
+    files.write(path, content)
 
 
 def csv_lines(rows: Iterable[Iterable[object]]) -> list[str]:

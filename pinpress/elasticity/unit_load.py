@@ -87,6 +87,19 @@ class SlideCompliance(OfPress, Tabular):
         """
         return np.asarray(read_only(_moving_mass(self._held) / self.compliance**2))
 
+    def largest_parts(self, most: int) -> list[tuple[str, Array]]:
+        """Names and compliances (n,) of up to ``most`` parts [m/N], and of all others together as "others".
+
+        The part with the largest share of the compliance at any crank angle comes first. What never reaches 0.5 % of the largest
+        compliance is left out.
+        """
+        shares = {name: float((part / self.compliance).max()) for name, part in self.parts.items()}
+        visible = 5e-3 * float(self.compliance.max())  # thinner than a line in a chart
+        ranked = sorted(self.parts.items(), key=lambda item: -round(shares[item[0]], 9))  # equal ones differ by rounding
+        named = [(name, part) for name, part in ranked if part.max() >= visible][:most]
+        rest = self.compliance - np.sum([part for _, part in named], axis=0)
+        return [*named, ("others", np.maximum(rest, 0.0))] if rest.max() >= visible else named
+
     @property
     def _pictured(self) -> tuple[str, ...]:
         return "{} [{}]".format(*self.coordinate.heads[0]), "compliance [m/N]"

@@ -69,7 +69,7 @@ class Channels(NamedTuple):
 
 
 def read(file: str | os.PathLike[str], wanted: Iterable[str]) -> Channels:
-    """The columns of a file by its ending: .csv and .txt, .parquet, .mat, .mf4.
+    """The columns of a file by its ending: .csv and .txt, .parquet, .mat, .mf4; with .gz after it, it is compressed.
 
     Args:
         file: its path.
@@ -80,11 +80,11 @@ def read(file: str | os.PathLike[str], wanted: Iterable[str]) -> Channels:
     """
     path = files.path_of("file", file)
     readers = {".csv": _csv, ".txt": _csv, ".parquet": _parquet, ".mat": _mat, ".mf4": _mdf}
-    ending = Path(path).suffix.lower()
+    ending = Path(path.removesuffix(".gz")).suffix.lower()
     if ending not in readers:
         raise PinpressError(f"{path} ends in {ending or 'nothing'}: columns are read from {', '.join(readers)}; export it as one of these")
     try:
-        content = files.read(path, LARGEST_FILE)
+        content = files.uncompressed(path, files.read(path, LARGEST_FILE), LARGEST_FILE)
     except (OSError, ValueError) as error:
         raise PinpressError(f"{path} cannot be read: {files.reason(error)}") from None
     return readers[ending](path, content, [parted(name)[0] for name in wanted])

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 HIGH = 7.0  # height of a chart [cm]
 ROOM = 0.28  # height for each name in the legend, above a curve of height 1
-SMALLEST = 5e-3  # parts that never reach this share of the largest compliance are drawn together
 
 
 @typed
@@ -59,13 +58,9 @@ def compliance(elasticity: SlideCompliance, *, ax: Axes | None = None) -> Figure
 
 
 def _largest_parts(elasticity: SlideCompliance) -> list[tuple[str, str, Array]]:
-    """Colours, names and compliances of as many parts as there are colours, the largest first, and of the others together."""
-    largest = float(elasticity.compliance.max())
-    parts = sorted(elasticity.parts.items(), key=lambda part: -round(float(part[1].mean()) / largest, 9))  # equal ones differ by rounding
-    seen = (each for each in parts if each[1].max() >= SMALLEST * largest)
-    shown = [(colour, name, part) for colour, (name, part) in zip(COLOURS, seen, strict=False)]
-    rest = elasticity.compliance - np.sum([part for _, _, part in shown], axis=0)
-    return [*shown, (GREY, "others", np.maximum(rest, 0.0))] if rest.max() >= SMALLEST * largest else shown
+    """Colours, names and compliances of as many parts as there are colours, the largest first, and of the others together in grey."""
+    parts = elasticity.largest_parts(len(COLOURS))
+    return [(GREY if name == "others" else colour, name, part) for colour, (name, part) in zip((*COLOURS, GREY), parts, strict=False)]
 
 
 @typed

@@ -111,6 +111,10 @@ def part_folder(path: Path, function: str, at_once: bool, division: Division) ->
     axes = {name: _listed_labels(labels) for name, labels in division.grid.axes.items()}
     description = {**fingerprint(division.grid, function), "axes": axes, "points_a_part": division.length, "at_once": at_once}
     file = path / DESCRIPTION
+    if path.suffix.lower() in (".sqlite", ".db", ".csv", ".mat"):
+        raise PinpressError(
+            f"{path} is the name of a file, but this sweep is written to a folder of Parquet files: give a name without {path.suffix}"
+        )
     with files.refused(path):
         there = sorted(each.name for each in path.iterdir()) if path.exists() else []
     if DESCRIPTION in there:

@@ -44,8 +44,10 @@ def test_a_motion_that_was_written_is_read_as_it_was(tmp_path: Path) -> None:
     swing = np.sin(2 * np.pi * time)
     motion = pp.servo_cycle(press, np.column_stack([2 * np.pi * time, 0.3 * swing]), time=time, period=1.0)
     motion.to_csv(tmp_path / "motion.csv")
+    motion.to_csv(tmp_path / "motion.csv.gz")
+    assert (tmp_path / "motion.csv.gz").read_bytes()[:2] == b"\x1f\x8b"  # gzip's own mark
     pp.inverse_dynamics(press, motion).to_csv(tmp_path / "cycle.csv")
-    for name in ("motion.csv", "cycle.csv"):
+    for name in ("motion.csv", "motion.csv.gz", "cycle.csv"):
         again = pp.read_motion(press, tmp_path / name)
         for each in ("crank_angle", "crank_speed", "crank_acceleration", "time"):
             np.testing.assert_array_equal(getattr(again, each), getattr(motion, each))

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support import texts
+from support.in_browser import data_in
 
 import pinpress as pp
 from pinpress.elasticity.breakthrough import snap_through
@@ -34,6 +35,20 @@ def test_rounding_does_not_choose_the_order(names):
     found = replace(found, parts=alike, bottom_shares=dict(zip(names, (0.5, 0.5 * (1 + 1e-13)), strict=True)))
     assert [line.split()[0] for line in str(found).splitlines()[1:]] == list(names)
     assert [text.get_text() for text in pp.plots.compliance(found).axes[0].get_legend().get_texts()] == list(names[::-1])  # from the top
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_plot_and_report_rank_the_parts_alike(tmp_path, seed):
+    """Stiffnesses over a decade: the plot's legend, from the top, and the report's curves have the parts in one order."""
+    rng = np.random.default_rng(seed)
+    stiffness = Stiffness({name: 10 ** rng.uniform(8.8, 9.8) for name in PRESS.bearings}, shaft=3e7)
+    found = compliance(PRESS, stiffness, angle=np.linspace(0.0, 6.0, 25))
+    legend = [text.get_text() for text in pp.plots.compliance(found).axes[0].get_legend().get_texts()][::-1]
+    pp.report(PRESS, pp.cycle(PRESS, speed=7.0, points=12), tmp_path / "report.html", results=[found])
+    (section,) = [each for each in data_in(tmp_path / "report.html")["report"]["sections"] if each["title"] == "Elastic press"]
+    (chart,) = [block for block in section["blocks"] if block.get("title", "").startswith("Compliance")]
+    reported = [curve["name"] for curve in chart["curves"] if curve["name"] != "others"]
+    assert legend[: len(reported)] == reported
 
 
 def test_curves():

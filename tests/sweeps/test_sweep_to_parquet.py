@@ -351,6 +351,7 @@ def test_long_axes_are_described_by_a_checksum(folder):
         ({"to": 5}, "to is 5"),
         ({"to": "/proc/none/here"}, "cannot write /proc/none/here: No such file"),
         ({"to": __file__}, "cannot write"),
+        ({"to": "runs.sqlite"}, "runs.sqlite is the name of a file, but this sweep is written to a folder"),
         ({"to": Path(__file__).parent}, "has other files in it, such as "),
         ({"executor": 4}, "executor is 4"),
         ({"in_flight": 0}, "in_flight is 0"),

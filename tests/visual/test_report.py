@@ -197,7 +197,7 @@ def test_table_of_extremes(page: Any, result: Any) -> None:
     assert shown(at) == pytest.approx(2 * torque.argmax(), abs=0.06)
     assert shown(rms) == pytest.approx(np.sqrt(np.mean(torque**2)), rel=1e-4)
     figures = page.inner_text(".figures")
-    assert "301.2 mm" in figures
+    assert "301.248 mm" in figures
     assert f"{np.abs(torque).max():.4g} kN m" in figures
 
 

@@ -18,6 +18,7 @@ import pinpress as pp
 from pinpress.cli.main import main
 from pinpress.cli.words import part_specs
 from pinpress.visual.reports.blocks import Line, covered
+from pinpress.visual.reports.results import MAKERS
 
 SPEED = 70 * pp.RPM
 LOAD = pp.loads.Blanking(1e6, 0.006, 0.002)
@@ -27,6 +28,10 @@ UNITS = {"N": 1.0, "kN": 1e3, "MN": 1e6, "N m": 1.0, "kN m": 1e3, "J": 1.0, "kJ"
 
 def numbers(packed: str) -> Any:
     return np.frombuffer(base64.b64decode(packed), "<f4").astype(float)
+
+
+def test_the_docstring_names_every_result_that_has_a_section() -> None:
+    assert [kind.__name__ for kind in MAKERS if f"`{kind.__name__}`" not in str(pp.report.__doc__)] == []
 
 
 def sections(path: Path) -> dict[str, Any]:

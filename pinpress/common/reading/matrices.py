@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import bz2
-import errno
-import gzip
 import io
 import warnings
-import zlib
 from typing import Any
 
 import numpy as np
@@ -166,23 +162,6 @@ def is_market(path: str) -> bool:
     return path.lower().endswith(MARKET)
 
 
-def _uncompressed(path: str, content: bytes) -> bytes:
-    """The content of a file, which is compressed where its name ends in ``.gz`` or ``.bz2``; raises OSError where it is not whole, or too
-    large."""
-    ending = path.lower().rpartition(".")[2]
-    if ending not in ("gz", "bz2"):
-        return content
-    unpacked = gzip.GzipFile(fileobj=io.BytesIO(content)) if ending == "gz" else bz2.BZ2File(io.BytesIO(content))
-    try:
-        with unpacked:
-            found = unpacked.read(MOST_BYTES + 1)
-    except (EOFError, zlib.error) as error:
-        raise OSError(errno.EINVAL, f"what is compressed in it is not whole: {error}") from error
-    if len(found) > MOST_BYTES:
-        raise OSError(errno.EFBIG, f"uncompressed it is larger than {MOST_BYTES / 1e6:g} MB")
-    return found
-
-
 def read_market(path: str) -> Any:
     """The matrix of a file in the Matrix Market format, dense or sparse, perhaps compressed by gzip or bzip2.
 
@@ -194,7 +173,7 @@ def read_market(path: str) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # of the kind of sparse matrix, which does not matter here
-            return mmread(io.BytesIO(_uncompressed(path, files.read(path, MOST_BYTES))))
+            return mmread(io.BytesIO(files.uncompressed(path, files.read(path, MOST_BYTES), MOST_BYTES)))
     except OSError as error:
         raise PinpressError(f"{path} cannot be read: {files.reason(error)}") from error
     except (ValueError, TypeError, IndexError, OverflowError) as error:

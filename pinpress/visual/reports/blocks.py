@@ -268,12 +268,9 @@ class Facts:
 
 
 def with_prefix(value: float, unit: str) -> str:
-    """A number with four digits and its unit with a prefix: "21.51 kN m"."""
-    if value == 0.0:
-        return f"0 {unit}"
-    power = min(max(3 * int(np.floor(np.log10(abs(value)) / 3)), -9), 9)
-    prefix = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}[power]
-    return f"{value / 10.0**power:.4g} {prefix}{unit}"
+    """A number with its unit, as texts write it: "21.510 kN m"."""
+    scale = tables.scale(unit, [value])
+    return f"{scale.shown(value)} {scale.unit}"
 
 
 def alike(values: Sequence[float]) -> list[str]:

@@ -19,7 +19,6 @@ from .shown import Shown, refuse_others
 
 MOST_PARTS = 6  # parts with a colour of their own; the others are drawn together
 MOST_ROWS = 16  # rows of the table of speeds
-SMALLEST = 5e-3  # parts that never reach this share of the largest compliance are drawn together
 
 
 def compliance(found: SlideCompliance, shown: Shown) -> Section:
@@ -27,14 +26,7 @@ def compliance(found: SlideCompliance, shown: Shown) -> Section:
     refuse_others("compliance", found._press, shown)
     order, first = np.argsort(found.crank_angle), found.coordinate
     along = first.scale * found.crank_angle[order]
-    largest = float(found.compliance.max())
-    shares = {name: float((part / found.compliance).max()) for name, part in found.parts.items()}
-    parts = sorted(found.parts.items(), key=lambda item: -round(shares[item[0]], 9))  # equal parts differ by rounding
-    named = [(name, part) for name, part in parts if part.max() >= SMALLEST * largest][:MOST_PARTS]
-    rest = found.compliance - np.sum([part for _, part in named], axis=0)
-    if rest.max() >= SMALLEST * largest:
-        named.append(("others", np.maximum(rest, 0.0)))
-    lines = [Line(name, 1e9 * part[order], along) for name, part in named]
+    lines = [Line(name, 1e9 * part[order], along) for name, part in found.largest_parts(MOST_PARTS)]
     across = f"{first.counted} [{first.shown_unit}]"
     at_bottom = sorted(found.bottom_shares.items(), key=lambda item: -round(item[1], 9))
     figures = [Figure("stiffness at bottom dead centre", f"{1e-6 * found.bottom_stiffness:.4g} kN/mm")]

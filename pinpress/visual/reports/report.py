@@ -57,12 +57,12 @@ def report(
         traces: As for `record`.
         before: Reactions of another press, or of this one at another operating point. They are drawn as dashed curves, and the table gives
             their ranges too.
-        results: Other results of the press, each of which adds a section: `PressRatings`, whose permissible force is drawn beside the
-            process force too; a `Run` of the press beside this motion; `BalancedPress` and `TradeOffCurve`; `SlideCompliance`,
-            `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `ElasticRun`, `ElasticModes`, `CampbellDiagram` and
-            `ElasticSpeedResponse`; `MountedPress`, `VibrationModes`, `FrameMotion`,
+        results: Other results of the press, each of which adds a section: `PressRatings`, whose permissible force is drawn next to the
+            process force too, and `MotionRatings`; a `Run` of the press next to this motion; `BalancedPress` and `TradeOffCurve`;
+            `SlideCompliance`, `DeflectedSlide`, `ElasticDeadCentre` and `SnapThroughResponse`; `ElasticRun`, `ElasticModes`,
+            `CampbellDiagram`, `ElasticSpeedResponse` and `ImpactsByTurn`; `MountedPress`, `VibrationModes`, `FrameMotion`,
             `SpeedResponse`, `WhirlDiagram`, `LiftingMotion` and `Isolation`;
-            `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`;
+            `MotionOptimum`, `MotionComparison`, `MotorChoice` and `EnergyStore`; `DeadCentreScatter`, `AllocatedTolerances`,
             `SlidePlay`, `DeadCentresInClearances`, `HeatShift`, `AccuracyBudget` and `SlideParallelism`.
         flywheel: As for `record`; by default those of a run, of the motion or among the results.
 
