@@ -185,8 +185,8 @@ def opened(path: Path, description: Mapping[str, Any] | None = None) -> Iterator
     """
     if path.is_dir():
         raise PinpressError(
-            f"{path} is a folder, not the file of a sweep. pandas.read_parquet reads the Parquet files of a large sweep; the call that wrote"
-            " them returns them again"
+            f"{path} is a folder, not the file of a sweep. pandas.read_parquet reads the Parquet files of a large sweep; the call that"
+            " wrote them returns them again"
         )
     if path.exists() and not path.is_file():
         raise PinpressError(f"{path} is no regular file: a sweep is kept in one of its own; give another name")
